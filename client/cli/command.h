@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/status.h"
+
+namespace enfilade::cli {
+
+// The options that come before the subcommand.
+struct Globals {
+  bool json = false;                            // print one JSON document for programs instead of text for people
+  bool quiet = false;                           // no progress bars
+  std::string server = "localhost:50051";       // host:port or unix:/path
+  double timeout_s = 30.0;                      // deadline of unary calls
+  std::string site = "default";
+};
+
+// Adds the subcommand `name` to `parent` and returns it, for options to be added. `run` is called when the command
+// line names it; its error is printed as "enfilade: message" and becomes the exit code (ExitCodeOf).
+CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::string& description,
+                     std::function<absl::Status()> run);
+
+// 0 OK, 2 INVALID_ARGUMENT (usage and input), 3 NOT_FOUND, 4 UNAVAILABLE and DEADLINE_EXCEEDED, 1 everything else.
+int ExitCodeOf(const absl::Status& status);
+
+// Thrown through CLI11's callbacks by AddCommand; caught in main.
+struct CommandFailed {
+  absl::Status status;
+};
+
+}  // namespace enfilade::cli

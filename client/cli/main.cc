@@ -1,0 +1,25 @@
+#include <iostream>
+
+#include "client/cli/command.h"
+
+int main(int argc, char** argv) {
+  using namespace enfilade::cli;
+  CLI::App app("Enfilade: one campus map for a fleet of robots.", "enfilade");
+  app.require_subcommand(1);
+  app.fallthrough();
+  Globals globals;
+  app.add_flag("--json", globals.json, "Print JSON for programs");
+  app.add_flag("-q,--quiet", globals.quiet, "No progress bars");
+  app.add_option("--server", globals.server, "The server: host:port or unix:/path")->envname("ENFILADE_SERVER")->capture_default_str();
+  app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
+  app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const CommandFailed& failed) {
+    std::cerr << "enfilade: " << failed.status.message() << '\n';
+    return ExitCodeOf(failed.status);
+  }
+  return 0;
+}

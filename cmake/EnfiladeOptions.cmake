@@ -1,0 +1,30 @@
+# Switches of the build; the presets in CMakePresets.json set them.
+option(ENFILADE_BUILD_TESTS "Build tests and benchmarks" ON)
+option(ENFILADE_WERROR "Treat warnings as errors" OFF)
+option(ENFILADE_COVERAGE "Instrument for line coverage (gcov)" OFF)
+set(ENFILADE_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize= (address,undefined or thread)")
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+if(ENFILADE_SANITIZE)
+  add_compile_options(-fsanitize=${ENFILADE_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${ENFILADE_SANITIZE})
+endif()
+if(ENFILADE_COVERAGE)
+  add_compile_options(--coverage -fprofile-update=atomic)
+  add_link_options(--coverage)
+endif()
+
+# Every target of ours links this; generated code does not.
+add_library(enfilade_warnings INTERFACE)
+target_compile_options(enfilade_warnings INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
+if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+  target_compile_options(enfilade_warnings INTERFACE -Wthread-safety)
+endif()
+if(ENFILADE_WERROR)
+  target_compile_options(enfilade_warnings INTERFACE -Werror)
+endif()

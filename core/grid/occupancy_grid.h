@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+
+namespace enfilade {
+
+// Where a raster lies. Cell (column 0, row 0) is at the lower left; its lower-left CORNER is the grid's origin, and
+// rows count upwards along the grid's y axis (ROS' nav_msgs/OccupancyGrid, Nav2's YAML `origin`).
+struct GridGeometry {
+  double resolution = 0.05;  // m, the side of a cell
+  Pose2 T_map_grid;          // the origin's pose in the map's frame
+  int width = 0;             // columns
+  int height = 0;            // rows
+
+  std::size_t cell_count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+  }
+  bool contains(int column, int row) const { return column >= 0 && column < width && row >= 0 && row < height; }
+
+  friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
+};
+
+// How likely each cell is occupied, in one byte: 0 = unknown, 1..255 = probability (value - 1) / 254.
+struct OccupancyGrid {
+  GridGeometry geometry;
+  std::vector<std::uint8_t> cells;  // row-major, geometry.cell_count()
+
+  friend bool operator==(const OccupancyGrid&, const OccupancyGrid&) = default;
+};
+
+constexpr std::uint8_t kUnknownCell = 0;
+
+// `probability` in [0, 1] as a known cell's value (1..255, rounded to the nearest).
+std::uint8_t CellFromProbability(double probability);
+// Of a known cell.
+double ProbabilityOfCell(std::uint8_t cell);
+
+}  // namespace enfilade

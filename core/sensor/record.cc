@@ -1,0 +1,69 @@
+#include "core/sensor/record.h"
+
+#include "core/base/error.h"
+
+namespace enfilade {
+namespace {
+
+constexpr std::size_t kMaxReasonBytes = 4096;
+
+absl::Status ValidateTime(TimeNs time) {
+  constexpr TimeNs kYear2200 = 7'258'118'400LL * kNsPerSecond;
+  if (time >= 0 && time < kYear2200) return absl::OkStatus();
+  return InvalidArgument("time is {} s since 1970: expected between 1970 and 2200", ToSeconds(time));
+}
+
+absl::Status ValidateBlob(const BlobRef& blob) {
+  if (blob.sha256.size() != 32) {
+    return InvalidArgument("content.sha256 has {} bytes: expected 32", blob.sha256.size());
+  }
+  if (blob.size < 1 || blob.size > kMaxBlobBytes) {
+    return InvalidArgument("content.size_bytes is {}: expected 1 to {}", blob.size, kMaxBlobBytes);
+  }
+  return absl::OkStatus();
+}
+
+struct PayloadCheck {
+  absl::Status operator()(const LaserScan& scan) const { return Validate(scan); }
+  absl::Status operator()(const Odometry& odometry) const {
+    if (IsFinite(odometry.T_odom_robot)) return absl::OkStatus();
+    return InvalidArgument("odometry.pose ({}, {}, {}) is not finite", odometry.T_odom_robot.x,
+                           odometry.T_odom_robot.y, odometry.T_odom_robot.yaw);
+  }
+  absl::Status operator()(const Image& image) const { return ValidateBlob(image.content); }
+  absl::Status operator()(const PointCloud& cloud) const { return ValidateBlob(cloud.content); }
+  absl::Status operator()(const Withheld& withheld) const {
+    if (withheld.reason.size() <= kMaxReasonBytes) return absl::OkStatus();
+    return InvalidArgument("withheld.reason has {} bytes, more than {}", withheld.reason.size(), kMaxReasonBytes);
+  }
+};
+
+}  // namespace
+
+RecordKind KindOf(const Record& record) { return static_cast<RecordKind>(record.payload.index() + 1); }
+
+TimeNs TimeOf(const Record& record) {
+  return std::visit(
+      [](const auto& payload) -> TimeNs {
+        if constexpr (requires { payload.time; }) {
+          return payload.time;
+        } else {
+          return 0;
+        }
+      },
+      record.payload);
+}
+
+const BlobRef* FindBlob(const Record& record) {
+  if (const auto* image = std::get_if<Image>(&record.payload)) return &image->content;
+  if (const auto* cloud = std::get_if<PointCloud>(&record.payload)) return &cloud->content;
+  return nullptr;
+}
+
+absl::Status Validate(const Record& record) {
+  if (record.sequence < 1) return InvalidArgument("sequence is {}: sequences start at 1", record.sequence);
+  if (absl::Status status = ValidateTime(TimeOf(record)); !status.ok()) return status;
+  return std::visit(PayloadCheck{}, record.payload);
+}
+
+}  // namespace enfilade

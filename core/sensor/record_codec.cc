@@ -1,0 +1,150 @@
+#include "core/sensor/record_codec.h"
+
+#include "core/base/binary.h"
+#include "core/base/error.h"
+
+namespace enfilade {
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+
+struct PayloadWriter {
+  BinaryWriter& writer;
+
+  void Put(const Pose2& pose) const {
+    writer.Put(pose.x);
+    writer.Put(pose.y);
+    writer.Put(pose.yaw);
+  }
+  void Put(const BlobRef& blob) const {
+    writer.PutString(blob.sha256);
+    writer.Put(blob.size);
+  }
+
+  void operator()(const LaserScan& scan) const {
+    writer.Put(scan.time);
+    writer.Put(scan.angle_min);
+    writer.Put(scan.angle_increment);
+    writer.Put(scan.time_increment);
+    writer.Put(scan.range_min);
+    writer.Put(scan.range_max);
+    Put(scan.T_robot_laser);
+    writer.PutVector(scan.ranges);
+  }
+  void operator()(const Odometry& odometry) const {
+    writer.Put(odometry.time);
+    Put(odometry.T_odom_robot);
+  }
+  void operator()(const Image& image) const {
+    writer.Put(image.time);
+    writer.Put(image.camera);
+    writer.Put(image.encoding);
+    Put(image.content);
+  }
+  void operator()(const PointCloud& cloud) const {
+    writer.Put(cloud.time);
+    writer.Put(cloud.encoding);
+    Put(cloud.content);
+  }
+  void operator()(const Withheld& withheld) const { writer.PutString(withheld.reason); }
+};
+
+Pose2 ReadPose(BinaryReader& reader) {
+  Pose2 pose;
+  pose.x = reader.Get<double>();
+  pose.y = reader.Get<double>();
+  pose.yaw = reader.Get<double>();
+  return pose;
+}
+
+BlobRef ReadBlob(BinaryReader& reader) {
+  BlobRef blob;
+  blob.sha256 = std::string(reader.GetString());
+  blob.size = reader.Get<std::int64_t>();
+  return blob;
+}
+
+LaserScan ReadLaserScan(BinaryReader& reader) {
+  LaserScan scan;
+  scan.time = reader.Get<TimeNs>();
+  scan.angle_min = reader.Get<double>();
+  scan.angle_increment = reader.Get<double>();
+  scan.time_increment = reader.Get<double>();
+  scan.range_min = reader.Get<float>();
+  scan.range_max = reader.Get<float>();
+  scan.T_robot_laser = ReadPose(reader);
+  scan.ranges = reader.GetVector<float>();
+  return scan;
+}
+
+Odometry ReadOdometry(BinaryReader& reader) {
+  Odometry odometry;
+  odometry.time = reader.Get<TimeNs>();
+  odometry.T_odom_robot = ReadPose(reader);
+  return odometry;
+}
+
+Image ReadImage(BinaryReader& reader) {
+  Image image;
+  image.time = reader.Get<TimeNs>();
+  image.camera = reader.Get<Camera>();
+  image.encoding = reader.Get<ImageEncoding>();
+  image.content = ReadBlob(reader);
+  return image;
+}
+
+PointCloud ReadPointCloud(BinaryReader& reader) {
+  PointCloud cloud;
+  cloud.time = reader.Get<TimeNs>();
+  cloud.encoding = reader.Get<CloudEncoding>();
+  cloud.content = ReadBlob(reader);
+  return cloud;
+}
+
+}  // namespace
+
+void AppendPayload(const Record& record, std::string& out) {
+  BinaryWriter writer(out);
+  writer.Put(kVersion);
+  std::visit(PayloadWriter{writer}, record.payload);
+}
+
+std::string EncodePayload(const Record& record) {
+  std::string bytes;
+  AppendPayload(record, bytes);
+  return bytes;
+}
+
+absl::StatusOr<Record> DecodePayload(std::int64_t sequence, RecordKind kind, std::string_view bytes) {
+  BinaryReader reader(bytes);
+  if (const auto version = reader.Get<std::uint8_t>(); version != kVersion) {
+    return DataLoss("record {}: payload version {} is unknown to this program", sequence, version);
+  }
+  Record record;
+  record.sequence = sequence;
+  switch (kind) {
+    case RecordKind::kLaserScan:
+      record.payload = ReadLaserScan(reader);
+      break;
+    case RecordKind::kOdometry:
+      record.payload = ReadOdometry(reader);
+      break;
+    case RecordKind::kImage:
+      record.payload = ReadImage(reader);
+      break;
+    case RecordKind::kPointCloud:
+      record.payload = ReadPointCloud(reader);
+      break;
+    case RecordKind::kWithheld:
+      record.payload = Withheld{std::string(reader.GetString())};
+      break;
+    default:
+      return DataLoss("record {}: kind {} is unknown to this program", sequence, static_cast<int>(kind));
+  }
+  if (!reader.at_end()) {
+    return DataLoss("record {}: payload of {} bytes is truncated or has trailing bytes", sequence, bytes.size());
+  }
+  return record;
+}
+
+}  // namespace enfilade

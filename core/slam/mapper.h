@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "core/grid/occupancy_grid.h"
+#include "core/sensor/scan_pairing.h"
+#include "core/slam/slam_map.h"
+#include "core/slam/slam_options.h"
+
+namespace enfilade {
+
+// What became of one scan.
+struct ScanReport {
+  bool used = false;        // it has a place in the trajectory
+  bool keyframe = false;
+  bool lost = false;        // the last good match is too long ago, or too little of the scan fits the map
+  double matched_share = 0.0;  // of the scan's hits, 0..1
+  std::string reason;       // why it was not used
+};
+
+// Makes one map out of one session's scans. The seam between the algorithm and its callers (the server's mapping
+// worker, the tool): they own the log, time, storage and leases; the mapper is pure. The same scans in the same order
+// with the same options give the same result, bit for bit, also when Checkpoint and Restore happen anywhere between.
+//
+// Not thread-safe: one mapper belongs to one worker. Movable.
+class Mapper {
+ public:
+  explicit Mapper(const SlamOptions& options);
+  ~Mapper();
+  Mapper(Mapper&&) noexcept;
+  Mapper& operator=(Mapper&&) noexcept;
+
+  // Goes on from `checkpoint`, taken just after the delta that made `stored` what it is. DATA_LOSS where the two do
+  // not fit together or the bytes are not a checkpoint's.
+  static absl::StatusOr<Mapper> Restore(const SlamOptions& options, const SlamMap& stored,
+                                        std::string_view checkpoint);
+
+  // A scan that cannot be used is no error: the report says so.
+  ScanReport AddScan(const PairedScan& scan);
+
+  // No more scans will come: the last submap is finished and the graph solved.
+  void Finish();
+
+  // What has changed since the last call, to be stored by the caller; empties the account.
+  SlamDelta TakeDelta();
+
+  // The state needed to go on, together with the stored rows; finished submaps are in the rows, not in here.
+  std::string Checkpoint() const;
+
+  // The map by the present estimate.
+  OccupancyGrid RenderGrid() const;
+
+ private:
+  class Impl;
+  explicit Mapper(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade

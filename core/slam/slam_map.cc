@@ -1,0 +1,27 @@
+#include "core/slam/slam_map.h"
+
+#include <utility>
+
+namespace enfilade {
+
+void SlamMap::Apply(SlamDelta delta) {
+  for (SlamNode& node : delta.nodes) nodes[node.id] = std::move(node);
+  for (SlamSubmap& submap : delta.submaps) {
+    SlamSubmap& stored = submaps[submap.id];
+    if (submap.content.empty()) submap.content = std::move(stored.content);
+    stored = std::move(submap);
+  }
+  for (SlamClosure& closure : delta.closures) closures[closure.id] = std::move(closure);
+  trajectory.insert(trajectory.end(), delta.trajectory.begin(), delta.trajectory.end());
+}
+
+std::vector<StampedPose> TrajectoryOf(const SlamMap& map) {
+  std::vector<StampedPose> poses;
+  poses.reserve(map.trajectory.size());
+  for (const TrajectoryPoint& point : map.trajectory) {
+    poses.push_back({point.time, map.nodes.at(point.node).T_map_node * point.T_node_robot});
+  }
+  return poses;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/time.h"
+#include "core/geometry/pose2.h"
+
+namespace enfilade {
+
+// What SLAM knows about one map, in the pieces in which it is stored: rows that are added once and whose poses move
+// when the pose graph is solved. Poses are in the map's frame (the frame of the first keyframe's robot pose).
+
+// A keyframe.
+struct SlamNode {
+  std::int64_t id = 0;        // 0, 1, 2, ... in order of time
+  std::int64_t sequence = 0;  // of the scan's record in the session's log
+  TimeNs time = 0;
+  Pose2 T_map_node;                                         // the robot's pose at the keyframe
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();     // of T_map_node, against the first node
+  std::int64_t submap = 0;                                  // the submap that it was matched in
+
+  friend bool operator==(const SlamNode&, const SlamNode&) = default;
+};
+
+struct SlamSubmap {
+  std::int64_t id = 0;  // 0, 1, 2, ...
+  std::int64_t version = 0;  // counts the changes of its content
+  Pose2 T_map_submap;
+  bool finished = false;
+  // The content (grid, keyframes' scans), compressed, in the submap's frame; set once, when the submap is finished.
+  std::string content;
+
+  friend bool operator==(const SlamSubmap&, const SlamSubmap&) = default;
+};
+
+enum class ClosureState : std::int16_t { kAccepted = 1, kRejected = 2, kSuspended = 3 };
+
+// A loop closure that was tried: `node` seen in `submap`.
+struct SlamClosure {
+  std::int64_t id = 0;
+  std::int64_t submap = 0;
+  std::int64_t node = 0;
+  Pose2 T_submap_node;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  ClosureState state = ClosureState::kRejected;
+  double score = 0.0;       // share of inlier beams at the finest level, 0..1
+  double chi2 = 0.0;        // of the edge after the last solve; 0 where it was not in the graph
+  std::string reason;       // in words, e.g. "inlier share 0.31 below 0.45 at 0.2 m"
+
+  friend bool operator==(const SlamClosure&, const SlamClosure&) = default;
+};
+
+// Where the robot was at one scan, keyframe or not: relative to a node, so that it follows when nodes move.
+struct TrajectoryPoint {
+  std::int64_t sequence = 0;
+  TimeNs time = 0;
+  std::int64_t node = 0;
+  Pose2 T_node_robot;
+
+  friend bool operator==(const TrajectoryPoint&, const TrajectoryPoint&) = default;
+};
+
+// Rows added or changed since the last account. A row stands for the whole row, not for a difference.
+struct SlamDelta {
+  std::vector<SlamNode> nodes;
+  std::vector<SlamSubmap> submaps;  // `content` empty where it has not changed
+  std::vector<SlamClosure> closures;
+  std::vector<TrajectoryPoint> trajectory;  // appended only
+
+  bool empty() const { return nodes.empty() && submaps.empty() && closures.empty() && trajectory.empty(); }
+};
+
+// The sum of all deltas: what storage gives back, and what the offline tool keeps.
+struct SlamMap {
+  std::map<std::int64_t, SlamNode> nodes;
+  std::map<std::int64_t, SlamSubmap> submaps;
+  std::map<std::int64_t, SlamClosure> closures;
+  std::vector<TrajectoryPoint> trajectory;
+
+  void Apply(SlamDelta delta);
+};
+
+struct StampedPose {
+  TimeNs time = 0;
+  Pose2 T_map_robot;
+};
+
+// Every scan's pose by the present estimate, in the order of time.
+std::vector<StampedPose> TrajectoryOf(const SlamMap& map);
+
+}  // namespace enfilade

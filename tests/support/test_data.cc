@@ -1,0 +1,40 @@
+#include "tests/support/test_data.h"
+
+#include <cstdlib>
+#include <stdexcept>
+#include <system_error>
+
+namespace enfilade::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path SourceDir() {
+  const char* dir = std::getenv("ENFILADE_SOURCE_DIR");
+  return dir ? fs::path(dir) : fs::current_path();
+}
+
+}  // namespace
+
+std::optional<fs::path> FindRecording(const std::string& relative) {
+  const char* data = std::getenv("ENFILADE_DATA");
+  const fs::path path = (data ? fs::path(data) : SourceDir() / "../shared/data") / relative;
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return std::nullopt;
+  return path;
+}
+
+fs::path ProjectData(const std::string& relative) { return SourceDir() / "tests/data" / relative; }
+
+TemporaryDirectory::TemporaryDirectory() {
+  std::string name = (fs::temp_directory_path() / "enfilade-test-XXXXXX").string();
+  if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a temporary directory " + name);
+  path_ = name;
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+}  // namespace enfilade::testing

@@ -1,0 +1,113 @@
+#include "core/sensor/scan_pairing.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/pose_matchers.h"
+#include "tests/support/status_matchers.h"
+
+namespace enfilade {
+namespace {
+
+using testing::PoseNear;
+
+LaserScan ScanAt(double seconds) {
+  LaserScan scan;
+  scan.time = static_cast<TimeNs>(seconds * 1e9);
+  scan.ranges = {1.0F};
+  return scan;
+}
+
+Odometry OdometryAt(double seconds, double x) { return {static_cast<TimeNs>(seconds * 1e9), {x, 0, 0}}; }
+
+class ScanPairingTest : public ::testing::Test {
+ protected:
+  ScanPairing pairing_{ScanPairingOptions{.window_s = 0.5, .max_waiting_scans = 4}};
+  std::vector<PairedScan> settled_;
+};
+
+TEST_F(ScanPairingTest, InterpolatesBetweenNeighbours) {
+  pairing_.Add(OdometryAt(1.0, 10.0), settled_);
+  pairing_.Add(7, ScanAt(1.25), settled_);
+  EXPECT_TRUE(settled_.empty()) << "the odometry after the scan is still to come";
+  pairing_.Add(OdometryAt(2.0, 20.0), settled_);
+  ASSERT_EQ(settled_.size(), 1U);
+  EXPECT_EQ(settled_[0].sequence, 7);
+  // The neighbour after lies outside the window: the one before is the nearest.
+  EXPECT_THAT(*settled_[0].T_odom_robot, PoseNear(Pose2{10.0, 0, 0}, 1e-9, 1e-9));
+
+  pairing_.Add(8, ScanAt(2.1), settled_);
+  pairing_.Add(OdometryAt(2.4, 24.0), settled_);
+  ASSERT_EQ(settled_.size(), 2U);
+  EXPECT_THAT(*settled_[1].T_odom_robot, PoseNear(Pose2{21.0, 0, 0}, 1e-9, 1e-9));
+}
+
+TEST_F(ScanPairingTest, SettlesAtOnceWhenTimesAreEqual) {
+  pairing_.Add(OdometryAt(1.0, 10.0), settled_);
+  pairing_.Add(1, ScanAt(1.0), settled_);
+  ASSERT_EQ(settled_.size(), 1U);
+  EXPECT_EQ(settled_[0].T_odom_robot->x, 10.0);
+}
+
+TEST_F(ScanPairingTest, DeliversScansWithoutOdometryUnpairedAndCountsThem) {
+  pairing_.Add(1, ScanAt(1.0), settled_);
+  pairing_.Add(2, ScanAt(1.2), settled_);
+  pairing_.Add(3, ScanAt(1.6), settled_);  // past the window of the first
+  ASSERT_EQ(settled_.size(), 1U);
+  EXPECT_FALSE(settled_[0].T_odom_robot);
+  pairing_.Flush(settled_);
+  EXPECT_EQ(settled_.size(), 3U);
+  EXPECT_EQ(pairing_.counts().unpaired, 3);
+}
+
+TEST_F(ScanPairingTest, NeverHoldsBackMoreThanItsLimit) {
+  for (int i = 0; i < 100; ++i) pairing_.Add(i + 1, ScanAt(1.0 + 1e-3 * i), settled_);
+  EXPECT_EQ(settled_.size(), 96U);
+}
+
+TEST_F(ScanPairingTest, DropsAndCountsTimesRunningBackwards) {
+  pairing_.Add(OdometryAt(2.0, 1.0), settled_);
+  pairing_.Add(OdometryAt(1.0, 5.0), settled_);
+  pairing_.Add(1, ScanAt(2.0), settled_);
+  pairing_.Add(2, ScanAt(1.5), settled_);
+  pairing_.Flush(settled_);
+  ASSERT_EQ(settled_.size(), 1U);
+  EXPECT_EQ(settled_[0].T_odom_robot->x, 1.0);
+  EXPECT_EQ(pairing_.counts().time_reversed, 2);
+}
+
+TEST_F(ScanPairingTest, GoesOnTheSameAfterRestoreAtAnyPoint) {
+  struct Step {
+    double time;
+    bool is_scan;
+  };
+  std::vector<Step> steps;
+  for (int i = 0; i < 60; ++i) steps.push_back({1.0 + 0.13 * i, i % 3 == 0});
+  const auto run = [&](std::size_t restore_at) {
+    ScanPairing pairing(ScanPairingOptions{});
+    std::vector<PairedScan> settled;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (i == restore_at) {
+        auto restored = ScanPairing::Restore(ScanPairingOptions{}, pairing.Serialize());
+        EXPECT_OK(restored);
+        pairing = *std::move(restored);
+      }
+      if (steps[i].is_scan) {
+        pairing.Add(static_cast<std::int64_t>(i), ScanAt(steps[i].time), settled);
+      } else {
+        pairing.Add(OdometryAt(steps[i].time, steps[i].time), settled);
+      }
+    }
+    pairing.Flush(settled);
+    return settled;
+  };
+  const auto expected = run(steps.size());
+  ASSERT_EQ(expected.size(), 20U);
+  for (std::size_t at = 0; at < steps.size(); ++at) {
+    const auto actual = run(at);
+    ASSERT_EQ(actual.size(), expected.size());
+    for (std::size_t i = 0; i < actual.size(); ++i) EXPECT_EQ(actual[i].T_odom_robot, expected[i].T_odom_robot);
+  }
+}
+
+}  // namespace
+}  // namespace enfilade
