@@ -9,10 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path SourceDir() {
-  const char* dir = std::getenv("ENFILADE_SOURCE_DIR");
-  return dir ? fs::path(dir) : fs::current_path();
-}
+fs::path SourceDir() { return ENFILADE_SOURCE_DIR; }
 
 }  // namespace
 
@@ -25,6 +22,8 @@ std::optional<fs::path> FindRecording(const std::string& relative) {
 }
 
 fs::path ProjectData(const std::string& relative) { return SourceDir() / "tests/data" / relative; }
+
+fs::path Program(const std::string& name) { return fs::read_symlink("/proc/self/exe").parent_path() / name; }
 
 TemporaryDirectory::TemporaryDirectory() {
   std::string name = (fs::temp_directory_path() / "enfilade-test-XXXXXX").string();

@@ -12,6 +12,9 @@ std::optional<std::filesystem::path> FindRecording(const std::string& relative);
 // Small files made by the project: tests/data.
 std::filesystem::path ProjectData(const std::string& relative);
 
+// A program of ours, built into the same folder as the running test.
+std::filesystem::path Program(const std::string& name);
+
 // A new empty directory that is removed with its content when the guard goes.
 class TemporaryDirectory {
  public:
