@@ -21,10 +21,10 @@ struct PoseGraphNode {
 struct PoseGraphEdge {
   std::int64_t from = 0;
   std::int64_t to = 0;
-  Pose2 T_from_to;                                              // measured
-  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();    // full, symmetric, positive definite
-  bool robust = true;    // the options' kernel applies to it
-  bool enabled = true;   // false: kept, but contributes nothing (a switched-off loop closure)
+  Pose2 T_from_to;                                            // measured
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // full, symmetric, positive definite
+  bool robust = true;                                         // the options' kernel applies to it
+  bool enabled = true;  // false: kept, but contributes nothing (a switched-off loop closure)
 };
 
 struct PoseGraph {

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/optimize/pose_graph.h"
+
+namespace enfilade {
+
+// An enabled edge by the positions of its nodes.
+struct IndexedEdge {
+  int from = 0;
+  int to = 0;
+  int source = 0;  // position in PoseGraph::edges
+  bool robust = true;
+  Pose2 T_from_to;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+};
+
+// One connected component of a pose graph, checked, with contiguous indices.
+struct IndexedGraph {
+  std::vector<int> sources;  // per node: position in PoseGraph::nodes
+  std::vector<Pose2> poses;
+  std::vector<char> held;  // at least one node is
+  std::vector<IndexedEdge> edges;
+};
+
+// The components in the order of their first nodes. Errors as SolvePoseGraph's.
+absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph,
+                                                          const std::vector<std::int64_t>& fixed);
+
+}  // namespace enfilade
