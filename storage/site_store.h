@@ -1,0 +1,56 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+#include "core/base/time.h"
+#include "storage/call_context.h"
+
+namespace enfilade {
+namespace postgres {
+class Pool;
+}
+
+// A campus: the tenant.
+struct Site {
+  SiteId id;
+  std::string display_name;
+  // How long the records of a session are kept after it has finished; for ever where unset.
+  std::optional<std::chrono::seconds> raw_retention;
+  // Set by the store. A new value with every change, never used twice.
+  std::int64_t etag = 0;
+  TimeNs create_time = 0;
+  TimeNs update_time = 0;
+};
+
+// Thread-safe. Like every store: UNAVAILABLE where the database cannot be reached or the outcome of a commit is
+// unknown (retrying is safe), DEADLINE_EXCEEDED past the context's deadline, INVALID_ARGUMENT for what a constraint of
+// the schema refuses, naming it.
+class SiteStore {
+ public:
+  explicit SiteStore(postgres::Pool& pool) : pool_(pool) {}
+
+  // ALREADY_EXISTS where the id is taken. With a `request_id` (AIP-155; empty for none) that has created a site
+  // before, that site comes back and nothing is created.
+  absl::StatusOr<Site> Create(const CallContext& context, const Site& site, const std::string& request_id) const;
+  // NOT_FOUND.
+  absl::StatusOr<Site> Get(const CallContext& context, const SiteId& site) const;
+  // By id.
+  absl::StatusOr<std::vector<Site>> List(const CallContext& context, const PageRequest& page) const;
+  // Writes display name and retention. ABORTED where `site.etag` is not the stored one, NOT_FOUND.
+  absl::StatusOr<Site> Update(const CallContext& context, const Site& site) const;
+  // ABORTED where `etag` (0: any) is not the stored one; FAILED_PRECONDITION where the site has maps, robots or
+  // sessions, unless `force`, which deletes all of them.
+  absl::Status Delete(const CallContext& context, const SiteId& site, std::int64_t etag, bool force) const;
+
+ private:
+  postgres::Pool& pool_;
+};
+
+}  // namespace enfilade
