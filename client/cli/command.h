@@ -10,10 +10,10 @@ namespace enfilade::cli {
 
 // The options that come before the subcommand.
 struct Globals {
-  bool json = false;                            // print one JSON document for programs instead of text for people
-  bool quiet = false;                           // no progress bars
-  std::string server = "localhost:50051";       // host:port or unix:/path
-  double timeout_s = 30.0;                      // deadline of unary calls
+  bool json = false;                       // print one JSON document for programs instead of text for people
+  bool quiet = false;                      // no progress bars
+  std::string server = "localhost:50051";  // host:port or unix:/path
+  double timeout_s = 30.0;                 // deadline of unary calls
   std::string site = "default";
 };
 

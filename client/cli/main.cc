@@ -10,7 +10,9 @@ int main(int argc, char** argv) {
   Globals globals;
   app.add_flag("--json", globals.json, "Print JSON for programs");
   app.add_flag("-q,--quiet", globals.quiet, "No progress bars");
-  app.add_option("--server", globals.server, "The server: host:port or unix:/path")->envname("ENFILADE_SERVER")->capture_default_str();
+  app.add_option("--server", globals.server, "The server: host:port or unix:/path")
+      ->envname("ENFILADE_SERVER")
+      ->capture_default_str();
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
   try {

@@ -18,10 +18,8 @@ class BinaryWriter {
   explicit BinaryWriter(std::string& out) : out_(out) {}
 
   template <typename T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
-  void Put(T value) {
-    out_.append(reinterpret_cast<const char*>(&value), sizeof(T));
-  }
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+  void Put(T value) { out_.append(reinterpret_cast<const char*>(&value), sizeof(T)); }
   void PutBytes(std::string_view bytes) { out_.append(bytes); }
   // A 64-bit length, then the bytes.
   void PutString(std::string_view bytes) {
@@ -29,7 +27,7 @@ class BinaryWriter {
     PutBytes(bytes);
   }
   template <typename T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void PutVector(const std::vector<T>& values) {
     Put<std::uint64_t>(values.size());
     out_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
@@ -50,8 +48,7 @@ class BinaryReader {
   std::size_t remaining() const { return bytes_.size() - position_; }
 
   template <typename T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
-  T Get() {
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T> T Get() {
     T value{};
     const std::string_view bytes = GetBytes(sizeof(T));
     if (bytes.size() == sizeof(T)) std::memcpy(&value, bytes.data(), sizeof(T));
@@ -68,8 +65,7 @@ class BinaryReader {
   }
   std::string_view GetString() { return GetBytes(GetLength(1)); }
   template <typename T>
-    requires std::is_arithmetic_v<T>
-  std::vector<T> GetVector() {
+  requires std::is_arithmetic_v<T> std::vector<T> GetVector() {
     const std::size_t size = GetLength(sizeof(T));
     const std::string_view bytes = GetBytes(size * sizeof(T));
     std::vector<T> values(ok_ ? size : 0);

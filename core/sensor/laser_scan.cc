@@ -31,9 +31,8 @@ std::vector<Eigen::Vector2d> HitPoints(const LaserScan& scan, double max_range) 
     const float range = scan.ranges[i];
     if (ClassifyBeam(scan, range) != BeamKind::kHit || range >= max_range) continue;
     const double angle = scan.angle(i);
-    points.push_back(scan.T_robot_laser *
-                     Eigen::Vector2d(static_cast<double>(range) * std::cos(angle),
-                                     static_cast<double>(range) * std::sin(angle)));
+    points.push_back(scan.T_robot_laser * Eigen::Vector2d(static_cast<double>(range) * std::cos(angle),
+                                                          static_cast<double>(range) * std::sin(angle)));
   }
   return points;
 }

@@ -27,8 +27,8 @@ struct PayloadCheck {
   absl::Status operator()(const LaserScan& scan) const { return Validate(scan); }
   absl::Status operator()(const Odometry& odometry) const {
     if (IsFinite(odometry.T_odom_robot)) return absl::OkStatus();
-    return InvalidArgument("odometry.pose ({}, {}, {}) is not finite", odometry.T_odom_robot.x,
-                           odometry.T_odom_robot.y, odometry.T_odom_robot.yaw);
+    return InvalidArgument("odometry.pose ({}, {}, {}) is not finite", odometry.T_odom_robot.x, odometry.T_odom_robot.y,
+                           odometry.T_odom_robot.yaw);
   }
   absl::Status operator()(const Image& image) const { return ValidateBlob(image.content); }
   absl::Status operator()(const PointCloud& cloud) const { return ValidateBlob(cloud.content); }

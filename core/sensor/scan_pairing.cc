@@ -69,7 +69,8 @@ bool ScanPairing::NextOdometryMayImprove(TimeNs time) const {
 }
 
 std::optional<Pose2> ScanPairing::PoseAt(TimeNs time) const {
-  const auto after = std::find_if(odometry_.begin(), odometry_.end(), [&](const Odometry& o) { return o.time >= time; });
+  const auto after =
+      std::find_if(odometry_.begin(), odometry_.end(), [&](const Odometry& o) { return o.time >= time; });
   const DurationNs window = WindowNs(options_);
   const bool has_after = after != odometry_.end() && after->time - time <= window;
   const bool has_before = after != odometry_.begin() && time - std::prev(after)->time <= window;

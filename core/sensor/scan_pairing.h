@@ -29,8 +29,8 @@ struct ScanPairingOptions {
 
 struct ScanPairingCounts {
   std::int64_t paired = 0;
-  std::int64_t unpaired = 0;         // no odometry within the window: delivered without a pose
-  std::int64_t time_reversed = 0;    // scans or odometry older than their predecessor of the same kind: dropped
+  std::int64_t unpaired = 0;       // no odometry within the window: delivered without a pose
+  std::int64_t time_reversed = 0;  // scans or odometry older than their predecessor of the same kind: dropped
 };
 
 // Pairs scans and odometry of one session by time. Records go in in log order; each call appends the scans whose pose

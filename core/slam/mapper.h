@@ -14,11 +14,11 @@ namespace enfilade {
 
 // What became of one scan.
 struct ScanReport {
-  bool used = false;        // it has a place in the trajectory
+  bool used = false;  // it has a place in the trajectory
   bool keyframe = false;
-  bool lost = false;        // the last good match is too long ago, or too little of the scan fits the map
+  bool lost = false;           // the last good match is too long ago, or too little of the scan fits the map
   double matched_share = 0.0;  // of the scan's hits, 0..1
-  std::string reason;       // why it was not used
+  std::string reason;          // why it was not used
 };
 
 // Makes one map out of one session's scans. The seam between the algorithm and its callers (the server's mapping
@@ -35,8 +35,7 @@ class Mapper {
 
   // Goes on from `checkpoint`, taken just after the delta that made `stored` what it is. DATA_LOSS where the two do
   // not fit together or the bytes are not a checkpoint's.
-  static absl::StatusOr<Mapper> Restore(const SlamOptions& options, const SlamMap& stored,
-                                        std::string_view checkpoint);
+  static absl::StatusOr<Mapper> Restore(const SlamOptions& options, const SlamMap& stored, std::string_view checkpoint);
 
   // A scan that cannot be used is no error: the report says so.
   ScanReport AddScan(const PairedScan& scan);

@@ -19,15 +19,15 @@ struct SlamNode {
   std::int64_t id = 0;        // 0, 1, 2, ... in order of time
   std::int64_t sequence = 0;  // of the scan's record in the session's log
   TimeNs time = 0;
-  Pose2 T_map_node;                                         // the robot's pose at the keyframe
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();     // of T_map_node, against the first node
-  std::int64_t submap = 0;                                  // the submap that it was matched in
+  Pose2 T_map_node;                                      // the robot's pose at the keyframe
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of T_map_node, against the first node
+  std::int64_t submap = 0;                               // the submap that it was matched in
 
   friend bool operator==(const SlamNode&, const SlamNode&) = default;
 };
 
 struct SlamSubmap {
-  std::int64_t id = 0;  // 0, 1, 2, ...
+  std::int64_t id = 0;       // 0, 1, 2, ...
   std::int64_t version = 0;  // counts the changes of its content
   Pose2 T_map_submap;
   bool finished = false;
@@ -47,9 +47,9 @@ struct SlamClosure {
   Pose2 T_submap_node;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   ClosureState state = ClosureState::kRejected;
-  double score = 0.0;       // share of inlier beams at the finest level, 0..1
-  double chi2 = 0.0;        // of the edge after the last solve; 0 where it was not in the graph
-  std::string reason;       // in words, e.g. "inlier share 0.31 below 0.45 at 0.2 m"
+  double score = 0.0;  // share of inlier beams at the finest level, 0..1
+  double chi2 = 0.0;   // of the edge after the last solve; 0 where it was not in the graph
+  std::string reason;  // in words, e.g. "inlier share 0.31 below 0.45 at 0.2 m"
 
   friend bool operator==(const SlamClosure&, const SlamClosure&) = default;
 };

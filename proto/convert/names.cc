@@ -1,0 +1,98 @@
+#include "proto/convert/names.h"
+
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+
+namespace enfilade {
+namespace {
+
+// The ids in a name of the form "sites/{site}/maps/{map}": those of `name` at the places in braces.
+std::optional<std::vector<std::string>> Match(std::string_view form, std::string_view name) {
+  std::vector<std::string> ids;
+  while (true) {
+    const std::string_view form_segment = form.substr(0, form.find('/'));
+    const std::string_view segment = name.substr(0, name.find('/'));
+    if (form_segment.front() == '{') {
+      if (!IsValidResourceId(segment)) return std::nullopt;
+      ids.emplace_back(segment);
+    } else if (segment != form_segment) {
+      return std::nullopt;
+    }
+    const bool form_ends = form_segment.size() == form.size();
+    const bool name_ends = segment.size() == name.size();
+    if (form_ends || name_ends) {
+      if (form_ends && name_ends) return ids;
+      return std::nullopt;
+    }
+    form.remove_prefix(form_segment.size() + 1);
+    name.remove_prefix(segment.size() + 1);
+  }
+}
+
+absl::Status Misnamed(std::string_view field, std::string_view name, std::string_view form) {
+  return InvalidArgument("{} is \"{}\": expected {} with ids of 1 to 63 of a-z, 0-9 and \"-\"", field,
+                         name.substr(0, 200), form);
+}
+
+absl::StatusOr<std::vector<std::string>> MatchOrError(std::string_view form, std::string_view field,
+                                                      std::string_view name) {
+  if (auto ids = Match(form, name)) return *std::move(ids);
+  return Misnamed(field, name, form);
+}
+
+constexpr std::string_view kSiteForm = "sites/{site}";
+constexpr std::string_view kMapForm = "sites/{site}/maps/{map}";
+constexpr std::string_view kRevisionForm = "sites/{site}/maps/{map}/revisions/{revision}";
+constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
+constexpr std::string_view kSessionForm = "sites/{site}/sessions/{session}";
+
+}  // namespace
+
+std::string NameOf(const SiteId& site) { return "sites/" + site.value(); }
+std::string NameOf(const MapName& name) { return NameOf(name.site) + "/maps/" + name.map.value(); }
+std::string NameOf(const RevisionName& name) {
+  return NameOf(MapName{name.site, name.map}) + "/revisions/" + std::to_string(name.revision);
+}
+std::string NameOf(const RobotName& name) { return NameOf(name.site) + "/robots/" + name.robot.value(); }
+std::string NameOf(const SessionName& name) { return NameOf(name.site) + "/sessions/" + name.session.value(); }
+
+absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kSiteForm, field, name));
+  return SiteId(ids[0]);
+}
+
+absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kMapForm, field, name));
+  return MapName{SiteId(ids[0]), MapId(ids[1])};
+}
+
+absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kRevisionForm, field, name));
+  RevisionName revision{SiteId(ids[0]), MapId(ids[1]), 0};
+  const auto parsed = std::from_chars(ids[2].data(), ids[2].data() + ids[2].size(), revision.revision);
+  if (parsed.ec != std::errc() || parsed.ptr != ids[2].data() + ids[2].size() || revision.revision < 1) {
+    return InvalidArgument("{} is \"{}\": revisions are numbers from 1 on", field, name.substr(0, 200));
+  }
+  return revision;
+}
+
+absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name) {
+  if (const auto map = ParseMapName(field, name); map.ok()) return RevisionName{map->site, map->map, 0};
+  return ParseRevisionName(field, name);
+}
+
+absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kRobotForm, field, name));
+  return RobotName{SiteId(ids[0]), RobotId(ids[1])};
+}
+
+absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kSessionForm, field, name));
+  return SessionName{SiteId(ids[0]), SessionId(ids[1])};
+}
+
+}  // namespace enfilade

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+
+namespace enfilade {
+
+// Resource names (AIP-122), built and taken apart. Parsing gives INVALID_ARGUMENT naming the field, the name and the
+// form that was expected.
+
+struct MapName {
+  SiteId site;
+  MapId map;
+};
+struct RevisionName {
+  SiteId site;
+  MapId map;
+  std::int64_t revision = 0;  // 0: the newest
+};
+struct RobotName {
+  SiteId site;
+  RobotId robot;
+};
+struct SessionName {
+  SiteId site;
+  SessionId session;
+};
+
+std::string NameOf(const SiteId& site);
+std::string NameOf(const MapName& name);
+std::string NameOf(const RevisionName& name);
+std::string NameOf(const RobotName& name);
+std::string NameOf(const SessionName& name);
+
+absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name);
+absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view name);
+// Takes a map's name too, meaning its newest revision.
+absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name);
+absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::string_view name);
+absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);
+absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);
+
+}  // namespace enfilade

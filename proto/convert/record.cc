@@ -1,0 +1,174 @@
+#include "proto/convert/record.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+
+namespace enfilade {
+namespace {
+
+v1::BlobRef BlobToProto(const BlobRef& blob) {
+  v1::BlobRef out;
+  out.set_sha256(blob.sha256);
+  out.set_size_bytes(blob.size);
+  return out;
+}
+
+struct PayloadToProto {
+  v1::Record& out;
+
+  void operator()(const LaserScan& scan) const { enfilade::ToProto(scan, *out.mutable_laser_scan()); }
+  void operator()(const Odometry& odometry) const {
+    *out.mutable_odometry()->mutable_time() = ToTimestamp(odometry.time);
+    *out.mutable_odometry()->mutable_pose_odom_robot() = enfilade::ToProto(odometry.T_odom_robot);
+  }
+  void operator()(const Image& image) const {
+    *out.mutable_image()->mutable_time() = ToTimestamp(image.time);
+    out.mutable_image()->set_camera(static_cast<v1::Image::Camera>(image.camera));
+    out.mutable_image()->set_encoding(static_cast<v1::Image::Encoding>(image.encoding));
+    *out.mutable_image()->mutable_content() = BlobToProto(image.content);
+  }
+  void operator()(const PointCloud& cloud) const {
+    *out.mutable_point_cloud()->mutable_time() = ToTimestamp(cloud.time);
+    out.mutable_point_cloud()->set_encoding(static_cast<v1::PointCloud::Encoding>(cloud.encoding));
+    *out.mutable_point_cloud()->mutable_content() = BlobToProto(cloud.content);
+  }
+  void operator()(const Withheld& withheld) const { out.mutable_withheld()->set_reason(withheld.reason); }
+};
+
+// The core enums number their values as the wire does.
+static_assert(static_cast<int>(Camera::kRear) == v1::Image::CAMERA_REAR);
+static_assert(static_cast<int>(ImageEncoding::kDepthPng16) == v1::Image::ENCODING_DEPTH_PNG16);
+static_assert(static_cast<int>(CloudEncoding::kXyz32) == v1::PointCloud::ENCODING_XYZ32);
+
+// A value that this program knows, and not the unspecified one; `known` is the generated _IsValid.
+template <typename Core, typename Wire>
+absl::StatusOr<Core> FromEnum(const char* field, Wire value, bool (*known)(int)) {
+  if (static_cast<int>(value) == 0) return InvalidArgument("{} is not set", field);
+  if (!known(value)) return InvalidArgument("{} is {}: unknown to this server", field, static_cast<int>(value));
+  return static_cast<Core>(value);
+}
+
+absl::StatusOr<LaserScan> ScanFromProto(const v1::LaserScan& in) {
+  LaserScan scan;
+  ENFILADE_ASSIGN_OR_RETURN(scan.time, FromTimestamp(in.time()));
+  scan.angle_min = in.angle_min_rad();
+  scan.angle_increment = in.angle_increment_rad();
+  scan.time_increment = in.time_increment_s();
+  scan.range_min = in.range_min_m();
+  scan.range_max = in.range_max_m();
+  scan.T_robot_laser = FromProto(in.pose_robot_laser());
+  scan.ranges.assign(in.ranges_m().begin(), in.ranges_m().end());
+  return scan;
+}
+
+absl::StatusOr<Odometry> OdometryFromProto(const v1::Odometry& in) {
+  Odometry odometry;
+  if (!in.has_pose_odom_robot()) return InvalidArgument("odometry.pose_odom_robot is not set");
+  ENFILADE_ASSIGN_OR_RETURN(odometry.time, FromTimestamp(in.time()));
+  odometry.T_odom_robot = FromProto(in.pose_odom_robot());
+  return odometry;
+}
+
+absl::StatusOr<Image> ImageFromProto(const v1::Image& in) {
+  Image image;
+  ENFILADE_ASSIGN_OR_RETURN(image.time, FromTimestamp(in.time()));
+  ENFILADE_ASSIGN_OR_RETURN(image.camera, FromEnum<Camera>("image.camera", in.camera(), v1::Image::Camera_IsValid));
+  ENFILADE_ASSIGN_OR_RETURN(image.encoding,
+                            FromEnum<ImageEncoding>("image.encoding", in.encoding(), v1::Image::Encoding_IsValid));
+  image.content = {in.content().sha256(), in.content().size_bytes()};
+  return image;
+}
+
+absl::StatusOr<PointCloud> CloudFromProto(const v1::PointCloud& in) {
+  PointCloud cloud;
+  ENFILADE_ASSIGN_OR_RETURN(cloud.time, FromTimestamp(in.time()));
+  ENFILADE_ASSIGN_OR_RETURN(
+      cloud.encoding, FromEnum<CloudEncoding>("point_cloud.encoding", in.encoding(), v1::PointCloud::Encoding_IsValid));
+  cloud.content = {in.content().sha256(), in.content().size_bytes()};
+  return cloud;
+}
+
+absl::StatusOr<Record> PayloadFromProto(const v1::Record& in) {
+  Record record;
+  record.sequence = in.sequence();
+  switch (in.payload_case()) {
+    case v1::Record::kLaserScan: {
+      ENFILADE_ASSIGN_OR_RETURN(record.payload, ScanFromProto(in.laser_scan()));
+      return record;
+    }
+    case v1::Record::kOdometry: {
+      ENFILADE_ASSIGN_OR_RETURN(record.payload, OdometryFromProto(in.odometry()));
+      return record;
+    }
+    case v1::Record::kImage: {
+      ENFILADE_ASSIGN_OR_RETURN(record.payload, ImageFromProto(in.image()));
+      return record;
+    }
+    case v1::Record::kPointCloud: {
+      ENFILADE_ASSIGN_OR_RETURN(record.payload, CloudFromProto(in.point_cloud()));
+      return record;
+    }
+    case v1::Record::kWithheld:
+      record.payload = Withheld{in.withheld().reason()};
+      return record;
+    case v1::Record::PAYLOAD_NOT_SET:
+      break;
+  }
+  return InvalidArgument("payload is not set, or of a kind unknown to this server");
+}
+
+}  // namespace
+
+v1::Pose2 ToProto(const Pose2& pose) {
+  v1::Pose2 out;
+  out.set_x(pose.x);
+  out.set_y(pose.y);
+  out.set_yaw(pose.yaw);
+  return out;
+}
+
+Pose2 FromProto(const v1::Pose2& pose) { return {pose.x(), pose.y(), pose.yaw()}; }
+
+google::protobuf::Timestamp ToTimestamp(TimeNs time) {
+  google::protobuf::Timestamp out;
+  out.set_seconds(time / kNsPerSecond);
+  out.set_nanos(static_cast<std::int32_t>(time % kNsPerSecond));
+  return out;
+}
+
+absl::StatusOr<TimeNs> FromTimestamp(const google::protobuf::Timestamp& time) {
+  constexpr std::int64_t kYear2200 = 7'258'118'400LL;
+  if (time.seconds() < 0 || time.seconds() >= kYear2200 || time.nanos() < 0 || time.nanos() >= kNsPerSecond) {
+    return InvalidArgument("time is {} s and {} ns since 1970: expected a time between 1970 and 2200", time.seconds(),
+                           time.nanos());
+  }
+  return time.seconds() * kNsPerSecond + time.nanos();
+}
+
+void ToProto(const LaserScan& scan, v1::LaserScan& out) {
+  *out.mutable_time() = ToTimestamp(scan.time);
+  out.set_angle_min_rad(scan.angle_min);
+  out.set_angle_increment_rad(scan.angle_increment);
+  out.set_time_increment_s(scan.time_increment);
+  out.set_range_min_m(scan.range_min);
+  out.set_range_max_m(scan.range_max);
+  if (scan.T_robot_laser != Pose2{}) *out.mutable_pose_robot_laser() = ToProto(scan.T_robot_laser);
+  out.mutable_ranges_m()->Add(scan.ranges.begin(), scan.ranges.end());
+}
+
+v1::Record ToProto(const Record& record) {
+  v1::Record out;
+  out.set_sequence(record.sequence);
+  std::visit(PayloadToProto{out}, record.payload);
+  return out;
+}
+
+absl::StatusOr<Record> FromProto(const v1::Record& in) {
+  ENFILADE_ASSIGN_OR_RETURN(Record record, PayloadFromProto(in));
+  ENFILADE_RETURN_IF_ERROR(Validate(record));
+  return record;
+}
+
+}  // namespace enfilade

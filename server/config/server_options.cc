@@ -1,0 +1,201 @@
+#include "server/config/server_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "yaml-cpp/yaml.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr char kEnvironmentPrefix[] = "ENFILADE_SERVER_";
+
+// Calls visit(key, reference) for every option: the one list of what can be set.
+template <typename Options, typename Visitor>
+void VisitOptions(Options& options, Visitor&& visit) {
+  visit("listen.address", options.listen.address);
+  visit("listen.grace_s", options.listen.grace_s);
+  visit("listen.max_message_bytes", options.listen.max_message_bytes);
+  visit("listen.workers", options.listen.workers);
+  visit("database.url", options.database.url);
+  visit("database.max_connections", options.database.max_connections);
+  visit("database.default_deadline_s", options.database.default_deadline_s);
+  visit("ingest.writers", options.ingest.writers);
+  visit("ingest.stream_buffer_bytes", options.ingest.stream_buffer_bytes);
+  visit("ingest.total_buffer_bytes", options.ingest.total_buffer_bytes);
+  visit("ingest.transaction_bytes", options.ingest.transaction_bytes);
+  visit("mapping.workers", options.mapping.workers);
+  visit("mapping.lease_s", options.mapping.lease_s);
+  visit("mapping.checkpoint_interval_s", options.mapping.checkpoint_interval_s);
+  visit("mapping.revision_interval_s", options.mapping.revision_interval_s);
+  visit("mapping.pairing_window_s", options.mapping.pairing_window_s);
+  visit("mapping.slam_options_file", options.mapping.slam_options_file);
+  visit("transfers.cache_directory", options.transfers.cache_directory);
+  visit("transfers.cache_bytes", options.transfers.cache_bytes);
+  visit("transfers.max_import_bytes", options.transfers.max_import_bytes);
+  visit("retention.interval_s", options.retention.interval_s);
+  visit("metrics.address", options.metrics.address);
+  visit("log.level", options.log.level);
+  visit("log.format", options.log.format);
+}
+
+absl::Status Parse(const Setting& setting, std::string& value) {
+  value = setting.value;
+  return absl::OkStatus();
+}
+
+template <typename Number>
+absl::Status Parse(const Setting& setting, Number& value) {
+  const char* end = setting.value.data() + setting.value.size();
+  const auto result = std::from_chars(setting.value.data(), end, value);
+  if (result.ec == std::errc() && result.ptr == end) return absl::OkStatus();
+  return InvalidArgument("option {}: \"{}\" is not a number of the right kind", setting.key, setting.value);
+}
+
+std::string Print(const std::string& value) { return value; }
+template <typename Number>
+std::string Print(const Number& value) {
+  return fmt::format("{}", value);
+}
+
+// Levenshtein's distance, for "did you mean".
+std::size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string NearestKey(const std::string& key) {
+  const auto known = Describe(ServerOptions{});
+  return std::min_element(
+             known.begin(), known.end(),
+             [&](const Setting& a, const Setting& b) { return EditDistance(a.key, key) < EditDistance(b.key, key); })
+      ->key;
+}
+
+std::string EnvironmentName(const std::string& key) {
+  std::string name = kEnvironmentPrefix;
+  for (const char c : key) name += c == '.' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+absl::Status ApplyNode(const YAML::Node& node, const std::string& prefix, const std::string& file,
+                       ServerOptions& options) {
+  const auto context = [&](const YAML::Node& at) { return fmt::format("{}:{}", file, at.Mark().line + 1); };
+  if (!node.IsMap()) {
+    return InvalidArgument("{}: \"{}\" must hold keys and values", context(node), prefix.empty() ? "the file" : prefix);
+  }
+  for (const auto& entry : node) {
+    const std::string key = prefix.empty() ? entry.first.Scalar() : prefix + "." + entry.first.Scalar();
+    if (entry.second.IsMap()) {
+      ENFILADE_RETURN_IF_ERROR(ApplyNode(entry.second, key, file, options));
+    } else if (entry.second.IsScalar()) {
+      if (absl::Status status = Apply({key, entry.second.Scalar()}, options); !status.ok()) {
+        return WithContext(status, context(entry.first));
+      }
+    } else {
+      return InvalidArgument("{}: option {} must be a single value", context(entry.first), key);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RequireAtLeast(const char* key, double value, double minimum) {
+  if (value >= minimum && std::isfinite(value)) return absl::OkStatus();
+  return InvalidArgument("option {} is {}: it must be at least {}", key, value, minimum);
+}
+
+}  // namespace
+
+absl::Status Apply(const Setting& setting, ServerOptions& options) {
+  bool known = false;
+  absl::Status status;
+  VisitOptions(options, [&](const char* key, auto& value) {
+    if (setting.key != key) return;
+    known = true;
+    status = Parse(setting, value);
+  });
+  if (!known) return InvalidArgument("unknown option {} (did you mean {}?)", setting.key, NearestKey(setting.key));
+  return status;
+}
+
+std::vector<Setting> Describe(const ServerOptions& options) {
+  std::vector<Setting> settings;
+  VisitOptions(options, [&](const char* key, const auto& value) { settings.push_back({key, Print(value)}); });
+  return settings;
+}
+
+absl::Status ApplyYaml(const std::string& text, const std::string& name, ServerOptions& options) {
+  try {
+    const YAML::Node root = YAML::Load(text);
+    return root.IsNull() ? absl::OkStatus() : ApplyNode(root, "", name, options);
+  } catch (const YAML::Exception& error) {
+    return InvalidArgument("{}:{}: {}", name, error.mark.line + 1, error.msg);
+  }
+}
+
+absl::Status ApplyEnvironment(const std::vector<std::string>& environment, ServerOptions& options) {
+  for (const std::string& variable : environment) {
+    if (variable.rfind(kEnvironmentPrefix, 0) != 0) continue;
+    const std::size_t equals = variable.find('=');
+    const std::string name = variable.substr(0, equals);
+    const auto known = Describe(options);
+    const auto setting =
+        std::find_if(known.begin(), known.end(), [&](const Setting& s) { return EnvironmentName(s.key) == name; });
+    if (setting == known.end()) return InvalidArgument("environment variable {} names no option", name);
+    const std::string value = equals == std::string::npos ? "" : variable.substr(equals + 1);
+    if (absl::Status status = Apply({setting->key, value}, options); !status.ok()) return WithContext(status, name);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ServerOptions::Validate() const {
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("listen.grace_s", listen.grace_s, 0.0));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("listen.workers", listen.workers, 1));
+  ENFILADE_RETURN_IF_ERROR(
+      RequireAtLeast("listen.max_message_bytes", static_cast<double>(listen.max_message_bytes), 2 << 20));
+  if (listen.max_message_bytes > std::numeric_limits<int>::max()) {
+    return InvalidArgument("option listen.max_message_bytes is {}: it must be below 2 GiB", listen.max_message_bytes);
+  }
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("database.default_deadline_s", database.default_deadline_s, 0.001));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("ingest.writers", ingest.writers, 1));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.workers", mapping.workers, 0));
+  // One for each writer and mapper, and one left for everything else.
+  ENFILADE_RETURN_IF_ERROR(
+      RequireAtLeast("database.max_connections", database.max_connections, ingest.writers + 2 * mapping.workers + 1));
+  for (const auto& [key, value] : {std::pair{"ingest.stream_buffer_bytes", ingest.stream_buffer_bytes},
+                                   std::pair{"ingest.total_buffer_bytes", ingest.total_buffer_bytes},
+                                   std::pair{"ingest.transaction_bytes", ingest.transaction_bytes},
+                                   std::pair{"transfers.cache_bytes", transfers.cache_bytes},
+                                   std::pair{"transfers.max_import_bytes", transfers.max_import_bytes}}) {
+    ENFILADE_RETURN_IF_ERROR(RequireAtLeast(key, static_cast<double>(value), 1 << 20));
+  }
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.lease_s", mapping.lease_s, 1.0));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.checkpoint_interval_s", mapping.checkpoint_interval_s, 0.0));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.revision_interval_s", mapping.revision_interval_s, 0.0));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.pairing_window_s", mapping.pairing_window_s, 0.0));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("retention.interval_s", retention.interval_s, 0.1));
+  for (const char* level : {"trace", "debug", "info", "warn", "error"}) {
+    if (log.level == level) {
+      if (log.format == "text" || log.format == "json") return absl::OkStatus();
+      return InvalidArgument("option log.format is \"{}\": it must be text or json", log.format);
+    }
+  }
+  return InvalidArgument("option log.level is \"{}\": it must be trace, debug, info, warn or error", log.level);
+}
+
+}  // namespace enfilade::server

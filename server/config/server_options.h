@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace enfilade::server {
+
+// Everything that can be set, with units and defaults. Sources, the later one wins: the YAML file, the environment
+// (ENFILADE_SERVER_DATABASE_URL sets database.url), the command line (--set database.url=...).
+struct ServerOptions {
+  struct Listen {
+    // host:port or unix:/path. Port 0: any free one (it is logged).
+    std::string address = "0.0.0.0:50051";
+    // After SIGTERM: how long streams may take to finish, s.
+    double grace_s = 10.0;
+    // The largest message taken, bytes: an image or cloud of 64 MiB with its frame.
+    std::int64_t max_message_bytes = (64LL << 20) + (1LL << 20);
+    // Threads for unary calls (they wait for the database).
+    int workers = 8;
+  } listen;
+
+  struct Database {
+    // libpq's connection URL or keywords; the password belongs into PGPASSWORD or ~/.pgpass.
+    std::string url = "postgresql:///enfilade?host=/var/run/postgresql";
+    int max_connections = 16;
+    // For calls that bring no deadline of their own, s.
+    double default_deadline_s = 30.0;
+  } database;
+
+  struct Ingest {
+    // Threads that write batches, each with a connection of its own while it writes.
+    int writers = 3;
+    // A stream is read no further while this much of it is not yet stored, bytes.
+    std::int64_t stream_buffer_bytes = 8LL << 20;
+    // The same over all streams, bytes.
+    std::int64_t total_buffer_bytes = 256LL << 20;
+    // Batches of one stream that wait together are written in one transaction up to this size, bytes.
+    std::int64_t transaction_bytes = 4LL << 20;
+  } ingest;
+
+  struct Mapping {
+    // Sessions mapped at the same time by this process; 0: another replica maps.
+    int workers = 1;
+    // How long a lease holds without being renewed, s: after a crash another process takes over that much later.
+    double lease_s = 10.0;
+    // Results and checkpoint are stored at least this often, s ...
+    double checkpoint_interval_s = 5.0;
+    // ... and a revision of the grid this often while a session is being recorded, s.
+    double revision_interval_s = 20.0;
+    // A scan is paired with odometry at most this far from it in time, s.
+    double pairing_window_s = 0.5;
+    // A YAML file with SLAM options; empty: the defaults.
+    std::string slam_options_file;
+  } mapping;
+
+  struct Transfers {
+    // Rendered files are kept here for the next download; empty: a folder of its own under the system's temporary one.
+    std::string cache_directory;
+    // The oldest go when the cache is larger, bytes.
+    std::int64_t cache_bytes = 2LL << 30;
+    // The largest import, bytes.
+    std::int64_t max_import_bytes = 1LL << 30;
+  } transfers;
+
+  struct Retention {
+    // How often raw records past their site's retention are deleted, s.
+    double interval_s = 300.0;
+  } retention;
+
+  struct Metrics {
+    // host:port for Prometheus; empty: none.
+    std::string address = "0.0.0.0:9464";
+  } metrics;
+
+  struct Log {
+    std::string level = "info";   // trace, debug, info, warn, error
+    std::string format = "text";  // text or json, one object per line
+  } log;
+
+  // INVALID_ARGUMENT naming the key.
+  absl::Status Validate() const;
+};
+
+// One key as people write it: "database.url".
+struct Setting {
+  std::string key;
+  std::string value;
+};
+
+// INVALID_ARGUMENT on an unknown key or a value of the wrong type, naming both (and the nearest known key).
+absl::Status Apply(const Setting& setting, ServerOptions& options);
+
+// Every key with its present value, in order: for --print-config and the documentation.
+std::vector<Setting> Describe(const ServerOptions& options);
+
+// `text` is the content of the YAML file `name`. Errors name the line.
+absl::Status ApplyYaml(const std::string& text, const std::string& name, ServerOptions& options);
+
+// `environment` as in environ: "NAME=value". Variables that begin with ENFILADE_SERVER_ must name a key.
+absl::Status ApplyEnvironment(const std::vector<std::string>& environment, ServerOptions& options);
+
+}  // namespace enfilade::server

@@ -1,0 +1,67 @@
+#include "proto/convert/record.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/support/status_matchers.h"
+
+namespace enfilade {
+namespace {
+
+using testing::HasStatus;
+using ::testing::HasSubstr;
+
+Record ScanRecord() {
+  LaserScan scan;
+  scan.time = 976'052'858'304'357'001;
+  scan.angle_min = -M_PI / 2.0;
+  scan.angle_increment = M_PI / 180.0;
+  scan.range_max = 81.83F;
+  scan.T_robot_laser = {0.1, -0.2, 0.3};
+  scan.ranges = {1.07F, -1.0F, std::numeric_limits<float>::infinity(), 81.83F};
+  return {1, scan};
+}
+
+TEST(ConvertRecord, RoundTripsEveryKindExactly) {
+  const BlobRef blob{std::string(32, '\x01'), 5};
+  for (const Record& record : {ScanRecord(), Record{2, Odometry{5, {1.0 / 3.0, 2.0, M_PI}}},
+                               Record{3, Image{7, Camera::kRear, ImageEncoding::kJpeg, blob}},
+                               Record{4, PointCloud{9, CloudEncoding::kXyz32, blob}}, Record{5, Withheld{"why"}}}) {
+    v1::Record received;
+    ASSERT_TRUE(received.ParseFromString(ToProto(record).SerializeAsString()));
+    ASSERT_OK_AND_ASSIGN(const Record converted, FromProto(received));
+    EXPECT_EQ(converted, record) << record.sequence;
+  }
+}
+
+void ExpectRefused(void (*change)(v1::Record&), const char* field) {
+  v1::Record record = ToProto(Record{3, Image{7, Camera::kRear, ImageEncoding::kJpeg, {std::string(32, 'x'), 5}}});
+  change(record);
+  EXPECT_THAT(FromProto(record), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(field)));
+}
+
+TEST(ConvertRecord, RefusesWhatIsUnsetOrUnknownNamingTheField) {
+  ExpectRefused([](v1::Record& r) { r.clear_payload(); }, "payload is not set");
+  ExpectRefused([](v1::Record& r) { r.set_sequence(0); }, "sequence");
+  ExpectRefused([](v1::Record& r) { r.mutable_image()->clear_camera(); }, "image.camera is not set");
+  ExpectRefused([](v1::Record& r) { r.mutable_image()->set_camera(static_cast<v1::Image::Camera>(99)); },
+                "image.camera is 99");
+  ExpectRefused([](v1::Record& r) { r.mutable_image()->mutable_content()->set_sha256("short"); }, "sha256");
+  ExpectRefused([](v1::Record& r) { r.mutable_image()->mutable_content()->set_size_bytes(65LL << 20); }, "size_bytes");
+  ExpectRefused([](v1::Record& r) { r.mutable_image()->mutable_time()->set_seconds(-5); }, "time");
+  ExpectRefused([](v1::Record& r) { r.mutable_odometry(); }, "pose_odom_robot is not set");
+  ExpectRefused([](v1::Record& r) { r.mutable_odometry()->mutable_pose_odom_robot()->set_x(NAN); }, "odometry.pose");
+  ExpectRefused([](v1::Record& r) { r.mutable_laser_scan(); }, "ranges is empty");
+}
+
+TEST(ConvertRecord, TakesARecordOfAKindFromTheFutureAsUnset) {
+  v1::Record record;
+  // Field 15, as a newer client's payload would arrive.
+  ASSERT_TRUE(record.ParseFromString(std::string("\x08\x01\x7a\x02hi", 6)));
+  EXPECT_THAT(FromProto(record), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("unknown to this server")));
+}
+
+}  // namespace
+}  // namespace enfilade
