@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+struct evp_md_ctx_st;
+
+namespace enfilade {
+
+// The SHA-256 (FIPS 180-4) of bytes, as 32 raw bytes: what blobs and files are known by.
+std::string Sha256(std::string_view bytes);
+
+// The same over bytes that come piece by piece.
+class Sha256Stream {
+ public:
+  Sha256Stream();
+  ~Sha256Stream();
+  Sha256Stream(Sha256Stream&&) noexcept;
+  Sha256Stream& operator=(Sha256Stream&&) noexcept;
+
+  void Add(std::string_view bytes);
+  // Of all that was added; ends the stream.
+  std::string Finish();
+
+ private:
+  struct Free {
+    void operator()(evp_md_ctx_st* context) const;
+  };
+  std::unique_ptr<evp_md_ctx_st, Free> context_;
+};
+
+// Lower-case hexadecimal.
+std::string ToHex(std::string_view bytes);
+
+}  // namespace enfilade
