@@ -1,0 +1,109 @@
+#include "core/slam/mapper_state.h"
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/slam/compression.h"
+#include "core/slam/pose_codec.h"
+
+namespace enfilade {
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
+
+void PutTrack(BinaryWriter& writer, const std::optional<Track>& track) {
+  writer.Put<std::uint8_t>(track.has_value());
+  if (!track) return;
+  PutPose(writer, track->T_submap_robot);
+  writer.Put<std::uint8_t>(track->T_odom_robot.has_value());
+  PutPose(writer, track->T_odom_robot.value_or(Pose2{}));
+  writer.Put(track->length_since_keyframe);
+}
+
+std::optional<Track> GetTrack(BinaryReader& reader) {
+  if (reader.Get<std::uint8_t>() == 0) return std::nullopt;
+  Track track;
+  track.T_submap_robot = GetPose(reader);
+  const bool has_odometry = reader.Get<std::uint8_t>() != 0;
+  const Pose2 odometry = GetPose(reader);
+  if (has_odometry) track.T_odom_robot = odometry;
+  track.length_since_keyframe = reader.Get<double>();
+  return track;
+}
+
+void PutActive(BinaryWriter& writer, const std::optional<Submap>& active) {
+  writer.Put<std::uint8_t>(active.has_value());
+  if (!active) return;
+  writer.Put(active->id);
+  writer.Put(active->version);
+  Serialize(active->content, writer);
+}
+
+absl::Status GetActive(BinaryReader& reader, const SlamMap& stored, const OccupancyOptions& options,
+                       std::optional<Submap>& active) {
+  if (reader.Get<std::uint8_t>() == 0) return absl::OkStatus();
+  const auto id = reader.Get<std::int64_t>();
+  const auto version = reader.Get<std::int64_t>();
+  ENFILADE_ASSIGN_OR_RETURN(SubmapContent content, DeserializeSubmapContent(reader, options));
+  Submap submap{id, version, Pose2{}, std::move(content)};
+  const auto row = stored.submaps.find(submap.id);
+  if (row == stored.submaps.end() || row->second.finished || row->second.version != submap.version) {
+    return DataLoss("the checkpoint goes on with submap {} version {}, which is not the stored one", submap.id,
+                    submap.version);
+  }
+  submap.T_map_submap = row->second.T_map_submap;
+  active = std::move(submap);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<FinishedSubmap> FinishedOf(const SlamSubmap& row, const OccupancyOptions& options) {
+  FinishedSubmap submap{row.T_map_submap, row.version, row.content, {}, {}};
+  absl::StatusOr<SubmapContent> content = DecodeSubmapContent(row.content, options);
+  if (!content.ok()) return WithContext(content.status(), fmt::format("stored submap {}", row.id));
+  submap.nodes = std::move(content->nodes);
+  submap.odometry = std::move(content->odometry);
+  return submap;
+}
+
+}  // namespace
+
+std::string EncodeCheckpoint(const MapperState& state) {
+  std::string bytes;
+  BinaryWriter writer(bytes);
+  writer.Put(kVersion);
+  writer.Put<std::uint64_t>(state.nodes.size());
+  writer.Put<std::uint64_t>(state.finished.size());
+  writer.Put<std::uint64_t>(state.closures.size());
+  writer.Put<std::uint8_t>(state.ended);
+  PutTrack(writer, state.track);
+  PutActive(writer, state.active);
+  return Compress(bytes);
+}
+
+absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const SlamMap& stored,
+                                             const OccupancyOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, Decompress(checkpoint, kMaxCheckpointBytes));
+  BinaryReader reader(bytes);
+  if (reader.Get<std::uint8_t>() != kVersion) return DataLoss("the checkpoint is of a version unknown to this program");
+  MapperState state;
+  const auto nodes = reader.Get<std::uint64_t>();
+  const auto finished = reader.Get<std::uint64_t>();
+  const auto closures = reader.Get<std::uint64_t>();
+  state.ended = reader.Get<std::uint8_t>() != 0;
+  state.track = GetTrack(reader);
+  ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));
+  if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");
+  for (const auto& [id, row] : stored.submaps) {
+    if (!row.finished) continue;
+    ENFILADE_ASSIGN_OR_RETURN(state.finished[id], FinishedOf(row, options));
+  }
+  state.nodes = stored.nodes;
+  state.closures = stored.closures;
+  if (state.nodes.size() != nodes || state.finished.size() != finished || state.closures.size() != closures) {
+    return DataLoss("the checkpoint belongs to {} nodes, {} finished submaps, {} closures; stored are {}, {}, {}",
+                    nodes, finished, closures, state.nodes.size(), state.finished.size(), state.closures.size());
+  }
+  return state;
+}
+
+}  // namespace enfilade

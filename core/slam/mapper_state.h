@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/slam/slam_map.h"
+#include "core/slam/submap.h"
+
+namespace enfilade {
+
+// A submap that gets no more scans: compressed, with what the pose graph needs of it beside.
+struct FinishedSubmap {
+  Pose2 T_map_submap;
+  std::int64_t version = 0;
+  std::string content;  // Encode(SubmapContent)
+  std::vector<SubmapNode> nodes;
+  std::vector<OdometryEdge> odometry;
+};
+
+// Where the robot is, relative to the active submap.
+struct Track {
+  Pose2 T_submap_robot;
+  std::optional<Pose2> T_odom_robot;   // at the same scan
+  double length_since_keyframe = 0.0;  // m
+};
+
+// All that a mapper knows.
+struct MapperState {
+  std::optional<Submap> active;
+  std::optional<Track> track;
+  std::map<std::int64_t, FinishedSubmap> finished;
+  std::map<std::int64_t, SlamNode> nodes;
+  std::map<std::int64_t, SlamClosure> closures;
+  bool ended = false;  // Finish was called
+
+  std::int64_t last_submap() const { return active ? active->id : static_cast<std::int64_t>(finished.size()) - 1; }
+};
+
+// The part of `state` that is not in rows.
+std::string EncodeCheckpoint(const MapperState& state);
+
+// DATA_LOSS where the two do not belong together.
+absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const SlamMap& stored,
+                                             const OccupancyOptions& options);
+
+}  // namespace enfilade

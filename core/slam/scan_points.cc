@@ -1,0 +1,43 @@
+#include "core/slam/scan_points.h"
+
+#include <cmath>
+
+namespace enfilade {
+namespace {
+
+Eigen::Vector2d Rounded(const Eigen::Vector2d& p) { return p.cast<float>().cast<double>(); }
+
+}  // namespace
+
+ScanRays RobotRays(const LaserScan& scan, const ScanRayOptions& options) {
+  ScanRays rays = RaysOf(scan, Pose2{}, options);
+  rays.origin = Rounded(rays.origin);
+  for (Eigen::Vector2d& p : rays.hits) p = Rounded(p);
+  for (Eigen::Vector2d& p : rays.free_ends) p = Rounded(p);
+  return rays;
+}
+
+ScanRays Transformed(const Pose2& T_target_source, const ScanRays& rays) {
+  Eigen::Matrix2d R;
+  R << std::cos(T_target_source.yaw), -std::sin(T_target_source.yaw), std::sin(T_target_source.yaw),
+      std::cos(T_target_source.yaw);
+  const Eigen::Vector2d t = T_target_source.translation();
+  ScanRays result;
+  result.origin = R * rays.origin + t;
+  result.hits.reserve(rays.hits.size());
+  for (const Eigen::Vector2d& p : rays.hits) result.hits.emplace_back(R * p + t);
+  result.free_ends.reserve(rays.free_ends.size());
+  for (const Eigen::Vector2d& p : rays.free_ends) result.free_ends.emplace_back(R * p + t);
+  return result;
+}
+
+std::vector<Eigen::Vector2d> Thinned(const std::vector<Eigen::Vector2d>& points, double spacing) {
+  std::vector<Eigen::Vector2d> kept;
+  kept.reserve(points.size());
+  for (const Eigen::Vector2d& p : points) {
+    if (kept.empty() || (p - kept.back()).squaredNorm() >= spacing * spacing) kept.push_back(p);
+  }
+  return kept;
+}
+
+}  // namespace enfilade

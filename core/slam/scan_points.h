@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/grid/scan_rays.h"
+
+namespace enfilade {
+
+// The scan's rays in the robot's frame, with coordinates rounded to single precision (ranges have no more), so that
+// they are stored exactly in half the space.
+ScanRays RobotRays(const LaserScan& scan, const ScanRayOptions& options);
+
+// The same rays seen from another frame.
+ScanRays Transformed(const Pose2& T_target_source, const ScanRays& rays);
+
+// Every point that lies at least `spacing` (m) from the one kept before it: near walls, which beams strike densely, do
+// not outweigh far ones.
+std::vector<Eigen::Vector2d> Thinned(const std::vector<Eigen::Vector2d>& points, double spacing);
+
+}  // namespace enfilade

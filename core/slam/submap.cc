@@ -1,0 +1,139 @@
+#include "core/slam/submap.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/slam/compression.h"
+#include "core/slam/pose_codec.h"
+
+namespace enfilade {
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+constexpr std::size_t kMaxContentBytes = std::size_t{1} << 30;
+
+void PutPoints(BinaryWriter& writer, const std::vector<Eigen::Vector2d>& points) {
+  writer.Put<std::uint64_t>(points.size());
+  for (const auto& p : points) writer.Put(static_cast<float>(p.x()));
+  for (const auto& p : points) writer.Put(static_cast<float>(p.y()));
+}
+
+std::vector<Eigen::Vector2d> GetPoints(BinaryReader& reader) {
+  const auto size = reader.Get<std::uint64_t>();
+  if (size > reader.remaining() / (2 * sizeof(float))) return {};
+  std::vector<Eigen::Vector2d> points(size);
+  for (auto& p : points) p.x() = reader.Get<float>();
+  for (auto& p : points) p.y() = reader.Get<float>();
+  return points;
+}
+
+// Rays are rounded to single precision where they are made: see RobotRays.
+void PutRays(BinaryWriter& writer, const ScanRays& rays) {
+  PutPoints(writer, {rays.origin});
+  PutPoints(writer, rays.hits);
+  PutPoints(writer, rays.free_ends);
+}
+
+ScanRays GetRays(BinaryReader& reader) {
+  ScanRays rays;
+  if (const auto origin = GetPoints(reader); origin.size() == 1) rays.origin = origin.front();
+  rays.hits = GetPoints(reader);
+  rays.free_ends = GetPoints(reader);
+  return rays;
+}
+
+void PutNode(BinaryWriter& writer, const SubmapNode& node) {
+  writer.Put(node.node);
+  writer.Put<std::uint8_t>(node.carried);
+  PutPose(writer, node.T_submap_node);
+  PutMatrix(writer, node.information);
+}
+
+SubmapNode GetNode(BinaryReader& reader) {
+  SubmapNode node;
+  node.node = reader.Get<std::int64_t>();
+  node.carried = reader.Get<std::uint8_t>() != 0;
+  node.T_submap_node = GetPose(reader);
+  node.information = GetMatrix(reader);
+  return node;
+}
+
+void PutOdometry(BinaryWriter& writer, const OdometryEdge& edge) {
+  writer.Put(edge.node);
+  PutPose(writer, edge.T_previous_node);
+  PutMatrix(writer, edge.information);
+  writer.Put(edge.length);
+}
+
+OdometryEdge GetOdometry(BinaryReader& reader) {
+  OdometryEdge edge;
+  edge.node = reader.Get<std::int64_t>();
+  edge.T_previous_node = GetPose(reader);
+  edge.information = GetMatrix(reader);
+  edge.length = reader.Get<double>();
+  return edge;
+}
+
+template <typename T, typename PutOne>
+void PutAll(BinaryWriter& writer, const std::vector<T>& items, PutOne put) {
+  writer.Put<std::uint64_t>(items.size());
+  for (const T& item : items) put(writer, item);
+}
+
+template <typename T, typename GetOne>
+void GetAll(BinaryReader& reader, std::vector<T>& items, GetOne get) {
+  items.clear();
+  for (auto n = reader.Get<std::uint64_t>(); n > 0 && reader.ok(); --n) items.push_back(get(reader));
+}
+
+}  // namespace
+
+int Submap::own_nodes() const {
+  return static_cast<int>(
+      std::count_if(content.nodes.begin(), content.nodes.end(), [](const SubmapNode& n) { return !n.carried; }));
+}
+
+void Serialize(const SubmapContent& content, BinaryWriter& writer) {
+  writer.Put(kVersion);
+  PutAll(writer, content.nodes, PutNode);
+  PutAll(writer, content.odometry, PutOdometry);
+  PutAll(writer, content.scans, PutRays);
+  content.grid.Serialize(writer);
+}
+
+absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, const OccupancyOptions& options) {
+  if (reader.Get<std::uint8_t>() != kVersion)
+    return DataLoss("a submap's content is of a version unknown to this program");
+  std::vector<SubmapNode> nodes;
+  std::vector<OdometryEdge> odometry;
+  std::vector<ScanRays> scans;
+  GetAll(reader, nodes, GetNode);
+  GetAll(reader, odometry, GetOdometry);
+  GetAll(reader, scans, GetRays);
+  if (!reader.ok() || nodes.size() != scans.size()) return DataLoss("a submap's content is damaged");
+  ENFILADE_ASSIGN_OR_RETURN(SubmapGrid grid, SubmapGrid::Deserialize(reader, options));
+  return SubmapContent{std::move(nodes), std::move(odometry), std::move(scans), std::move(grid)};
+}
+
+std::string Encode(const SubmapContent& content) {
+  SubmapContent stored = content;
+  for (std::size_t i = 0; i < stored.nodes.size(); ++i) {
+    if (stored.nodes[i].carried) stored.scans[i] = ScanRays{};
+  }
+  stored.grid.Crop();
+  std::string bytes;
+  BinaryWriter writer(bytes);
+  Serialize(stored, writer);
+  return Compress(bytes);
+}
+
+absl::StatusOr<SubmapContent> DecodeSubmapContent(std::string_view bytes, const OccupancyOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::string raw, Decompress(bytes, kMaxContentBytes));
+  BinaryReader reader(raw);
+  ENFILADE_ASSIGN_OR_RETURN(SubmapContent content, DeserializeSubmapContent(reader, options));
+  if (!reader.at_end()) return DataLoss("a submap's content has trailing bytes");
+  return content;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/time.h"
+#include "core/geometry/pose2.h"
+#include "core/grid/scan_rays.h"
+#include "core/slam/submap_grid.h"
+
+namespace enfilade {
+
+// A keyframe's place in a submap: what was measured when it was put in, and never changes.
+struct SubmapNode {
+  std::int64_t node = 0;
+  bool carried = false;  // copied over from the submap before
+  Pose2 T_submap_node;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // of T_submap_node
+
+  friend bool operator==(const SubmapNode&, const SubmapNode&) = default;
+};
+
+// The odometry's (or, without one, the prediction's) account of the way from a keyframe to the next.
+struct OdometryEdge {
+  std::int64_t node = 0;  // the later one; it leads from node - 1
+  Pose2 T_previous_node;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  double length = 0.0;  // m, of the path; more where the way is unsure
+
+  friend bool operator==(const OdometryEdge&, const OdometryEdge&) = default;
+};
+
+// What a submap holds, in its own frame. `scans[i]` belongs to `nodes[i]`.
+struct SubmapContent {
+  std::vector<SubmapNode> nodes;
+  std::vector<OdometryEdge> odometry;  // of its own nodes
+  std::vector<ScanRays> scans;         // in the robot's frame
+  SubmapGrid grid;
+};
+
+struct Submap {
+  std::int64_t id = 0;
+  std::int64_t version = 0;
+  Pose2 T_map_submap;
+  SubmapContent content;
+
+  int own_nodes() const;
+};
+
+// For checkpoints: exact.
+void Serialize(const SubmapContent& content, BinaryWriter& writer);
+absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, const OccupancyOptions& options);
+
+// For rows: as Serialize, compressed. Of a finished submap only; the scans of carried nodes are left out, since the
+// submap before holds them.
+std::string Encode(const SubmapContent& content);
+absl::StatusOr<SubmapContent> DecodeSubmapContent(std::string_view bytes, const OccupancyOptions& options);
+
+}  // namespace enfilade
