@@ -1,0 +1,5 @@
+BEGIN;
+
+DROP TABLE enfilade.maps;
+
+COMMIT;

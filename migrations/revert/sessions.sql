@@ -1,0 +1,7 @@
+BEGIN;
+
+DROP TABLE enfilade.session_record_blobs;
+DROP TABLE enfilade.session_records;
+DROP TABLE enfilade.sessions;
+
+COMMIT;

@@ -1,0 +1,6 @@
+BEGIN;
+
+DROP TABLE enfilade.robots;
+DROP TABLE enfilade.sites;
+
+COMMIT;
