@@ -4,28 +4,33 @@
 
 namespace enfilade {
 
-Eigen::Vector3d EdgeError(const Pose2& T_world_from, const Pose2& T_world_to, const Pose2& T_from_to) {
-  const Pose2 predicted = Between(T_world_from, T_world_to);
-  const double c = std::cos(T_from_to.yaw);
-  const double s = std::sin(T_from_to.yaw);
-  const double dx = predicted.x - T_from_to.x;
-  const double dy = predicted.y - T_from_to.y;
-  return {c * dx + s * dy, -s * dx + c * dy, WrapAngle(predicted.yaw - T_from_to.yaw)};
-}
+EdgeMeasurement::EdgeMeasurement(const Pose2& measured)
+    : T_from_to(measured), translation_in_to(-Inverse(measured).translation()) {}
 
-LinearizedEdge LinearizeEdge(const Pose2& T_world_from, const Pose2& T_world_to, const Pose2& T_from_to) {
-  LinearizedEdge edge;
-  edge.error = EdgeError(T_world_from, T_world_to, T_from_to);
-  // The translation's error is R(a)^T (t_j - t_i) - R_m^T t_m with a = yaw_i + yaw_m.
-  const double c = std::cos(T_world_from.yaw + T_from_to.yaw);
-  const double s = std::sin(T_world_from.yaw + T_from_to.yaw);
+Eigen::Vector3d EdgeError(const Pose2& T_world_from, const Pose2& T_world_to, const EdgeMeasurement& measurement) {
+  const double a = T_world_from.yaw + measurement.T_from_to.yaw;
+  const double c = std::cos(a);
+  const double s = std::sin(a);
   const double dx = T_world_to.x - T_world_from.x;
   const double dy = T_world_to.y - T_world_from.y;
-  edge.J_from << -c, -s, -s * dx + c * dy,  //
-      s, -c, -c * dx - s * dy,              //
-      0.0, 0.0, -1.0;
+  return {c * dx + s * dy - measurement.translation_in_to.x(), c * dy - s * dx - measurement.translation_in_to.y(),
+          WrapAngle(T_world_to.yaw - a)};
+}
+
+LinearizedEdge LinearizeEdge(const Pose2& T_world_from, const Pose2& T_world_to, const EdgeMeasurement& measurement) {
+  const double a = T_world_from.yaw + measurement.T_from_to.yaw;
+  const double c = std::cos(a);
+  const double s = std::sin(a);
+  const double dx = T_world_to.x - T_world_from.x;
+  const double dy = T_world_to.y - T_world_from.y;
+  LinearizedEdge edge;
+  edge.error = {c * dx + s * dy - measurement.translation_in_to.x(),
+                c * dy - s * dx - measurement.translation_in_to.y(), WrapAngle(T_world_to.yaw - a)};
   edge.J_to << c, s, 0.0,  //
       -s, c, 0.0,          //
+      0.0, 0.0, 1.0;
+  edge.K << 1.0, 0.0, -dy,  //
+      0.0, 1.0, dx,         //
       0.0, 0.0, 1.0;
   return edge;
 }

@@ -1,12 +1,12 @@
 #include "core/optimize/indexed_graph.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <numeric>
 #include <unordered_map>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/optimize/information.h"
 
 namespace enfilade {
 namespace {
@@ -24,16 +24,6 @@ absl::StatusOr<NodeIndex> IndexNodes(const PoseGraph& graph) {
     }
   }
   return index;
-}
-
-absl::Status CheckInformation(const Eigen::Matrix3d& information) {
-  if (!information.allFinite()) return InvalidArgument("its information matrix is not finite");
-  if ((information - information.transpose()).cwiseAbs().maxCoeff() > 1e-9 * information.cwiseAbs().maxCoeff()) {
-    return InvalidArgument("its information matrix is not symmetric");
-  }
-  if (information.llt().info() != Eigen::Success)
-    return InvalidArgument("its information matrix is not positive definite");
-  return absl::OkStatus();
 }
 
 absl::Status CheckEdge(const PoseGraphEdge& edge, const NodeIndex& index) {
@@ -103,8 +93,8 @@ absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph
     if (!edge.enabled) continue;
     const int from = index.at(edge.from);
     const int to = index.at(edge.to);
-    components[component[from]].edges.push_back(
-        {position[from], position[to], static_cast<int>(k), edge.robust, edge.T_from_to, edge.information});
+    components[component[from]].edges.push_back({position[from], position[to], static_cast<int>(k), edge.robust,
+                                                 EdgeMeasurement(edge.T_from_to), edge.information});
   }
   return components;
 }

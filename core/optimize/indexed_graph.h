@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/optimize/edge_error.h"
 #include "core/optimize/pose_graph.h"
 
 namespace enfilade {
@@ -14,7 +16,7 @@ struct IndexedEdge {
   int to = 0;
   int source = 0;  // position in PoseGraph::edges
   bool robust = true;
-  Pose2 T_from_to;
+  EdgeMeasurement measurement;
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
 };
 

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "core/optimize/block_structure.h"
+#include "core/optimize/indexed_graph.h"
+
+namespace enfilade {
+
+// Where the nodes and edges of a graph are in its block matrices; depends on its topology and held nodes only.
+struct GraphLayout {
+  BlockStructure structure;
+  std::vector<int> position;  // per node: its block row in elimination order, -1 where held
+  std::vector<int> block;     // per edge: its block below the diagonal, -1 where an end is held
+};
+
+GraphLayout LayOut(const IndexedGraph& graph);
+
+}  // namespace enfilade

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "absl/status/status.h"
+
+namespace enfilade {
+
+// INVALID_ARGUMENT saying what is wrong unless the matrix is finite, symmetric and positive definite.
+absl::Status CheckInformation(const Eigen::Matrix3d& information);
+
+}  // namespace enfilade

@@ -1,0 +1,105 @@
+#include "core/optimize/minimize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/optimize/normal_equations.h"
+#include "core/optimize/translations.h"
+
+namespace enfilade {
+namespace {
+
+// A share of the predicted decrease below which the model is not trusted in the translations.
+constexpr double kPoorGain = 0.75;
+// A decrease below this, in a sum of squares of standard deviations, is rounding.
+constexpr double kNoDecrease = 1e-15;
+constexpr double kFirstDamping = 1e-6;
+constexpr double kLeastDamping = 1e-9;
+constexpr double kMostDamping = 1e12;
+
+class Descent {
+ public:
+  Descent(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph)
+      : options_(options), layout_(layout), graph_(graph), cost_(GraphCost(graph, graph.poses, options.kernel)) {}
+
+  Minimum Run() {
+    Minimum minimum;
+    bool moved = true;
+    while (layout_.structure.size > 0 && !minimum.converged && minimum.iterations < options_.max_iterations &&
+           damping_ < kMostDamping) {
+      if (moved) Linearize(graph_, layout_, options_.kernel, equations_);
+      moved = false;
+      ++minimum.iterations;
+      const std::optional<Eigen::VectorXd> step = SolveStep();
+      if (!step) {
+        RaiseDamping();
+        continue;
+      }
+      const double predicted = PredictedDecrease(layout_.structure, equations_, *step);
+      const bool at_rest = IsNegligible(predicted) || step->cwiseAbs().maxCoeff() <= options_.step_tolerance;
+      auto [poses, cost] = Try(*step, predicted);
+      const double decrease = cost_ - cost;
+      if (decrease >= 0.0) {
+        graph_.poses = std::move(poses);
+        cost_ = cost;
+        moved = true;
+        if (decrease > 0.25 * predicted) LowerDamping();
+      } else {
+        RaiseDamping();
+      }
+      // A damped step may be short for another reason than a near minimum.
+      minimum.converged = (at_rest || (moved && IsNegligible(decrease))) && damping_ <= kFirstDamping;
+    }
+    minimum.converged = minimum.converged || layout_.structure.size == 0;
+    minimum.cost = cost_;
+    return minimum;
+  }
+
+ private:
+  bool IsNegligible(double decrease) const {
+    return decrease <= options_.relative_tolerance * cost_ || decrease <= kNoDecrease;
+  }
+
+  void RaiseDamping() { damping_ = std::max(10.0 * damping_, kFirstDamping); }
+  void LowerDamping() { damping_ = damping_ <= kLeastDamping ? 0.0 : 0.1 * damping_; }
+
+  // Of (H + damping diag(H)) dx = b.
+  std::optional<Eigen::VectorXd> SolveStep() {
+    factor_ = equations_.H;
+    for (Eigen::Matrix3d& block : factor_.diagonal) block.diagonal() *= 1.0 + damping_;
+    if (!Factorize(layout_.structure, factor_)) return std::nullopt;
+    Eigen::VectorXd step = equations_.b;
+    SolveFactorized(layout_.structure, factor_, step);
+    if (!step.allFinite()) return std::nullopt;
+    return step;
+  }
+
+  std::pair<std::vector<Pose2>, double> Try(const Eigen::VectorXd& step, double predicted) const {
+    std::vector<Pose2> poses = Moved(layout_, graph_.poses, step);
+    const double cost = GraphCost(graph_, poses, options_.kernel);
+    if (cost_ - cost >= kPoorGain * predicted || IsNegligible(predicted)) return {std::move(poses), cost};
+    std::vector<Pose2> projected = poses;
+    if (!SolveTranslations(graph_, layout_, options_.kernel, graph_.poses, projected)) return {std::move(poses), cost};
+    const double projected_cost = GraphCost(graph_, projected, options_.kernel);
+    if (projected_cost < cost) return {std::move(projected), projected_cost};
+    return {std::move(poses), cost};
+  }
+
+  const MinimizeOptions& options_;
+  const GraphLayout& layout_;
+  IndexedGraph& graph_;
+  double cost_;
+  double damping_ = 0.0;
+  NormalEquations equations_;
+  BlockMatrix<3> factor_;
+};
+
+}  // namespace
+
+Minimum Minimize(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
+  return Descent(options, layout, graph).Run();
+}
+
+}  // namespace enfilade
