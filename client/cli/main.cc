@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/cli/command.h"
+#include "client/cli/commands/simulate.h"
 
 int main(int argc, char** argv) {
   using namespace enfilade::cli;
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
+  AddSimulate(app, globals);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

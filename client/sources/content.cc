@@ -1,12 +1,10 @@
 #include "client/sources/content.h"
 
-#include <openssl/sha.h>
-
-#include <charconv>
 #include <fstream>
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/base/sha256.h"
 
 namespace enfilade::sources {
 
@@ -30,36 +28,6 @@ absl::StatusOr<std::string> ReadContent(const fs::path& path) {
   return content;
 }
 
-BlobRef RefOf(std::string_view content) {
-  BlobRef ref;
-  ref.sha256.resize(SHA256_DIGEST_LENGTH);
-  SHA256(reinterpret_cast<const unsigned char*>(content.data()), content.size(),
-         reinterpret_cast<unsigned char*>(ref.sha256.data()));
-  ref.size = static_cast<std::int64_t>(content.size());
-  return ref;
-}
-
-std::string ToHex(std::string_view bytes) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string hex;
-  hex.reserve(bytes.size() * 2);
-  for (const char byte : bytes) {
-    hex.push_back(kDigits[static_cast<unsigned char>(byte) >> 4]);
-    hex.push_back(kDigits[static_cast<unsigned char>(byte) & 15]);
-  }
-  return hex;
-}
-
-std::string FromHex(std::string_view hex) {
-  if (hex.size() % 2 != 0) return {};
-  std::string bytes;
-  for (std::size_t i = 0; i < hex.size(); i += 2) {
-    unsigned char byte = 0;
-    const auto [stop, error] = std::from_chars(hex.data() + i, hex.data() + i + 2, byte, 16);
-    if (error != std::errc() || stop != hex.data() + i + 2) return {};
-    bytes.push_back(static_cast<char>(byte));
-  }
-  return bytes;
-}
+BlobRef RefOf(std::string_view content) { return {Sha256(content), static_cast<std::int64_t>(content.size())}; }
 
 }  // namespace enfilade::sources

@@ -16,8 +16,4 @@ absl::StatusOr<std::string> ReadContent(const std::filesystem::path& path);
 // How a record refers to these bytes.
 BlobRef RefOf(std::string_view content);
 
-std::string ToHex(std::string_view bytes);
-// Empty where `hex` is no hexadecimal text.
-std::string FromHex(std::string_view hex);
-
 }  // namespace enfilade::sources

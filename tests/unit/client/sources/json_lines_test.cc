@@ -93,15 +93,6 @@ TEST(JsonLines, RefersToImagesAndCloudsByFile) {
   EXPECT_EQ(AllOf<PointCloud>(log).at(0).content.size, 24);
 }
 
-TEST(Content, HashesAndShowsHexadecimal) {
-  // The well-known digest of "abc" (FIPS 180-4's example).
-  const std::string hex = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-  EXPECT_EQ(sources::ToHex(sources::RefOf("abc").sha256), hex);
-  EXPECT_EQ(sources::FromHex(hex), sources::RefOf("abc").sha256);
-  EXPECT_EQ(sources::FromHex("zz"), "");
-  EXPECT_EQ(sources::FromHex("abc"), "");
-}
-
 struct BadLine {
   const char* name;
   const char* line;
