@@ -5,6 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "core/optimize/ceres_minimize.h"
+#include "core/optimize/graph_layout.h"
+#include "core/optimize/indexed_graph.h"
 #include "core/optimize/normal_equations.h"
 #include "core/optimize/translations.h"
 
@@ -99,6 +102,7 @@ class Descent {
 }  // namespace
 
 Minimum Minimize(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
+  if (options.backend == Backend::kCeres) return MinimizeWithCeres(options, graph);
   return Descent(options, layout, graph).Run();
 }
 

@@ -17,8 +17,9 @@ struct RobustKernel {
 };
 
 struct RobustCost {
-  double cost = 0.0;    // rho(s)
-  double weight = 1.0;  // d rho / d s
+  double cost = 0.0;       // rho(s)
+  double weight = 1.0;     // d rho / d s, in (0, 1]
+  double curvature = 0.0;  // d^2 rho / d s^2, not positive
 };
 
 RobustCost Evaluate(const RobustKernel& kernel, double squared_error);

@@ -28,7 +28,7 @@ absl::Status Check(const SolveOptions& options) {
 }
 
 Minimum SolveComponent(const SolveOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
-  const MinimizeOptions minimize{options.kernel, options.max_iterations, options.relative_tolerance,
+  const MinimizeOptions minimize{options.backend, options.kernel, options.max_iterations, options.relative_tolerance,
                                  options.step_tolerance};
   switch (options.initialisation) {
     case Initialisation::kAuto:

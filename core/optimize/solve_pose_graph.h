@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/optimize/minimize.h"
 #include "core/optimize/pose_graph.h"
 #include "core/optimize/robust_kernel.h"
 
@@ -20,19 +21,21 @@ struct SolveOptions {
   Initialisation initialisation = Initialisation::kAuto;
 
   // For edges with `robust`. Its width is in units of one standard deviation (see RobustKernel).
-  RobustKernel kernel;
+  RobustKernel kernel = {};
+
+  Backend backend = Backend::kBlocks;
 
   int max_iterations = 100;  // Gauss-Newton / Levenberg-Marquardt steps per start
   // Converged when a step lowers the cost by no more than this fraction of it, or moves no pose by more than
   // `step_tolerance` (m, rad).
-  double relative_tolerance = 1e-10;
+  double relative_tolerance = 1e-9;
   double step_tolerance = 1e-10;
 
   // Ids of the nodes held at their given poses. In a component with none of them its first node is held.
-  std::vector<std::int64_t> fixed;
+  std::vector<std::int64_t> fixed = {};
 
   // Ids of the nodes whose marginal covariance is wanted.
-  std::vector<std::int64_t> covariance_of;
+  std::vector<std::int64_t> covariance_of = {};
 };
 
 // The marginal covariance of one node in (x, y, yaw) of its T_world_node, relative to the held nodes of its component

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/optimize/indexed_graph.h"
+#include "core/optimize/minimize.h"
+
+namespace enfilade {
+
+// Backend::kCeres of Minimize.
+Minimum MinimizeWithCeres(const MinimizeOptions& options, IndexedGraph& graph);
+
+}  // namespace enfilade
