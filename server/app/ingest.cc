@@ -1,0 +1,257 @@
+#include "server/app/ingest.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/base/error.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kWriteTimeout = std::chrono::seconds(30);
+// Streams whose batches share a transaction: more make each wait longer for its acknowledgement.
+constexpr std::size_t kMaxStreamsPerTransaction = 32;
+
+}  // namespace
+
+// All fields but the constant ones belong to Ingest's mutex.
+class Ingest::Stream {
+ public:
+  Stream(SessionName name, std::function<void(const IngestEvent&)> callback)
+      : session(std::move(name)), on_event(std::move(callback)) {}
+
+  // Calls are serialised here: a stream's events come from its writer, and RoomAgain from any.
+  void Tell(const IngestEvent& event) {
+    absl::MutexLock lock(&event_mutex);
+    if (!closed) on_event(event);
+  }
+
+  const SessionName session;
+  absl::Mutex event_mutex;
+  const std::function<void(const IngestEvent&)> on_event;
+  bool closed ABSL_GUARDED_BY(event_mutex) = false;
+
+  struct Entry {
+    IngestItem item;
+    std::int64_t bytes = 0;
+  };
+  std::deque<Entry> entries;
+  std::int64_t bytes = 0;  // of the entries and of what is being written
+  bool writing = false;
+  bool paused = false;  // has been told to wait
+  bool failed = false;  // what still comes is dropped: the client sends it again
+  bool told_drained = false;
+};
+
+// What one writer does for one stream in one round: refusals to be passed on, then one blob or several batches.
+struct Ingest::Work {
+  std::shared_ptr<Stream> stream;
+  std::vector<Stream::Entry> entries;
+  std::vector<IngestEvent> events;
+};
+
+Ingest::Ingest(const ServerOptions::Ingest& options, const RecordStore& records, const BlobStore& blobs,
+               Metrics& metrics, std::function<void()> on_stored)
+    : options_(options), records_(records), blobs_(blobs), metrics_(metrics), on_stored_(std::move(on_stored)) {
+  for (int i = 0; i < options_.writers; ++i) writers_.emplace_back([this] { Run(); });
+}
+
+Ingest::~Ingest() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+  }
+  for (std::thread& writer : writers_) writer.join();
+}
+
+std::shared_ptr<Ingest::Stream> Ingest::Open(const SessionName& session,
+                                             std::function<void(const IngestEvent&)> on_event) {
+  auto stream = std::make_shared<Stream>(session, std::move(on_event));
+  absl::MutexLock lock(&mutex_);
+  streams_.insert(stream);
+  if (draining_) ready_.push_back(stream);
+  metrics_.AddStreamsOpen(1);
+  return stream;
+}
+
+bool Ingest::Offer(const std::shared_ptr<Stream>& stream, IngestItem item, std::size_t bytes) {
+  const auto size = static_cast<std::int64_t>(bytes);
+  metrics_.AddIngestBuffered(size);
+  absl::MutexLock lock(&mutex_);
+  const bool idle = stream->entries.empty() && !stream->writing;
+  stream->entries.push_back({std::move(item), size});
+  stream->bytes += size;
+  total_bytes_ += size;
+  if (idle) ready_.push_back(stream);
+  stream->paused = stream->bytes > options_.stream_buffer_bytes || total_bytes_ > options_.total_buffer_bytes;
+  return !stream->paused;
+}
+
+void Ingest::Close(const std::shared_ptr<Stream>& stream) {
+  {
+    absl::MutexLock lock(&stream->event_mutex);
+    if (stream->closed) return;
+    stream->closed = true;
+  }
+  metrics_.AddStreamsOpen(-1);
+  absl::MutexLock lock(&mutex_);
+  streams_.erase(stream);
+}
+
+void Ingest::Drain() {
+  absl::MutexLock lock(&mutex_);
+  draining_ = true;
+  for (const auto& stream : streams_) {
+    if (stream->entries.empty() && !stream->writing) ready_.push_back(stream);
+  }
+}
+
+void Ingest::Run() {
+  const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_ || !ready_.empty(); };
+  while (true) {
+    std::vector<Work> work;
+    {
+      absl::MutexLock lock(&mutex_);
+      mutex_.Await(absl::Condition(&has_work));
+      if (ready_.empty()) return;
+      work = TakeWork();
+    }
+    Write(work);
+    Return(work);
+  }
+}
+
+// The next items of the streams that wait longest, up to one transaction's worth.
+std::vector<Ingest::Work> Ingest::TakeWork() {
+  std::vector<Work> work;
+  std::int64_t bytes = 0;
+  while (!ready_.empty() && work.size() < kMaxStreamsPerTransaction && bytes < options_.transaction_bytes) {
+    const std::shared_ptr<Stream> stream = std::move(ready_.front());
+    ready_.pop_front();
+    if (stream->writing) continue;  // queued twice, by Drain
+    stream->writing = true;
+    Work next{stream, {}, {}};
+    while (!stream->entries.empty() && bytes < options_.transaction_bytes) {
+      const bool is_blob = std::holds_alternative<IngestBlob>(stream->entries.front().item);
+      if (is_blob && !next.entries.empty()) break;
+      bytes += stream->entries.front().bytes;
+      next.entries.push_back(std::move(stream->entries.front()));
+      stream->entries.pop_front();
+      if (is_blob) break;
+    }
+    work.push_back(std::move(next));
+  }
+  return work;
+}
+
+void Ingest::Write(std::vector<Work>& work) {
+  WriteBlobs(work);
+  WriteBatches(work);
+  for (Work& one : work) {
+    for (const IngestEvent& event : one.events) one.stream->Tell(event);
+  }
+}
+
+void Ingest::WriteBlobs(std::vector<Work>& work) {
+  for (Work& one : work) {
+    if (one.entries.size() != 1 || one.stream->failed) continue;
+    const auto* blob = std::get_if<IngestBlob>(&one.entries.front().item);
+    if (!blob) continue;
+    const BlobView view{blob->sha256, blob->data};
+    const absl::Status status =
+        blobs_.Put(CallContext::WithTimeout(kWriteTimeout), one.stream->session.site, absl::MakeConstSpan(&view, 1));
+    if (!status.ok()) one.events.push_back(Failed{status});
+  }
+}
+
+void Ingest::WriteBatches(std::vector<Work>& work) {
+  struct Origin {
+    Work* work;
+    std::int64_t first_sequence;
+  };
+  std::vector<RecordBatch> batches;
+  std::vector<Origin> origins;
+  for (Work& one : work) {
+    if (one.stream->failed) continue;
+    for (const Stream::Entry& entry : one.entries) {
+      if (const auto* batch = std::get_if<IngestBatch>(&entry.item)) {
+        batches.push_back({one.stream->session.site, one.stream->session.session, batch->records, {}});
+        origins.push_back({&one, batch->records.front().sequence});
+      } else if (const auto* refusal = std::get_if<Refusal>(&entry.item)) {
+        one.events.push_back(*refusal);
+        metrics_.CountBatchRefused();
+      }
+    }
+  }
+  if (batches.empty()) return;
+
+  const auto results = records_.AppendGroup(CallContext::WithTimeout(kWriteTimeout), batches);
+  bool news = false;
+  for (std::size_t i = 0; i < batches.size(); ++i) {
+    const absl::Status status = results.ok() ? (*results)[i].status() : results.status();
+    if (status.ok()) {
+      const AppendResult& result = *(*results)[i];
+      metrics_.CountRecordsStored(result.inserted, result.duplicates);
+      news = news || result.inserted > 0;
+      origins[i].work->events.push_back(Stored{result.acknowledged_sequence});
+    } else if (const std::int64_t sequence = RefusedSequenceOf(status); sequence > 0) {
+      const auto reason =
+          absl::IsAlreadyExists(status) ? Refusal::Reason::kConflictingRecord : Refusal::Reason::kInvalidRecord;
+      origins[i].work->events.push_back(
+          Refusal{origins[i].first_sequence, sequence, reason, std::string(status.message())});
+      metrics_.CountBatchRefused();
+    } else {
+      origins[i].work->events.push_back(Failed{status});
+    }
+  }
+  if (!results.ok())
+    spdlog::warn("ingest: {} batches could not be stored: {}", batches.size(), results.status().ToString());
+  if (news) on_stored_();
+}
+
+// Gives the streams back: to the queue where more has come meanwhile, and tells those that may go on.
+void Ingest::Return(const std::vector<Work>& work) {
+  std::vector<std::shared_ptr<Stream>> drained;
+  std::vector<std::shared_ptr<Stream>> with_room;
+  std::int64_t written = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (const Work& one : work) {
+      Stream& stream = *one.stream;
+      for (const Stream::Entry& entry : one.entries) {
+        stream.bytes -= entry.bytes;
+        written += entry.bytes;
+      }
+      stream.failed = stream.failed || std::any_of(one.events.begin(), one.events.end(), [](const IngestEvent& event) {
+                        return std::holds_alternative<Failed>(event);
+                      });
+      stream.writing = false;
+      if (!stream.entries.empty()) {
+        ready_.push_back(one.stream);
+      } else if (draining_ && !stream.told_drained) {
+        stream.told_drained = true;
+        drained.push_back(one.stream);
+      }
+    }
+    total_bytes_ -= written;
+    with_room = StreamsWithRoomAgain();
+  }
+  metrics_.AddIngestBuffered(-written);
+  for (const auto& stream : with_room) stream->Tell(RoomAgain{});
+  for (const auto& stream : drained) stream->Tell(Drained{});
+}
+
+std::vector<std::shared_ptr<Ingest::Stream>> Ingest::StreamsWithRoomAgain() {
+  std::vector<std::shared_ptr<Stream>> streams;
+  if (total_bytes_ > options_.total_buffer_bytes) return streams;
+  for (const auto& stream : streams_) {
+    if (!stream->paused || stream->bytes > options_.stream_buffer_bytes / 2) continue;
+    stream->paused = false;
+    streams.push_back(stream);
+  }
+  return streams;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "core/sensor/record.h"
+#include "proto/convert/names.h"
+#include "server/app/metrics.h"
+#include "server/config/server_options.h"
+#include "storage/blob_store.h"
+#include "storage/record_store.h"
+
+namespace enfilade::server {
+
+// A batch that is not stored, none of it.
+struct Refusal {
+  enum class Reason { kInvalidRecord, kConflictingRecord, kInvalidBatch };
+
+  std::int64_t first_sequence = 0;
+  std::int64_t sequence = 0;  // of the record at fault; 0 where it is the batch as a whole
+  Reason reason = Reason::kInvalidBatch;
+  std::string message;
+};
+
+// What a stream hands in, to be dealt with in this order.
+struct IngestBatch {
+  std::vector<Record> records;
+};
+struct IngestBlob {
+  std::string sha256;
+  std::string data;
+};
+using IngestItem = std::variant<IngestBatch, IngestBlob, Refusal>;
+
+// What becomes of it.
+struct Stored {
+  std::int64_t acknowledged_sequence = 0;
+};
+struct Failed {
+  absl::Status status;  // the stream cannot go on
+};
+struct RoomAgain {};  // after Offer has said that there is none
+struct Drained {};    // the server is about to end: nothing is left to be stored, nothing more is taken
+using IngestEvent = std::variant<Stored, Refusal, Failed, RoomAgain, Drained>;
+
+// Takes the batches of many streams and stores them with few transactions: while one is being written the next ones
+// gather. Bounded: a stream that is ahead of the database is told to wait. Thread-safe.
+class Ingest {
+ public:
+  class Stream;
+
+  // `on_stored` is called after every commit that brought new records (mapping has something to do).
+  Ingest(const ServerOptions::Ingest& options, const RecordStore& records, const BlobStore& blobs, Metrics& metrics,
+         std::function<void()> on_stored);
+  // All streams must be closed.
+  ~Ingest();
+  Ingest(const Ingest&) = delete;
+  Ingest& operator=(const Ingest&) = delete;
+
+  // `on_event` is called from writer threads, one call at a time per stream, and must not block.
+  std::shared_ptr<Stream> Open(const SessionName& session, std::function<void(const IngestEvent&)> on_event);
+  // False: no more until RoomAgain (the item itself is taken).
+  bool Offer(const std::shared_ptr<Stream>& stream, IngestItem item, std::size_t bytes);
+  // No event comes after it returns, but for those that are under way in other threads. What has been offered is
+  // still stored.
+  void Close(const std::shared_ptr<Stream>& stream);
+
+  // Every open stream, and every one that will be opened, gets Drained once its items are stored.
+  void Drain();
+
+ private:
+  struct Work;
+
+  void Run();
+  std::vector<Work> TakeWork() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Write(std::vector<Work>& work);
+  void WriteBlobs(std::vector<Work>& work);
+  void WriteBatches(std::vector<Work>& work);
+  void Return(const std::vector<Work>& work);
+  std::vector<std::shared_ptr<Stream>> StreamsWithRoomAgain() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const ServerOptions::Ingest options_;
+  const RecordStore& records_;
+  const BlobStore& blobs_;
+  Metrics& metrics_;
+  const std::function<void()> on_stored_;
+
+  absl::Mutex mutex_;
+  std::set<std::shared_ptr<Stream>> streams_ ABSL_GUARDED_BY(mutex_);
+  std::deque<std::shared_ptr<Stream>> ready_ ABSL_GUARDED_BY(mutex_);  // have items and no writer
+  std::int64_t total_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  std::vector<std::thread> writers_;
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,77 @@
+#include "server/app/maintenance_loop.h"
+
+#include <functional>
+
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kTimeout = std::chrono::seconds(30);
+// A robot may send a blob and come back with the record that refers to it only after an outage.
+constexpr auto kBlobGrace = std::chrono::hours(24);
+constexpr std::int64_t kRowsPerPortion = 5000;
+
+}  // namespace
+
+MaintenanceLoop::MaintenanceLoop(const ServerOptions::Retention& options, postgres::Pool& pool,
+                                 const Readiness& readiness, Metrics& metrics)
+    : options_(options), pool_(pool), readiness_(readiness), metrics_(metrics), maintenance_(pool) {
+  thread_ = std::thread([this] { Run(); });
+}
+
+MaintenanceLoop::~MaintenanceLoop() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+  }
+  thread_.join();
+}
+
+bool MaintenanceLoop::Wait(absl::Duration time) {
+  absl::MutexLock lock(&mutex_);
+  return !mutex_.AwaitWithTimeout(absl::Condition(&stopping_), time);
+}
+
+void MaintenanceLoop::Run() {
+  constexpr double kFiguresIntervalS = 1.0;
+  double since_clean_up = 0.0;
+  while (Wait(absl::Seconds(kFiguresIntervalS))) {
+    const postgres::Pool::Stats stats = pool_.stats();
+    metrics_.SetDatabaseConnections(stats.open, stats.busy, stats.waiting);
+    since_clean_up += kFiguresIntervalS;
+    if (since_clean_up < options_.interval_s || !readiness_.state().ready) continue;
+    since_clean_up = 0.0;
+    CleanUp();
+  }
+}
+
+void MaintenanceLoop::CleanUp() {
+  struct Job {
+    const char* what;
+    std::function<absl::StatusOr<std::int64_t>(const CallContext&)> run;
+  };
+  const Job jobs[] = {
+      {"rows of deleted sessions",
+       [this](const CallContext& context) { return maintenance_.PurgeDeletedSessions(context, kRowsPerPortion); }},
+      {"records past their retention",
+       [this](const CallContext& context) { return maintenance_.DeleteExpiredRecords(context, kRowsPerPortion); }},
+      {"unused blobs",
+       [this](const CallContext& context) { return maintenance_.CollectBlobs(context, kBlobGrace, kRowsPerPortion); }},
+  };
+  for (const Job& job : jobs) {
+    std::int64_t deleted = 0;
+    while (Wait(absl::ZeroDuration())) {
+      const auto portion = job.run(CallContext::WithTimeout(kTimeout));
+      if (!portion.ok()) {
+        spdlog::warn("maintenance: {}: {}", job.what, portion.status().ToString());
+        break;
+      }
+      deleted += *portion;
+      if (*portion < kRowsPerPortion) break;
+    }
+    if (deleted > 0) spdlog::info("maintenance: deleted {} {}", deleted, job.what);
+  }
+}
+
+}  // namespace enfilade::server

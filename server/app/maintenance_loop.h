@@ -1,0 +1,40 @@
+#pragma once
+
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "server/app/metrics.h"
+#include "server/app/readiness.h"
+#include "server/config/server_options.h"
+#include "storage/maintenance.h"
+#include "storage/postgres/pool.h"
+
+namespace enfilade::server {
+
+// Every now and then: deletes records past their site's retention, rows of deleted sessions and blobs that nothing
+// refers to, in small portions, and brings the pool's figures up to date. Does nothing while the server is not ready.
+class MaintenanceLoop {
+ public:
+  MaintenanceLoop(const ServerOptions::Retention& options, postgres::Pool& pool, const Readiness& readiness,
+                  Metrics& metrics);
+  ~MaintenanceLoop();
+  MaintenanceLoop(const MaintenanceLoop&) = delete;
+  MaintenanceLoop& operator=(const MaintenanceLoop&) = delete;
+
+ private:
+  void Run();
+  void CleanUp();
+  bool Wait(absl::Duration time);
+
+  const ServerOptions::Retention options_;
+  postgres::Pool& pool_;
+  const Readiness& readiness_;
+  Metrics& metrics_;
+  const Maintenance maintenance_;
+  absl::Mutex mutex_;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace enfilade::server

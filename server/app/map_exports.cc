@@ -1,0 +1,170 @@
+#include "server/app/map_exports.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+#include "server/app/raster_revision.h"
+
+namespace enfilade::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kDirectoryPrefix[] = "enfilade-exports-";
+
+// Folders of servers that were killed before they could tidy up.
+void RemoveAbandoned(const fs::path& parent) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(parent, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind(kDirectoryPrefix, 0) != 0) continue;
+    pid_t owner = 0;
+    const char* begin = name.data() + sizeof(kDirectoryPrefix) - 1;
+    const auto parsed = std::from_chars(begin, name.data() + name.size(), owner);
+    if (parsed.ptr != name.data() + name.size() || owner <= 0) continue;
+    if (owner == getpid() || (kill(owner, 0) != 0 && errno == ESRCH)) fs::remove_all(entry.path(), error);
+  }
+}
+
+absl::Status FileError(const fs::path& path, int error) {
+  if (error == ENOSPC || error == EDQUOT) {
+    return ResourceExhausted("the disk that holds {} is full: free space, or set transfers.cache_directory",
+                             path.string());
+  }
+  return Internal("{}: {}", path.string(), std::strerror(error));
+}
+
+absl::Status WriteFile(const fs::path& path, const std::string& bytes) {
+  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (descriptor < 0) return FileError(path, errno);
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t n = write(descriptor, bytes.data() + written, bytes.size() - written);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) {
+      const int error = errno;
+      close(descriptor);
+      unlink(path.c_str());
+      return FileError(path, error);
+    }
+    written += static_cast<std::size_t>(n);
+  }
+  close(descriptor);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+ReadOnlyFile::~ReadOnlyFile() { close(descriptor_); }
+
+absl::Status ReadOnlyFile::Read(std::int64_t offset, std::size_t size, char* out) const {
+  while (size > 0) {
+    const ssize_t n = pread(descriptor_, out, size, offset);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return DataLoss("a rendered map file ends {} bytes too early", size);
+    out += n;
+    offset += n;
+    size -= static_cast<std::size_t>(n);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptions::Transfers& options,
+                                                               const MapStore& maps, const RevisionStore& revisions) {
+  std::error_code error;
+  const fs::path parent =
+      options.cache_directory.empty() ? fs::temp_directory_path(error) : fs::path(options.cache_directory);
+  if (!error) RemoveAbandoned(parent);
+  const fs::path directory = parent / (kDirectoryPrefix + std::to_string(getpid()));
+  if (!error) fs::create_directories(directory, error);
+  if (error) {
+    return FailedPrecondition("transfers.cache_directory: cannot make {}: {}", directory.string(), error.message());
+  }
+  fs::permissions(directory, fs::perms::owner_all, error);
+  return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, directory));
+}
+
+MapExports::MapExports(const ServerOptions::Transfers& options, const MapStore& maps, const RevisionStore& revisions,
+                       fs::path directory)
+    : options_(options), maps_(maps), revisions_(revisions), directory_(std::move(directory)) {}
+
+MapExports::~MapExports() {
+  std::error_code ignored;
+  fs::remove_all(directory_, ignored);
+}
+
+absl::StatusOr<ExportedMap> MapExports::Get(const CallContext& context, const RevisionName& name,
+                                            MapFileFormat format) {
+  ENFILADE_ASSIGN_OR_RETURN(const Map map, maps_.Get(context, name.site, name.map));
+  if (name.revision == 0 && map.current_revision == 0) {
+    return FailedPrecondition("map \"{}\" has no revision yet: map something into it, or import one", map.display_name);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const MapRevision revision, revisions_.Get(context, name.site, name.map, name.revision));
+  const std::string key =
+      fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format), SafeStem(map.display_name));
+  const auto find = [&]() -> std::optional<ExportedMap> {
+    absl::MutexLock lock(&mutex_);
+    for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+      if (entry->key != key) continue;
+      entries_.splice(entries_.begin(), entries_, entry);
+      ExportedMap found = entries_.front().map;
+      found.revision = revision;
+      return found;
+    }
+    return std::nullopt;
+  };
+  if (auto found = find()) return *std::move(found);
+  absl::MutexLock render_lock(&render_mutex_);
+  if (auto found = find()) return *std::move(found);  // rendered while this call waited
+  ENFILADE_ASSIGN_OR_RETURN(Entry entry, Render(context, revision, map.display_name, format));
+  entry.key = key;
+  ExportedMap rendered = entry.map;
+  absl::MutexLock lock(&mutex_);
+  bytes_ += entry.bytes;
+  entries_.push_front(std::move(entry));
+  Evict();
+  return rendered;
+}
+
+absl::StatusOr<MapExports::Entry> MapExports::Render(const CallContext& context, const MapRevision& revision,
+                                                     const std::string& display_name, MapFileFormat format) {
+  ENFILADE_ASSIGN_OR_RETURN(const MapRaster raster, ReadRaster(context, revisions_, revision));
+  MapFileOptions file_options;
+  file_options.format = format;
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, RenderFiles(raster, display_name, file_options));
+  Entry entry;
+  entry.map.revision = revision;
+  for (const MapFile& file : files) {
+    const fs::path path = directory_ / std::to_string(next_file_++);
+    ENFILADE_RETURN_IF_ERROR(WriteFile(path, file.bytes));
+    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return FileError(path, errno);
+    entry.paths.push_back(path);
+    entry.bytes += static_cast<std::int64_t>(file.bytes.size());
+    entry.map.files.push_back({file.name, static_cast<std::int64_t>(file.bytes.size()), Sha256(file.bytes),
+                               std::make_shared<const ReadOnlyFile>(descriptor)});
+  }
+  return entry;
+}
+
+// The newest entry stays, however large it is.
+void MapExports::Evict() {
+  while (bytes_ > options_.cache_bytes && entries_.size() > 1) {
+    for (const fs::path& path : entries_.back().paths) unlink(path.c_str());
+    bytes_ -= entries_.back().bytes;
+    entries_.pop_back();
+  }
+}
+
+}  // namespace enfilade::server

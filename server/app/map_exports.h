@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "core/grid/map_files.h"
+#include "proto/convert/names.h"
+#include "server/config/server_options.h"
+#include "storage/map_store.h"
+#include "storage/revision_store.h"
+
+namespace enfilade::server {
+
+// An open file that is read from any thread. Removing its name does not disturb readers.
+class ReadOnlyFile {
+ public:
+  explicit ReadOnlyFile(int descriptor) : descriptor_(descriptor) {}
+  ~ReadOnlyFile();
+  ReadOnlyFile(const ReadOnlyFile&) = delete;
+  ReadOnlyFile& operator=(const ReadOnlyFile&) = delete;
+
+  // Exactly `size` bytes from `offset` into `out`. DATA_LOSS where the file has fewer.
+  absl::Status Read(std::int64_t offset, std::size_t size, char* out) const;
+
+ private:
+  const int descriptor_;
+};
+
+struct ExportedFile {
+  std::string name;
+  std::int64_t size = 0;
+  std::string sha256;
+  std::shared_ptr<const ReadOnlyFile> content;
+};
+
+struct ExportedMap {
+  MapRevision revision;
+  std::vector<ExportedFile> files;
+};
+
+// Revisions rendered as files, kept on disk for the next download: rendering a large map takes longer than sending it.
+// One is rendered at a time, so that many requests do not add up their memory. Thread-safe.
+class MapExports {
+ public:
+  // RESOURCE_EXHAUSTED or PERMISSION_DENIED naming the folder where it cannot be written to.
+  static absl::StatusOr<std::unique_ptr<MapExports>> Create(const ServerOptions::Transfers& options,
+                                                            const MapStore& maps, const RevisionStore& revisions);
+  // Removes what it has made.
+  ~MapExports();
+
+  // NOT_FOUND; FAILED_PRECONDITION where the map has no revision yet; RESOURCE_EXHAUSTED where the disk is full.
+  absl::StatusOr<ExportedMap> Get(const CallContext& context, const RevisionName& name, MapFileFormat format);
+
+ private:
+  struct Entry {
+    std::string key;
+    ExportedMap map;
+    std::vector<std::filesystem::path> paths;
+    std::int64_t bytes = 0;
+  };
+
+  MapExports(const ServerOptions::Transfers& options, const MapStore& maps, const RevisionStore& revisions,
+             std::filesystem::path directory);
+  absl::StatusOr<Entry> Render(const CallContext& context, const MapRevision& revision, const std::string& display_name,
+                               MapFileFormat format);
+  void Evict() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const ServerOptions::Transfers options_;
+  const MapStore& maps_;
+  const RevisionStore& revisions_;
+  const std::filesystem::path directory_;
+
+  absl::Mutex render_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  absl::Mutex mutex_;
+  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // the latest used first
+  std::int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::int64_t next_file_ ABSL_GUARDED_BY(render_mutex_) = 0;
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,195 @@
+#include "server/app/mapping.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/base/uuid.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kTimeout = std::chrono::seconds(30);
+constexpr auto kTurn = std::chrono::seconds(3);
+// Turns this short come no faster than this, so that a robot's records are stored in the map by the dozen.
+constexpr auto kShortestTurn = std::chrono::milliseconds(100);
+// Other replicas' records do not wake this process: it looks for them this often.
+constexpr auto kPoll = absl::Seconds(1);
+constexpr std::size_t kMaxParked = 4;
+
+std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(options.lease_s * 1000.0));
+}
+
+SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, const SlamOptions& slam) {
+  SessionMappingOptions session;
+  session.pairing.window_s = options.pairing_window_s;
+  session.slam = slam;
+  session.checkpoint_interval = std::chrono::duration<double>(options.checkpoint_interval_s);
+  session.revision_interval = std::chrono::duration<double>(options.revision_interval_s);
+  return session;
+}
+
+}  // namespace
+
+struct Mapping::Turn {
+  SessionLease lease;
+  std::atomic<bool> lease_lost{false};
+};
+
+Mapping::Mapping(const ServerOptions::Mapping& options, const SlamOptions& slam, const SessionMappingStores& stores,
+                 Metrics& metrics)
+    : options_(options),
+      stores_(stores),
+      session_options_(SessionOptions(options, slam)),
+      metrics_(metrics),
+      owner_(NewUuid()) {
+  for (int i = 0; i < options.workers; ++i) threads_.emplace_back([this, i] { Work(i); });
+  if (options.workers > 0) threads_.emplace_back([this] { KeepLeases(); });
+}
+
+Mapping::~Mapping() {
+  Stop();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void Mapping::Wake() {
+  absl::MutexLock lock(&mutex_);
+  woken_ = true;
+}
+
+void Mapping::Stop() {
+  absl::MutexLock lock(&mutex_);
+  stopping_ = true;
+}
+
+bool Mapping::stopping() const {
+  absl::MutexLock lock(&mutex_);
+  return stopping_;
+}
+
+bool Mapping::Wait(absl::Duration at_most) {
+  const auto woken = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return woken_ || stopping_; };
+  absl::MutexLock lock(&mutex_);
+  mutex_.AwaitWithTimeout(absl::Condition(&woken), at_most);
+  woken_ = false;
+  return !stopping_;
+}
+
+void Mapping::Work(int worker) {
+  const std::string owner = fmt::format("{}/{}", owner_, worker);
+  while (!stopping()) {
+    const auto begin = std::chrono::steady_clock::now();
+    if (!TakeTurn(owner)) {
+      Wait(kPoll);
+    } else if (const auto took = std::chrono::steady_clock::now() - begin; took < kShortestTurn) {
+      absl::MutexLock lock(&mutex_);
+      mutex_.AwaitWithTimeout(absl::Condition(&stopping_), absl::FromChrono(kShortestTurn - took));
+    }
+  }
+}
+
+bool Mapping::TakeTurn(const std::string& owner) {
+  const auto leased = stores_.mappings.Acquire(CallContext::WithTimeout(kTimeout), owner, LeaseTime(options_));
+  if (!leased.ok() || !*leased) return false;  // readiness tells of an unreachable database
+  const auto turn = std::make_shared<Turn>();
+  turn->lease = (*leased)->lease;
+  {
+    absl::MutexLock lock(&mutex_);
+    turns_.push_back(turn);
+  }
+  metrics_.AddSessionsMapping(1);
+  MapSession(**leased, *turn);
+  metrics_.AddSessionsMapping(-1);
+  {
+    absl::MutexLock lock(&mutex_);
+    turns_.remove(turn);
+  }
+  return true;
+}
+
+void Mapping::MapSession(const LeasedSession& leased, Turn& turn) {
+  const std::string& session = leased.session.id.value();
+  std::unique_ptr<SessionMapping> mapping = Unpark(leased);
+  absl::Status status;
+  if (!mapping) {
+    auto loaded = SessionMapping::Load(stores_, session_options_, leased.session);
+    status = loaded.status();
+    if (loaded.ok()) mapping = *std::move(loaded);
+  }
+  if (mapping) status = MapUntilTurnEnds(leased.lease, *mapping, turn);
+
+  if (status.ok()) {
+    Park(leased.lease, std::move(mapping));
+  } else if (absl::IsDataLoss(status) || absl::IsFailedPrecondition(status)) {
+    // Will not get better by trying again.
+    spdlog::error("mapping: session {} fails: {}", session, status.ToString());
+    status = SessionMapping::Fail(stores_, leased, status);
+  } else {
+    spdlog::warn("mapping: session {} goes on from its checkpoint later: {}", session, status.ToString());
+  }
+  // Where the database is away the lease just ends in time.
+  (void)stores_.mappings.Release(CallContext::WithTimeout(kTimeout), leased.lease);
+}
+
+absl::Status Mapping::MapUntilTurnEnds(const SessionLease& lease, SessionMapping& mapping, Turn& turn) {
+  const auto end = std::chrono::steady_clock::now() + kTurn;
+  while (!turn.lease_lost && !stopping() && std::chrono::steady_clock::now() < end) {
+    const LogMapperCounts before = mapping.counts();
+    ENFILADE_ASSIGN_OR_RETURN(const SessionMapping::Progress progress, mapping.Step(lease));
+    const LogMapperCounts after = mapping.counts();
+    const std::int64_t used = after.used - before.used;
+    const std::int64_t settled =
+        after.pairing.paired + after.pairing.unpaired - before.pairing.paired - before.pairing.unpaired;
+    metrics_.CountScansMapped(used, settled - used);
+    if (progress == SessionMapping::Progress::kEnded) return absl::OkStatus();
+    if (progress == SessionMapping::Progress::kWaiting) break;
+  }
+  if (turn.lease_lost) return absl::AbortedError("the lease is lost");
+  return mapping.Store(lease);
+}
+
+// A parked mapping is good only where nobody else had the session since.
+std::unique_ptr<SessionMapping> Mapping::Unpark(const LeasedSession& leased) {
+  absl::MutexLock lock(&mutex_);
+  for (auto parked = parked_.begin(); parked != parked_.end(); ++parked) {
+    if (parked->lease.site != leased.lease.site || parked->lease.session != leased.lease.session) continue;
+    std::unique_ptr<SessionMapping> mapping = std::move(parked->mapping);
+    const bool untouched =
+        leased.lease.token == parked->lease.token + 1 && leased.session.mapped_sequence == mapping->stored_sequence();
+    parked_.erase(parked);
+    return untouched ? std::move(mapping) : nullptr;
+  }
+  return nullptr;
+}
+
+void Mapping::Park(const SessionLease& lease, std::unique_ptr<SessionMapping> mapping) {
+  if (mapping->ended()) return;
+  absl::MutexLock lock(&mutex_);
+  parked_.push_front({lease, std::move(mapping)});
+  if (parked_.size() > kMaxParked) parked_.pop_back();
+}
+
+void Mapping::KeepLeases() {
+  const absl::Duration interval = absl::Seconds(options_.lease_s / 3.0);
+  while (true) {
+    std::list<std::shared_ptr<Turn>> turns;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), interval) && turns_.empty()) return;
+      turns = turns_;
+    }
+    for (const auto& turn : turns) {
+      const absl::Status status =
+          stores_.mappings.Renew(CallContext::WithTimeout(LeaseTime(options_) / 3), turn->lease, LeaseTime(options_));
+      if (absl::IsAborted(status)) turn->lease_lost = true;
+    }
+    if (stopping()) absl::SleepFor(absl::Milliseconds(10));
+  }
+}
+
+}  // namespace enfilade::server

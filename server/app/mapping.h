@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "server/app/metrics.h"
+#include "server/app/session_mapping.h"
+#include "server/config/server_options.h"
+#include "storage/mapping_store.h"
+
+namespace enfilade::server {
+
+// Maps the sessions of all sites, whichever waits longest, each by one worker of one process at a time: a worker holds
+// the session's lease, stores results and checkpoint together, and stops when the lease is lost. After a while the
+// next session has its turn.
+class Mapping {
+ public:
+  Mapping(const ServerOptions::Mapping& options, const SlamOptions& slam, const SessionMappingStores& stores,
+          Metrics& metrics);
+  // Stores what is mapped and gives the leases back.
+  ~Mapping();
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+
+  // New records may have come.
+  void Wake();
+  // Begins what the destructor waits for.
+  void Stop();
+
+ private:
+  struct Turn;
+
+  void Work(int worker);
+  void KeepLeases();
+  // False where there was nothing to do.
+  bool TakeTurn(const std::string& owner);
+  void MapSession(const LeasedSession& leased, Turn& turn);
+  absl::Status MapUntilTurnEnds(const SessionLease& lease, SessionMapping& mapping, Turn& turn);
+  // False where it is time to stop.
+  bool Wait(absl::Duration at_most);
+  bool stopping() const;
+  std::unique_ptr<SessionMapping> Unpark(const LeasedSession& leased);
+  void Park(const SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
+
+  const ServerOptions::Mapping options_;
+  const SessionMappingStores stores_;
+  const SessionMappingOptions session_options_;
+  Metrics& metrics_;
+  const std::string owner_;
+
+  // A mapping that had its turn and may soon have another: spares reading all of it back from the database.
+  struct Parked {
+    SessionLease lease;
+    std::unique_ptr<SessionMapping> mapping;
+  };
+
+  mutable absl::Mutex mutex_;
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  std::list<Parked> parked_ ABSL_GUARDED_BY(mutex_);  // the latest first
+  std::list<std::shared_ptr<Turn>> turns_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace enfilade::server

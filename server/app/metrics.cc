@@ -1,0 +1,95 @@
+#include "server/app/metrics.h"
+
+#include <exception>
+#include <utility>
+
+#include "core/base/error.h"
+#include "prometheus/counter.h"
+#include "prometheus/exposer.h"
+#include "prometheus/gauge.h"
+#include "prometheus/histogram.h"
+#include "prometheus/registry.h"
+
+namespace enfilade::server {
+namespace {
+
+const prometheus::Histogram::BucketBoundaries kLatencyBuckets = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
+                                                                 0.1,    0.25,  0.5,    1.0,   2.5,  5.0,   10.0};
+
+}  // namespace
+
+class Metrics::Impl {
+ public:
+  using Counters = prometheus::Family<prometheus::Counter>;
+  using Gauges = prometheus::Family<prometheus::Gauge>;
+
+  Counters& Counter(const char* name, const char* help) {
+    return prometheus::BuildCounter().Name(name).Help(help).Register(*registry);
+  }
+  prometheus::Gauge& Gauge(const char* name, const char* help) {
+    return prometheus::BuildGauge().Name(name).Help(help).Register(*registry).Add({});
+  }
+
+  std::shared_ptr<prometheus::Registry> registry = std::make_shared<prometheus::Registry>();
+  Counters& calls = Counter("enfilade_calls_total", "RPCs by name and status code");
+  prometheus::Family<prometheus::Histogram>& call_seconds =
+      prometheus::BuildHistogram().Name("enfilade_call_seconds").Help("RPC latency").Register(*registry);
+  prometheus::Counter& records = Counter("enfilade_records_stored_total", "Records stored").Add({});
+  prometheus::Counter& duplicates = Counter("enfilade_records_duplicate_total", "Records sent again").Add({});
+  prometheus::Counter& refused = Counter("enfilade_batches_refused_total", "Batches refused").Add({});
+  prometheus::Gauge& buffered = Gauge("enfilade_ingest_buffered_bytes", "Received and not yet stored");
+  prometheus::Gauge& streams = Gauge("enfilade_streams_open", "Streams of records open");
+  Counters& scans = Counter("enfilade_scans_mapped_total", "Scans by whether they have a place in the trajectory");
+  prometheus::Counter& scans_used = scans.Add({{"used", "true"}});
+  prometheus::Counter& scans_not_used = scans.Add({{"used", "false"}});
+  prometheus::Gauge& mapping = Gauge("enfilade_sessions_mapping", "Sessions being mapped by this process");
+  prometheus::Gauge& ready = Gauge("enfilade_ready", "1 where the server takes work");
+  prometheus::Gauge& connections_open = Gauge("enfilade_database_connections_open", "Connections of the pool");
+  prometheus::Gauge& connections_busy = Gauge("enfilade_database_connections_busy", "Connections in use");
+  prometheus::Gauge& connections_waiting = Gauge("enfilade_database_connections_waiting", "Callers that wait for one");
+  std::unique_ptr<prometheus::Exposer> exposer;
+};
+
+Metrics::Metrics(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Metrics::~Metrics() = default;
+
+absl::StatusOr<std::unique_ptr<Metrics>> Metrics::Create(const std::string& address) {
+  auto impl = std::make_unique<Impl>();
+  if (!address.empty()) {
+    try {
+      impl->exposer = std::make_unique<prometheus::Exposer>(address, 1);
+      impl->exposer->RegisterCollectable(impl->registry);
+    } catch (const std::exception& error) {
+      return Unavailable("metrics cannot be served at {} ({}): choose another metrics.address, or \"\" for none",
+                         address, error.what());
+    }
+  }
+  return std::unique_ptr<Metrics>(new Metrics(std::move(impl)));
+}
+
+void Metrics::CountCall(const char* name, absl::StatusCode code, std::chrono::steady_clock::duration took) {
+  impl_->calls.Add({{"rpc", name}, {"code", absl::StatusCodeToString(code)}}).Increment();
+  impl_->call_seconds.Add({{"rpc", name}}, kLatencyBuckets).Observe(std::chrono::duration<double>(took).count());
+}
+void Metrics::CountRecordsStored(std::int64_t inserted, std::int64_t duplicates) {
+  impl_->records.Increment(static_cast<double>(inserted));
+  impl_->duplicates.Increment(static_cast<double>(duplicates));
+}
+void Metrics::CountBatchRefused() { impl_->refused.Increment(); }
+void Metrics::AddIngestBuffered(std::int64_t bytes) { impl_->buffered.Increment(static_cast<double>(bytes)); }
+void Metrics::AddStreamsOpen(int streams) { impl_->streams.Increment(streams); }
+void Metrics::CountScansMapped(std::int64_t used, std::int64_t not_used) {
+  impl_->scans_used.Increment(static_cast<double>(used));
+  impl_->scans_not_used.Increment(static_cast<double>(not_used));
+}
+void Metrics::AddSessionsMapping(int sessions) { impl_->mapping.Increment(sessions); }
+void Metrics::SetReady(bool ready) { impl_->ready.Set(ready ? 1.0 : 0.0); }
+void Metrics::SetDatabaseConnections(int open, int busy, int waiting) {
+  impl_->connections_open.Set(open);
+  impl_->connections_busy.Set(busy);
+  impl_->connections_waiting.Set(waiting);
+}
+int Metrics::streams_open() const { return static_cast<int>(impl_->streams.Value()); }
+int Metrics::sessions_mapping() const { return static_cast<int>(impl_->mapping.Value()); }
+
+}  // namespace enfilade::server

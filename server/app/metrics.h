@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace enfilade::server {
+
+// What the server counts, for Prometheus. Thread-safe.
+class Metrics {
+ public:
+  // Serves http://`address`/metrics; counts only where `address` is empty. UNAVAILABLE where the port is taken.
+  static absl::StatusOr<std::unique_ptr<Metrics>> Create(const std::string& address);
+  ~Metrics();
+
+  void CountCall(const char* name, absl::StatusCode code, std::chrono::steady_clock::duration took);
+  void CountRecordsStored(std::int64_t inserted, std::int64_t duplicates);
+  void CountBatchRefused();
+  void AddIngestBuffered(std::int64_t bytes);  // negative when it leaves
+  void AddStreamsOpen(int streams);
+  void CountScansMapped(std::int64_t used, std::int64_t not_used);
+  void AddSessionsMapping(int sessions);
+  void SetReady(bool ready);
+  void SetDatabaseConnections(int open, int busy, int waiting);
+
+  int streams_open() const;
+  int sessions_mapping() const;
+
+ private:
+  class Impl;
+  explicit Metrics(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace enfilade::server

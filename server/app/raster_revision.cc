@@ -1,0 +1,76 @@
+#include "server/app/raster_revision.h"
+
+#include <optional>
+#include <utility>
+
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+#include "core/grid/tiled_raster.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr std::int64_t kPortionBytes = 16 << 20;
+
+// Of the header and of every tile with its place: equal hashes, equal rasters.
+std::string ContentHash(const NewRevision& revision) {
+  Sha256Stream hash;
+  hash.Add(Sha256(revision.raster_header));
+  for (const TileRef& tile : revision.tiles) {
+    hash.Add({reinterpret_cast<const char*>(&tile.key.row), sizeof(tile.key.row)});
+    hash.Add({reinterpret_cast<const char*>(&tile.key.column), sizeof(tile.key.column)});
+    hash.Add(tile.sha256);
+  }
+  return hash.Finish();
+}
+
+}  // namespace
+
+absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster) {
+  ENFILADE_RETURN_IF_ERROR(Validate(raster));
+  TiledRaster tiled = SplitIntoTiles(raster);
+  RasterRevision result;
+  result.revision.geometry = raster.geometry;
+  result.revision.raster_header = std::move(tiled.header);
+  for (auto& [index, bytes] : tiled.tiles) {
+    const TileKey key{index.row, index.column};
+    std::string sha256 = Sha256(bytes);
+    result.revision.tiles.push_back({key, sha256});
+    result.tiles.push_back({key, std::move(sha256), std::move(bytes)});
+  }
+  result.revision.content_sha256 = ContentHash(result.revision);
+  return result;
+}
+
+absl::Status PutTiles(const CallContext& context, const BlobStore& blobs, const SiteId& site,
+                      const RasterRevision& raster, const std::set<std::string>& known) {
+  std::vector<BlobView> portion;
+  std::int64_t bytes = 0;
+  for (const Tile& tile : raster.tiles) {
+    if (known.contains(tile.sha256)) continue;
+    portion.push_back({tile.sha256, tile.data});
+    bytes += static_cast<std::int64_t>(tile.data.size());
+    if (bytes < kPortionBytes) continue;
+    ENFILADE_RETURN_IF_ERROR(blobs.Put(context, site, portion));
+    portion.clear();
+    bytes = 0;
+  }
+  return portion.empty() ? absl::OkStatus() : blobs.Put(context, site, portion);
+}
+
+absl::StatusOr<MapRaster> ReadRaster(const CallContext& context, const RevisionStore& revisions,
+                                     const MapRevision& revision) {
+  ENFILADE_ASSIGN_OR_RETURN(RasterAssembler assembler, RasterAssembler::Create(revision.raster_header));
+  std::optional<TileKey> last;
+  while (true) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<Tile> tiles, revisions.ReadTiles(context, revision.site, revision.map,
+                                                                                 revision.number, last, kPortionBytes));
+    if (tiles.empty()) return std::move(assembler).Finish();
+    for (const Tile& tile : tiles) {
+      ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, tile.data));
+    }
+    last = tiles.back().key;
+  }
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/grid/map_raster.h"
+#include "storage/blob_store.h"
+#include "storage/call_context.h"
+#include "storage/revision_store.h"
+
+namespace enfilade::server {
+
+// A raster in the pieces in which it is stored.
+struct RasterRevision {
+  NewRevision revision;
+  std::vector<Tile> tiles;  // with their bytes; those of `revision.tiles`
+};
+
+absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster);
+
+// Stores the tiles' bytes in portions, but for those that are in `known` (by SHA-256).
+absl::Status PutTiles(const CallContext& context, const BlobStore& blobs, const SiteId& site,
+                      const RasterRevision& raster, const std::set<std::string>& known);
+
+// The raster of a stored revision. DATA_LOSS where its pieces do not fit.
+absl::StatusOr<MapRaster> ReadRaster(const CallContext& context, const RevisionStore& revisions,
+                                     const MapRevision& revision);
+
+}  // namespace enfilade::server

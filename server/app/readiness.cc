@@ -1,0 +1,97 @@
+#include "server/app/readiness.h"
+
+#include <chrono>
+#include <utility>
+
+#include "core/base/error.h"
+#include "storage/postgres/pool.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kInterval = absl::Seconds(1);
+constexpr auto kTimeout = std::chrono::seconds(3);
+
+Readiness::State StateFrom(const absl::StatusOr<SchemaState>& schema) {
+  if (!schema.ok()) {
+    return {false, "the database does not answer: " + std::string(schema.status().message()), {}};
+  }
+  switch (schema->position) {
+    case SchemaState::Position::kAtHead:
+      return {true, "", *schema};
+    case SchemaState::Position::kEmpty:
+      return {false, "the database has no schema: run deploy/database/migrate up", *schema};
+    case SchemaState::Position::kBehind:
+      return {false,
+              fmt::format("the database is at {}, this program needs {}: run deploy/database/migrate up",
+                          schema->deployed, schema->expected),
+              *schema};
+    case SchemaState::Position::kAhead:
+      return {false,
+              fmt::format("the database is at {}, which this program does not know: use a newer one", schema->deployed),
+              *schema};
+  }
+  return {false, "unknown schema state", *schema};
+}
+
+}  // namespace
+
+Readiness::Readiness(postgres::Pool& pool, std::function<void(const State&)> on_change)
+    : pool_(pool), on_change_(std::move(on_change)) {
+  {
+    absl::MutexLock lock(&mutex_);
+    state_.ready = true;  // so that the first look counts as a change where it fails
+  }
+  Look();
+  if (state().ready) on_change_(state());
+  thread_ = std::thread([this] { Run(); });
+}
+
+Readiness::~Readiness() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+  }
+  thread_.join();
+}
+
+Readiness::State Readiness::state() const {
+  absl::MutexLock lock(&mutex_);
+  return state_;
+}
+
+void Readiness::Drain() {
+  State drained;
+  {
+    absl::MutexLock lock(&mutex_);
+    draining_ = true;
+    state_.ready = false;
+    state_.reason = "the server is about to end";
+    drained = state_;
+  }
+  on_change_(drained);
+}
+
+void Readiness::Look() {
+  State found = StateFrom(CheckSchema(CallContext::WithTimeout(kTimeout), pool_));
+  bool changed = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (draining_) return;
+    changed = found.ready != state_.ready;
+    state_ = found;
+  }
+  if (changed) on_change_(found);
+}
+
+void Readiness::Run() {
+  while (true) {
+    {
+      absl::MutexLock lock(&mutex_);
+      if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), kInterval)) return;
+    }
+    Look();
+  }
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "storage/schema.h"
+
+namespace enfilade::server {
+
+// Whether this server can take work: the database answers and its migrations are at this program's head. Looks every
+// second.
+class Readiness {
+ public:
+  struct State {
+    bool ready = false;
+    std::string reason;  // why not, for people
+    SchemaState schema;
+  };
+
+  // `on_change` is called with every change of `ready`, first from the constructor, then from the looking thread.
+  Readiness(postgres::Pool& pool, std::function<void(const State&)> on_change);
+  ~Readiness();
+  Readiness(const Readiness&) = delete;
+  Readiness& operator=(const Readiness&) = delete;
+
+  State state() const;
+  // Not ready from now on, for good: the server is about to end.
+  void Drain();
+
+ private:
+  void Look();
+  void Run();
+
+  postgres::Pool& pool_;
+  const std::function<void(const State&)> on_change_;
+  mutable absl::Mutex mutex_;
+  State state_ ABSL_GUARDED_BY(mutex_);
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace enfilade::server

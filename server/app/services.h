@@ -1,0 +1,45 @@
+#pragma once
+
+#include <chrono>
+
+#include "server/app/executor.h"
+#include "server/app/ingest.h"
+#include "server/app/map_exports.h"
+#include "server/app/mapping.h"
+#include "server/app/metrics.h"
+#include "server/app/readiness.h"
+#include "server/config/server_options.h"
+#include "storage/blob_store.h"
+#include "storage/map_store.h"
+#include "storage/mapping_store.h"
+#include "storage/record_store.h"
+#include "storage/revision_store.h"
+#include "storage/robot_store.h"
+#include "storage/session_store.h"
+#include "storage/site_store.h"
+
+namespace enfilade::server {
+
+// All that the RPCs see of the server. Everything in it is thread-safe and outlives every call.
+struct Services {
+  const ServerOptions& options;
+  std::chrono::steady_clock::time_point start_time;
+  Executor& executor;
+  Metrics& metrics;
+  const Readiness& readiness;
+
+  const SiteStore& sites;
+  const RobotStore& robots;
+  const MapStore& maps;
+  const RevisionStore& revisions;
+  const SessionStore& sessions;
+  const RecordStore& records;
+  const BlobStore& blobs;
+  const MappingStore& mappings;
+
+  Ingest& ingest;
+  Mapping& mapping;
+  MapExports& exports;
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/slam/log_mapper.h"
+#include "storage/blob_store.h"
+#include "storage/mapping_store.h"
+#include "storage/record_store.h"
+#include "storage/session_store.h"
+
+namespace enfilade::server {
+
+struct SessionMappingStores {
+  const MappingStore& mappings;
+  const RecordStore& records;
+  const SessionStore& sessions;
+  const BlobStore& blobs;
+};
+
+struct SessionMappingOptions {
+  ScanPairingOptions pairing;
+  SlamOptions slam;
+  std::chrono::duration<double> checkpoint_interval{5.0};
+  std::chrono::duration<double> revision_interval{20.0};
+};
+
+// One session on its way from log to map: reads records, maps them, and stores results together with the checkpoint.
+// Belongs to the thread that holds the session's lease.
+class SessionMapping {
+ public:
+  // From the stored checkpoint, or from the beginning. DATA_LOSS where the stored state does not fit this program.
+  static absl::StatusOr<std::unique_ptr<SessionMapping>> Load(const SessionMappingStores& stores,
+                                                              const SessionMappingOptions& options,
+                                                              const Session& session);
+
+  enum class Progress {
+    kWorked,   // there may be more to do
+    kWaiting,  // all that there is has been mapped; more may come
+    kEnded,    // the session is mapped, and stored so
+  };
+
+  // Maps the next portion of the log; stores when a checkpoint is due. ABORTED where the lease is lost. After any error
+  // the object is of no more use: what it had not stored is mapped again from the checkpoint.
+  absl::StatusOr<Progress> Step(const SessionLease& lease);
+  // Stores what is not yet.
+  absl::Status Store(const SessionLease& lease);
+
+  // Ends the session's mapping with `error`; its records and what is mapped stay.
+  static absl::Status Fail(const SessionMappingStores& stores, const LeasedSession& leased, const absl::Status& error);
+
+  std::int64_t stored_sequence() const { return stored_sequence_; }
+  bool ended() const { return ended_; }
+  LogMapperCounts counts() const { return mapper_.counts(); }
+
+ private:
+  SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options, const Session& session,
+                 LogMapper mapper);
+
+  absl::StatusOr<Progress> AtEndOfLog(const SessionLease& lease);
+  absl::Status Commit(const SessionLease& lease, bool with_revision, std::optional<SessionState> final_state);
+
+  const SessionMappingStores stores_;
+  const SessionMappingOptions options_;
+  const SiteId site_;
+  const SessionId session_;
+  LogMapper mapper_;
+  std::int64_t mapped_sequence_ = 0;
+  std::int64_t stored_sequence_ = 0;
+  bool ended_ = false;
+  std::set<std::string> stored_tiles_;  // of the last revision made here, by SHA-256
+  std::chrono::steady_clock::time_point last_commit_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_revision_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,104 @@
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "server/app/logging.h"
+#include "server/config/server_options.h"
+#include "server/server.h"
+#include "server/version.h"
+#include "spdlog/spdlog.h"
+
+namespace {
+
+using namespace enfilade;
+using namespace enfilade::server;
+
+struct CommandLine {
+  std::string config;
+  std::vector<std::string> settings;
+  bool print_config = false;
+};
+
+absl::StatusOr<std::string> ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return NotFound("cannot read the configuration file {}", path);
+  std::ostringstream content;
+  content << file.rdbuf();
+  return content.str();
+}
+
+absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
+  ServerOptions options;
+  if (!command_line.config.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadFile(command_line.config));
+    ENFILADE_RETURN_IF_ERROR(ApplyYaml(text, command_line.config, options));
+  }
+  std::vector<std::string> environment;
+  for (char** variable = environ; *variable; ++variable) environment.emplace_back(*variable);
+  ENFILADE_RETURN_IF_ERROR(ApplyEnvironment(environment, options));
+  for (const std::string& setting : command_line.settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) return InvalidArgument("--set {}: expected KEY=VALUE", setting);
+    ENFILADE_RETURN_IF_ERROR(Apply({setting.substr(0, equals), setting.substr(equals + 1)}, options));
+  }
+  ENFILADE_RETURN_IF_ERROR(options.Validate());
+  return options;
+}
+
+absl::StatusOr<SlamOptions> LoadSlamOptions(const ServerOptions& options) {
+  SlamOptions slam;
+  slam.match_scans = false;
+  slam.close_loops = false;
+  (void)options;
+  return slam;
+}
+
+absl::Status Run(const CommandLine& command_line) {
+  ENFILADE_ASSIGN_OR_RETURN(const ServerOptions options, LoadOptions(command_line));
+  if (command_line.print_config) {
+    for (const Setting& setting : Describe(options)) std::cout << setting.key << ": " << setting.value << '\n';
+    return absl::OkStatus();
+  }
+  SetUpLogging(options.log);
+
+  // Signals are taken by this thread alone, at a time of its choosing; threads started from here on inherit the mask.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, LoadSlamOptions(options));
+  ENFILADE_ASSIGN_OR_RETURN(const auto server, Server::Start(options, slam));
+  spdlog::info("enfilade-server {} listens at {}", kVersion, server->address());
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("signal {}", signal);
+  server->Shutdown();
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("The map service of a fleet of robots.", "enfilade-server");
+  app.set_version_flag("--version", std::string(kVersion));
+  CommandLine command_line;
+  app.add_option("--config", command_line.config, "A YAML file with options")->envname("ENFILADE_CONFIG");
+  app.add_option("--set", command_line.settings, "KEY=VALUE, such as listen.address=0.0.0.0:50051; may be repeated");
+  app.add_flag("--print-config", command_line.print_config, "Print every option with its value and end");
+  CLI11_PARSE(app, argc, argv);
+  const absl::Status status = Run(command_line);
+  if (status.ok()) return 0;
+  std::cerr << "enfilade-server: " << status.message() << '\n';
+  return absl::IsInvalidArgument(status) ? 2 : 1;
+}

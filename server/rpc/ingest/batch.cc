@@ -1,0 +1,79 @@
+#include "server/rpc/ingest/batch.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/sha256.h"
+#include "proto/convert/record.h"
+
+namespace enfilade::server {
+namespace {
+
+Refusal RefuseBatch(const v1::RecordBatch& batch, std::string message) {
+  const std::int64_t first = batch.records().empty() ? 0 : batch.records(0).sequence();
+  return {first, 0, Refusal::Reason::kInvalidBatch, std::move(message)};
+}
+
+}  // namespace
+
+IngestItem ReadBatch(const v1::RecordBatch& batch) {
+  if (batch.records().empty()) return RefuseBatch(batch, "the batch has no records");
+  if (batch.records_size() > kMaxBatchRecords) {
+    return RefuseBatch(batch, fmt::format("the batch has {} records, more than the limit of {}", batch.records_size(),
+                                          kMaxBatchRecords));
+  }
+  if (const std::size_t bytes = batch.ByteSizeLong(); bytes > kMaxBatchBytes && batch.records_size() > 1) {
+    return RefuseBatch(batch, fmt::format("the batch has {} bytes, more than the limit of {}", bytes, kMaxBatchBytes));
+  }
+  IngestBatch items;
+  items.records.reserve(static_cast<std::size_t>(batch.records_size()));
+  const std::int64_t first = batch.records(0).sequence();
+  for (int i = 0; i < batch.records_size(); ++i) {
+    const v1::Record& in = batch.records(i);
+    if (in.sequence() != first + i) {
+      return RefuseBatch(batch,
+                         fmt::format("record {} of the batch has the sequence {}: sequences go up by one from {}", i,
+                                     in.sequence(), first));
+    }
+    absl::StatusOr<Record> record = FromProto(in);
+    if (!record.ok()) {
+      return Refusal{first, in.sequence(), Refusal::Reason::kInvalidRecord,
+                     fmt::format("record {}: {}", in.sequence(), std::string(record.status().message()))};
+    }
+    items.records.push_back(*std::move(record));
+  }
+  return items;
+}
+
+absl::StatusOr<bool> BlobAssembly::Add(const v1::BlobChunk& chunk) {
+  if (chunk.data().empty() || chunk.data().size() > kMaxChunkBytes) {
+    return InvalidArgument("blob_chunk.data has {} bytes: expected 1 to {}", chunk.data().size(), kMaxChunkBytes);
+  }
+  if (chunk.offset() == 0) {
+    if (chunk.blob().sha256().size() != 32 || chunk.blob().size_bytes() < 1 ||
+        chunk.blob().size_bytes() > kMaxBlobBytes) {
+      return InvalidArgument("blob_chunk.blob: expected a SHA-256 of 32 bytes (got {}) and a size of 1 to {} (got {})",
+                             chunk.blob().sha256().size(), kMaxBlobBytes, chunk.blob().size_bytes());
+    }
+    blob_ = {chunk.blob().sha256(), {}};
+    size_ = static_cast<std::size_t>(chunk.blob().size_bytes());
+  }
+  if (chunk.blob().sha256() != blob_.sha256 || chunk.offset() != static_cast<std::int64_t>(blob_.data.size()) ||
+      chunk.data().size() > size_ - blob_.data.size()) {
+    return InvalidArgument("blob_chunk at offset {} with {} bytes does not follow: {} of {} bytes of a blob are here",
+                           chunk.offset(), chunk.data().size(), blob_.data.size(), size_);
+  }
+  blob_.data += chunk.data();
+  if (blob_.data.size() < size_) return false;
+  if (Sha256(blob_.data) != blob_.sha256) {
+    return DataLoss("the blob of {} bytes has another SHA-256 than announced", blob_.data.size());
+  }
+  return true;
+}
+
+IngestBlob BlobAssembly::Take() {
+  size_ = 0;
+  return std::exchange(blob_, {});
+}
+
+}  // namespace enfilade::server

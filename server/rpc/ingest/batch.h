@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "enfilade/v1/ingest_service.pb.h"
+#include "server/app/ingest.h"
+
+namespace enfilade::server {
+
+constexpr int kMaxBatchRecords = 10'000;
+constexpr std::size_t kMaxBatchBytes = 4U << 20;
+constexpr std::size_t kMaxChunkBytes = 1U << 20;
+
+// The batch as core values, or why all of it is refused, naming the record at fault.
+IngestItem ReadBatch(const v1::RecordBatch& batch);
+
+// Puts a blob together from its chunks. One blob at a time: the chunks of a stream come blob after blob.
+class BlobAssembly {
+ public:
+  // INVALID_ARGUMENT: a chunk out of order, of another blob than the one begun, too large, or a size or digest that is
+  // out of range. DATA_LOSS: the whole has another digest than was announced. True when the blob is complete.
+  absl::StatusOr<bool> Add(const v1::BlobChunk& chunk);
+
+  // The complete blob; the next may begin.
+  IngestBlob Take();
+
+ private:
+  IngestBlob blob_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "enfilade/v1/ingest_service.pb.h"
+#include "server/rpc/server_stream.h"
+
+namespace enfilade::server {
+
+// IngestService.DownloadBlob.
+absl::StatusOr<MessageSource<v1::DownloadBlobResponse>> DownloadBlob(const Services& services,
+                                                                     const CallContext& context,
+                                                                     const v1::DownloadBlobRequest& request);
+
+}  // namespace enfilade::server

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "enfilade/v1/ingest_service.pb.h"
+#include "server/app/services.h"
+#include "storage/call_context.h"
+
+namespace enfilade::server {
+
+// The unary RPCs of IngestService, one file each. What they answer and when they fail is told in the proto.
+
+absl::StatusOr<v1::SubmitScanResponse> SubmitScan(const Services& services, const CallContext& context,
+                                                  const v1::SubmitScanRequest& request);
+absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const CallContext& context,
+                                                          const v1::SubmitOdometryRequest& request);
+absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const CallContext& context,
+                                                    const v1::SubmitImageRequest& request);
+absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services, const CallContext& context,
+                                                              const v1::SubmitPointCloudRequest& request);
+
+}  // namespace enfilade::server

@@ -1,0 +1,244 @@
+#include "server/rpc/ingest/stream_records.h"
+
+#include <deque>
+#include <memory>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "core/base/error.h"
+#include "proto/convert/names.h"
+#include "server/rpc/ingest/batch.h"
+#include "server/rpc/status.h"
+
+namespace enfilade::server {
+namespace {
+
+v1::StreamRecordsResponse ToResponse(const Refusal& refusal) {
+  v1::StreamRecordsResponse response;
+  v1::BatchRefused& out = *response.mutable_refused();
+  out.set_first_sequence(refusal.first_sequence);
+  out.set_sequence(refusal.sequence);
+  out.set_message(refusal.message);
+  switch (refusal.reason) {
+    case Refusal::Reason::kInvalidRecord:
+      out.set_reason(v1::BatchRefused::REASON_INVALID_RECORD);
+      break;
+    case Refusal::Reason::kConflictingRecord:
+      out.set_reason(v1::BatchRefused::REASON_CONFLICTING_RECORD);
+      break;
+    case Refusal::Reason::kInvalidBatch:
+      out.set_reason(v1::BatchRefused::REASON_INVALID_BATCH);
+      break;
+  }
+  return response;
+}
+
+// One stream. Its life: reading -> (half-closed by the client, failed, draining) -> what is pending is answered ->
+// finished. At most one read and one write are under way. gRPC's callbacks, the executor and Ingest's writers call in;
+// nothing here blocks.
+class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>,
+                                   public std::enable_shared_from_this<StreamRecordsReactor> {
+ public:
+  explicit StreamRecordsReactor(const Services& services)
+      : services_(services), timeout_(std::chrono::duration<double>(services.options.database.default_deadline_s)) {}
+
+  void Begin() {
+    self_ = shared_from_this();
+    StartRead(&request_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return EndReading(absl::OkStatus());
+    switch (request_.request_case()) {
+      case v1::StreamRecordsRequest::kOpen:
+        return OpenSession();
+      case v1::StreamRecordsRequest::kBatch:
+        return TakeBatch();
+      case v1::StreamRecordsRequest::kBlobChunk:
+        return TakeChunk();
+      case v1::StreamRecordsRequest::REQUEST_NOT_SET:
+        break;
+    }
+    EndReading(InvalidArgument("the message has no content: expected open, batch or blob_chunk"));
+  }
+
+  void OnWriteDone(bool ok) override {
+    absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    if (!ok) responses_.clear();
+    WriteNext();
+  }
+
+  void OnCancel() override { EndReading(absl::CancelledError("the client has gone")); }
+
+  void OnDone() override {
+    std::shared_ptr<Ingest::Stream> stream;
+    absl::Status status;
+    {
+      absl::MutexLock lock(&mutex_);
+      stream = std::move(stream_);
+      status = status_;
+    }
+    if (stream) services_.ingest.Close(stream);
+    services_.metrics.CountCall("StreamRecords", status.code(), std::chrono::steady_clock::now() - begin_);
+    self_.reset();  // may end this object
+  }
+
+ private:
+  void OpenSession() {
+    if (opening_) return EndReading(InvalidArgument("open was sent twice: one stream carries one session"));
+    opening_ = true;
+    absl::StatusOr<SessionName> name = ParseSessionName("open.session", request_.open().session());
+    if (!name.ok()) return EndReading(name.status());
+    const bool queued = services_.executor.Post([self = shared_from_this(), name = *std::move(name)] {
+      const absl::StatusOr<Session> session = self->services_.sessions.Get(self->Context(), name.site, name.session);
+      self->Opened(name, session);
+    });
+    if (!queued) EndReading(absl::ResourceExhaustedError("too many calls are waiting: try again later"));
+  }
+
+  void Opened(const SessionName& name, const absl::StatusOr<Session>& session) {
+    if (!session.ok()) return EndReading(session.status());
+    auto stream = services_.ingest.Open(
+        name, [self = std::weak_ptr<StreamRecordsReactor>(shared_from_this())](const IngestEvent& event) {
+          if (const auto reactor = self.lock()) reactor->OnEvent(event);
+        });
+    {
+      absl::MutexLock lock(&mutex_);
+      stream_ = std::move(stream);
+      v1::StreamRecordsResponse response;
+      response.mutable_opened()->set_acknowledged_sequence(session->acknowledged_sequence);
+      responses_.push_back(std::move(response));
+      WriteNext();
+    }
+    ReadOn();
+  }
+
+  void TakeBatch() {
+    const std::size_t bytes = request_.batch().ByteSizeLong();
+    Offer(ReadBatch(request_.batch()), bytes);
+  }
+
+  void TakeChunk() {
+    const absl::StatusOr<bool> complete = blob_.Add(request_.blob_chunk());
+    if (!complete.ok()) return EndReading(complete.status());
+    if (!*complete) return ReadOn();
+    IngestBlob blob = blob_.Take();
+    const std::size_t bytes = blob.data.size();
+    Offer(std::move(blob), bytes);
+  }
+
+  void Offer(IngestItem item, std::size_t bytes) {
+    std::shared_ptr<Ingest::Stream> stream;
+    {
+      absl::MutexLock lock(&mutex_);
+      stream = stream_;
+      if (stream) {
+        if (!std::holds_alternative<IngestBlob>(item)) ++unanswered_;
+        waiting_for_room_ = true;  // until Offer says otherwise: RoomAgain may come before it returns
+      }
+    }
+    if (!stream) return EndReading(InvalidArgument("the first message must be open"));
+    if (!services_.ingest.Offer(stream, std::move(item), bytes)) return;
+    bool read_on = false;
+    {
+      absl::MutexLock lock(&mutex_);
+      read_on = std::exchange(waiting_for_room_, false);
+    }
+    if (read_on) ReadOn();
+  }
+
+  void OnEvent(const IngestEvent& event) {
+    if (const auto* stored = std::get_if<Stored>(&event)) {
+      absl::MutexLock lock(&mutex_);
+      --unanswered_;
+      Acknowledge(stored->acknowledged_sequence);
+      WriteNext();
+    } else if (const auto* refusal = std::get_if<Refusal>(&event)) {
+      absl::MutexLock lock(&mutex_);
+      --unanswered_;
+      responses_.push_back(ToResponse(*refusal));
+      WriteNext();
+    } else if (const auto* failed = std::get_if<Failed>(&event)) {
+      EndReading(failed->status);
+    } else if (std::holds_alternative<Drained>(event)) {
+      EndReading(absl::UnavailableError("the server is about to end: come again"));
+    } else {
+      bool read_on = false;
+      {
+        absl::MutexLock lock(&mutex_);
+        read_on = std::exchange(waiting_for_room_, false);
+      }
+      if (read_on) ReadOn();
+    }
+  }
+
+  // An acknowledgement that still waits to be written takes the new one's place: they are cumulative.
+  void Acknowledge(std::int64_t sequence) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (responses_.empty() || !responses_.back().has_acknowledgement()) responses_.emplace_back();
+    responses_.back().mutable_acknowledgement()->set_acknowledged_sequence(sequence);
+  }
+
+  void ReadOn() {
+    absl::MutexLock lock(&mutex_);
+    if (!ending_) StartRead(&request_);
+  }
+
+  // Nothing more is taken; OK: what is pending is answered first.
+  void EndReading(absl::Status status) {
+    absl::MutexLock lock(&mutex_);
+    if (ending_ && (!status_.ok() || status.ok())) return;
+    ending_ = true;
+    status_ = std::move(status);
+    WriteNext();
+  }
+
+  void WriteNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (writing_ || finished_) return;
+    if (!responses_.empty() && !absl::IsCancelled(status_)) {
+      response_ = std::move(responses_.front());
+      responses_.pop_front();
+      writing_ = true;
+      StartWrite(&response_);
+    } else if (ending_ && (unanswered_ == 0 || !status_.ok())) {
+      finished_ = true;
+      Finish(ToGrpcStatus(status_));
+    }
+  }
+
+  CallContext Context() const {
+    return CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout_));
+  }
+
+  const Services& services_;
+  const std::chrono::duration<double> timeout_;  // of the session's look-up; the stream itself has none
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::shared_ptr<StreamRecordsReactor> self_;  // until gRPC is done with it
+
+  v1::StreamRecordsRequest request_;  // of the one read under way
+  // Touched by the reading side only.
+  BlobAssembly blob_;
+  bool opening_ = false;
+
+  absl::Mutex mutex_;
+  std::shared_ptr<Ingest::Stream> stream_ ABSL_GUARDED_BY(mutex_);
+  std::deque<v1::StreamRecordsResponse> responses_ ABSL_GUARDED_BY(mutex_);
+  v1::StreamRecordsResponse response_;  // of the one write under way
+  std::int64_t unanswered_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool waiting_for_room_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool ending_ ABSL_GUARDED_BY(mutex_) = false;
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Status status_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>* StreamRecords(const Services& services) {
+  const auto reactor = std::make_shared<StreamRecordsReactor>(services);
+  reactor->Begin();
+  return reactor.get();
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "enfilade/v1/ingest_service.pb.h"
+#include "grpcpp/support/server_callback.h"
+#include "server/app/services.h"
+
+namespace enfilade::server {
+
+// IngestService.StreamRecords: one session's batches in, acknowledgements out.
+grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>* StreamRecords(const Services& services);
+
+}  // namespace enfilade::server

@@ -1,0 +1,38 @@
+#include "server/rpc/ingest/submit.h"
+
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "proto/convert/record.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const CallContext& context,
+                                          const std::string& session, const v1::Record& message,
+                                          const std::string* blob) {
+  ENFILADE_ASSIGN_OR_RETURN(const SessionName name, ParseSessionName("session", session));
+  ENFILADE_ASSIGN_OR_RETURN(const Record record, FromProto(message));
+  std::vector<BlobView> blobs;
+  if (blob) {
+    const BlobRef& content = *FindBlob(record);
+    if (content.size != static_cast<std::int64_t>(blob->size()) || content.sha256 != Sha256(*blob)) {
+      return InvalidArgument("content (size and SHA-256) is not that of the {} bytes of data", blob->size());
+    }
+    blobs.push_back({content.sha256, *blob});
+  }
+  const RecordBatch batch{name.site, name.session, absl::MakeConstSpan(&record, 1), blobs};
+  ENFILADE_ASSIGN_OR_RETURN(const AppendResult result, services.records.Append(context, batch));
+  services.metrics.CountRecordsStored(result.inserted, result.duplicates);
+  services.mapping.Wake();
+  return result.acknowledged_sequence;
+}
+
+void CompleteContent(const std::string& data, v1::BlobRef& content) {
+  if (content.sha256().empty()) content.set_sha256(Sha256(data));
+  if (content.size_bytes() == 0) content.set_size_bytes(static_cast<std::int64_t>(data.size()));
+}
+
+}  // namespace enfilade::server

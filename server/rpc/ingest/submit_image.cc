@@ -1,0 +1,22 @@
+#include "core/base/status_macros.h"
+#include "server/rpc/ingest/handlers.h"
+#include "server/rpc/ingest/submit.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const CallContext& context,
+                                                    const v1::SubmitImageRequest& request) {
+  v1::SubmitImageResponse response;
+  v1::Record record;
+  record.set_sequence(request.sequence());
+  if (request.has_image()) {
+    *record.mutable_image() = request.image();
+    CompleteContent(request.data(), *record.mutable_image()->mutable_content());
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t acknowledged,
+                            SubmitRecord(services, context, request.session(), record, &request.data()));
+  response.set_acknowledged_sequence(acknowledged);
+  return response;
+}
+
+}  // namespace enfilade::server

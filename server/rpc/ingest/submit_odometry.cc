@@ -1,0 +1,19 @@
+#include "core/base/status_macros.h"
+#include "server/rpc/ingest/handlers.h"
+#include "server/rpc/ingest/submit.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const CallContext& context,
+                                                          const v1::SubmitOdometryRequest& request) {
+  v1::SubmitOdometryResponse response;
+  v1::Record record;
+  record.set_sequence(request.sequence());
+  if (request.has_odometry()) *record.mutable_odometry() = request.odometry();
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t acknowledged,
+                            SubmitRecord(services, context, request.session(), record));
+  response.set_acknowledged_sequence(acknowledged);
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,16 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/map/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const CallContext& context,
+                                                const v1::DeleteMapRequest& request) {
+  ENFILADE_ASSIGN_OR_RETURN(const MapName name, ParseMapName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
+  ENFILADE_RETURN_IF_ERROR(services.maps.Delete(context, name.site, name.map, etag, request.force()));
+  return v1::DeleteMapResponse();
+}
+
+}  // namespace enfilade::server

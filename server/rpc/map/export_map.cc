@@ -1,0 +1,83 @@
+#include "server/rpc/map/export_map.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr std::int64_t kChunkBytes = 1 << 20;
+
+absl::StatusOr<MapFileFormat> FormatOf(v1::MapFormat format) {
+  switch (format) {
+    case v1::MAP_FORMAT_PGM:
+      return MapFileFormat::kPgm;
+    case v1::MAP_FORMAT_PNG:
+      return MapFileFormat::kPng;
+    case v1::MAP_FORMAT_JSON:
+      return MapFileFormat::kJson;
+    default:
+      return InvalidArgument("format is {}: expected MAP_FORMAT_PGM, _PNG or _JSON", static_cast<int>(format));
+  }
+}
+
+// The manifest first, then the files chunk by chunk.
+class ExportSource {
+ public:
+  explicit ExportSource(ExportedMap map) : map_(std::move(map)) {}
+
+  absl::StatusOr<bool> operator()(v1::ExportMapResponse& message) {
+    if (!std::exchange(manifest_sent_, true)) {
+      FillManifest(*message.mutable_manifest());
+      return true;
+    }
+    while (file_ < map_.files.size() && offset_ == map_.files[file_].size) {
+      ++file_;
+      offset_ = 0;
+    }
+    if (file_ == map_.files.size()) return false;
+    const ExportedFile& file = map_.files[file_];
+    v1::FileChunk& chunk = *message.mutable_chunk();
+    chunk.set_file(static_cast<std::int32_t>(file_));
+    chunk.set_offset(offset_);
+    const auto size = static_cast<std::size_t>(std::min(kChunkBytes, file.size - offset_));
+    chunk.mutable_data()->resize(size);
+    ENFILADE_RETURN_IF_ERROR(file.content->Read(offset_, size, chunk.mutable_data()->data()));
+    offset_ += static_cast<std::int64_t>(size);
+    return true;
+  }
+
+ private:
+  void FillManifest(v1::ExportMapManifest& manifest) const {
+    *manifest.mutable_revision() = ToProto(map_.revision);
+    for (const ExportedFile& file : map_.files) {
+      v1::FileEntry& entry = *manifest.add_files();
+      entry.set_name(file.name);
+      entry.set_size_bytes(file.size);
+      entry.set_sha256(file.sha256);
+    }
+  }
+
+  ExportedMap map_;
+  bool manifest_sent_ = false;
+  std::size_t file_ = 0;
+  std::int64_t offset_ = 0;
+};
+
+}  // namespace
+
+absl::StatusOr<MessageSource<v1::ExportMapResponse>> ExportMap(const Services& services, const CallContext& context,
+                                                               const v1::ExportMapRequest& request) {
+  ENFILADE_ASSIGN_OR_RETURN(const RevisionName name, ParseMapOrRevisionName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const MapFileFormat format, FormatOf(request.format()));
+  ENFILADE_ASSIGN_OR_RETURN(ExportedMap map, services.exports.Get(context, name, format));
+  return MessageSource<v1::ExportMapResponse>(ExportSource(std::move(map)));
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,17 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/map/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::GetMapResponse> GetMap(const Services& services, const CallContext& context,
+                                          const v1::GetMapRequest& request) {
+  v1::GetMapResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const MapName name, ParseMapName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const Map map, services.maps.Get(context, name.site, name.map));
+  *response.mutable_map() = ToProto(map);
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,18 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/map/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const CallContext& context,
+                                                          const v1::GetMapRevisionRequest& request) {
+  v1::GetMapRevisionResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const RevisionName name, ParseRevisionName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const MapRevision revision,
+                            services.revisions.Get(context, name.site, name.map, name.revision));
+  *response.mutable_revision() = ToProto(revision);
+  return response;
+}
+
+}  // namespace enfilade::server

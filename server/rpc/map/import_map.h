@@ -1,0 +1,13 @@
+#pragma once
+
+#include "enfilade/v1/map_service.pb.h"
+#include "grpcpp/support/server_callback.h"
+#include "server/app/services.h"
+
+namespace enfilade::server {
+
+// MapService.ImportMap: gathers the files, then makes them the map's newest revision.
+grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(const Services& services, grpc::CallbackServerContext* call,
+                                                         v1::ImportMapResponse* response);
+
+}  // namespace enfilade::server

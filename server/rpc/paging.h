@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace enfilade::server {
+
+// Page tokens are the key of the last row given out, made opaque: nothing is kept between pages.
+
+// 0 means 100, and more than 1000 means 1000. INVALID_ARGUMENT where negative.
+absl::StatusOr<int> PageSize(std::int32_t requested);
+
+std::string ToPageToken(const std::string& last_key);
+// Empty for the first page. INVALID_ARGUMENT where the server did not make `token`.
+absl::StatusOr<std::string> FromPageToken(const std::string& token);
+
+// Cuts `rows`, read with one row more than the page, to the page. True where more follow.
+template <typename Rows>
+bool CutToPage(Rows& rows, int page_size) {
+  if (rows.size() <= static_cast<std::size_t>(page_size)) return false;
+  rows.resize(static_cast<std::size_t>(page_size));
+  return true;
+}
+
+}  // namespace enfilade::server

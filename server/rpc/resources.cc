@@ -1,0 +1,171 @@
+#include "server/rpc/resources.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/base/uuid.h"
+#include "proto/convert/names.h"
+#include "proto/convert/record.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr std::size_t kMaxNameCharacters = 200;
+
+// The number of code points; npos where `text` is no UTF-8 (protobuf has refused that already) or holds a NUL.
+std::size_t CountCharacters(const std::string& text) {
+  if (text.find('\0') != std::string::npos) return std::string::npos;
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+absl::Status CheckDisplayName(const char* field, const std::string& name) {
+  const std::size_t characters = CountCharacters(name);
+  if (characters >= 1 && characters <= kMaxNameCharacters) return absl::OkStatus();
+  return InvalidArgument("{} must have 1 to {} characters and no NUL", field, kMaxNameCharacters);
+}
+
+}  // namespace
+
+v1::Site ToProto(const Site& site) {
+  v1::Site out;
+  out.set_name(NameOf(site.id));
+  out.set_display_name(site.display_name);
+  if (site.raw_retention) out.mutable_raw_retention()->set_seconds(site.raw_retention->count());
+  out.set_etag(std::to_string(site.etag));
+  *out.mutable_create_time() = ToTimestamp(site.create_time);
+  return out;
+}
+
+v1::Robot ToProto(const Robot& robot) {
+  v1::Robot out;
+  out.set_name(NameOf(RobotName{robot.site, robot.id}));
+  out.set_display_name(robot.display_name);
+  *out.mutable_create_time() = ToTimestamp(robot.create_time);
+  return out;
+}
+
+v1::Map ToProto(const Map& map) {
+  v1::Map out;
+  out.set_name(NameOf(MapName{map.site, map.id}));
+  out.set_display_name(map.display_name);
+  out.set_level(map.level);
+  out.set_environment(map.environment == Environment::kOutdoor ? v1::Map::ENVIRONMENT_OUTDOOR
+                                                               : v1::Map::ENVIRONMENT_INDOOR);
+  out.set_slam_profile(map.slam_profile);
+  if (map.current_revision > 0) out.set_latest_revision(NameOf(RevisionName{map.site, map.id, map.current_revision}));
+  out.set_etag(std::to_string(map.etag));
+  *out.mutable_create_time() = ToTimestamp(map.create_time);
+  return out;
+}
+
+v1::MapRevision ToProto(const MapRevision& revision) {
+  v1::MapRevision out;
+  out.set_name(NameOf(RevisionName{revision.site, revision.map, revision.number}));
+  out.set_source(revision.source == RevisionSource::kImport ? v1::MapRevision::SOURCE_IMPORT
+                                                            : v1::MapRevision::SOURCE_MAPPING);
+  if (revision.session) out.set_session(NameOf(SessionName{revision.site, *revision.session}));
+  out.set_resolution_m(revision.geometry.resolution);
+  *out.mutable_pose_map_grid() = enfilade::ToProto(revision.geometry.T_map_grid);
+  out.set_width(revision.geometry.width);
+  out.set_height(revision.geometry.height);
+  out.set_content_sha256(revision.content_sha256);
+  *out.mutable_create_time() = ToTimestamp(revision.create_time);
+  return out;
+}
+
+v1::Session ToProto(const Session& session) {
+  v1::Session out;
+  out.set_name(NameOf(SessionName{session.site, session.id}));
+  out.set_robot(NameOf(RobotName{session.site, session.robot}));
+  if (session.map) out.set_map(NameOf(MapName{session.site, *session.map}));
+  static_assert(static_cast<int>(SessionState::kFailed) == v1::Session::STATE_FAILED);
+  out.set_state(static_cast<v1::Session::State>(session.state));
+  out.set_acknowledged_sequence(session.acknowledged_sequence);
+  out.set_mapped_sequence(session.mapped_sequence);
+  v1::RecordCounts& records = *out.mutable_record_counts();
+  records.set_laser_scans(session.record_counts.laser_scans);
+  records.set_odometries(session.record_counts.odometry);
+  records.set_images(session.record_counts.images);
+  records.set_point_clouds(session.record_counts.point_clouds);
+  records.set_withheld(session.record_counts.withheld);
+  v1::MappingCounts& mapping = *out.mutable_mapping_counts();
+  mapping.set_paired(session.mapping_counts.paired);
+  mapping.set_unpaired(session.mapping_counts.unpaired);
+  mapping.set_time_reversed(session.mapping_counts.time_reversed);
+  mapping.set_used(session.mapping_counts.used);
+  mapping.set_keyframes(session.mapping_counts.keyframes);
+  mapping.set_lost(session.mapping_counts.lost);
+  out.set_error(session.error);
+  *out.mutable_create_time() = ToTimestamp(session.create_time);
+  if (session.finish_time) *out.mutable_finish_time() = ToTimestamp(*session.finish_time);
+  return out;
+}
+
+absl::StatusOr<Site> FromProto(const v1::Site& in) {
+  Site site;
+  ENFILADE_RETURN_IF_ERROR(CheckDisplayName("site.display_name", in.display_name()));
+  site.display_name = in.display_name();
+  if (in.has_raw_retention()) {
+    if (in.raw_retention().seconds() < 0 || in.raw_retention().nanos() != 0) {
+      return InvalidArgument("site.raw_retention must be a whole, non-negative number of seconds");
+    }
+    site.raw_retention = std::chrono::seconds(in.raw_retention().seconds());
+  }
+  return site;
+}
+
+absl::StatusOr<Robot> FromProto(const v1::Robot& in) {
+  Robot robot;
+  ENFILADE_RETURN_IF_ERROR(CheckDisplayName("robot.display_name", in.display_name()));
+  robot.display_name = in.display_name();
+  return robot;
+}
+
+absl::StatusOr<Map> FromProto(const v1::Map& in) {
+  Map map;
+  ENFILADE_RETURN_IF_ERROR(CheckDisplayName("map.display_name", in.display_name()));
+  if (!v1::Map::Environment_IsValid(in.environment())) {
+    return InvalidArgument("map.environment is {}: unknown to this server", static_cast<int>(in.environment()));
+  }
+  map.display_name = in.display_name();
+  map.level = in.level();
+  map.environment = in.environment() == v1::Map::ENVIRONMENT_OUTDOOR ? Environment::kOutdoor : Environment::kIndoor;
+  map.slam_profile = in.slam_profile();
+  return map;
+}
+
+absl::StatusOr<std::int64_t> ParseEtag(const std::string& etag) {
+  std::int64_t value = 0;
+  if (etag.empty()) return value;
+  const auto parsed = std::from_chars(etag.data(), etag.data() + etag.size(), value);
+  if (parsed.ec != std::errc() || parsed.ptr != etag.data() + etag.size() || value < 1) {
+    return InvalidArgument("etag \"{}\" is not from this server", etag.substr(0, 100));
+  }
+  return value;
+}
+
+absl::StatusOr<std::string> IdOrNew(const char* field, const std::string& requested) {
+  if (requested.empty()) return NewUuid();
+  if (IsValidResourceId(requested)) return requested;
+  return InvalidArgument("{} is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\", not \"-\" first or last", field,
+                         requested.substr(0, 100));
+}
+
+absl::Status CheckMask(const google::protobuf::FieldMask& mask, std::initializer_list<const char*> editable) {
+  for (const std::string& path : mask.paths()) {
+    if (std::find(editable.begin(), editable.end(), path) == editable.end()) {
+      return InvalidArgument("update_mask names \"{}\": only {} can be updated", path, fmt::join(editable, ", "));
+    }
+  }
+  return absl::OkStatus();
+}
+
+bool IsUpdated(const google::protobuf::FieldMask& mask, const char* path, bool is_set) {
+  if (mask.paths().empty()) return is_set;
+  return std::find(mask.paths().begin(), mask.paths().end(), path) != mask.paths().end();
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "enfilade/v1/map.pb.h"
+#include "enfilade/v1/robot.pb.h"
+#include "enfilade/v1/session.pb.h"
+#include "enfilade/v1/site.pb.h"
+#include "google/protobuf/field_mask.pb.h"
+#include "storage/map_store.h"
+#include "storage/revision_store.h"
+#include "storage/robot_store.h"
+#include "storage/session_store.h"
+#include "storage/site_store.h"
+
+namespace enfilade::server {
+
+// Stored rows as the API's resources, and the API's values as rows.
+
+v1::Site ToProto(const Site& site);
+v1::Robot ToProto(const Robot& robot);
+v1::Map ToProto(const Map& map);
+v1::MapRevision ToProto(const MapRevision& revision);
+v1::Session ToProto(const Session& session);
+
+// INVALID_ARGUMENT naming the field. Names, etags and output-only fields of the message are not read.
+absl::StatusOr<Site> FromProto(const v1::Site& site);
+absl::StatusOr<Robot> FromProto(const v1::Robot& robot);
+absl::StatusOr<Map> FromProto(const v1::Map& map);
+
+// 0 for "" (any).
+absl::StatusOr<std::int64_t> ParseEtag(const std::string& etag);
+
+// The id that the client wants, or a new one. INVALID_ARGUMENT naming `field` where it is no valid id.
+absl::StatusOr<std::string> IdOrNew(const char* field, const std::string& requested);
+
+// INVALID_ARGUMENT where a path of `mask` is none of the message's editable fields.
+absl::Status CheckMask(const google::protobuf::FieldMask& mask, std::initializer_list<const char*> editable);
+
+// Whether an update writes the field: it is in the mask or, without a mask, it is set.
+bool IsUpdated(const google::protobuf::FieldMask& mask, const char* path, bool is_set);
+
+}  // namespace enfilade::server

@@ -1,0 +1,15 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/resources.h"
+#include "server/rpc/robot/handlers.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::DeleteRobotResponse> DeleteRobot(const Services& services, const CallContext& context,
+                                                    const v1::DeleteRobotRequest& request) {
+  ENFILADE_ASSIGN_OR_RETURN(const RobotName name, ParseRobotName("name", request.name()));
+  ENFILADE_RETURN_IF_ERROR(services.robots.Delete(context, name.site, name.robot, /*etag=*/0));
+  return v1::DeleteRobotResponse();
+}
+
+}  // namespace enfilade::server

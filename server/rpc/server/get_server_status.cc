@@ -1,0 +1,24 @@
+#include "server/rpc/server/handlers.h"
+#include "server/version.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services, const CallContext& context,
+                                                            const v1::GetServerStatusRequest& request) {
+  (void)context;
+  (void)request;
+  v1::GetServerStatusResponse response;
+  const Readiness::State state = services.readiness.state();
+  response.set_version(kVersion);
+  response.mutable_uptime()->set_seconds(
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - services.start_time).count());
+  response.set_ready(state.ready);
+  response.set_not_ready_reason(state.reason);
+  response.set_schema_version(state.schema.deployed);
+  response.set_expected_schema_version(state.schema.expected);
+  response.set_sessions_mapping(services.metrics.sessions_mapping());
+  response.set_streams_open(services.metrics.streams_open());
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,15 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/resources.h"
+#include "server/rpc/session/handlers.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::DeleteSessionResponse> DeleteSession(const Services& services, const CallContext& context,
+                                                        const v1::DeleteSessionRequest& request) {
+  ENFILADE_ASSIGN_OR_RETURN(const SessionName name, ParseSessionName("name", request.name()));
+  ENFILADE_RETURN_IF_ERROR(services.sessions.Delete(context, name.site, name.session));
+  return v1::DeleteSessionResponse();
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,19 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/resources.h"
+#include "server/rpc/session/handlers.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services, const CallContext& context,
+                                                        const v1::FinishSessionRequest& request) {
+  v1::FinishSessionResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const SessionName name, ParseSessionName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const Session session,
+                            services.sessions.Finish(context, name.site, name.session, request.last_sequence()));
+  services.mapping.Wake();
+  *response.mutable_session() = ToProto(session);
+  return response;
+}
+
+}  // namespace enfilade::server

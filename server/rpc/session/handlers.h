@@ -1,0 +1,23 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "enfilade/v1/session_service.pb.h"
+#include "server/app/services.h"
+#include "storage/call_context.h"
+
+namespace enfilade::server {
+
+// The unary RPCs of SessionService, one file each. What they answer and when they fail is told in the proto.
+
+absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services, const CallContext& context,
+                                                        const v1::CreateSessionRequest& request);
+absl::StatusOr<v1::GetSessionResponse> GetSession(const Services& services, const CallContext& context,
+                                                  const v1::GetSessionRequest& request);
+absl::StatusOr<v1::ListSessionsResponse> ListSessions(const Services& services, const CallContext& context,
+                                                      const v1::ListSessionsRequest& request);
+absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services, const CallContext& context,
+                                                        const v1::FinishSessionRequest& request);
+absl::StatusOr<v1::DeleteSessionResponse> DeleteSession(const Services& services, const CallContext& context,
+                                                        const v1::DeleteSessionRequest& request);
+
+}  // namespace enfilade::server

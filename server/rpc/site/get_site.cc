@@ -1,0 +1,17 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/resources.h"
+#include "server/rpc/site/handlers.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::GetSiteResponse> GetSite(const Services& services, const CallContext& context,
+                                            const v1::GetSiteRequest& request) {
+  v1::GetSiteResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId id, ParseSiteName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const Site site, services.sites.Get(context, id));
+  *response.mutable_site() = ToProto(site);
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,146 @@
+#include "server/server.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "grpcpp/ext/proto_server_reflection_plugin.h"
+#include "grpcpp/grpcpp.h"
+#include "grpcpp/health_check_service_interface.h"
+#include "server/app/maintenance_loop.h"
+#include "server/app/services.h"
+#include "server/rpc/api.h"
+#include "spdlog/spdlog.h"
+#include "storage/postgres/pool.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr std::size_t kMaxQueuedCalls = 1000;
+
+postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
+  postgres::PoolOptions pool;
+  pool.url = options.url;
+  pool.max_connections = options.max_connections;
+  pool.application_name = "enfilade-server";
+  return pool;
+}
+
+}  // namespace
+
+// Members are destroyed from the last to the first: whoever is used by others comes before them.
+class Server::Impl {
+ public:
+  Impl(const ServerOptions& given, const SlamOptions& slam, std::unique_ptr<postgres::Pool> given_pool,
+       std::unique_ptr<Metrics> given_metrics)
+      : options(given),
+        pool(std::move(given_pool)),
+        metrics(std::move(given_metrics)),
+        executor(options.listen.workers, kMaxQueuedCalls),
+        mapping(options.mapping, slam, {mappings, records, sessions, blobs}, *metrics),
+        ingest(options.ingest, records, blobs, *metrics, [this] { mapping.Wake(); }) {}
+
+  absl::Status Start() {
+    ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    // Looks at the database once before the first call can come.
+    readiness = std::make_unique<Readiness>(*pool, [this](const Readiness::State& state) { SetReady(state); });
+    services = std::make_unique<Services>(Services{options, std::chrono::steady_clock::now(), executor, *metrics,
+                                                   *readiness, sites, robots, maps, revisions, sessions, records, blobs,
+                                                   mappings, ingest, mapping, *exports});
+    api = std::make_unique<Api>(*services);
+    ENFILADE_RETURN_IF_ERROR(Listen());
+    SetReady(readiness->state());
+    maintenance = std::make_unique<MaintenanceLoop>(options.retention, *pool, *readiness, *metrics);
+    return absl::OkStatus();
+  }
+
+  absl::Status Listen() {
+    grpc::ServerBuilder builder;
+    int port = 0;
+    builder.AddListeningPort(options.listen.address, grpc::InsecureServerCredentials(), &port);
+    builder.SetMaxReceiveMessageSize(static_cast<int>(options.listen.max_message_bytes));
+    // A second server on the same port must fail instead of taking half of the calls.
+    builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+    // Robots that vanish without a word are noticed; those that ping to keep their connection are welcome.
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30'000);
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+    builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
+    api->RegisterWith(builder);
+    grpc = builder.BuildAndStart();
+    if (!grpc || (port == 0 && options.listen.address.rfind("unix:", 0) != 0)) {
+      return Unavailable("cannot listen at {}: is the port taken? Choose another listen.address",
+                         options.listen.address);
+    }
+    address = options.listen.address;
+    if (port > 1) address = address.substr(0, address.rfind(':') + 1) + std::to_string(port);
+    return absl::OkStatus();
+  }
+
+  void SetReady(const Readiness::State& state) {
+    metrics->SetReady(state.ready);
+    if (state.ready) {
+      spdlog::info("ready: schema {}", state.schema.deployed);
+    } else {
+      spdlog::warn("not ready: {}", state.reason);
+    }
+    if (grpc) grpc->GetHealthCheckService()->SetServingStatus(state.ready);
+  }
+
+  void Shutdown() {
+    if (!grpc) return;
+    const auto deadline =
+        std::chrono::system_clock::now() + std::chrono::milliseconds(std::llround(options.listen.grace_s * 1000.0));
+    spdlog::info("shutting down: {} streams, {} sessions being mapped", metrics->streams_open(),
+                 metrics->sessions_mapping());
+    if (readiness) readiness->Drain();
+    mapping.Stop();
+    ingest.Drain();
+    grpc->Shutdown(deadline);
+    grpc->Wait();
+    grpc.reset();
+  }
+
+  const ServerOptions options;
+  const std::unique_ptr<postgres::Pool> pool;
+  const std::unique_ptr<Metrics> metrics;
+  const SiteStore sites{*pool};
+  const RobotStore robots{*pool};
+  const MapStore maps{*pool};
+  const RevisionStore revisions{*pool};
+  const SessionStore sessions{*pool};
+  const RecordStore records{*pool};
+  const BlobStore blobs{*pool};
+  const MappingStore mappings{*pool};
+  Executor executor;
+  Mapping mapping;
+  Ingest ingest;
+  std::unique_ptr<MapExports> exports;
+  std::unique_ptr<Readiness> readiness;
+  std::unique_ptr<Services> services;
+  std::unique_ptr<Api> api;
+  std::unique_ptr<MaintenanceLoop> maintenance;
+  std::string address;
+  std::unique_ptr<grpc::Server> grpc;
+};
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Server::~Server() { impl_->Shutdown(); }
+const std::string& Server::address() const { return impl_->address; }
+void Server::Shutdown() { impl_->Shutdown(); }
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, const SlamOptions& slam) {
+  ENFILADE_RETURN_IF_ERROR(options.Validate());
+  ENFILADE_RETURN_IF_ERROR(slam.Validate());
+  ENFILADE_ASSIGN_OR_RETURN(auto pool, postgres::Pool::Create(PoolOptionsOf(options.database)));
+  ENFILADE_ASSIGN_OR_RETURN(auto metrics, Metrics::Create(options.metrics.address));
+  auto impl = std::make_unique<Impl>(options, slam, std::move(pool), std::move(metrics));
+  ENFILADE_RETURN_IF_ERROR(impl->Start());
+  return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+
+}  // namespace enfilade::server
