@@ -1,0 +1,18 @@
+#pragma once
+
+#include "absl/status/status.h"
+#include "client/cpp/spool/sqlite.h"
+
+namespace enfilade::client {
+
+// The layout of a spool's file. A new layout gets a new number, and Open brings older files up to it.
+constexpr int kSpoolVersion = 1;
+
+// Makes a fresh file a spool, or checks that it is one: FAILED_PRECONDITION where another program's or a newer
+// program's, DATA_LOSS where damaged (`check`: looked through as a whole).
+absl::Status PrepareSpoolFile(SqliteDatabase& database, const std::string& path, bool check);
+
+// What every connection to a spool is set to.
+absl::Status ConfigureConnection(SqliteDatabase& database);
+
+}  // namespace enfilade::client
