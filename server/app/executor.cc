@@ -10,31 +10,33 @@ Executor::Executor(int threads, std::size_t max_queued) : max_queued_(max_queued
 
 Executor::~Executor() {
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     stopping_ = true;
+    changed_.NotifyAll();
   }
   for (std::thread& thread : threads_) thread.join();
 }
 
 bool Executor::Post(std::function<void()> task) {
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   if (tasks_.size() >= max_queued_) return false;
   tasks_.push_back(std::move(task));
+  changed_.NotifyOne();
   return true;
 }
 
 void Executor::PostNext(std::function<void()> task) {
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   tasks_.push_back(std::move(task));
+  changed_.NotifyOne();
 }
 
 void Executor::Run() {
-  const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_ || !tasks_.empty(); };
   while (true) {
     std::function<void()> task;
     {
-      absl::MutexLock lock(&mutex_);
-      mutex_.Await(absl::Condition(&has_work));
+      MutexLock lock(mutex_);
+      while (!stopping_ && tasks_.empty()) changed_.Wait(mutex_);
       if (tasks_.empty()) return;
       task = std::move(tasks_.front());
       tasks_.pop_front();

@@ -24,12 +24,12 @@ class Ingest::Stream {
 
   // Calls are serialised here: a stream's events come from its writer, and RoomAgain from any.
   void Tell(const IngestEvent& event) {
-    absl::MutexLock lock(&event_mutex);
+    MutexLock lock(event_mutex);
     if (!closed) on_event(event);
   }
 
   const SessionName session;
-  absl::Mutex event_mutex;
+  Mutex event_mutex;
   const std::function<void(const IngestEvent&)> on_event;
   bool closed ABSL_GUARDED_BY(event_mutex) = false;
 
@@ -60,8 +60,9 @@ Ingest::Ingest(const ServerOptions::Ingest& options, const RecordStore& records,
 
 Ingest::~Ingest() {
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     stopping_ = true;
+    changed_.NotifyAll();
   }
   for (std::thread& writer : writers_) writer.join();
 }
@@ -69,9 +70,9 @@ Ingest::~Ingest() {
 std::shared_ptr<Ingest::Stream> Ingest::Open(const SessionName& session,
                                              std::function<void(const IngestEvent&)> on_event) {
   auto stream = std::make_shared<Stream>(session, std::move(on_event));
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   streams_.insert(stream);
-  if (draining_) ready_.push_back(stream);
+  if (draining_) MakeReady(stream);
   metrics_.AddStreamsOpen(1);
   return stream;
 }
@@ -79,42 +80,46 @@ std::shared_ptr<Ingest::Stream> Ingest::Open(const SessionName& session,
 bool Ingest::Offer(const std::shared_ptr<Stream>& stream, IngestItem item, std::size_t bytes) {
   const auto size = static_cast<std::int64_t>(bytes);
   metrics_.AddIngestBuffered(size);
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   const bool idle = stream->entries.empty() && !stream->writing;
   stream->entries.push_back({std::move(item), size});
   stream->bytes += size;
   total_bytes_ += size;
-  if (idle) ready_.push_back(stream);
+  if (idle) MakeReady(stream);
   stream->paused = stream->bytes > options_.stream_buffer_bytes || total_bytes_ > options_.total_buffer_bytes;
   return !stream->paused;
 }
 
 void Ingest::Close(const std::shared_ptr<Stream>& stream) {
   {
-    absl::MutexLock lock(&stream->event_mutex);
+    MutexLock lock(stream->event_mutex);
     if (stream->closed) return;
     stream->closed = true;
   }
   metrics_.AddStreamsOpen(-1);
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   streams_.erase(stream);
 }
 
 void Ingest::Drain() {
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   draining_ = true;
   for (const auto& stream : streams_) {
-    if (stream->entries.empty() && !stream->writing) ready_.push_back(stream);
+    if (stream->entries.empty() && !stream->writing) MakeReady(stream);
   }
 }
 
+void Ingest::MakeReady(const std::shared_ptr<Stream>& stream) {
+  ready_.push_back(stream);
+  changed_.NotifyOne();
+}
+
 void Ingest::Run() {
-  const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopping_ || !ready_.empty(); };
   while (true) {
     std::vector<Work> work;
     {
-      absl::MutexLock lock(&mutex_);
-      mutex_.Await(absl::Condition(&has_work));
+      MutexLock lock(mutex_);
+      while (!stopping_ && ready_.empty()) changed_.Wait(mutex_);
       if (ready_.empty()) return;
       work = TakeWork();
     }
@@ -217,7 +222,7 @@ void Ingest::Return(const std::vector<Work>& work) {
   std::vector<std::shared_ptr<Stream>> with_room;
   std::int64_t written = 0;
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     for (const Work& one : work) {
       Stream& stream = *one.stream;
       for (const Stream::Entry& entry : one.entries) {
@@ -229,7 +234,7 @@ void Ingest::Return(const std::vector<Work>& work) {
                       });
       stream.writing = false;
       if (!stream.entries.empty()) {
-        ready_.push_back(one.stream);
+        MakeReady(one.stream);
       } else if (draining_ && !stream.told_drained) {
         stream.told_drained = true;
         drained.push_back(one.stream);

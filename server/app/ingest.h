@@ -13,7 +13,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
-#include "absl/synchronization/mutex.h"
+#include "core/base/mutex.h"
 #include "core/sensor/record.h"
 #include "proto/convert/names.h"
 #include "server/app/metrics.h"
@@ -82,6 +82,7 @@ class Ingest {
  private:
   struct Work;
 
+  void MakeReady(const std::shared_ptr<Stream>& stream) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Run();
   std::vector<Work> TakeWork() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Write(std::vector<Work>& work);
@@ -96,7 +97,8 @@ class Ingest {
   Metrics& metrics_;
   const std::function<void()> on_stored_;
 
-  absl::Mutex mutex_;
+  Mutex mutex_;
+  CondVar changed_;  // ready_ or stopping_
   std::set<std::shared_ptr<Stream>> streams_ ABSL_GUARDED_BY(mutex_);
   std::deque<std::shared_ptr<Stream>> ready_ ABSL_GUARDED_BY(mutex_);  // have items and no writer
   std::int64_t total_bytes_ ABSL_GUARDED_BY(mutex_) = 0;

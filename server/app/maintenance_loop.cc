@@ -8,6 +8,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kTimeout = std::chrono::seconds(30);
+constexpr auto kFiguresInterval = std::chrono::seconds(1);
 // A robot may send a blob and come back with the record that refers to it only after an outage.
 constexpr auto kBlobGrace = std::chrono::hours(24);
 constexpr std::int64_t kRowsPerPortion = 5000;
@@ -21,27 +22,18 @@ MaintenanceLoop::MaintenanceLoop(const ServerOptions::Retention& options, postgr
 }
 
 MaintenanceLoop::~MaintenanceLoop() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stopping_ = true;
-  }
+  stop_.Set();
   thread_.join();
 }
 
-bool MaintenanceLoop::Wait(absl::Duration time) {
-  absl::MutexLock lock(&mutex_);
-  return !mutex_.AwaitWithTimeout(absl::Condition(&stopping_), time);
-}
-
 void MaintenanceLoop::Run() {
-  constexpr double kFiguresIntervalS = 1.0;
-  double since_clean_up = 0.0;
-  while (Wait(absl::Seconds(kFiguresIntervalS))) {
+  std::chrono::duration<double> since_clean_up{0.0};
+  while (!stop_.WaitFor(kFiguresInterval)) {
     const postgres::Pool::Stats stats = pool_.stats();
     metrics_.SetDatabaseConnections(stats.open, stats.busy, stats.waiting);
-    since_clean_up += kFiguresIntervalS;
-    if (since_clean_up < options_.interval_s || !readiness_.state().ready) continue;
-    since_clean_up = 0.0;
+    since_clean_up += kFiguresInterval;
+    if (since_clean_up.count() < options_.interval_s || !readiness_.state().ready) continue;
+    since_clean_up = since_clean_up.zero();
     CleanUp();
   }
 }
@@ -61,7 +53,7 @@ void MaintenanceLoop::CleanUp() {
   };
   for (const Job& job : jobs) {
     std::int64_t deleted = 0;
-    while (Wait(absl::ZeroDuration())) {
+    while (!stop_.is_set()) {
       const auto portion = job.run(CallContext::WithTimeout(kTimeout));
       if (!portion.ok()) {
         spdlog::warn("maintenance: {}: {}", job.what, portion.status().ToString());

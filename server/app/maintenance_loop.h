@@ -2,10 +2,9 @@
 
 #include <thread>
 
-#include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
 #include "server/app/metrics.h"
 #include "server/app/readiness.h"
+#include "server/app/stop_signal.h"
 #include "server/config/server_options.h"
 #include "storage/maintenance.h"
 #include "storage/postgres/pool.h"
@@ -25,15 +24,13 @@ class MaintenanceLoop {
  private:
   void Run();
   void CleanUp();
-  bool Wait(absl::Duration time);
 
   const ServerOptions::Retention options_;
   postgres::Pool& pool_;
   const Readiness& readiness_;
   Metrics& metrics_;
   const Maintenance maintenance_;
-  absl::Mutex mutex_;
-  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  StopSignal stop_;
   std::thread thread_;
 };
 

@@ -114,7 +114,7 @@ absl::StatusOr<ExportedMap> MapExports::Get(const CallContext& context, const Re
   const std::string key =
       fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format), SafeStem(map.display_name));
   const auto find = [&]() -> std::optional<ExportedMap> {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
       if (entry->key != key) continue;
       entries_.splice(entries_.begin(), entries_, entry);
@@ -125,12 +125,12 @@ absl::StatusOr<ExportedMap> MapExports::Get(const CallContext& context, const Re
     return std::nullopt;
   };
   if (auto found = find()) return *std::move(found);
-  absl::MutexLock render_lock(&render_mutex_);
+  MutexLock render_lock(render_mutex_);
   if (auto found = find()) return *std::move(found);  // rendered while this call waited
   ENFILADE_ASSIGN_OR_RETURN(Entry entry, Render(context, revision, map.display_name, format));
   entry.key = key;
   ExportedMap rendered = entry.map;
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   bytes_ += entry.bytes;
   entries_.push_front(std::move(entry));
   Evict();

@@ -10,7 +10,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
-#include "absl/synchronization/mutex.h"
+#include "core/base/mutex.h"
 #include "core/grid/map_files.h"
 #include "proto/convert/names.h"
 #include "server/config/server_options.h"
@@ -78,8 +78,8 @@ class MapExports {
   const RevisionStore& revisions_;
   const std::filesystem::path directory_;
 
-  absl::Mutex render_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
-  absl::Mutex mutex_;
+  Mutex render_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  Mutex mutex_;
   std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // the latest used first
   std::int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   std::int64_t next_file_ ABSL_GUARDED_BY(render_mutex_) = 0;

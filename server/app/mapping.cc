@@ -18,7 +18,7 @@ constexpr auto kTurn = std::chrono::seconds(3);
 // Turns this short come no faster than this, so that a robot's records are stored in the map by the dozen.
 constexpr auto kShortestTurn = std::chrono::milliseconds(100);
 // Other replicas' records do not wake this process: it looks for them this often.
-constexpr auto kPoll = absl::Seconds(1);
+constexpr auto kPoll = std::chrono::seconds(1);
 constexpr std::size_t kMaxParked = 4;
 
 std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
@@ -48,47 +48,44 @@ Mapping::Mapping(const ServerOptions::Mapping& options, const SlamOptions& slam,
       session_options_(SessionOptions(options, slam)),
       metrics_(metrics),
       owner_(NewUuid()) {
-  for (int i = 0; i < options.workers; ++i) threads_.emplace_back([this, i] { Work(i); });
-  if (options.workers > 0) threads_.emplace_back([this] { KeepLeases(); });
+  for (int i = 0; i < options.workers; ++i) workers_.emplace_back([this, i] { Work(i); });
+  lease_keeper_ = std::thread([this] { KeepLeases(); });
 }
 
 Mapping::~Mapping() {
   Stop();
-  for (std::thread& thread : threads_) thread.join();
+  for (std::thread& worker : workers_) worker.join();
+  workers_done_.Set();
+  lease_keeper_.join();
 }
 
 void Mapping::Wake() {
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   woken_ = true;
+  changed_.NotifyAll();
 }
 
 void Mapping::Stop() {
-  absl::MutexLock lock(&mutex_);
-  stopping_ = true;
+  stop_.Set();
+  Wake();
 }
 
-bool Mapping::stopping() const {
-  absl::MutexLock lock(&mutex_);
-  return stopping_;
-}
-
-bool Mapping::Wait(absl::Duration at_most) {
-  const auto woken = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return woken_ || stopping_; };
-  absl::MutexLock lock(&mutex_);
-  mutex_.AwaitWithTimeout(absl::Condition(&woken), at_most);
+void Mapping::WaitForRecords() {
+  const auto deadline = std::chrono::steady_clock::now() + kPoll;
+  MutexLock lock(mutex_);
+  while (!woken_ && changed_.WaitUntil(mutex_, deadline)) {
+  }
   woken_ = false;
-  return !stopping_;
 }
 
 void Mapping::Work(int worker) {
   const std::string owner = fmt::format("{}/{}", owner_, worker);
-  while (!stopping()) {
+  while (!stop_.is_set()) {
     const auto begin = std::chrono::steady_clock::now();
     if (!TakeTurn(owner)) {
-      Wait(kPoll);
-    } else if (const auto took = std::chrono::steady_clock::now() - begin; took < kShortestTurn) {
-      absl::MutexLock lock(&mutex_);
-      mutex_.AwaitWithTimeout(absl::Condition(&stopping_), absl::FromChrono(kShortestTurn - took));
+      WaitForRecords();
+    } else {
+      stop_.WaitFor(kShortestTurn - (std::chrono::steady_clock::now() - begin));
     }
   }
 }
@@ -99,14 +96,14 @@ bool Mapping::TakeTurn(const std::string& owner) {
   const auto turn = std::make_shared<Turn>();
   turn->lease = (*leased)->lease;
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     turns_.push_back(turn);
   }
   metrics_.AddSessionsMapping(1);
   MapSession(**leased, *turn);
   metrics_.AddSessionsMapping(-1);
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     turns_.remove(turn);
   }
   return true;
@@ -138,7 +135,7 @@ void Mapping::MapSession(const LeasedSession& leased, Turn& turn) {
 
 absl::Status Mapping::MapUntilTurnEnds(const SessionLease& lease, SessionMapping& mapping, Turn& turn) {
   const auto end = std::chrono::steady_clock::now() + kTurn;
-  while (!turn.lease_lost && !stopping() && std::chrono::steady_clock::now() < end) {
+  while (!turn.lease_lost && !stop_.is_set() && std::chrono::steady_clock::now() < end) {
     const LogMapperCounts before = mapping.counts();
     ENFILADE_ASSIGN_OR_RETURN(const SessionMapping::Progress progress, mapping.Step(lease));
     const LogMapperCounts after = mapping.counts();
@@ -155,7 +152,7 @@ absl::Status Mapping::MapUntilTurnEnds(const SessionLease& lease, SessionMapping
 
 // A parked mapping is good only where nobody else had the session since.
 std::unique_ptr<SessionMapping> Mapping::Unpark(const LeasedSession& leased) {
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   for (auto parked = parked_.begin(); parked != parked_.end(); ++parked) {
     if (parked->lease.site != leased.lease.site || parked->lease.session != leased.lease.session) continue;
     std::unique_ptr<SessionMapping> mapping = std::move(parked->mapping);
@@ -169,18 +166,18 @@ std::unique_ptr<SessionMapping> Mapping::Unpark(const LeasedSession& leased) {
 
 void Mapping::Park(const SessionLease& lease, std::unique_ptr<SessionMapping> mapping) {
   if (mapping->ended()) return;
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   parked_.push_front({lease, std::move(mapping)});
   if (parked_.size() > kMaxParked) parked_.pop_back();
 }
 
 void Mapping::KeepLeases() {
-  const absl::Duration interval = absl::Seconds(options_.lease_s / 3.0);
-  while (true) {
+  const auto interval = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(options_.lease_s / 3.0));
+  while (!workers_done_.WaitFor(interval)) {
     std::list<std::shared_ptr<Turn>> turns;
     {
-      absl::MutexLock lock(&mutex_);
-      if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), interval) && turns_.empty()) return;
+      MutexLock lock(mutex_);
       turns = turns_;
     }
     for (const auto& turn : turns) {
@@ -188,7 +185,6 @@ void Mapping::KeepLeases() {
           stores_.mappings.Renew(CallContext::WithTimeout(LeaseTime(options_) / 3), turn->lease, LeaseTime(options_));
       if (absl::IsAborted(status)) turn->lease_lost = true;
     }
-    if (stopping()) absl::SleepFor(absl::Milliseconds(10));
   }
 }
 

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
+#include "core/base/mutex.h"
 #include "server/app/metrics.h"
 #include "server/app/session_mapping.h"
+#include "server/app/stop_signal.h"
 #include "server/config/server_options.h"
 #include "storage/mapping_store.h"
 
@@ -43,9 +44,7 @@ class Mapping {
   bool TakeTurn(const std::string& owner);
   void MapSession(const LeasedSession& leased, Turn& turn);
   absl::Status MapUntilTurnEnds(const SessionLease& lease, SessionMapping& mapping, Turn& turn);
-  // False where it is time to stop.
-  bool Wait(absl::Duration at_most);
-  bool stopping() const;
+  void WaitForRecords();
   std::unique_ptr<SessionMapping> Unpark(const LeasedSession& leased);
   void Park(const SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
 
@@ -61,12 +60,15 @@ class Mapping {
     std::unique_ptr<SessionMapping> mapping;
   };
 
-  mutable absl::Mutex mutex_;
+  StopSignal stop_;
+  Mutex mutex_;
+  CondVar changed_;  // woken_
   bool woken_ ABSL_GUARDED_BY(mutex_) = false;
-  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::list<Parked> parked_ ABSL_GUARDED_BY(mutex_);  // the latest first
   std::list<std::shared_ptr<Turn>> turns_ ABSL_GUARDED_BY(mutex_);
-  std::vector<std::thread> threads_;
+  std::vector<std::thread> workers_;
+  StopSignal workers_done_;
+  std::thread lease_keeper_;
 };
 
 }  // namespace enfilade::server

@@ -9,7 +9,7 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kInterval = absl::Seconds(1);
+constexpr auto kInterval = std::chrono::seconds(1);
 constexpr auto kTimeout = std::chrono::seconds(3);
 
 Readiness::State StateFrom(const absl::StatusOr<SchemaState>& schema) {
@@ -39,7 +39,7 @@ Readiness::State StateFrom(const absl::StatusOr<SchemaState>& schema) {
 Readiness::Readiness(postgres::Pool& pool, std::function<void(const State&)> on_change)
     : pool_(pool), on_change_(std::move(on_change)) {
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     state_.ready = true;  // so that the first look counts as a change where it fails
   }
   Look();
@@ -48,22 +48,19 @@ Readiness::Readiness(postgres::Pool& pool, std::function<void(const State&)> on_
 }
 
 Readiness::~Readiness() {
-  {
-    absl::MutexLock lock(&mutex_);
-    stopping_ = true;
-  }
+  stop_.Set();
   thread_.join();
 }
 
 Readiness::State Readiness::state() const {
-  absl::MutexLock lock(&mutex_);
+  MutexLock lock(mutex_);
   return state_;
 }
 
 void Readiness::Drain() {
   State drained;
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     draining_ = true;
     state_.ready = false;
     state_.reason = "the server is about to end";
@@ -76,7 +73,7 @@ void Readiness::Look() {
   State found = StateFrom(CheckSchema(CallContext::WithTimeout(kTimeout), pool_));
   bool changed = false;
   {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     if (draining_) return;
     changed = found.ready != state_.ready;
     state_ = found;
@@ -85,13 +82,7 @@ void Readiness::Look() {
 }
 
 void Readiness::Run() {
-  while (true) {
-    {
-      absl::MutexLock lock(&mutex_);
-      if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), kInterval)) return;
-    }
-    Look();
-  }
+  while (!stop_.WaitFor(kInterval)) Look();
 }
 
 }  // namespace enfilade::server

@@ -6,7 +6,8 @@
 #include <thread>
 
 #include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
+#include "core/base/mutex.h"
+#include "server/app/stop_signal.h"
 #include "storage/schema.h"
 
 namespace enfilade::server {
@@ -37,10 +38,10 @@ class Readiness {
 
   postgres::Pool& pool_;
   const std::function<void(const State&)> on_change_;
-  mutable absl::Mutex mutex_;
+  mutable Mutex mutex_;
   State state_ ABSL_GUARDED_BY(mutex_);
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
-  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  StopSignal stop_;
   std::thread thread_;
 };
 

@@ -8,7 +8,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "absl/synchronization/mutex.h"
+#include "core/base/mutex.h"
 #include "grpcpp/server_context.h"
 #include "grpcpp/support/server_callback.h"
 #include "server/app/services.h"
@@ -46,14 +46,14 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   }
 
   void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     writing_ = false;
     if (!ok) gone_ = true;
     Advance();
   }
 
   void OnCancel() override {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     gone_ = true;
     Advance();
   }
@@ -68,7 +68,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
 
   // A message is made; or there is none: the end (false), or an error.
   void Made(const absl::StatusOr<bool>& made) {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     making_ = false;
     made_ = made.ok() && *made;
     ended_ = !made_;
@@ -104,7 +104,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   Response messages_[2];
   int next_ = 0;  // the one that is being made; the other is being written
 
-  absl::Mutex mutex_;
+  Mutex mutex_;
   bool making_ ABSL_GUARDED_BY(mutex_) = true;
   bool made_ ABSL_GUARDED_BY(mutex_) = false;
   bool ended_ ABSL_GUARDED_BY(mutex_) = false;

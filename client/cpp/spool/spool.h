@@ -13,7 +13,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
-#include "client/cpp/mutex.h"
+#include "core/base/mutex.h"
 #include "client/cpp/spool/file_lock.h"
 #include "client/cpp/spool/sqlite.h"
 #include "core/base/ids.h"

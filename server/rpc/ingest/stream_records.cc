@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
-#include "absl/synchronization/mutex.h"
+#include "core/base/mutex.h"
 #include "core/base/error.h"
 #include "proto/convert/names.h"
 #include "server/rpc/ingest/batch.h"
@@ -64,7 +64,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   }
 
   void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     writing_ = false;
     if (!ok) responses_.clear();
     WriteNext();
@@ -76,7 +76,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     std::shared_ptr<Ingest::Stream> stream;
     absl::Status status;
     {
-      absl::MutexLock lock(&mutex_);
+      MutexLock lock(mutex_);
       stream = std::move(stream_);
       status = status_;
     }
@@ -105,7 +105,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
           if (const auto reactor = self.lock()) reactor->OnEvent(event);
         });
     {
-      absl::MutexLock lock(&mutex_);
+      MutexLock lock(mutex_);
       stream_ = std::move(stream);
       v1::StreamRecordsResponse response;
       response.mutable_opened()->set_acknowledged_sequence(session->acknowledged_sequence);
@@ -132,7 +132,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   void Offer(IngestItem item, std::size_t bytes) {
     std::shared_ptr<Ingest::Stream> stream;
     {
-      absl::MutexLock lock(&mutex_);
+      MutexLock lock(mutex_);
       stream = stream_;
       if (stream) {
         if (!std::holds_alternative<IngestBlob>(item)) ++unanswered_;
@@ -143,7 +143,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     if (!services_.ingest.Offer(stream, std::move(item), bytes)) return;
     bool read_on = false;
     {
-      absl::MutexLock lock(&mutex_);
+      MutexLock lock(mutex_);
       read_on = std::exchange(waiting_for_room_, false);
     }
     if (read_on) ReadOn();
@@ -151,12 +151,12 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
   void OnEvent(const IngestEvent& event) {
     if (const auto* stored = std::get_if<Stored>(&event)) {
-      absl::MutexLock lock(&mutex_);
+      MutexLock lock(mutex_);
       --unanswered_;
       Acknowledge(stored->acknowledged_sequence);
       WriteNext();
     } else if (const auto* refusal = std::get_if<Refusal>(&event)) {
-      absl::MutexLock lock(&mutex_);
+      MutexLock lock(mutex_);
       --unanswered_;
       responses_.push_back(ToResponse(*refusal));
       WriteNext();
@@ -167,7 +167,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     } else {
       bool read_on = false;
       {
-        absl::MutexLock lock(&mutex_);
+        MutexLock lock(mutex_);
         read_on = std::exchange(waiting_for_room_, false);
       }
       if (read_on) ReadOn();
@@ -181,13 +181,13 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   }
 
   void ReadOn() {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     if (!ending_) StartRead(&request_);
   }
 
   // Nothing more is taken; OK: what is pending is answered first.
   void EndReading(absl::Status status) {
-    absl::MutexLock lock(&mutex_);
+    MutexLock lock(mutex_);
     if (ending_ && (!status_.ok() || status.ok())) return;
     ending_ = true;
     status_ = std::move(status);
@@ -221,7 +221,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   BlobAssembly blob_;
   bool opening_ = false;
 
-  absl::Mutex mutex_;
+  Mutex mutex_;
   std::shared_ptr<Ingest::Stream> stream_ ABSL_GUARDED_BY(mutex_);
   std::deque<v1::StreamRecordsResponse> responses_ ABSL_GUARDED_BY(mutex_);
   v1::StreamRecordsResponse response_;  // of the one write under way

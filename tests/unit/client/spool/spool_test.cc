@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "client/cpp/uuid.h"
+#include "core/base/uuid.h"
 #include "tests/support/status_matchers.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/spool/spool_samples.h"

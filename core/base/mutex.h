@@ -6,10 +6,10 @@
 
 #include "absl/base/thread_annotations.h"
 
-namespace enfilade::client {
+namespace enfilade {
 
-// std::mutex with the annotations that clang's -Wthread-safety checks. (absl::Mutex has them, but the distribution's
-// libabsl is not built for ThreadSanitizer, which then sees races where there are none.)
+// std::mutex with the annotations that clang's -Wthread-safety checks. Not absl::Mutex: the distribution's libabsl is
+// not built for ThreadSanitizer, which then sees races where there are none.
 class ABSL_LOCKABLE Mutex {
  public:
   void Lock() ABSL_EXCLUSIVE_LOCK_FUNCTION() { mutex_.lock(); }
@@ -34,6 +34,7 @@ class ABSL_SCOPED_LOCKABLE MutexLock {
 // Waits with a Mutex that the caller holds. Wakes up without cause at times: wait in a loop.
 class CondVar {
  public:
+  void NotifyOne() { condition_.notify_one(); }
   void NotifyAll() { condition_.notify_all(); }
 
   void Wait(Mutex& mutex) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
@@ -42,7 +43,9 @@ class CondVar {
     lock.release();
   }
   // False where `deadline` has passed.
-  bool WaitUntil(Mutex& mutex, std::chrono::steady_clock::time_point deadline) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
+  template <typename Clock, typename Duration>
+  bool WaitUntil(Mutex& mutex, const std::chrono::time_point<Clock, Duration>& deadline)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     std::unique_lock<std::mutex> lock(mutex.mutex_, std::adopt_lock);
     const bool in_time = condition_.wait_until(lock, deadline) == std::cv_status::no_timeout;
     lock.release();
@@ -53,4 +56,4 @@ class CondVar {
   std::condition_variable condition_;
 };
 
-}  // namespace enfilade::client
+}  // namespace enfilade

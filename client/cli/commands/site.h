@@ -1,0 +1,10 @@
+#pragma once
+
+#include "client/cli/command.h"
+
+namespace enfilade::cli {
+
+// `enfilade site create|list`.
+void AddSite(CLI::App& app, const Globals& globals);
+
+}  // namespace enfilade::cli

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "client/cli/command.h"
+
+namespace enfilade::cli {
+
+// `enfilade trajectory export`.
+void AddTrajectory(CLI::App& app, const Globals& globals);
+
+}  // namespace enfilade::cli

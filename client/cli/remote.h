@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/cli/command.h"
+#include "client/cpp/connection.h"
+#include "enfilade/v1/map.pb.h"
+#include "google/protobuf/timestamp.pb.h"
+
+namespace enfilade::cli {
+
+// What commands that talk to a server share.
+
+inline Connection ConnectionOf(const Globals& globals) {
+  return {globals.server, std::chrono::duration<double>(globals.timeout_s)};
+}
+
+// sites/{--site}
+inline std::string SiteNameOf(const Globals& globals) { return "sites/" + globals.site; }
+
+// The map that a person means: by its display name, its id or its resource name, in this order. NOT_FOUND.
+absl::StatusOr<v1::Map> FindMap(const Connection& connection, const Globals& globals, const std::string& map);
+
+// "2026-11-20 23:41:35" UTC; empty for an unset time.
+std::string TimeInWords(const google::protobuf::Timestamp& time);
+
+// The last segment of a resource name.
+std::string IdOf(const std::string& name);
+
+}  // namespace enfilade::cli
