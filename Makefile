@@ -1,0 +1,59 @@
+# Enfilade. `make help` lists what there is; CMakePresets.json has the builds.
+PRESET ?= release
+BIN := build/$(PRESET)/bin
+JOBS ?= $(shell nproc)
+# Paths relative to the checkout in ccache's keys: a second checkout builds from the first one's cache.
+export CCACHE_BASEDIR := $(CURDIR)
+export CCACHE_NOHASHDIR := 1
+
+.PHONY: help demo stop test build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean
+
+help: ## this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
+
+demo: build ## map a recorded drive (LOG=FILE) end to end with a private server and database in ./var
+	@deploy/demo $(BIN) $(LOG)
+
+stop: ## stop what `make demo` started
+	@deploy/demo --stop
+
+test: build ## build and run all tests
+	@ctest --preset $(PRESET) -j $(JOBS)
+
+build: configure ## build everything into build/PRESET/bin (PRESET=release, dev, asan, tsan, coverage, tidy)
+	@cmake --build --preset $(PRESET) -j $(JOBS)
+
+configure: bootstrap
+	@cmake --preset $(PRESET) >build/configure-$(PRESET).log 2>&1 || { cat build/configure-$(PRESET).log; exit 1; }
+
+bootstrap: ## install the Debian packages that are missing
+	@mkdir -p build && deploy/bootstrap
+
+bench: build ## run the benchmarks; JSON in build/bench
+	@tests/bench/run $(BIN) build/bench
+
+asan: ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	@$(MAKE) test PRESET=asan
+
+tsan: ## the tests under ThreadSanitizer
+	@$(MAKE) test PRESET=tsan
+
+coverage: ## the tests with line coverage of core and storage
+	@$(MAKE) test PRESET=coverage
+	@gcovr --root . --object-directory build/coverage --filter core/ --filter storage/ --exclude-throw-branches --print-summary --output build/coverage/report.txt
+	@echo "whole report: build/coverage/report.txt"
+
+tidy: ## build with clang, its thread-safety analysis and clang-tidy
+	@$(MAKE) build PRESET=tidy
+
+format: ## clang-format in place
+	@git ls-files '*.h' '*.cc' | xargs clang-format -i
+
+lint: ## what the tests check without building: includes, format, scripts, API
+	@for check in tests/lint/*; do "$$check" || exit 1; done
+
+api-baseline: ## record the API as released: what `buf breaking` compares with
+	@cd proto && ../deploy/buf build -o baseline.binpb
+
+clean: ## remove what was built (not ./var)
+	@rm -rf build
