@@ -50,11 +50,11 @@ class RecordStore {
   // not above the one before. Records count as valid otherwise (Validate(Record) is the caller's).
   absl::StatusOr<AppendResult> Append(const CallContext& context, const RecordBatch& batch) const;
 
-  // Several batches in one transaction, for throughput: one answer per batch, in order, each as Append would give it;
-  // a refused batch does not touch the others. A status instead of a list means that nothing was stored (or for
-  // UNAVAILABLE, that it is unknown: send all again). Two batches of one session are allowed, in their order.
-  absl::StatusOr<std::vector<absl::StatusOr<AppendResult>>> AppendGroup(const CallContext& context,
-                                                                        absl::Span<const RecordBatch> batches) const;
+  // Several batches, those of one site in one transaction, for throughput: one answer per batch, in order, each as
+  // Append would give it; a refused batch does not touch the others. Several batches of one session are stored in their
+  // order.
+  std::vector<absl::StatusOr<AppendResult>> AppendGroup(const CallContext& context,
+                                                        absl::Span<const RecordBatch> batches) const;
 
   // The next records from `from_sequence` on without a hole, up to the acknowledged one, of about `max_bytes` of
   // payload together, at least one; empty where there is none yet. NOT_FOUND; FAILED_PRECONDITION where retention has

@@ -62,6 +62,7 @@ struct MapRevision {
   std::string raster_header;
   std::string content_sha256;
   std::int64_t tile_count = 0;
+  std::int64_t tile_bytes = 0;  // of all tiles, as stored
   TimeNs create_time = 0;
 };
 
@@ -71,9 +72,9 @@ class RevisionStore {
   explicit RevisionStore(postgres::Pool& pool) : pool_(pool) {}
 
   // Makes the map's next revision, current from then on. Large rasters put their blobs beforehand, in portions.
-  // FAILED_PRECONDITION naming a tile whose blob is missing; NOT_FOUND where the map is. A retry after UNAVAILABLE
-  // makes no second revision: where the map's current revision has the same source, session and content, that one comes
-  // back.
+  // FAILED_PRECONDITION naming a blob that is missing; INVALID_ARGUMENT where a tile is given twice; NOT_FOUND where
+  // the map is missing. A retry makes no second revision: where the map's current revision has the same source,
+  // session, header and content, that one comes back.
   absl::StatusOr<MapRevision> Add(const CallContext& context, const SiteId& site, const MapId& map,
                                   const NewRevision& revision, absl::Span<const BlobView> blobs) const;
   // The current revision for number 0. NOT_FOUND.
@@ -82,7 +83,7 @@ class RevisionStore {
   // The newest first; those below `before` (0: all). NOT_FOUND where the map is.
   absl::StatusOr<std::vector<MapRevision>> List(const CallContext& context, const SiteId& site, const MapId& map,
                                                 std::int64_t before, int limit) const;
-  // The manifest in the order of TileKey. NOT_FOUND.
+  // The manifest in the order of TileKey; `number` as MapRevision has it. NOT_FOUND.
   absl::StatusOr<std::vector<TileRef>> ListTiles(const CallContext& context, const SiteId& site, const MapId& map,
                                                  std::int64_t number) const;
   // The next tiles behind `after` (unset: from the first) in the order of TileKey, of about `max_bytes` together, at

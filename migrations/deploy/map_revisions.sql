@@ -15,6 +15,8 @@ CREATE TABLE enfilade.map_revisions (
   height         integer NOT NULL,
   raster_header  bytea NOT NULL CHECK (octet_length(raster_header) <= 1048576),
   content_sha256 enfilade.sha256_digest NOT NULL,
+  tile_count     bigint NOT NULL CHECK (tile_count >= 0),
+  tile_bytes     bigint NOT NULL CHECK (tile_bytes >= 0),  -- of all tiles' blobs
   create_time    timestamptz NOT NULL DEFAULT now(),
   PRIMARY KEY (site_id, map_id, revision),
   FOREIGN KEY (site_id, map_id) REFERENCES enfilade.maps ON DELETE CASCADE,

@@ -17,7 +17,6 @@ CREATE TABLE enfilade.mapping_checkpoints (
   session_id      enfilade.resource_id NOT NULL,
   mapped_sequence bigint NOT NULL CHECK (mapped_sequence >= 0),
   token           bigint NOT NULL,  -- of the lease under which it was written
-  revision        bigint NOT NULL,  -- of the map, made by this step; 0: none
   paired          bigint NOT NULL,
   unpaired        bigint NOT NULL,
   time_reversed   bigint NOT NULL,

@@ -24,7 +24,7 @@ CREATE TABLE enfilade.sessions (
   create_time           timestamptz NOT NULL DEFAULT now(),
   finish_time           timestamptz,
   delete_time           timestamptz,
-  purged                boolean NOT NULL DEFAULT false,  -- a deleted session's rows are gone
+  purged                boolean NOT NULL DEFAULT false,  -- the rows that delete_time or records_deleted condemn are gone
   PRIMARY KEY (site_id, session_id),
   UNIQUE (site_id, request_id),
   FOREIGN KEY (site_id, robot_id) REFERENCES enfilade.robots,
@@ -41,7 +41,7 @@ CREATE TABLE enfilade.sessions (
   -- A deleted session keeps no robot and no map from being deleted.
   CONSTRAINT sessions_robot_check CHECK ((robot_id IS NULL) = (delete_time IS NOT NULL)),
   CONSTRAINT sessions_map_check CHECK (map_id IS NULL OR delete_time IS NULL),
-  CONSTRAINT sessions_purged_check CHECK (NOT purged OR delete_time IS NOT NULL)
+  CONSTRAINT sessions_purged_check CHECK (NOT purged OR delete_time IS NOT NULL OR records_deleted)
 ) WITH (fillfactor = 50);  -- every batch of records updates the row, in its page
 
 CREATE INDEX sessions_newest_idx ON enfilade.sessions (site_id, create_time DESC, session_id DESC)
@@ -51,7 +51,7 @@ CREATE INDEX sessions_map_idx ON enfilade.sessions (site_id, map_id) WHERE map_i
 CREATE INDEX sessions_to_map_idx ON enfilade.sessions (site_id, session_id)
   WHERE map_id IS NOT NULL AND state IN (1, 2);
 CREATE INDEX sessions_to_purge_idx ON enfilade.sessions (site_id, session_id)
-  WHERE delete_time IS NOT NULL AND NOT purged;
+  WHERE (delete_time IS NOT NULL OR records_deleted) AND NOT purged;
 CREATE INDEX sessions_to_expire_idx ON enfilade.sessions (site_id, finish_time)
   WHERE delete_time IS NULL AND finish_time IS NOT NULL AND NOT records_deleted AND state IN (3, 4);
 

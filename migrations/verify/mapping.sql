@@ -1,7 +1,7 @@
 BEGIN;
 
 SELECT site_id, session_id, owner, token, expires_at FROM enfilade.session_leases WHERE false;
-SELECT site_id, session_id, mapped_sequence, token, revision, paired, unpaired, time_reversed, used, keyframes, lost,
+SELECT site_id, session_id, mapped_sequence, token, paired, unpaired, time_reversed, used, keyframes, lost,
   state
 FROM enfilade.mapping_checkpoints WHERE false;
 SELECT site_id, session_id, submap_id, version, x, y, yaw, finished, content FROM enfilade.slam_submaps WHERE false;

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "storage/call_context.h"
+#include "storage/postgres/mutex.h"
 
 namespace enfilade::postgres {
 
@@ -39,12 +43,27 @@ class Pool {
   Pool& operator=(const Pool&) = delete;
 
   // A connection for exclusive use; it goes back into the pool with the lease, or is closed where it broke.
-  class Lease;
+  class Lease {
+   public:
+    ~Lease();
+    Lease(Lease&&) noexcept;
+    Lease& operator=(Lease&&) = delete;
+
+    explicit operator bool() const { return connection_ != nullptr; }
+    Connection* operator->() const { return connection_.get(); }
+
+   private:
+    friend class Pool;
+    Lease(Pool* pool, std::unique_ptr<Connection> connection);
+
+    Pool* pool_;
+    std::unique_ptr<Connection> connection_;
+  };
   // UNAVAILABLE at once where the server cannot be reached (or could not a moment ago: back-off), with its reason;
   // DEADLINE_EXCEEDED where all connections stay busy until the deadline.
   absl::StatusOr<Lease> Acquire(const CallContext& context);
 
-  // One round trip to the database. OK, UNAVAILABLE or DEADLINE_EXCEEDED.
+  // One round trip to the database.
   absl::Status Ping(const CallContext& context);
 
   struct Stats {
@@ -57,9 +76,32 @@ class Pool {
   Stats stats() const;
 
  private:
-  class Impl;
-  explicit Pool(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  struct Idle {
+    std::unique_ptr<Connection> connection;
+    std::chrono::steady_clock::time_point since;
+  };
+
+  explicit Pool(PoolOptions options);
+
+  // What an Acquire does next.
+  struct Take {
+    std::unique_ptr<Connection> idle;  // to be used if it is alive
+    bool check = false;                // by a query
+  };
+  // An idle connection, or none and the right to open one.
+  absl::StatusOr<Take> TakeOrWait(const CallContext& context);
+  absl::StatusOr<std::unique_ptr<Connection>> Open(const CallContext& context);
+  void GiveBack(std::unique_ptr<Connection> connection);
+  void Forget();
+
+  const PoolOptions options_;
+  mutable Mutex mutex_;
+  CondVar freed_;
+  std::vector<Idle> idle_ ABSL_GUARDED_BY(mutex_);  // the last one was used last
+  Stats stats_ ABSL_GUARDED_BY(mutex_);
+  std::chrono::milliseconds backoff_ ABSL_GUARDED_BY(mutex_){0};
+  std::chrono::steady_clock::time_point next_attempt_ ABSL_GUARDED_BY(mutex_);
+  absl::Status last_failure_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enfilade::postgres

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "core/base/ids.h"
+#include "storage/call_context.h"
+#include "storage/postgres/pool.h"
+#include "storage/record_store.h"
+
+namespace enfilade::postgres {
+
+// RecordStore::AppendGroup for batches of one site: one transaction.
+std::vector<absl::StatusOr<AppendResult>> AppendToSite(Pool& pool, const CallContext& context, const SiteId& site,
+                                                       absl::Span<const RecordBatch* const> batches);
+
+// `status` with the record at fault: see RefusedSequenceOf.
+absl::Status RefuseRecord(absl::Status status, std::int64_t sequence);
+
+}  // namespace enfilade::postgres

@@ -1,0 +1,223 @@
+#include "storage/map_store.h"
+
+#include <cmath>
+
+#include "storage/postgres/names.h"
+#include "storage/postgres/rows.h"
+#include "storage/postgres/session_deletion.h"
+#include "storage/postgres/wkb.h"
+
+namespace enfilade {
+namespace {
+
+using postgres::ExecuteAlone;
+using postgres::NameOf;
+using postgres::Params;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+#define ENFILADE_MAP_COLUMNS                                                                             \
+  "site_id, map_id, display_name, level, environment, slam_profile, ST_AsBinary(outline, 'NDR'), state," \
+  " current_revision, etag, create_time, update_time"
+
+constexpr Statement kInsert{
+    "creating the map",
+    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile, outline, request_id)"
+    " VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8) RETURNING " ENFILADE_MAP_COLUMNS};
+constexpr Statement kFindRequest{"looking for an earlier request",
+                                 "SELECT " ENFILADE_MAP_COLUMNS
+                                 " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
+constexpr Statement kSelect{"reading the map",
+                            "SELECT " ENFILADE_MAP_COLUMNS " FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kSelectByDisplayName{"looking for the map",
+                                         "SELECT " ENFILADE_MAP_COLUMNS
+                                         " FROM enfilade.maps WHERE site_id = $1 AND display_name = $2"};
+constexpr Statement kList{"listing maps", "SELECT " ENFILADE_MAP_COLUMNS
+                                          " FROM enfilade.maps WHERE site_id = $1 AND map_id > $2"
+                                          " ORDER BY map_id LIMIT $3"};
+constexpr Statement kFindByOutline{"looking for maps by outline",
+                                   "SELECT " ENFILADE_MAP_COLUMNS
+                                   " FROM enfilade.maps WHERE site_id = $1 AND level = $2"
+                                   " AND ST_Intersects(outline, ST_MakeEnvelope($3, $4, $5, $6)) ORDER BY map_id"};
+constexpr Statement kUpdate{"updating the map",
+                            "UPDATE enfilade.maps SET display_name = $4, level = $5, environment = $6,"
+                            " slam_profile = $7, outline = ST_GeomFromWKB($8, 0),"
+                            " etag = nextval('enfilade.etags'), update_time = now()"
+                            " WHERE site_id = $1 AND map_id = $2 AND etag = $3 RETURNING " ENFILADE_MAP_COLUMNS};
+constexpr Statement kFindSessions{
+    "looking for the map's sessions",
+    "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 AND map_id = $2 ORDER BY session_id"};
+constexpr Statement kLock{"locking the map",
+                          "SELECT etag FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR UPDATE"};
+constexpr Statement kDelete{"deleting the map", "DELETE FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+
+struct MapRow {
+  Map map;
+  std::string outline;
+};
+
+MapRow ReadMapRow(Row& row) {
+  Map map;
+  map.site = SiteId(std::string(row.Text()));
+  map.id = MapId(std::string(row.Text()));
+  map.display_name = row.Text();
+  map.level = row.Int32();
+  map.environment = static_cast<Environment>(row.Int16());
+  map.slam_profile = row.Text();
+  const std::string outline(row.OptionalBytes().value_or(""));
+  map.state = static_cast<MapState>(row.Int16());
+  map.current_revision = row.Int64();
+  map.etag = row.Int64();
+  map.create_time = row.Time();
+  map.update_time = row.Time();
+  return {std::move(map), outline};
+}
+
+absl::StatusOr<Map> Decode(MapRow row) {
+  if (row.outline.empty()) return std::move(row.map);
+  auto outline = postgres::DecodePolygon(row.outline);
+  if (!outline.ok()) return WithContext(outline.status(), NameOf(row.map.site, row.map.id));
+  row.map.outline = *std::move(outline);
+  return std::move(row.map);
+}
+
+absl::StatusOr<Map> ReadMap(const postgres::Result& result, const std::string& name) {
+  ENFILADE_ASSIGN_OR_RETURN(MapRow row, ReadOne(result, ReadMapRow, name));
+  return Decode(std::move(row));
+}
+
+absl::StatusOr<std::vector<Map>> ReadMaps(const postgres::Result& result) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<MapRow> rows, ReadRows(result, ReadMapRow));
+  std::vector<Map> maps;
+  for (MapRow& row : rows) {
+    ENFILADE_ASSIGN_OR_RETURN(Map map, Decode(std::move(row)));
+    maps.push_back(std::move(map));
+  }
+  return maps;
+}
+
+// PostGIS takes infinite coordinates, and its geometry functions then fail in their own ways.
+absl::Status ValidateOutline(const Map& map) {
+  for (const Eigen::Vector2d& corner : map.outline) {
+    if (!corner.allFinite()) return InvalidArgument("outline has a corner that is not finite");
+  }
+  if (!map.outline.empty() && map.outline.size() < 3) {
+    return InvalidArgument("outline has {} corners: at least 3 are needed", map.outline.size());
+  }
+  return absl::OkStatus();
+}
+
+std::optional<postgres::Bytes> BytesOrNull(const std::string& bytes) {
+  if (bytes.empty()) return std::nullopt;
+  return postgres::Bytes{bytes};
+}
+
+absl::Status Explain(const absl::Status& status, const Map& map) {
+  const std::string constraint = postgres::ConstraintOf(status);
+  if (constraint == "maps_site_id_display_name_key") {
+    return AlreadyExists("{} has a map with the display name \"{}\" already", NameOf(map.site), map.display_name);
+  }
+  if (constraint == "maps_outline_check") {
+    return InvalidArgument("outline is not a simple polygon: its sides must not cross or touch one another");
+  }
+  if (absl::IsAlreadyExists(status)) return AlreadyExists("{} exists already", NameOf(map.site, map.id));
+  if (postgres::SqlStateOf(status) == "23503") return NotFound("{} does not exist", NameOf(map.site));
+  return WithContext(status, NameOf(map.site, map.id));
+}
+
+std::string Listing(const std::vector<std::string>& ids) {
+  constexpr std::size_t kShown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(ids.size(), kShown); ++i) text += (i > 0 ? ", " : "") + ids[i];
+  if (ids.size() > kShown) text += fmt::format(" and {} more", ids.size() - kShown);
+  return text;
+}
+
+}  // namespace
+
+absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map, const std::string& request_id) const {
+  ENFILADE_RETURN_IF_ERROR(ValidateOutline(map));
+  const std::string outline = postgres::EncodePolygon(map.outline);
+  const auto inserted = ExecuteAlone(
+      pool_, context, kInsert,
+      Params(map.site, map.id, map.display_name, std::int32_t{map.level}, static_cast<std::int16_t>(map.environment),
+             map.slam_profile, BytesOrNull(outline), postgres::NullIfEmpty(request_id)));
+  if (inserted.ok()) return ReadMap(*inserted, NameOf(map.site, map.id));
+  if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
+                              ExecuteAlone(pool_, context, kFindRequest, Params(map.site, request_id)));
+    if (earlier.rows() > 0) return ReadMap(earlier, NameOf(map.site, map.id));
+  }
+  return Explain(inserted.status(), map);
+}
+
+absl::StatusOr<Map> MapStore::Get(const CallContext& context, const SiteId& site, const MapId& map) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, map)));
+  return ReadMap(result, NameOf(site, map));
+}
+
+absl::StatusOr<Map> MapStore::GetByDisplayName(const CallContext& context, const SiteId& site,
+                                               const std::string& display_name) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kSelectByDisplayName, Params(site, display_name)));
+  return ReadMap(result, fmt::format("a map \"{}\" in {}", display_name, NameOf(site)));
+}
+
+absl::StatusOr<std::vector<Map>> MapStore::List(const CallContext& context, const SiteId& site,
+                                                const PageRequest& page) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto result,
+      ExecuteAlone(pool_, context, kList, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
+  return ReadMaps(result);
+}
+
+absl::StatusOr<std::vector<Map>> MapStore::FindByOutline(const CallContext& context, const SiteId& site, int level,
+                                                         const Rectangle& rectangle) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kFindByOutline,
+                                         Params(site, std::int32_t{level}, rectangle.min.x(), rectangle.min.y(),
+                                                rectangle.max.x(), rectangle.max.y())));
+  return ReadMaps(result);
+}
+
+absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map) const {
+  ENFILADE_RETURN_IF_ERROR(ValidateOutline(map));
+  const std::string outline = postgres::EncodePolygon(map.outline);
+  const auto updated =
+      ExecuteAlone(pool_, context, kUpdate,
+                   Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
+                          static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
+  if (!updated.ok()) return Explain(updated.status(), map);
+  if (updated->rows() > 0) return ReadMap(*updated, NameOf(map.site, map.id));
+  ENFILADE_RETURN_IF_ERROR(Get(context, map.site, map.id).status());
+  return postgres::StaleEtag(NameOf(map.site, map.id));
+}
+
+absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
+                              bool force) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kFindSessions, Params(site, map)));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> sessions,
+                            ReadRows(found, [](Row& row) { return std::string(row.Text()); }));
+  const std::vector<std::string_view> session_views(sessions.begin(), sessions.end());
+  if (force) transaction.Queue(postgres::kRevokeLeases, Params(site, session_views));
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLock, Params(site, map)));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
+                            ReadOne(
+                                locked, [](Row& row) { return row.Int64(); }, NameOf(site, map)));
+  if (etag != 0 && etag != stored_etag) return postgres::StaleEtag(NameOf(site, map));
+  if (!force && !sessions.empty()) {
+    return FailedPrecondition("{} sessions map into {}: {}. Delete them first, or use force", sessions.size(),
+                              NameOf(site, map), Listing(sessions));
+  }
+  transaction.Queue(postgres::kMarkSessionsDeleted, Params(site, session_views));
+  transaction.Queue(kDelete, Params(site, map));
+  const absl::Status committed = transaction.Commit();
+  if (postgres::SqlStateOf(committed) == "23503") {
+    return Aborted("{} got another session meanwhile: repeat the deletion", NameOf(site, map));
+  }
+  return WithContext(committed, NameOf(site, map));
+}
+
+}  // namespace enfilade

@@ -1,0 +1,77 @@
+#include "storage/postgres/result.h"
+
+#include <libpq-fe.h>
+
+#include <charconv>
+
+#include "core/base/error.h"
+
+namespace enfilade::postgres {
+
+int Result::rows() const { return PQntuples(result_.get()); }
+int Result::columns() const { return PQnfields(result_.get()); }
+
+std::int64_t Result::affected() const {
+  const std::string_view text = PQcmdTuples(result_.get());
+  std::int64_t count = 0;
+  std::from_chars(text.data(), text.data() + text.size(), count);
+  return count;
+}
+
+void Result::Clear::operator()(pg_result* result) const { PQclear(result); }
+
+std::vector<double> Row::Doubles() {
+  const auto value = Value(TypeOid::kFloat8Array);
+  constexpr std::size_t kHeader = 20;  // dimensions, flags, type, length, lower bound
+  if (!value || value->size() < kHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return {};
+  const std::size_t count = ReadNetwork<std::uint32_t>(value->data() + 12);
+  if (!HasSize(*value, kHeader + count * 12)) return {};
+  std::vector<double> numbers(count);
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = DecodeBinary<double>(value->data() + kHeader + i * 12 + 4);
+  return numbers;
+}
+
+std::optional<std::int64_t> Row::OptionalInt64() {
+  const auto value = NullableValue(TypeOid::kInt8);
+  if (!value || !HasSize(*value, 8)) return std::nullopt;
+  return DecodeBinary<std::int64_t>(value->data());
+}
+
+std::optional<TimeNs> Row::OptionalTime() {
+  const auto value = NullableValue(TypeOid::kTimestamptz);
+  if (!value || !HasSize(*value, 8)) return std::nullopt;
+  return TimeFromTimestamp(DecodeBinary<std::int64_t>(value->data()));
+}
+
+bool Row::HasSize(std::string_view value, std::size_t size) {
+  if (value.size() != size) Fail("has an unexpected size");
+  return value.size() == size;
+}
+
+std::optional<std::string_view> Row::Value(TypeOid type) {
+  const auto value = NullableValue(type);
+  if (!value) Fail("is NULL");
+  return value;
+}
+
+std::optional<std::string_view> Row::NullableValue(TypeOid type) {
+  const int column = column_++;
+  if (!status_.ok()) return std::nullopt;
+  if (column >= result_.columns()) {
+    Fail("is missing");
+  } else if (PQftype(result_.get(), column) != static_cast<unsigned>(type)) {
+    Fail("has another type");
+  } else if (!PQgetisnull(result_.get(), row_, column)) {
+    return std::string_view(PQgetvalue(result_.get(), row_, column),
+                            static_cast<std::size_t>(PQgetlength(result_.get(), row_, column)));
+  }
+  return std::nullopt;
+}
+
+void Row::Fail(std::string_view why) {
+  if (!status_.ok()) return;
+  const char* name = PQfname(result_.get(), column_ - 1);
+  status_ = Internal("column {} ({}) of a result {}", column_, name ? name : "?", why);
+}
+
+}  // namespace enfilade::postgres

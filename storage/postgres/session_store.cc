@@ -1,0 +1,126 @@
+#include "storage/session_store.h"
+
+#include "storage/postgres/names.h"
+#include "storage/postgres/rows.h"
+#include "storage/postgres/session_deletion.h"
+#include "storage/postgres/session_row.h"
+
+namespace enfilade {
+namespace {
+
+using postgres::ExecuteAlone;
+using postgres::NameOf;
+using postgres::Params;
+using postgres::ReadSession;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+constexpr Statement kInsert{"creating the session",
+                            "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id)"
+                            " VALUES ($1, $2, $3, $4, $5)"};
+constexpr Statement kFindRequest{"looking for an earlier request",
+                                 "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
+                                 " WHERE s.site_id = $1 AND s.request_id = $2 AND s.delete_time IS NULL"};
+constexpr Statement kSelect{"reading the session",
+                            "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
+                            " WHERE s.site_id = $1 AND s.session_id = $2 AND s.delete_time IS NULL"};
+constexpr Statement kList{
+    "listing sessions",
+    "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
+    " WHERE s.site_id = $1 AND s.delete_time IS NULL AND (s.create_time, s.session_id) < ($2, $3)"
+    " AND ($4::text IS NULL OR s.robot_id = $4) AND ($5::text IS NULL OR s.map_id = $5)"
+    " AND ($6::smallint IS NULL OR s.state = $6) ORDER BY s.create_time DESC, s.session_id DESC LIMIT $7"};
+constexpr Statement kLock{"locking the session",
+                          "SELECT acknowledged_sequence, highest_sequence, finish_time FROM enfilade.sessions"
+                          " WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL FOR NO KEY UPDATE"};
+// Of a session whose mapping has failed the state stays.
+constexpr Statement kFinish{"finishing the session",
+                            "UPDATE enfilade.sessions SET finish_time = now(), state = CASE WHEN state = 4 THEN 4"
+                            " WHEN map_id IS NULL THEN 3 ELSE 2 END WHERE site_id = $1 AND session_id = $2"};
+
+absl::Status Explain(const absl::Status& status, const Session& session) {
+  if (absl::IsAlreadyExists(status)) {
+    return AlreadyExists("{} exists already, or was deleted: choose another id", NameOf(session.site, session.id));
+  }
+  const std::string constraint = postgres::ConstraintOf(status);
+  if (constraint == "sessions_site_id_fkey") return NotFound("{} does not exist", NameOf(session.site));
+  if (constraint == "sessions_site_id_robot_id_fkey") {
+    return NotFound("{} does not exist", NameOf(session.site, session.robot));
+  }
+  if (constraint == "sessions_site_id_map_id_fkey") {
+    return NotFound("{} does not exist", NameOf(session.site, *session.map));
+  }
+  return WithContext(status, NameOf(session.site, session.id));
+}
+
+}  // namespace
+
+absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const Session& session,
+                                             const std::string& request_id) const {
+  const auto inserted =
+      ExecuteAlone(pool_, context, kInsert,
+                   Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id)));
+  if (inserted.ok()) return Get(context, session.site, session.id);
+  if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
+                              ExecuteAlone(pool_, context, kFindRequest, Params(session.site, request_id)));
+    if (earlier.rows() > 0) return ReadOne(earlier, ReadSession, NameOf(session.site, session.id));
+  }
+  return Explain(inserted.status(), session);
+}
+
+absl::StatusOr<Session> SessionStore::Get(const CallContext& context, const SiteId& site,
+                                          const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, session)));
+  return ReadOne(result, ReadSession, NameOf(site, session));
+}
+
+absl::StatusOr<std::vector<Session>> SessionStore::List(const CallContext& context, const SiteId& site,
+                                                        const SessionFilter& filter, int limit,
+                                                        const std::optional<SessionPosition>& after) const {
+  constexpr TimeNs kLatest = 9'000'000'000LL * kNsPerSecond;  // in the year 2255
+  const SessionPosition before = after.value_or(SessionPosition{kLatest, SessionId()});
+  std::optional<std::int16_t> state;
+  if (filter.state) state = static_cast<std::int16_t>(*filter.state);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kList,
+                                         Params(site, postgres::Timestamp{before.create_time}, before.id, filter.robot,
+                                                filter.map, state, static_cast<std::int64_t>(limit))));
+  return ReadRows(result, ReadSession);
+}
+
+absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const SiteId& site, const SessionId& session,
+                                             std::int64_t last_sequence) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLock, Params(site, session)));
+  if (locked.rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
+  Row row(locked, 0);
+  const std::int64_t acknowledged = row.Int64();
+  const std::int64_t highest = row.Int64();
+  const bool finished = row.OptionalTime().has_value();
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  if (highest != last_sequence) {
+    return FailedPrecondition("{} cannot finish at record {}: the highest that is stored is {}", NameOf(site, session),
+                              last_sequence, highest);
+  }
+  if (acknowledged != highest) {
+    return FailedPrecondition("{} cannot finish: record {} is missing", NameOf(site, session), acknowledged + 1);
+  }
+  if (!finished) transaction.Queue(kFinish, Params(site, session));
+  transaction.Queue(kSelect, Params(site, session));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  return ReadOne(results.back(), ReadSession, NameOf(site, session));
+}
+
+absl::Status SessionStore::Delete(const CallContext& context, const SiteId& site, const SessionId& session) const {
+  const std::vector<std::string_view> sessions = {session.value()};
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  transaction.Queue(postgres::kRevokeLeases, Params(site, sessions));
+  ENFILADE_ASSIGN_OR_RETURN(const auto deleted,
+                            transaction.Execute(postgres::kMarkSessionsDeleted, Params(site, sessions)));
+  if (deleted.rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
+  return WithContext(transaction.Commit(), NameOf(site, session));
+}
+
+}  // namespace enfilade

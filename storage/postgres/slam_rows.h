@@ -1,0 +1,18 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+#include "core/slam/slam_map.h"
+#include "storage/postgres/transaction.h"
+
+namespace enfilade::postgres {
+
+// Queues the delta's rows: what is there already is overwritten, so that the same delta may be stored twice.
+void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const SlamDelta& delta);
+
+// Queues four statements whose results ReadSlamMap takes, in that order.
+void QueueSlamMap(Transaction& transaction, const SiteId& site, const SessionId& session);
+absl::StatusOr<SlamMap> ReadSlamMap(const Result& submaps, const Result& nodes, const Result& closures,
+                                    const Result& trajectory);
+
+}  // namespace enfilade::postgres

@@ -1,0 +1,98 @@
+#include "storage/postgres/transaction.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/status_macros.h"
+
+namespace enfilade::postgres {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr Statement kBegin{"beginning a transaction", "BEGIN"};
+constexpr Statement kCommit{"committing", "COMMIT"};
+constexpr Statement kRollback{"rolling back", "ROLLBACK"};
+// The third argument makes it last for this transaction only.
+constexpr Statement kSetTimeout{"setting the statement timeout", "SELECT set_config('statement_timeout', $1, true)"};
+constexpr std::chrono::seconds kRollbackTime{2};
+
+// In milliseconds; at least one, because 0 means none.
+std::string RemainingMs(Connection::Deadline deadline) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now()).count();
+  return std::to_string(std::clamp<std::int64_t>(left, 1, 2'000'000'000));
+}
+
+}  // namespace
+
+absl::StatusOr<Transaction> Transaction::Begin(Pool& pool, const CallContext& context) {
+  ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
+  return Transaction(std::move(lease), context);
+}
+
+Transaction::Transaction(Pool::Lease lease, const CallContext& context)
+    : lease_(std::move(lease)), deadline_(context.deadline) {}
+
+Transaction::~Transaction() {
+  if (!lease_ || !open_ || lease_->broken()) return;
+  lease_->Queue(kRollback, Params());
+  // Where this fails the pool closes the connection, which rolls back as well.
+  lease_->Flush(steady_clock::now() + kRollbackTime).IgnoreError();
+}
+
+void Transaction::Queue(const Statement& statement, const Params& params) {
+  if (!open_) {
+    lease_->Queue(kBegin, Params());
+    lease_->Queue(kSetTimeout, Params(RemainingMs(deadline_)));
+    open_ = true;
+  }
+  lease_->Queue(statement, params);
+  ++queued_;
+}
+
+absl::StatusOr<std::vector<Result>> Transaction::Flush() {
+  const int queued = std::exchange(queued_, 0);
+  auto results = lease_->Flush(deadline_);
+  failed_ = failed_ || !results.ok();
+  if (results.ok()) results->erase(results->begin(), results->end() - queued);  // those of BEGIN and its timeout
+  return results;
+}
+
+absl::StatusOr<Result> Transaction::Execute(const Statement& statement, const Params& params) {
+  Queue(statement, params);
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, Flush());
+  return std::move(results.back());
+}
+
+absl::Status Transaction::CopyIn(const Statement& statement, std::string_view data) {
+  if (!open_) Queue(kSetTimeout, Params(RemainingMs(deadline_)));
+  if (queued_ > 0) ENFILADE_RETURN_IF_ERROR(Flush().status());
+  absl::Status copied = lease_->CopyIn(statement, data, deadline_);
+  failed_ = failed_ || !copied.ok();
+  return copied;
+}
+
+absl::Status Transaction::Commit() { return FlushAndCommit().status(); }
+
+absl::StatusOr<std::vector<Result>> Transaction::FlushAndCommit() {
+  if (!open_) return std::vector<Result>();
+  // PostgreSQL would answer the commit of a failed transaction by a rollback, without an error.
+  if (failed_) return absl::InternalError("a failed transaction cannot be committed");
+  lease_->Queue(kCommit, Params());
+  ++queued_;
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, Flush());
+  open_ = false;
+  results.pop_back();
+  return results;
+}
+
+absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
+                                    const Params& params) {
+  ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
+  lease->Queue(kSetTimeout, Params(RemainingMs(context.deadline)));
+  lease->Queue(statement, params);
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, lease->Flush(context.deadline));
+  return std::move(results.back());
+}
+
+}  // namespace enfilade::postgres
