@@ -2,9 +2,15 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
+#include "core/grid/grey_image.h"
+#include "core/grid/json_map.h"
 #include "core/grid/log_odds_grid.h"
+#include "core/grid/pgm_codec.h"
+#include "core/grid/png_codec.h"
+#include "core/grid/tiled_raster.h"
 
 namespace enfilade {
 namespace {
@@ -48,6 +54,120 @@ void RenderLogOddsGrid(benchmark::State& state) {
   state.SetBytesProcessed(cells);
 }
 BENCHMARK(RenderLogOddsGrid)->Unit(benchmark::kMillisecond);
+
+// 64 million cells (8000 x 8000: 400 m at 0.05 m) of a map as robots make it: rooms of 200 x 150 cells with rough
+// walls, free inside with some clutter, and two thirds of the area unknown.
+const OccupancyGrid& LargeGrid() {
+  static const OccupancyGrid grid = [] {
+    OccupancyGrid large;
+    large.geometry = {.resolution = 0.05, .T_map_grid = {-200.0, -200.0, 0.0}, .width = 8000, .height = 8000};
+    large.cells.assign(large.geometry.cell_count(), kUnknownCell);
+    std::mt19937 rng(1);
+    for (int room_row = 0; room_row < 53; ++room_row) {
+      for (int room_column = 0; room_column < 40; ++room_column) {
+        if (rng() % 3 != 0) continue;
+        for (int row = 0; row < 150; ++row) {
+          for (int column = 0; column < 200; ++column) {
+            const bool is_wall = row < 2 || column < 2 || row > 147 || column > 197 || rng() % 500 == 0;
+            const auto cell = static_cast<std::uint8_t>(is_wall ? 200 + rng() % 48 : 31 + (rng() % 16 == 0 ? 40 : 0));
+            large.cells[large.geometry.index(room_column * 200 + column, room_row * 150 + row)] = cell;
+          }
+        }
+      }
+    }
+    return large;
+  }();
+  return grid;
+}
+
+GreyCells LargeGrey() { return SaveAsGrey(LargeGrid().cells, {}); }
+
+void CountBytes(benchmark::State& state, std::size_t bytes) {
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(bytes));
+}
+
+void SaveGridAsGrey(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(LargeGrey());
+  CountBytes(state, LargeGrid().cells.size());
+}
+BENCHMARK(SaveGridAsGrey)->Unit(benchmark::kMillisecond);
+
+void EncodePgmFile(benchmark::State& state) {
+  const GreyCells cells = LargeGrey();
+  const PgmFrame frame{.width = 8000, .height = 8000, .max_value = 255, .header = {}, .trailer = {}};
+  for (auto _ : state) benchmark::DoNotOptimize(EncodePgm(frame, cells.grey));
+  CountBytes(state, cells.grey.size());
+}
+BENCHMARK(EncodePgmFile)->Unit(benchmark::kMillisecond);
+
+void DecodePgmFile(benchmark::State& state) {
+  const GreyCells cells = LargeGrey();
+  const std::string bytes =
+      EncodePgm({.width = 8000, .height = 8000, .max_value = 255, .header = {}, .trailer = {}}, cells.grey);
+  for (auto _ : state) benchmark::DoNotOptimize(DecodePgm(bytes));
+  CountBytes(state, bytes.size());
+}
+BENCHMARK(DecodePgmFile)->Unit(benchmark::kMillisecond);
+
+void EncodePngFile(benchmark::State& state) {
+  const GreyCells cells = LargeGrey();
+  for (auto _ : state) benchmark::DoNotOptimize(EncodeGreyPng(cells, 8000, 8000));
+  CountBytes(state, cells.grey.size());
+}
+BENCHMARK(EncodePngFile)->Unit(benchmark::kMillisecond);
+
+void DecodePngFile(benchmark::State& state) {
+  const GreyCells cells = LargeGrey();
+  const std::string bytes = EncodeGreyPng(cells, 8000, 8000).value();
+  for (auto _ : state) benchmark::DoNotOptimize(DecodePng(bytes));
+  CountBytes(state, cells.grey.size());
+}
+BENCHMARK(DecodePngFile)->Unit(benchmark::kMillisecond);
+
+// Bytes are those of the JSON text.
+std::string JsonText() {
+  std::mt19937_64 rng(2);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<double> values(2000 * 2000);
+  for (double& value : values) value = unit(rng);
+  return FormatJsonMap({-15, 14.985, -15, 14.985, 0.015, 0.015, 10}, values);
+}
+
+void ParseJsonFile(benchmark::State& state) {
+  const std::string text = JsonText();
+  for (auto _ : state) benchmark::DoNotOptimize(ParseJsonMap(text));
+  CountBytes(state, text.size());
+}
+BENCHMARK(ParseJsonFile)->Unit(benchmark::kMillisecond);
+
+void FormatJsonFile(benchmark::State& state) {
+  const std::string text = JsonText();
+  const MapRaster raster = ParseJsonMap(text).value().raster;
+  const auto& cells = std::get<UnitCells>(raster.cells);
+  for (auto _ : state) benchmark::DoNotOptimize(FormatJsonMap(cells.limits, cells.values));
+  CountBytes(state, text.size());
+}
+BENCHMARK(FormatJsonFile)->Unit(benchmark::kMillisecond);
+
+void SplitRaster(benchmark::State& state) {
+  const MapRaster raster = FromOccupancyGrid(LargeGrid());
+  std::size_t packed = 0;
+  for (auto _ : state) {
+    const TiledRaster tiled = SplitIntoTiles(raster);
+    packed = 0;
+    for (const auto& [index, bytes] : tiled.tiles) packed += bytes.size();
+  }
+  CountBytes(state, LargeGrid().cells.size());
+  state.counters["packed_bytes"] = static_cast<double>(packed);
+}
+BENCHMARK(SplitRaster)->Unit(benchmark::kMillisecond);
+
+void JoinRaster(benchmark::State& state) {
+  const TiledRaster tiled = SplitIntoTiles(FromOccupancyGrid(LargeGrid()));
+  for (auto _ : state) benchmark::DoNotOptimize(JoinTiles(tiled));
+  CountBytes(state, LargeGrid().cells.size());
+}
+BENCHMARK(JoinRaster)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace enfilade
