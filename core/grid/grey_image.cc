@@ -4,6 +4,9 @@
 #include <array>
 #include <utility>
 
+#include "core/base/status_macros.h"
+#include "core/grid/png_codec.h"
+
 namespace enfilade {
 namespace {
 
@@ -14,48 +17,56 @@ std::uint8_t GreyOf(int r, int g, int b, MapDialect dialect) {
   return static_cast<std::uint8_t>((306 * r + 601 * g + 117 * b + 512) / 1024);
 }
 
-struct Conversion {
-  bool has_color = false;
-  bool has_transparency = false;
-};
+class GreyReceiver : public PixelReceiver {
+ public:
+  explicit GreyReceiver(MapDialect dialect) : dialect_(dialect) {}
 
-// One row of `channels` samples a pixel; `alpha` may be null.
-void ConvertRow(const std::uint8_t* samples, int width, int channels, MapDialect dialect, std::uint8_t* grey,
-                std::uint8_t* alpha, Conversion& conversion) {
-  const bool is_color = channels >= 3;
-  for (int column = 0; column < width; ++column, samples += channels) {
-    if (is_color) {
-      conversion.has_color |= samples[0] != samples[1] || samples[1] != samples[2];
-      grey[column] = GreyOf(samples[0], samples[1], samples[2], dialect);
-    } else {
-      grey[column] = samples[0];
-    }
-    if (alpha != nullptr) {
-      alpha[column] = samples[channels - 1];
-      conversion.has_transparency |= alpha[column] != kOpaque;
+  void Begin(int width, int height, int channels) override {
+    width_ = width;
+    height_ = height;
+    channels_ = channels;
+    const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    cells_.grey.resize(count);
+    if (channels == 2 || channels == 4) cells_.alpha.resize(count);
+  }
+
+  void Row(int row, const std::uint8_t* samples) override {
+    const std::ptrdiff_t begin = std::ptrdiff_t{height_ - 1 - row} * width_;
+    std::uint8_t* const grey = cells_.grey.data() + begin;
+    std::uint8_t* const alpha = cells_.alpha.empty() ? nullptr : cells_.alpha.data() + begin;
+    if (channels_ == 1) std::copy(samples, samples + width_, grey);
+    for (int column = 0; column < width_ && channels_ > 1; ++column, samples += channels_) {
+      grey[column] = channels_ == 2 ? samples[0] : GreyOf(samples[0], samples[1], samples[2], dialect_);
+      has_color_ |= channels_ != 2 && (samples[0] != samples[1] || samples[1] != samples[2]);
+      if (alpha == nullptr) continue;
+      alpha[column] = samples[channels_ - 1];
+      has_transparency_ |= alpha[column] != kOpaque;
     }
   }
-}
+
+  GreyImage Finish() {
+    GreyImage image{width_, height_, std::move(cells_), {}};
+    if (!has_transparency_ && dialect_ == MapDialect::kNav2) image.cells.alpha = {};
+    if (has_color_) image.warnings.push_back("the image's colours were turned into greys");
+    return image;
+  }
+
+ private:
+  MapDialect dialect_;
+  int width_ = 0;
+  int height_ = 0;
+  int channels_ = 1;
+  bool has_color_ = false;
+  bool has_transparency_ = false;
+  GreyCells cells_;
+};
 
 }  // namespace
 
-GreyFromPixels GreyFromImage(const PixelImage& image, MapDialect dialect) {
-  const auto width = static_cast<std::size_t>(image.width);
-  const auto height = static_cast<std::size_t>(image.height);
-  const bool has_alpha = image.channels == 2 || image.channels == 4;
-  GreyFromPixels result;
-  result.cells.grey.resize(width * height);
-  if (has_alpha) result.cells.alpha.resize(width * height);
-  Conversion conversion;
-  for (std::size_t row = 0; row < height; ++row) {
-    const std::size_t from_bottom = (height - 1 - row) * width;
-    ConvertRow(image.samples.data() + row * width * static_cast<std::size_t>(image.channels), image.width,
-               image.channels, dialect, result.cells.grey.data() + from_bottom,
-               has_alpha ? result.cells.alpha.data() + from_bottom : nullptr, conversion);
-  }
-  if (!conversion.has_transparency && dialect == MapDialect::kNav2) result.cells.alpha = {};
-  if (conversion.has_color) result.warnings.push_back("the image's colours were turned into greys");
-  return result;
+absl::StatusOr<GreyImage> DecodeGreyPng(std::string_view png, MapDialect dialect) {
+  GreyReceiver receiver(dialect);
+  ENFILADE_RETURN_IF_ERROR(ReadPng(png, receiver));
+  return receiver.Finish();
 }
 
 absl::StatusOr<std::string> EncodeGreyPng(const GreyCells& cells, int width, int height) {

@@ -9,7 +9,6 @@
 #include "core/grid/json_map.h"
 #include "core/grid/map_yaml.h"
 #include "core/grid/pgm_codec.h"
-#include "core/grid/png_codec.h"
 
 namespace enfilade {
 namespace {
@@ -98,13 +97,12 @@ absl::Status ImportPgm(const MapFile& file, ImportedMap& map) {
 }
 
 absl::Status ImportPng(const MapFile& file, MapDialect dialect, ImportedMap& map) {
-  ENFILADE_ASSIGN_OR_RETURN(const PixelImage image, DecodePng(file.bytes));
+  ENFILADE_ASSIGN_OR_RETURN(GreyImage image, DecodeGreyPng(file.bytes, dialect));
   map.format = MapFileFormat::kPng;
   map.raster.geometry.width = image.width;
   map.raster.geometry.height = image.height;
-  GreyFromPixels grey = GreyFromImage(image, dialect);
-  map.raster.cells = std::move(grey.cells);
-  map.warnings.insert(map.warnings.end(), grey.warnings.begin(), grey.warnings.end());
+  map.raster.cells = std::move(image.cells);
+  map.warnings.insert(map.warnings.end(), image.warnings.begin(), image.warnings.end());
   return absl::OkStatus();
 }
 

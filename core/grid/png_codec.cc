@@ -2,11 +2,12 @@
 
 #include <png.h>
 
-#include <algorithm>
 #include <csetjmp>
 #include <cstring>
+#include <utility>
 
 #include "core/base/error.h"
+#include "core/base/status_macros.h"
 
 // libpng reports errors by longjmp. The functions marked "jumps" below hold no object with a destructor across a call
 // into libpng; what must be destroyed lives in a Session, which outlives the jump.
@@ -22,7 +23,7 @@ struct Session {
   std::string error;
   std::string_view input;
   std::size_t position = 0;
-  PixelImage image;
+  std::vector<std::uint8_t> pixels;  // one row, or all of an interlaced image
   std::string output;
 };
 
@@ -46,52 +47,78 @@ void OnWrite(png_structp png, png_bytep bytes, std::size_t size) {
 
 void OnFlush(png_structp) {}
 
+// Jumps. deflate packs at most 1032 bytes into one (zlib's technical details).
+void CheckSize(png_structp png, png_infop info, std::size_t file_size) {
+  const std::int64_t height = png_get_image_height(png, info);
+  if (png_get_image_width(png, info) * height > kMaxImagePixels) png_error(png, "the image is too large");
+  const std::size_t unpacked = png_get_rowbytes(png, info) * static_cast<std::size_t>(height);
+  if (unpacked / 1032 > file_size) png_error(png, "the file is too short for so many pixels");
+}
+
 // Jumps.
 void ReadHeader(png_structp png, png_infop info, Session& session) {
   png_set_user_limits(png, kMaxSide, kMaxSide);
   png_read_info(png, info);
-  session.image.width = static_cast<int>(png_get_image_width(png, info));
-  session.image.height = static_cast<int>(png_get_image_height(png, info));
   if (png_get_bit_depth(png, info) == 16) {
     png_error(png, "16-bit samples are not supported, because they would not come back unchanged: convert to 8 bits");
   }
-  if (std::int64_t{session.image.width} * session.image.height > kMaxImagePixels) {
-    png_error(png, "the image is too large");
-  }
+  CheckSize(png, info, session.input.size());
   png_set_expand(png);  // palettes, fewer than 8 bits, transparent colours
-  const bool is_interlaced = png_set_interlace_handling(png) > 1;
+  png_set_interlace_handling(png);
   png_read_update_info(png, info);
-  session.image.channels = png_get_channels(png, info);
-  // Rows are made room for as they come, so that a small file that claims to be large costs little; interlaced images
-  // are sent in several passes over all rows.
-  if (is_interlaced) {
-    session.image.samples.resize(png_get_rowbytes(png, info) * static_cast<std::size_t>(session.image.height));
-  }
 }
 
 // Jumps.
-void ReadRows(png_structp png, png_infop info, Session& session) {
-  std::vector<std::uint8_t>& samples = session.image.samples;
+void ReadRows(png_structp png, png_infop info, Session& session, PixelReceiver& receiver) {
+  const auto height = static_cast<int>(png_get_image_height(png, info));
   const std::size_t row_bytes = png_get_rowbytes(png, info);
-  const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : PNG_INTERLACE_ADAM7_PASSES;
-  for (int pass = 0; pass < passes; ++pass) {
-    for (int row = 0; row < session.image.height; ++row) {
-      const std::size_t begin = static_cast<std::size_t>(row) * row_bytes;
-      if (samples.size() < begin + row_bytes) samples.resize(begin + row_bytes);
-      png_read_row(png, samples.data() + begin, nullptr);
+  receiver.Begin(static_cast<int>(png_get_image_width(png, info)), height, png_get_channels(png, info));
+  if (png_get_interlace_type(png, info) == PNG_INTERLACE_NONE) {
+    session.pixels.resize(row_bytes);
+    for (int row = 0; row < height; ++row) {
+      png_read_row(png, session.pixels.data(), nullptr);
+      receiver.Row(row, session.pixels.data());
+    }
+  } else {
+    session.pixels.resize(row_bytes * static_cast<std::size_t>(height));
+    for (int pass = 0; pass < PNG_INTERLACE_ADAM7_PASSES; ++pass) {
+      for (int row = 0; row < height; ++row) {
+        png_read_row(png, session.pixels.data() + static_cast<std::size_t>(row) * row_bytes, nullptr);
+      }
+    }
+    for (int row = 0; row < height; ++row) {
+      receiver.Row(row, session.pixels.data() + static_cast<std::size_t>(row) * row_bytes);
     }
   }
   png_read_end(png, nullptr);
 }
 
 // Jumps back into itself.
-bool Decode(png_structp png, png_infop info, Session& session) {
+bool Decode(png_structp png, png_infop info, Session& session, PixelReceiver& receiver) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_read_fn(png, &session, &OnRead);
   ReadHeader(png, info, session);
-  ReadRows(png, info, session);
+  ReadRows(png, info, session, receiver);
   return true;
 }
+
+class ImageReceiver : public PixelReceiver {
+ public:
+  void Begin(int width, int height, int channels) override {
+    image_.width = width;
+    image_.height = height;
+    image_.channels = channels;
+    image_.samples.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                           static_cast<std::size_t>(channels));
+  }
+  void Row(int /*row*/, const std::uint8_t* samples) override {
+    image_.samples.insert(image_.samples.end(), samples, samples + std::ptrdiff_t{image_.width} * image_.channels);
+  }
+  PixelImage& image() { return image_; }
+
+ private:
+  PixelImage image_;
+};
 
 int ColorTypeOf(int channels) {
   constexpr int kTypes[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
@@ -115,7 +142,7 @@ bool Encode(png_structp png, png_infop info, const PixelRows& rows, Session& ses
 
 }  // namespace
 
-absl::StatusOr<PixelImage> DecodePng(std::string_view png_bytes) {
+absl::Status ReadPng(std::string_view png_bytes, PixelReceiver& receiver) {
   constexpr std::size_t kSignatureSize = 8;
   if (png_bytes.size() < kSignatureSize ||
       png_sig_cmp(reinterpret_cast<png_const_bytep>(png_bytes.data()), 0, kSignatureSize) != 0) {
@@ -126,13 +153,18 @@ absl::StatusOr<PixelImage> DecodePng(std::string_view png_bytes) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &session, &OnError, &OnWarning);
   if (png == nullptr) return ResourceExhausted("no memory to read a PNG image");
   png_infop info = png_create_info_struct(png);
-  const bool done = info != nullptr && Decode(png, info, session);
+  const bool done = info != nullptr && Decode(png, info, session, receiver);
+  const png_uint_32 width = info != nullptr ? png_get_image_width(png, info) : 0;
+  const png_uint_32 height = info != nullptr ? png_get_image_height(png, info) : 0;
   png_destroy_read_struct(&png, &info, nullptr);
-  if (!done) {
-    return InvalidArgument("cannot read the PNG image ({} x {} pixels): {}", session.image.width, session.image.height,
-                           session.error);
-  }
-  return std::move(session.image);
+  if (done) return absl::OkStatus();
+  return InvalidArgument("cannot read the PNG image ({} x {} pixels): {}", width, height, session.error);
+}
+
+absl::StatusOr<PixelImage> DecodePng(std::string_view png) {
+  ImageReceiver receiver;
+  ENFILADE_RETURN_IF_ERROR(ReadPng(png, receiver));
+  return std::move(receiver.image());
 }
 
 absl::StatusOr<std::string> EncodePng(const PixelRows& rows) {

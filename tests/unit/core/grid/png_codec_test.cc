@@ -70,6 +70,10 @@ constexpr std::string_view kHuge =  // 100,000 x 100,000 grey; the data end at o
     "89504e470d0a1a0a0000000d49484452000186a0000186a008000000008d3954140000000b49444154789c6360800100000a00017f8074"
     "5e";
 
+constexpr std::string_view kLarge =  // 16,384 x 16,384 RGB + alpha, interlaced; the data end at once
+    "89504e470d0a1a0a0000000d4948445200004000000040000806000001decf20120000000b49444154789c6360800100000a00017f"
+    "80745e";
+
 TEST(PngCodec, ExpandsFewerBits) {
   ASSERT_OK_AND_ASSIGN(const PixelImage image, DecodePng(FromHex(kOneBit)));
   EXPECT_EQ(image.channels, 1);
@@ -118,6 +122,11 @@ TEST(PngCodec, RefusesEveryFlippedByteOrReadsOn) {
     if (!DecodePng(damaged).ok()) ++refused;
   }
   EXPECT_GT(refused, static_cast<int>(png.size()) - 10);
+}
+
+TEST(PngCodec, RefusesLargeImagesInSmallFilesBeforeAllocating) {
+  // 16,384 x 16,384 pixels are allowed, but not in 56 bytes.
+  EXPECT_THAT(DecodePng(FromHex(kLarge)), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("too short")));
 }
 
 TEST(PngCodec, RefusesToWriteAnEmptyImage) {
