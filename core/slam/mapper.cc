@@ -6,9 +6,16 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/slam/edge_information.h"
+#include "core/slam/local_matching.h"
+#include "core/slam/loop_candidates.h"
+#include "core/slam/loop_matching.h"
 #include "core/slam/map_renderer.h"
 #include "core/slam/mapper_state.h"
+#include "core/slam/motion_model.h"
 #include "core/slam/scan_points.h"
+#include "core/slam/slam_graph.h"
+#include "core/slam/submap_cache.h"
 
 namespace enfilade {
 namespace {
@@ -26,23 +33,40 @@ bool IsFull(const Submap& submap, const Pose2& T_submap_robot, const SubmapOptio
 class Mapper::Impl {
  public:
   explicit Impl(const SlamOptions& options)
-      : options_(options), renderer_(options.resolution, LogOddsOptionsOf(options.occupancy)) {}
+      : options_(options), cache_(options), renderer_(options.resolution, LogOddsOptionsOf(options.occupancy)) {}
 
-  Impl(const SlamOptions& options, MapperState state) : Impl(options) { state_ = std::move(state); }
+  Impl(const SlamOptions& options, MapperState state) : Impl(options) {
+    state_ = std::move(state);
+    if (!state_.active) return;
+    fields_.emplace(options_.resolution, options_.local);
+    fields_->Rebuild(state_.active->content.grid);
+  }
 
   ScanReport AddScan(const PairedScan& scan) {
     ScanReport report;
-    if (!scan.T_odom_robot) {
+    if (!scan.T_odom_robot && !options_.match_scans) {
       report.reason = "no odometry at the scan's time";
       return report;
     }
     const ScanRays rays = RobotRays(scan.scan, {options_.max_range, options_.occupancy.no_return_range});
     if (!state_.active) BeginFirstSubmap();
     Track track = state_.track.value_or(Track{});
-    if (track.T_odom_robot) {
-      const Pose2 T_last_now = Between(*track.T_odom_robot, *scan.T_odom_robot);
-      track.T_submap_robot = track.T_submap_robot * T_last_now;
-      track.length_since_keyframe += T_last_now.translation().norm();
+    information_ = InformationOf(0.05, 0.02);
+    if (state_.track) {
+      const PredictedMotion motion =
+          PredictMotion(track.T_odom_robot, scan.T_odom_robot, track.T_before_last, options_.motion);
+      Pose2 next = track.T_submap_robot * motion.T_last_now;
+      if (options_.match_scans) {
+        const LocalMatch m = MatchLocally(state_.active->content.grid, *fields_, rays.hits, track.T_submap_robot,
+                                          motion, options_.local);
+        next = m.match.T_submap_robot;
+        report.matched_share = m.agreement.matched_share;
+        report.lost = !m.good;
+        information_ = m.match.information + InformationOf(motion.sigma_translation, motion.sigma_yaw);
+      }
+      track.T_before_last = Between(track.T_submap_robot, next);
+      track.length_since_keyframe += track.T_before_last->translation().norm();
+      track.T_submap_robot = next;
     }
     track.T_odom_robot = scan.T_odom_robot;
     state_.track = track;
@@ -58,7 +82,8 @@ class Mapper::Impl {
   void Finish() {
     if (state_.ended) return;
     state_.ended = true;
-    if (state_.active) FinishActive();
+    if (state_.active) FinishActive(std::nullopt);
+    if (options_.match_scans) Solve();
   }
 
   SlamDelta TakeDelta() {
@@ -91,6 +116,12 @@ class Mapper::Impl {
 
   void BeginFirstSubmap() {
     state_.active = Submap{0, 0, Pose2{}, {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}};
+    fields_.emplace(options_.resolution, options_.local);
+  }
+
+  void Insert(SubmapGrid& grid, const Pose2& T_submap_robot, const ScanRays& rays) {
+    const auto changed = grid.Insert(T_submap_robot, rays);
+    if (changed.ok()) fields_->Update(grid, *changed);
   }
 
   void AddKeyframe(const PairedScan& scan, const ScanRays& rays) {
@@ -98,14 +129,10 @@ class Mapper::Impl {
     Submap& submap = *state_.active;
     const Pose2 T_submap_robot = state_.track->T_submap_robot;
     const auto id = static_cast<std::int64_t>(state_.nodes.size());
-    if (id > 0) {
-      const Pose2 T_previous = LastNode().T_submap_node;
-      submap.content.odometry.push_back(
-          {id, Between(T_previous, T_submap_robot), Eigen::Matrix3d::Identity(), state_.track->length_since_keyframe});
-    }
+    const double length = state_.track->length_since_keyframe;
     state_.track->length_since_keyframe = 0.0;
-    submap.content.grid.Insert(T_submap_robot, rays).status().IgnoreError();
-    submap.content.nodes.push_back({id, false, T_submap_robot, Eigen::Matrix3d::Identity()});
+    Insert(submap.content.grid, T_submap_robot, rays);
+    submap.content.nodes.push_back({id, false, length, T_submap_robot, NodeInformation()});
     submap.content.scans.push_back(rays);
     ++submap.version;
     SlamNode node;
@@ -117,12 +144,54 @@ class Mapper::Impl {
     state_.nodes[id] = node;
     touched_nodes_.insert(id);
     touched_submaps_.insert(submap.id);
+    if (options_.close_loops && options_.match_scans) CloseLoops(node, rays);
+  }
+
+  Eigen::Matrix3d NodeInformation() const {
+    return WithFloor(information_, options_.graph.match_sigma_floor, options_.graph.match_yaw_floor);
+  }
+
+  void CloseLoops(const SlamNode& node, const ScanRays& rays) {
+    bool urgent = false;
+    for (const LoopCandidate& candidate : SelectLoopCandidates(state_, node, options_.loop)) {
+      const FinishedSubmap& submap = state_.finished.at(candidate.submap);
+      const SubmapCache::Entry& entry = cache_.Get(candidate.submap, submap);
+      const Pose2 guess = Between(submap.T_map_submap, node.T_map_node);
+      const LoopMatch match = MatchLoop(entry.grid, entry.pyramid, rays.hits, guess, candidate, options_);
+      SlamClosure closure;
+      closure.id = static_cast<std::int64_t>(state_.closures.size());
+      closure.submap = candidate.submap;
+      closure.node = node.id;
+      closure.T_submap_node = match.T_submap_node;
+      closure.information = match.information;
+      closure.state = match.accepted ? ClosureState::kAccepted : ClosureState::kRejected;
+      closure.score = match.score;
+      closure.reason = match.reason;
+      state_.closures[closure.id] = closure;
+      touched_closures_.insert(closure.id);
+      if (!match.accepted) continue;
+      state_.unsolved_closures = true;
+      urgent = urgent || ClosureChi2(state_, closure) > options_.graph.urgent_chi2;
+    }
+    const auto nodes = static_cast<double>(state_.nodes.size());
+    const bool grown = nodes > static_cast<double>(state_.nodes_at_solve) * (1.0 + options_.graph.growth);
+    if (urgent || (state_.unsolved_closures && grown)) Solve();
+  }
+
+  void Solve() {
+    const GraphChange change = SolveSlamGraph(options_.graph, state_);
+    touched_nodes_.insert(change.nodes.begin(), change.nodes.end());
+    touched_submaps_.insert(change.submaps.begin(), change.submaps.end());
+    touched_closures_.insert(change.closures.begin(), change.closures.end());
+    state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
+    state_.unsolved_closures = false;
   }
 
   // The new submap's origin is the present pose; the last keyframes are copied over into it.
   void BeginNextSubmap() {
-    const Submap old = FinishActive();
     const Pose2 T_old_new = state_.track->T_submap_robot;
+    const Submap old = FinishActive(NextSubmap{T_old_new, NodeInformation()});
+    fields_.emplace(options_.resolution, options_.local);
     Submap next{
         old.id + 1, 0, old.T_map_submap * T_old_new, {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}};
     const std::size_t count = old.content.nodes.size();
@@ -131,7 +200,7 @@ class Mapper::Impl {
       SubmapNode node = old.content.nodes[i];
       node.carried = true;
       node.T_submap_node = Between(T_old_new, node.T_submap_node);
-      next.content.grid.Insert(node.T_submap_node, old.content.scans[i]).status().IgnoreError();
+      Insert(next.content.grid, node.T_submap_node, old.content.scans[i]);
       next.content.nodes.push_back(node);
       next.content.scans.push_back(old.content.scans[i]);
     }
@@ -139,11 +208,11 @@ class Mapper::Impl {
     state_.active = std::move(next);
   }
 
-  Submap FinishActive() {
+  Submap FinishActive(const std::optional<NextSubmap>& next) {
     Submap old = *std::exchange(state_.active, std::nullopt);
     ++old.version;
-    state_.finished[old.id] = {old.T_map_submap, old.version, Encode(old.content), old.content.nodes,
-                               old.content.odometry};
+    old.content.next = next;
+    state_.finished[old.id] = Finished(old.T_map_submap, old.version, Encode(old.content), old.content.nodes, next);
     touched_submaps_.insert(old.id);
     new_contents_.insert(old.id);
     return old;
@@ -167,6 +236,9 @@ class Mapper::Impl {
 
   SlamOptions options_;
   MapperState state_;
+  std::optional<LocalFields> fields_;
+  Eigen::Matrix3d information_;
+  SubmapCache cache_;
   SlamDelta delta_;
   std::set<std::int64_t> touched_nodes_;
   std::set<std::int64_t> touched_submaps_;

@@ -1,5 +1,7 @@
 #include "core/slam/mapper_state.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/slam/compression.h"
@@ -11,12 +13,23 @@ namespace {
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
 
+void PutOptional(BinaryWriter& writer, const std::optional<Pose2>& pose) {
+  writer.Put<std::uint8_t>(pose.has_value());
+  PutPose(writer, pose.value_or(Pose2{}));
+}
+
+std::optional<Pose2> GetOptional(BinaryReader& reader) {
+  const bool has_value = reader.Get<std::uint8_t>() != 0;
+  const Pose2 pose = GetPose(reader);
+  return has_value ? std::optional(pose) : std::nullopt;
+}
+
 void PutTrack(BinaryWriter& writer, const std::optional<Track>& track) {
   writer.Put<std::uint8_t>(track.has_value());
   if (!track) return;
   PutPose(writer, track->T_submap_robot);
-  writer.Put<std::uint8_t>(track->T_odom_robot.has_value());
-  PutPose(writer, track->T_odom_robot.value_or(Pose2{}));
+  PutOptional(writer, track->T_odom_robot);
+  PutOptional(writer, track->T_before_last);
   writer.Put(track->length_since_keyframe);
 }
 
@@ -24,9 +37,8 @@ std::optional<Track> GetTrack(BinaryReader& reader) {
   if (reader.Get<std::uint8_t>() == 0) return std::nullopt;
   Track track;
   track.T_submap_robot = GetPose(reader);
-  const bool has_odometry = reader.Get<std::uint8_t>() != 0;
-  const Pose2 odometry = GetPose(reader);
-  if (has_odometry) track.T_odom_robot = odometry;
+  track.T_odom_robot = GetOptional(reader);
+  track.T_before_last = GetOptional(reader);
   track.length_since_keyframe = reader.Get<double>();
   return track;
 }
@@ -57,15 +69,22 @@ absl::Status GetActive(BinaryReader& reader, const SlamMap& stored, const Occupa
 }
 
 absl::StatusOr<FinishedSubmap> FinishedOf(const SlamSubmap& row, const OccupancyOptions& options) {
-  FinishedSubmap submap{row.T_map_submap, row.version, row.content, {}, {}};
   absl::StatusOr<SubmapContent> content = DecodeSubmapContent(row.content, options);
   if (!content.ok()) return WithContext(content.status(), fmt::format("stored submap {}", row.id));
-  submap.nodes = std::move(content->nodes);
-  submap.odometry = std::move(content->odometry);
-  return submap;
+  return Finished(row.T_map_submap, row.version, row.content, content->nodes, content->next);
 }
 
 }  // namespace
+
+FinishedSubmap Finished(const Pose2& T_map_submap, std::int64_t version, std::string content,
+                        const std::vector<SubmapNode>& nodes, const std::optional<NextSubmap>& next) {
+  FinishedSubmap submap{T_map_submap, version, std::move(content), nodes, next, 0.0, 0.0};
+  for (const SubmapNode& node : nodes) {
+    if (!node.carried) submap.length += node.length;
+    submap.extent = std::max(submap.extent, node.T_submap_node.translation().norm());
+  }
+  return submap;
+}
 
 std::string EncodeCheckpoint(const MapperState& state) {
   std::string bytes;
@@ -75,6 +94,8 @@ std::string EncodeCheckpoint(const MapperState& state) {
   writer.Put<std::uint64_t>(state.finished.size());
   writer.Put<std::uint64_t>(state.closures.size());
   writer.Put<std::uint8_t>(state.ended);
+  writer.Put(state.nodes_at_solve);
+  writer.Put<std::uint8_t>(state.unsolved_closures);
   PutTrack(writer, state.track);
   PutActive(writer, state.active);
   return Compress(bytes);
@@ -90,6 +111,8 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   const auto finished = reader.Get<std::uint64_t>();
   const auto closures = reader.Get<std::uint64_t>();
   state.ended = reader.Get<std::uint8_t>() != 0;
+  state.nodes_at_solve = reader.Get<std::int64_t>();
+  state.unsolved_closures = reader.Get<std::uint8_t>() != 0;
   state.track = GetTrack(reader);
   ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");

@@ -19,13 +19,19 @@ struct FinishedSubmap {
   std::int64_t version = 0;
   std::string content;  // Encode(SubmapContent)
   std::vector<SubmapNode> nodes;
-  std::vector<OdometryEdge> odometry;
+  std::optional<NextSubmap> next;
+  double length = 0.0;  // m driven in it
+  double extent = 0.0;  // m, from its origin to its farthest keyframe
 };
+
+FinishedSubmap Finished(const Pose2& T_map_submap, std::int64_t version, std::string content,
+                        const std::vector<SubmapNode>& nodes, const std::optional<NextSubmap>& next);
 
 // Where the robot is, relative to the active submap.
 struct Track {
   Pose2 T_submap_robot;
   std::optional<Pose2> T_odom_robot;   // at the same scan
+  std::optional<Pose2> T_before_last;  // the step that led here
   double length_since_keyframe = 0.0;  // m
 };
 
@@ -37,6 +43,9 @@ struct MapperState {
   std::map<std::int64_t, SlamNode> nodes;
   std::map<std::int64_t, SlamClosure> closures;
   bool ended = false;  // Finish was called
+  // When the graph was last solved, and whether a closure has come since.
+  std::int64_t nodes_at_solve = 0;
+  bool unsolved_closures = false;
 
   std::int64_t last_submap() const { return active ? active->id : static_cast<std::int64_t>(finished.size()) - 1; }
 };

@@ -46,6 +46,7 @@ ScanRays GetRays(BinaryReader& reader) {
 void PutNode(BinaryWriter& writer, const SubmapNode& node) {
   writer.Put(node.node);
   writer.Put<std::uint8_t>(node.carried);
+  writer.Put(node.length);
   PutPose(writer, node.T_submap_node);
   PutMatrix(writer, node.information);
 }
@@ -54,25 +55,24 @@ SubmapNode GetNode(BinaryReader& reader) {
   SubmapNode node;
   node.node = reader.Get<std::int64_t>();
   node.carried = reader.Get<std::uint8_t>() != 0;
+  node.length = reader.Get<double>();
   node.T_submap_node = GetPose(reader);
   node.information = GetMatrix(reader);
   return node;
 }
 
-void PutOdometry(BinaryWriter& writer, const OdometryEdge& edge) {
-  writer.Put(edge.node);
-  PutPose(writer, edge.T_previous_node);
-  PutMatrix(writer, edge.information);
-  writer.Put(edge.length);
+void PutNext(BinaryWriter& writer, const std::optional<NextSubmap>& next) {
+  writer.Put<std::uint8_t>(next.has_value());
+  PutPose(writer, next.value_or(NextSubmap{}).T_submap_next);
+  PutMatrix(writer, next.value_or(NextSubmap{}).information);
 }
 
-OdometryEdge GetOdometry(BinaryReader& reader) {
-  OdometryEdge edge;
-  edge.node = reader.Get<std::int64_t>();
-  edge.T_previous_node = GetPose(reader);
-  edge.information = GetMatrix(reader);
-  edge.length = reader.Get<double>();
-  return edge;
+std::optional<NextSubmap> GetNext(BinaryReader& reader) {
+  const bool has_value = reader.Get<std::uint8_t>() != 0;
+  NextSubmap next;
+  next.T_submap_next = GetPose(reader);
+  next.information = GetMatrix(reader);
+  return has_value ? std::optional(next) : std::nullopt;
 }
 
 template <typename T, typename PutOne>
@@ -97,7 +97,7 @@ int Submap::own_nodes() const {
 void Serialize(const SubmapContent& content, BinaryWriter& writer) {
   writer.Put(kVersion);
   PutAll(writer, content.nodes, PutNode);
-  PutAll(writer, content.odometry, PutOdometry);
+  PutNext(writer, content.next);
   PutAll(writer, content.scans, PutRays);
   content.grid.Serialize(writer);
 }
@@ -106,14 +106,13 @@ absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, con
   if (reader.Get<std::uint8_t>() != kVersion)
     return DataLoss("a submap's content is of a version unknown to this program");
   std::vector<SubmapNode> nodes;
-  std::vector<OdometryEdge> odometry;
   std::vector<ScanRays> scans;
   GetAll(reader, nodes, GetNode);
-  GetAll(reader, odometry, GetOdometry);
+  std::optional<NextSubmap> next = GetNext(reader);
   GetAll(reader, scans, GetRays);
   if (!reader.ok() || nodes.size() != scans.size()) return DataLoss("a submap's content is damaged");
   ENFILADE_ASSIGN_OR_RETURN(SubmapGrid grid, SubmapGrid::Deserialize(reader, options));
-  return SubmapContent{std::move(nodes), std::move(odometry), std::move(scans), std::move(grid)};
+  return SubmapContent{std::move(nodes), std::move(next), std::move(scans), std::move(grid)};
 }
 
 std::string Encode(const SubmapContent& content) {

@@ -19,27 +19,26 @@ namespace enfilade {
 struct SubmapNode {
   std::int64_t node = 0;
   bool carried = false;  // copied over from the submap before
+  double length = 0.0;   // m driven since the keyframe before; more where the way is unsure
   Pose2 T_submap_node;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // of T_submap_node
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // of (x, y, yaw) of T_submap_node
 
   friend bool operator==(const SubmapNode&, const SubmapNode&) = default;
 };
 
-// The odometry's (or, without one, the prediction's) account of the way from a keyframe to the next.
-struct OdometryEdge {
-  std::int64_t node = 0;  // the later one; it leads from node - 1
-  Pose2 T_previous_node;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
-  double length = 0.0;  // m, of the path; more where the way is unsure
+// The next submap's place, measured when it began.
+struct NextSubmap {
+  Pose2 T_submap_next;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // of (x, y, yaw) of T_submap_next
 
-  friend bool operator==(const OdometryEdge&, const OdometryEdge&) = default;
+  friend bool operator==(const NextSubmap&, const NextSubmap&) = default;
 };
 
 // What a submap holds, in its own frame. `scans[i]` belongs to `nodes[i]`.
 struct SubmapContent {
   std::vector<SubmapNode> nodes;
-  std::vector<OdometryEdge> odometry;  // of its own nodes
-  std::vector<ScanRays> scans;         // in the robot's frame
+  std::optional<NextSubmap> next;
+  std::vector<ScanRays> scans;  // in the robot's frame
   SubmapGrid grid;
 };
 

@@ -1,0 +1,101 @@
+#include "core/slam/local_matching.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/slam/scan_points.h"
+
+namespace enfilade {
+namespace {
+
+constexpr double kFieldReach = 0.5;  // m: farther points pull nowhere
+constexpr int kSearchLevels = 5;
+constexpr double kWider = 3.0;
+constexpr int kMaxWidenings = 2;
+constexpr double kWorthIt = 0.10;  // a pose from farther away must fit that much better
+
+double Fit(const LocalMatch& match) { return match.agreement.matched_share - match.agreement.contradicted_share; }
+
+bool IsSure(const LocalMatch& match, const LocalMatchOptions& options) {
+  return match.good && match.agreement.agreement() >= options.sure_agreement;
+}
+
+LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
+                       const SearchWindow& window, const PosePrior& prior, const LocalMatchOptions& options) {
+  const SearchResult found = SearchPose(fields.table, points, window);
+  LocalMatch result;
+  result.match = MatchToField(fields.field, points, found.pose, prior, options.field);
+  result.agreement =
+      MeasureAgreement(grid, fields.field, points, result.match.T_submap_robot, options.field.matched_distance);
+  result.good = result.agreement.matched_share >= options.min_matched_share &&
+                result.agreement.agreement() >= options.min_agreement;
+  return result;
+}
+
+}  // namespace
+
+LocalFields::LocalFields(double resolution, const LocalMatchOptions& options)
+    : field(resolution, kFieldReach), table(options.search_sigma, kSearchLevels) {}
+
+void LocalFields::Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed) {
+  if (changed.empty()) return;
+  table.Update(field, field.Update(grid, changed));
+}
+
+void LocalFields::Rebuild(const SubmapGrid& grid) {
+  std::vector<CellIndex> cells;
+  for (const auto& [key, hit] : grid.hits()) cells.push_back({key.second, key.first});
+  Update(grid, cells);
+}
+
+Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
+                           const std::vector<Eigen::Vector2d>& points, const Pose2& T_submap_robot,
+                           double matched_distance) {
+  Agreement agreement;
+  if (points.empty()) return agreement;
+  const double share = 1.0 / static_cast<double>(points.size());
+  for (const Eigen::Vector2d& p : points) {
+    const Eigen::Vector2d q = T_submap_robot * p;
+    if (field.At(q).squared_distance <= matched_distance * matched_distance) {
+      agreement.matched_share += share;
+    } else if (const auto value = grid.log_odds().ValueAt(grid.log_odds().CellOf(q));
+               value != LogOddsGrid::kUnknown && value < 0) {
+      agreement.contradicted_share += share;
+    }
+  }
+  return agreement;
+}
+
+LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& hits,
+                        const Pose2& T_submap_last, const PredictedMotion& motion, const LocalMatchOptions& options) {
+  const std::vector<Eigen::Vector2d> points = Thinned(hits, options.point_spacing);
+  const Pose2 predicted = T_submap_last * motion.T_last_now;
+  LocalMatch best;
+  best.match.T_submap_robot = predicted;
+  if (points.empty()) return best;
+  double wider = 1.0;
+  LocalMatch all[3];
+  for (int widening = 0; widening <= kMaxWidenings && !IsSure(best, options); ++widening, wider *= kWider) {
+    SearchWindow window;
+    window.centre = predicted;
+    window.sigma_translation = wider * motion.sigma_translation;
+    window.sigma_yaw = wider * motion.sigma_yaw;
+    window.half_width = std::min(options.window_sigmas * window.sigma_translation, options.max_half_width);
+    window.half_angle = std::min(options.window_sigmas * window.sigma_yaw, M_PI);
+    const PosePrior prior{predicted, InformationOf(window.sigma_translation, window.sigma_yaw)};
+    const LocalMatch match = MatchWithin(grid, fields, points, window, prior, options);
+    all[widening] = match;
+    if (widening == 0 || Fit(match) > Fit(best) + kWorthIt) best = match;
+  }
+  if (!best.good) {
+    best.match.T_submap_robot = predicted;
+    best.match.information.setZero();
+  }
+    printf("M %.2f %.2f %d | %.2f %.2f it %d %d pts %zu\n", best.agreement.matched_share, best.agreement.agreement(),
+           best.good, all[0].agreement.matched_share, all[0].agreement.agreement(), best.match.iterations,
+           best.match.converged, points.size());
+  }
+  return best;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/slam/correlative_matcher.h"
+#include "core/slam/likelihood_field.h"
+#include "core/slam/motion_model.h"
+#include "core/slam/scan_matcher.h"
+#include "core/slam/search_table.h"
+#include "core/slam/submap_grid.h"
+
+namespace enfilade {
+
+// What the active submap is matched by, kept up to date with its grid.
+struct LocalFields {
+  LikelihoodField field;
+  SearchTable table;
+
+  LocalFields(double resolution, const LocalMatchOptions& options);
+
+  // `changed`: what SubmapGrid::Insert returned.
+  void Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed);
+  // From nothing: the same as all updates together.
+  void Rebuild(const SubmapGrid& grid);
+};
+
+// How a scan at a pose fits a grid.
+struct Agreement {
+  double matched_share = 0.0;       // of all hits: a wall within the matched distance
+  double contradicted_share = 0.0;  // of all hits: in space known to be free, no wall near
+
+  double known_share() const { return matched_share + contradicted_share; }
+  double agreement() const { return known_share() > 0.0 ? matched_share / known_share() : 0.0; }
+};
+Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
+                           const std::vector<Eigen::Vector2d>& points, const Pose2& T_submap_robot,
+                           double matched_distance);
+
+struct LocalMatch {
+  MatchResult match;
+  Agreement agreement;
+  bool good = false;
+};
+
+// The scan's pose in the active submap: a correlative search about the prediction, wider where a narrow one finds
+// nothing good, refined by Gauss-Newton with the prediction as a prior. Where nothing good is found the pose is the
+// prediction.
+LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& hits,
+                        const Pose2& T_submap_last, const PredictedMotion& motion, const LocalMatchOptions& options);
+
+}  // namespace enfilade

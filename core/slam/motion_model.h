@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/geometry/pose2.h"
+#include "core/slam/slam_options.h"
+
+namespace enfilade {
+
+// The way from the scan before to this one, before this one is looked at.
+struct PredictedMotion {
+  Pose2 T_last_now;
+  double sigma_translation = 0.0;  // m
+  double sigma_yaw = 0.0;          // rad
+  bool by_odometry = false;
+};
+
+// `T_odom_last` and `T_odom_now` where odometry is known at either scan; `T_before_last` is the step before, of no use
+// where there was none.
+PredictedMotion PredictMotion(const std::optional<Pose2>& T_odom_last, const std::optional<Pose2>& T_odom_now,
+                              const std::optional<Pose2>& T_before_last, const MotionOptions& options);
+
+// Of (x, y, yaw), with the same deviation along x and y.
+Eigen::Matrix3d InformationOf(double sigma_translation, double sigma_yaw);
+
+}  // namespace enfilade

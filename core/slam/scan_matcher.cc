@@ -1,0 +1,88 @@
+#include "core/slam/scan_matcher.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+namespace enfilade {
+namespace {
+
+constexpr double kSmallStep = 3e-4;  // m
+constexpr double kSmallTurn = 5e-5;  // rad
+constexpr double kOnTheWall = 1e-5;  // m: nearer than this a point pulls nowhere
+
+double BeamWeight(std::size_t points, const FieldMatchOptions& options) {
+  return std::min(1.0, options.effective_beams / static_cast<double>(points));
+}
+
+}  // namespace
+
+MatchCost EvaluateMatch(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points, const Pose2& pose,
+                        const PosePrior& prior, const FieldMatchOptions& options) {
+  MatchCost cost;
+  const double c = std::cos(pose.yaw);
+  const double s = std::sin(pose.yaw);
+  const double width2 = options.kernel_width * options.kernel_width;
+  const double inverse_sigma2 = 1.0 / (options.sigma * options.sigma);
+  const double beam_weight = BeamWeight(points.size(), options);
+  for (const Eigen::Vector2d& p : points) {
+    const Eigen::Vector2d turned(c * p.x() - s * p.y(), s * p.x() + c * p.y());
+    const LikelihoodField::Sample sample = field.At(turned + pose.translation());
+    const double r2 = sample.squared_distance * inverse_sigma2;
+    cost.value += beam_weight * width2 * std::log1p(r2 / width2);
+    // Half the slope of d^2 is d times the direction away from the wall; along it d^2 curves as a parabola does.
+    const Eigen::Vector2d away = 0.5 * sample.gradient;
+    const double distance = away.norm();
+    if (distance < kOnTheWall) continue;
+    const double weight = beam_weight * inverse_sigma2 / (1.0 + r2 / width2);
+    const Eigen::Vector3d J =
+        Eigen::Vector3d(away.x(), away.y(), away.y() * turned.x() - away.x() * turned.y()) / distance;
+    cost.gradient += weight * distance * J;
+    cost.hessian_of_scan.noalias() += weight * J * J.transpose();
+  }
+  const Eigen::Vector3d off(pose.x - prior.pose.x, pose.y - prior.pose.y, WrapAngle(pose.yaw - prior.pose.yaw));
+  cost.value += off.dot(prior.information * off);
+  cost.gradient += prior.information * off;
+  cost.hessian = cost.hessian_of_scan + prior.information;
+  return cost;
+}
+
+MatchResult MatchToField(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
+                         const PosePrior& prior, const FieldMatchOptions& options) {
+  MatchResult result;
+  result.T_submap_robot = guess;
+  if (points.empty()) return result;
+  MatchCost cost = EvaluateMatch(field, points, guess, prior, options);
+  double damping = 1e-3;
+  for (; result.iterations < options.max_iterations && !result.converged; ++result.iterations) {
+    Eigen::Matrix3d damped = cost.hessian;
+    damped.diagonal() += damping * cost.hessian.diagonal() + Eigen::Vector3d::Constant(1e-6);
+    const Eigen::Vector3d step = -damped.ldlt().solve(cost.gradient);
+    const Pose2 next{result.T_submap_robot.x + step.x(), result.T_submap_robot.y + step.y(),
+                     WrapAngle(result.T_submap_robot.yaw + step.z())};
+    const MatchCost next_cost = EvaluateMatch(field, points, next, prior, options);
+    if (next_cost.value < cost.value) {
+      result.converged = step.head<2>().norm() < kSmallStep && std::abs(step.z()) < kSmallTurn;
+      result.T_submap_robot = next;
+      cost = next_cost;
+      damping = std::max(1e-6, damping * 0.2);
+    } else {
+      result.converged = damping > 1e4 || (step.head<2>().norm() < kSmallStep && std::abs(step.z()) < kSmallTurn);
+      damping *= 8.0;
+    }
+  }
+  result.information = cost.hessian_of_scan;
+  int matched = 0;
+  double sum = 0.0;
+  const double limit = options.matched_distance * options.matched_distance;
+  for (const Eigen::Vector2d& p : points) {
+    const double d2 = field.At(result.T_submap_robot * p).squared_distance;
+    if (d2 > limit) continue;
+    ++matched;
+    sum += d2;
+  }
+  result.matched_share = static_cast<double>(matched) / static_cast<double>(points.size());
+  result.rms = matched > 0 ? std::sqrt(sum / matched) : 0.0;
+  return result;
+}
+
+}  // namespace enfilade

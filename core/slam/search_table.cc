@@ -1,0 +1,92 @@
+#include "core/slam/search_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enfilade {
+namespace {
+
+// All cells of level `level` that the cells [window] of level 0 fall into.
+CellWindow AtLevel(const CellWindow& window, int level) {
+  return WindowBetween(window.min.column >> level, window.min.row >> level, ((window.right() - 1) >> level) + 1,
+                       ((window.top() - 1) >> level) + 1);
+}
+
+}  // namespace
+
+SearchTable::SearchTable(double sigma, int levels)
+    : sigma_(sigma), blocks_(static_cast<std::size_t>(levels)), levels_(static_cast<std::size_t>(levels)) {}
+
+void SearchTable::Update(const LikelihoodField& field, const CellWindow& changed) {
+  if (changed.empty()) return;
+  resolution_ = field.resolution();
+  Cover(field.window());
+  UpdateLikelihoods(field, changed);
+  for (int level = 1; level < levels(); ++level) UpdateBounds(level, changed);
+}
+
+// One cell more to the left and below at the higher levels: their entries look to the right and up.
+void SearchTable::Cover(const CellWindow& field_window) {
+  for (int k = 0; k < levels(); ++k) {
+    CellWindow window = AtLevel(field_window, k);
+    if (k > 0) window = Dilated(window, 1);
+    for (std::vector<Level>* tables : {&blocks_, &levels_}) {
+      Level& level = (*tables)[static_cast<std::size_t>(k)];
+      if (level.window == window) continue;
+      std::vector<std::uint8_t> cells(window.cell_count(), 0);
+      for (int row = level.window.min.row; row < level.window.top(); ++row) {
+        std::copy_n(level.cells.begin() + static_cast<std::ptrdiff_t>(level.window.index(level.window.min.column, row)),
+                    level.window.width,
+                    cells.begin() + static_cast<std::ptrdiff_t>(window.index(level.window.min.column, row)));
+      }
+      level.window = window;
+      level.cells = std::move(cells);
+    }
+  }
+}
+
+void SearchTable::UpdateLikelihoods(const LikelihoodField& field, const CellWindow& changed) {
+  constexpr int kSteps = 1024;
+  const double max_d2 = 16.0 * sigma_ * sigma_;  // beyond 4 sigma: nothing
+  std::vector<std::uint8_t> likelihood(kSteps + 1, 0);
+  for (int i = 0; i < kSteps; ++i) {
+    likelihood[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(
+        std::lround(255.0 * std::exp(-(i + 0.5) / kSteps * max_d2 / (2.0 * sigma_ * sigma_))));
+  }
+  const auto scale = static_cast<float>(kSteps / max_d2);
+  Level& target = levels_[0];
+  for (int row = changed.min.row; row < changed.top(); ++row) {
+    const float* source = &field.squared_distances()[field.window().index(changed.min.column, row)];
+    std::uint8_t* to = &target.cells[target.window.index(changed.min.column, row)];
+    for (int i = 0; i < changed.width; ++i) {
+      to[i] = likelihood[static_cast<std::size_t>(std::min(source[i] * scale, static_cast<float>(kSteps)))];
+    }
+  }
+}
+
+void SearchTable::UpdateBounds(int level, const CellWindow& changed) {
+  const auto at = [](const Level& l, int column, int row) -> std::uint8_t {
+    return l.window.contains(column, row) ? l.cells[l.window.index(column, row)] : std::uint8_t{0};
+  };
+  const auto largest_of_four = [&](const Level& l, int column, int row) {
+    return std::max(std::max(at(l, column, row), at(l, column + 1, row)),
+                    std::max(at(l, column, row + 1), at(l, column + 1, row + 1)));
+  };
+  const auto k = static_cast<std::size_t>(level);
+  const Level& finer = level == 1 ? levels_[0] : blocks_[k - 1];
+  Level& blocks = blocks_[k];
+  const CellWindow touched = AtLevel(changed, level);
+  for (int row = touched.min.row; row < touched.top(); ++row) {
+    for (int column = touched.min.column; column < touched.right(); ++column) {
+      blocks.cells[blocks.window.index(column, row)] = largest_of_four(finer, 2 * column, 2 * row);
+    }
+  }
+  Level& bounds = levels_[k];
+  for (int row = touched.min.row - 1; row < touched.top(); ++row) {
+    for (int column = touched.min.column - 1; column < touched.right(); ++column) {
+      bounds.cells[bounds.window.index(column, row)] = largest_of_four(blocks, column, row);
+    }
+  }
+}
+
+}  // namespace enfilade

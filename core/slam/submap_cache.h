@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+
+#include "core/slam/field_pyramid.h"
+#include "core/slam/mapper_state.h"
+#include "core/slam/slam_options.h"
+
+namespace enfilade {
+
+// The submaps last used by loop closing, decompressed, with their pyramids: at most `capacity`. What it gives depends
+// on the submap only, never on what was asked before.
+class SubmapCache {
+ public:
+  struct Entry {
+    std::int64_t id = 0;
+    SubmapGrid grid;
+    FieldPyramid pyramid;
+  };
+
+  explicit SubmapCache(const SlamOptions& options) : options_(options) {}
+
+  // `submap` is one that this program finished or has checked on restoring.
+  const Entry& Get(std::int64_t id, const FinishedSubmap& submap);
+
+ private:
+  SlamOptions options_;
+  std::list<Entry> entries_;  // the last used first
+};
+
+}  // namespace enfilade
