@@ -74,7 +74,6 @@ LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const
   best.match.T_submap_robot = predicted;
   if (points.empty()) return best;
   double wider = 1.0;
-  LocalMatch all[3];
   for (int widening = 0; widening <= kMaxWidenings && !IsSure(best, options); ++widening, wider *= kWider) {
     SearchWindow window;
     window.centre = predicted;
@@ -84,16 +83,11 @@ LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const
     window.half_angle = std::min(options.window_sigmas * window.sigma_yaw, M_PI);
     const PosePrior prior{predicted, InformationOf(window.sigma_translation, window.sigma_yaw)};
     const LocalMatch match = MatchWithin(grid, fields, points, window, prior, options);
-    all[widening] = match;
     if (widening == 0 || Fit(match) > Fit(best) + kWorthIt) best = match;
   }
   if (!best.good) {
     best.match.T_submap_robot = predicted;
     best.match.information.setZero();
-  }
-    printf("M %.2f %.2f %d | %.2f %.2f it %d %d pts %zu\n", best.agreement.matched_share, best.agreement.agreement(),
-           best.good, all[0].agreement.matched_share, all[0].agreement.agreement(), best.match.iterations,
-           best.match.converged, points.size());
   }
   return best;
 }

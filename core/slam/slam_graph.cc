@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/optimize/edge_error.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "core/slam/edge_information.h"
 #include "fmt/format.h"
@@ -148,9 +147,11 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
 }
 
 double ClosureChi2(const MapperState& state, const SlamClosure& closure) {
-  const Eigen::Vector3d e =
-      EdgeError(PoseOfSubmap(state, closure.submap), state.nodes.at(closure.node).T_map_node, closure.T_submap_node);
-  return e.dot(InMeasurementFrame(closure.information, closure.T_submap_node.yaw) * e);
+  const Pose2 T_submap_node =
+      Between(PoseOfSubmap(state, closure.submap), state.nodes.at(closure.node).T_map_node);
+  const Eigen::Vector3d e(T_submap_node.x - closure.T_submap_node.x, T_submap_node.y - closure.T_submap_node.y,
+                          WrapAngle(T_submap_node.yaw - closure.T_submap_node.yaw));
+  return e.dot(closure.information * e);
 }
 
 }  // namespace enfilade
