@@ -6,8 +6,8 @@
 namespace enfilade {
 namespace {
 
-constexpr double kSmallStep = 3e-4;  // m
-constexpr double kSmallTurn = 5e-5;  // rad
+constexpr double kSmallStep = 5e-4;  // m
+constexpr double kSmallTurn = 2e-4;  // rad
 constexpr double kOnTheWall = 1e-5;  // m: nearer than this a point pulls nowhere
 
 double BeamWeight(std::size_t points, const FieldMatchOptions& options) {
