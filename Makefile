@@ -2,10 +2,6 @@
 PRESET ?= release
 BIN := build/$(PRESET)/bin
 JOBS ?= $(shell nproc)
-# Paths relative to the checkout in ccache's keys: a second checkout builds from the first one's cache.
-export CCACHE_BASEDIR := $(CURDIR)
-export CCACHE_NOHASHDIR := 1
-
 .PHONY: help demo stop test build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean
 
 help: ## this list

@@ -1,7 +1,12 @@
 #include <iostream>
 
 #include "client/cli/command.h"
+#include "client/cli/commands/map.h"
+#include "client/cli/commands/server.h"
+#include "client/cli/commands/session.h"
 #include "client/cli/commands/simulate.h"
+#include "client/cli/commands/site.h"
+#include "client/cli/commands/trajectory.h"
 
 int main(int argc, char** argv) {
   using namespace enfilade::cli;
@@ -16,7 +21,12 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
+  AddMap(app, globals);
+  AddServer(app, globals);
+  AddSession(app, globals);
   AddSimulate(app, globals);
+  AddSite(app, globals);
+  AddTrajectory(app, globals);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

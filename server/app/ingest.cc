@@ -195,9 +195,9 @@ void Ingest::WriteBatches(std::vector<Work>& work) {
   const auto results = records_.AppendGroup(CallContext::WithTimeout(kWriteTimeout), batches);
   bool news = false;
   for (std::size_t i = 0; i < batches.size(); ++i) {
-    const absl::Status status = results.ok() ? (*results)[i].status() : results.status();
+    const absl::Status& status = results[i].status();
     if (status.ok()) {
-      const AppendResult& result = *(*results)[i];
+      const AppendResult& result = *results[i];
       metrics_.CountRecordsStored(result.inserted, result.duplicates);
       news = news || result.inserted > 0;
       origins[i].work->events.push_back(Stored{result.acknowledged_sequence});
@@ -209,10 +209,9 @@ void Ingest::WriteBatches(std::vector<Work>& work) {
       metrics_.CountBatchRefused();
     } else {
       origins[i].work->events.push_back(Failed{status});
+      spdlog::warn("ingest: a batch of session {} was not stored: {}", batches[i].session.value(), status.ToString());
     }
   }
-  if (!results.ok())
-    spdlog::warn("ingest: {} batches could not be stored: {}", batches.size(), results.status().ToString());
   if (news) on_stored_();
 }
 

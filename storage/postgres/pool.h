@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "storage/call_context.h"
-#include "storage/postgres/mutex.h"
+#include "core/base/mutex.h"
 
 namespace enfilade::postgres {
 
