@@ -40,7 +40,7 @@ absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database,
     session.id = SessionId(std::string(query.Text(1)));
     session.site = SiteId(std::string(query.Text(2)));
     session.robot = RobotId(std::string(query.Text(3)));
-    session.map = MapId(std::string(query.Text(4)));
+    session.map = query.Text(4);
     session.request_id = query.Text(5);
     session.source = query.Text(6);
     session.last_sequence = query.Int(7);
@@ -113,7 +113,7 @@ absl::Status Spool::CreateSession(const SpoolSession& session) {
       writer_.Prepare("INSERT INTO sessions (id, site, robot, map, request_id, source) VALUES (?, ?, ?, ?, ?, ?) "
                       "RETURNING key"));
   insert.BindText(1, session.id.value()).BindText(2, session.site.value()).BindText(3, session.robot.value());
-  insert.BindText(4, session.map.value()).BindText(5, session.request_id).BindText(6, session.source);
+  insert.BindText(4, session.map).BindText(5, session.request_id).BindText(6, session.source);
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());
   const std::int64_t key = insert.Int(0);
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());  // to its end: this commits

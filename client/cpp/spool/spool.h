@@ -13,10 +13,10 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
-#include "core/base/mutex.h"
 #include "client/cpp/spool/file_lock.h"
 #include "client/cpp/spool/sqlite.h"
 #include "core/base/ids.h"
+#include "core/base/mutex.h"
 #include "core/sensor/record.h"
 
 namespace enfilade::client {
@@ -32,7 +32,7 @@ struct SpoolSession {
   SiteId site;
   SessionId id;
   RobotId robot;
-  MapId map;               // empty: the session is only recorded
+  std::string map;         // by display name or id; empty: the session is only recorded
   std::string request_id;  // of CreateSession: the same after a restart, so that the session is created once
   std::string source;      // what is recorded (a log's hash, a driver's name): the owner's, to tell whether to go on
   // Set by the spool.

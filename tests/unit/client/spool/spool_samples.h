@@ -24,7 +24,7 @@ inline client::SpoolSession SampleSession(const std::string& id = "run-1") {
   session.site = SiteId("campus");
   session.id = SessionId(id);
   session.robot = RobotId("r1");
-  session.map = MapId("hall");
+  session.map = "hall";
   session.request_id = "11111111-2222-4333-8444-555555555555";
   session.source = "test";
   return session;

@@ -87,7 +87,7 @@ TEST_F(SpoolTest, GoesOnWhereItWasAfterReopening) {
   ASSERT_TRUE(session.has_value());
   EXPECT_EQ(session->site, SiteId("campus"));
   EXPECT_EQ(session->robot, RobotId("r1"));
-  EXPECT_EQ(session->map, MapId("hall"));
+  EXPECT_EQ(session->map, "hall");
   EXPECT_EQ(session->request_id, SampleSession().request_id);
   EXPECT_EQ(session->source, "test");
   EXPECT_EQ(session->last_sequence, 5);

@@ -1,0 +1,14 @@
+#include "client/cpp/uplink/backoff.h"
+
+#include <algorithm>
+
+namespace enfilade {
+
+double Backoff::NextSeconds() {
+  const double whole = next_s_;
+  next_s_ = std::min(2.0 * next_s_, max_s_);
+  const double share = 0.5 + 0.5 * static_cast<double>(random_() >> 11) * 0x1.0p-53;
+  return whole * share;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,318 @@
+#include "tests/support/fake_server.h"
+
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include "core/base/sha256.h"
+#include "grpcpp/security/server_credentials.h"
+#include "grpcpp/server_builder.h"
+
+namespace enfilade::testing {
+namespace {
+
+grpc::Status NotFound(const std::string& what) { return {grpc::StatusCode::NOT_FOUND, what + " does not exist"}; }
+
+}  // namespace
+
+class FakeServer::Ingest final : public v1::IngestService::Service {
+ public:
+  explicit Ingest(FakeServer& owner) : owner_(owner) {}
+
+  using Stream = grpc::ServerReaderWriter<v1::StreamRecordsResponse, v1::StreamRecordsRequest>;
+
+  grpc::Status StreamRecords(grpc::ServerContext* context, Stream* stream) override {
+    v1::StreamRecordsRequest request;
+    if (!stream->Read(&request) || !request.has_open()) {
+      return {grpc::StatusCode::INVALID_ARGUMENT, "the first message must be open"};
+    }
+    if (auto status = owner_.At(Moment::kOpenReceived); !status.ok()) return status;
+    const std::string name = request.open().session();
+    v1::StreamRecordsResponse response;
+    {
+      MutexLock lock(owner_.mutex_);
+      ++owner_.streams_opened_;
+      const auto session = owner_.sessions_.find(name);
+      if (session == owner_.sessions_.end()) return NotFound(name);
+      response.mutable_opened()->set_acknowledged_sequence(AcknowledgedOf(session->second));
+    }
+    stream->Write(response);
+    if (auto status = owner_.At(Moment::kOpenedSent); !status.ok()) return status;
+    std::string blob;
+    while (stream->Read(&request)) {
+      const auto status = request.has_batch() ? TakeBatch(context, *stream, name, request.batch())
+                                              : TakeChunk(request.blob_chunk(), blob);
+      if (!status.ok()) return status;
+    }
+    return owner_.At(Moment::kHalfClosed);
+  }
+
+ private:
+  grpc::Status TakeChunk(const v1::BlobChunk& chunk, std::string& blob) {
+    if (auto status = owner_.At(Moment::kChunkReceived); !status.ok()) return status;
+    if (chunk.offset() == 0) blob.clear();
+    if (chunk.offset() != static_cast<std::int64_t>(blob.size()) || chunk.data().size() > (1U << 20)) {
+      return {grpc::StatusCode::INVALID_ARGUMENT, "a chunk that does not follow, or is too large"};
+    }
+    blob += chunk.data();
+    if (static_cast<std::int64_t>(blob.size()) < chunk.blob().size_bytes()) return grpc::Status::OK;
+    if (Sha256(blob) != chunk.blob().sha256()) return {grpc::StatusCode::DATA_LOSS, "the hash does not fit"};
+    MutexLock lock(owner_.mutex_);
+    owner_.blobs_[chunk.blob().sha256()] = blob;
+    return grpc::Status::OK;
+  }
+
+  grpc::Status TakeBatch(grpc::ServerContext* context, Stream& stream, const std::string& name,
+                         const v1::RecordBatch& batch) {
+    if (auto status = owner_.At(Moment::kBatchReceived); !status.ok()) return status;
+    v1::StreamRecordsResponse response = Store(name, batch);
+    if (response.has_refused()) {
+      stream.Write(response);
+      return grpc::Status::OK;
+    }
+    if (auto status = owner_.At(Moment::kBatchStored); !status.ok()) return status;
+    {
+      MutexLock lock(owner_.mutex_);
+      while (owner_.hold_acknowledgements_ && !owner_.stopping_ && !context->IsCancelled()) {
+        owner_.changed_.WaitUntil(owner_.mutex_, std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
+      }
+    }
+    stream.Write(response);
+    return owner_.At(Moment::kAcknowledged);
+  }
+
+  v1::StreamRecordsResponse Store(const std::string& name, const v1::RecordBatch& batch) {
+    v1::StreamRecordsResponse response;
+    MutexLock lock(owner_.mutex_);
+    Session& session = owner_.sessions_[name];
+    owner_.records_received_ += batch.records_size();
+    for (const v1::Record& record : batch.records()) {
+      std::optional<std::string> reason;
+      if (owner_.behaviour_.refuse) reason = owner_.behaviour_.refuse(record);
+      if (record.has_image() && !owner_.blobs_.contains(record.image().content().sha256())) reason = "blob missing";
+      if (!reason) continue;
+      v1::BatchRefused& refused = *response.mutable_refused();
+      refused.set_first_sequence(batch.records(0).sequence());
+      refused.set_sequence(record.sequence());
+      refused.set_reason(v1::BatchRefused::REASON_INVALID_RECORD);
+      refused.set_message(*reason);
+      return response;
+    }
+    for (const v1::Record& record : batch.records()) {
+      const auto [stored, fresh] = session.records.emplace(record.sequence(), record);
+      if (fresh) continue;
+      ++(stored->second.SerializeAsString() == record.SerializeAsString() ? session.duplicates : session.conflicts);
+    }
+    if (session.conflicts > 0) {
+      response.mutable_refused()->set_first_sequence(batch.records(0).sequence());
+      response.mutable_refused()->set_reason(v1::BatchRefused::REASON_CONFLICTING_RECORD);
+    } else {
+      response.mutable_acknowledgement()->set_acknowledged_sequence(AcknowledgedOf(session));
+    }
+    return response;
+  }
+
+  FakeServer& owner_;
+};
+
+class FakeServer::Sessions final : public v1::SessionService::Service {
+ public:
+  explicit Sessions(FakeServer& owner) : owner_(owner) {}
+
+  grpc::Status CreateSession(grpc::ServerContext*, const v1::CreateSessionRequest* request,
+                             v1::CreateSessionResponse* response) override {
+    if (auto status = owner_.At(Moment::kCreateSession); !status.ok()) return status;
+    MutexLock lock(owner_.mutex_);
+    if (!owner_.robots_.contains(request->session().robot())) return NotFound(request->session().robot());
+    const std::string& map = request->session().map();
+    if (!map.empty() && !owner_.maps_.contains(map)) return NotFound(map);
+    const std::string name = request->parent() + "/sessions/" + request->session_id();
+    const auto found = owner_.sessions_.find(name);
+    if (found != owner_.sessions_.end() && found->second.request_id != request->request_id()) {
+      return {grpc::StatusCode::ALREADY_EXISTS, name + " is taken"};
+    }
+    Session& session = owner_.sessions_[name];
+    session.request_id = request->request_id();
+    session.session = request->session();
+    session.session.set_name(name);
+    *response->mutable_session() = session.session;
+    return grpc::Status::OK;
+  }
+
+  grpc::Status GetSession(grpc::ServerContext*, const v1::GetSessionRequest* request,
+                          v1::GetSessionResponse* response) override {
+    MutexLock lock(owner_.mutex_);
+    const auto session = owner_.sessions_.find(request->name());
+    if (session == owner_.sessions_.end()) return NotFound(request->name());
+    *response->mutable_session() = session->second.session;
+    return grpc::Status::OK;
+  }
+
+  grpc::Status FinishSession(grpc::ServerContext*, const v1::FinishSessionRequest* request,
+                             v1::FinishSessionResponse* response) override {
+    if (auto status = owner_.At(Moment::kFinishRequested); !status.ok()) return status;
+    {
+      MutexLock lock(owner_.mutex_);
+      const auto session = owner_.sessions_.find(request->name());
+      if (session == owner_.sessions_.end()) return NotFound(request->name());
+      if (AcknowledgedOf(session->second) != request->last_sequence()) {
+        return {grpc::StatusCode::FAILED_PRECONDITION, "the log has holes or ends too early"};
+      }
+      session->second.finished = true;
+      *response->mutable_session() = session->second.session;
+    }
+    return owner_.At(Moment::kFinished);
+  }
+
+ private:
+  FakeServer& owner_;
+};
+
+class FakeServer::Robots final : public v1::RobotService::Service {
+ public:
+  explicit Robots(FakeServer& owner) : owner_(owner) {}
+
+  grpc::Status CreateRobot(grpc::ServerContext*, const v1::CreateRobotRequest* request,
+                           v1::CreateRobotResponse* response) override {
+    const std::string name = request->parent() + "/robots/" + request->robot_id();
+    MutexLock lock(owner_.mutex_);
+    if (!owner_.robots_.insert(name).second) return {grpc::StatusCode::ALREADY_EXISTS, name};
+    response->mutable_robot()->set_name(name);
+    return grpc::Status::OK;
+  }
+
+ private:
+  FakeServer& owner_;
+};
+
+class FakeServer::Maps final : public v1::MapService::Service {
+ public:
+  explicit Maps(FakeServer& owner) : owner_(owner) {}
+
+  grpc::Status CreateMap(grpc::ServerContext*, const v1::CreateMapRequest* request,
+                         v1::CreateMapResponse* response) override {
+    MutexLock lock(owner_.mutex_);
+    const std::string id = request->map_id().empty() ? "map-" + std::to_string(owner_.maps_.size()) : request->map_id();
+    const std::string name = request->parent() + "/maps/" + id;
+    if (!owner_.maps_.emplace(name, request->map().display_name()).second) {
+      return {grpc::StatusCode::ALREADY_EXISTS, name};
+    }
+    response->mutable_map()->set_name(name);
+    return grpc::Status::OK;
+  }
+
+  grpc::Status GetMap(grpc::ServerContext*, const v1::GetMapRequest* request, v1::GetMapResponse* response) override {
+    MutexLock lock(owner_.mutex_);
+    const auto map = owner_.maps_.find(request->name());
+    if (map == owner_.maps_.end()) return NotFound(request->name());
+    response->mutable_map()->set_name(map->first);
+    return grpc::Status::OK;
+  }
+
+  grpc::Status ListMaps(grpc::ServerContext*, const v1::ListMapsRequest* request,
+                        v1::ListMapsResponse* response) override {
+    MutexLock lock(owner_.mutex_);
+    for (const auto& [name, display_name] : owner_.maps_) {
+      if (display_name == request->display_name()) response->add_maps()->set_name(name);
+    }
+    return grpc::Status::OK;
+  }
+
+ private:
+  FakeServer& owner_;
+};
+
+FakeServer::FakeServer(std::string address, Behaviour behaviour)
+    : address_(std::move(address)),
+      behaviour_(std::move(behaviour)),
+      ingest_(std::make_unique<Ingest>(*this)),
+      sessions_service_(std::make_unique<Sessions>(*this)),
+      robots_service_(std::make_unique<Robots>(*this)),
+      maps_service_(std::make_unique<Maps>(*this)) {
+  Start();
+}
+
+FakeServer::~FakeServer() { Stop(); }
+
+void FakeServer::Start() {
+  {
+    MutexLock lock(mutex_);
+    stopping_ = false;
+  }
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
+  builder.RegisterService(ingest_.get());
+  builder.RegisterService(sessions_service_.get());
+  builder.RegisterService(robots_service_.get());
+  builder.RegisterService(maps_service_.get());
+  server_ = builder.BuildAndStart();
+  if (!server_) throw std::runtime_error("cannot listen at " + address_);
+}
+
+void FakeServer::Stop() {
+  if (!server_) return;
+  {
+    MutexLock lock(mutex_);
+    stopping_ = true;
+    changed_.NotifyAll();
+  }
+  server_->Shutdown(std::chrono::system_clock::now());
+  server_->Wait();
+  server_.reset();
+}
+
+void FakeServer::HoldAcknowledgements(bool hold) {
+  MutexLock lock(mutex_);
+  hold_acknowledgements_ = hold;
+  changed_.NotifyAll();
+}
+
+grpc::Status FakeServer::At(Moment moment) {
+  int count = 0;
+  {
+    MutexLock lock(mutex_);
+    count = ++moments_[moment];
+  }
+  return behaviour_.interfere ? behaviour_.interfere(moment, count) : grpc::Status::OK;
+}
+
+std::int64_t FakeServer::AcknowledgedOf(const Session& session) {
+  std::int64_t acknowledged = 0;
+  for (const auto& [sequence, record] : session.records) {
+    if (sequence != acknowledged + 1) break;
+    acknowledged = sequence;
+  }
+  return acknowledged;
+}
+
+void FakeServer::Edit(const std::string& session, const std::function<void(Session&)>& change) {
+  MutexLock lock(mutex_);
+  change(sessions_[session]);
+}
+
+std::map<std::string, FakeServer::Session> FakeServer::sessions() {
+  MutexLock lock(mutex_);
+  return sessions_;
+}
+std::set<std::string> FakeServer::robots() {
+  MutexLock lock(mutex_);
+  return robots_;
+}
+std::map<std::string, std::string> FakeServer::maps() {
+  MutexLock lock(mutex_);
+  return maps_;
+}
+std::map<std::string, std::string> FakeServer::blobs() {
+  MutexLock lock(mutex_);
+  return blobs_;
+}
+std::int64_t FakeServer::records_received() {
+  MutexLock lock(mutex_);
+  return records_received_;
+}
+int FakeServer::streams_opened() {
+  MutexLock lock(mutex_);
+  return streams_opened_;
+}
+
+}  // namespace enfilade::testing

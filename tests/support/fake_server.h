@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "core/base/mutex.h"
+#include "enfilade/v1/ingest_service.grpc.pb.h"
+#include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/robot_service.grpc.pb.h"
+#include "enfilade/v1/session_service.grpc.pb.h"
+#include "grpcpp/server.h"
+
+namespace enfilade::testing {
+
+// Where in a conversation a fake server may step in.
+enum class Moment {
+  kCreateSession,  // before it is created
+  kOpenReceived,
+  kOpenedSent,
+  kChunkReceived,
+  kBatchReceived,  // not yet stored
+  kBatchStored,    // not yet acknowledged
+  kAcknowledged,
+  kHalfClosed,       // the client has no more to send
+  kFinishRequested,  // before the session is finished
+  kFinished,         // before the answer goes out
+};
+
+// A server of the ingest API in memory, over real gRPC on a socket, for tests of clients: it keeps the rules of the
+// protos and can be told to misbehave.
+class FakeServer {
+ public:
+  struct Behaviour {
+    // Asked at every moment, with how often that moment has come (from 1): a status that is not OK ends the call.
+    std::function<grpc::Status(Moment, int)> interfere;
+    // Asked for every record: a reason refuses the batch.
+    std::function<std::optional<std::string>(const v1::Record&)> refuse;
+  };
+
+  // `address`: unix:/path.
+  FakeServer(std::string address, Behaviour behaviour);
+  explicit FakeServer(std::string address) : FakeServer(std::move(address), Behaviour{}) {}
+  ~FakeServer();
+
+  const std::string& address() const { return address_; }
+
+  // While held, batches are received and stored but not acknowledged.
+  void HoldAcknowledgements(bool hold);
+  // Ends the connections and listens no more; what is stored stays for the next Start.
+  void Stop();
+  void Start();
+
+  struct Session {
+    v1::Session session;
+    std::string request_id;
+    std::map<std::int64_t, v1::Record> records;
+    int conflicts = 0;   // another content under a stored sequence
+    int duplicates = 0;  // the same content again
+    bool finished = false;
+  };
+  // By resource name.
+  std::map<std::string, Session> sessions();
+  std::set<std::string> robots();
+  std::map<std::string, std::string> maps();   // resource name -> display name
+  std::map<std::string, std::string> blobs();  // SHA-256 -> bytes
+  std::int64_t records_received();             // in all, duplicates too
+  int streams_opened();
+
+  // Of the highest sequence without a hole before it.
+  static std::int64_t AcknowledgedOf(const Session& session);
+
+  // For tests that change what is stored.
+  void Edit(const std::string& session, const std::function<void(Session&)>& change);
+
+ private:
+  class Ingest;
+  class Sessions;
+  class Robots;
+  class Maps;
+
+  grpc::Status At(Moment moment);
+
+  const std::string address_;
+  const Behaviour behaviour_;
+  std::unique_ptr<Ingest> ingest_;
+  std::unique_ptr<Sessions> sessions_service_;
+  std::unique_ptr<Robots> robots_service_;
+  std::unique_ptr<Maps> maps_service_;
+  std::unique_ptr<grpc::Server> server_;
+
+  Mutex mutex_;
+  CondVar changed_;
+  bool hold_acknowledgements_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  std::map<Moment, int> moments_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, Session> sessions_ ABSL_GUARDED_BY(mutex_);
+  std::set<std::string> robots_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::string> maps_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::string> blobs_ ABSL_GUARDED_BY(mutex_);
+  std::int64_t records_received_ ABSL_GUARDED_BY(mutex_) = 0;
+  int streams_opened_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace enfilade::testing
