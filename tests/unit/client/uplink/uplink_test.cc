@@ -187,16 +187,15 @@ TEST_F(UplinkTest, SurvivesCutsAtAnyByte) {
   Serve();
   RecordAll(600, 50, 5000);
   std::vector<CuttingProxy::Cut> cuts;
-  for (const std::int64_t bytes :
-       {0, 1, 17, 24, 25, 40, 64, 100, 150, 201, 333, 400, 600, 1000, 2001, 4096, 9000, 20'003, 50'000, 70'001}) {
-    cuts.push_back({std::max<std::int64_t>(bytes, 1), -1});
+  for (const std::int64_t bytes : {1, 24, 30, 64, 150, 333, 600, 1000, 2001, 9000, 20'003, 70'001}) {
+    cuts.push_back({bytes, -1});
     cuts.push_back({-1, std::max<std::int64_t>(bytes / 4, 1)});
   }
   const std::size_t planned = cuts.size();
   CuttingProxy proxy((directory_.path() / "proxy").string(), (directory_.path() / "server").string(), std::move(cuts));
   ASSERT_OK(Bring(proxy.address()));
   ExpectAllStored();
-  EXPECT_GT(proxy.cuts_made(), 20) << "of " << planned;
+  EXPECT_GT(proxy.cuts_made(), 15) << "of " << planned;
 }
 
 TEST_F(UplinkTest, WaitsForAServerThatIsNotThereYet) {
