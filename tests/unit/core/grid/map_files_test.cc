@@ -245,6 +245,27 @@ TEST_P(RecordedMap, GoesInAndOutByteForByte) {
   EXPECT_TRUE(again.raster == map.raster) << "the raster differs the second time";
 }
 
+class RecordedPngMap : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(MapFiles, RecordedPngMap,
+                         ::testing::Values("floor_0_routes", "floor_0_localization", "floor_1_routes",
+                                           "floor_1_localization", "basement_routes", "basement_localization",
+                                           "rooftop_routes", "rooftop_localization"));
+
+TEST_P(RecordedPngMap, GoesOutAndInWithTheSameGreys) {
+  ENFILADE_RECORDING_OR_SKIP(yaml_path, std::string("maps/multimap_server/maps_") + GetParam() + ".yaml");
+  ENFILADE_RECORDING_OR_SKIP(png_path, std::string("maps/multimap_server/maps_") + GetParam() + ".png");
+  const std::string yaml = ReadBytes(yaml_path);
+  ASSERT_OK_AND_ASSIGN(const std::string image, ImageNameOf(yaml));
+  for (const MapDialect dialect : {MapDialect::kNav2, MapDialect::kRos1}) {
+    ASSERT_OK_AND_ASSIGN(const ImportedMap map,
+                         ImportFiles(std::vector<MapFile>{{"map.yaml", yaml}, {image, ReadBytes(png_path)}}, dialect));
+    EXPECT_EQ(map.format, MapFileFormat::kPng);
+    ASSERT_OK_AND_ASSIGN(const auto files, RenderFiles(map.raster, "again", {.format = MapFileFormat::kPng}));
+    ASSERT_OK_AND_ASSIGN(const ImportedMap again, ImportFiles(files, dialect));
+    EXPECT_TRUE(again.raster == map.raster) << "the raster differs the second time";
+  }
+}
+
 TEST(RecordedMaps, LoadWithNav2sCounts) {
   // The corridor map holds 0, 205 and 254 only, which its YAML reads as occupied, unknown and free.
   ENFILADE_RECORDING_OR_SKIP(yaml_path, "maps/sobi_cmg/cmg_imes_flur.yaml");
