@@ -10,7 +10,7 @@
 namespace enfilade {
 namespace {
 
-constexpr std::size_t kMaxSurroundings = 64 * 1024;
+constexpr std::size_t kMaxSurroundings = std::size_t{64} * 1024;
 
 bool IsSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
