@@ -1,0 +1,98 @@
+#include "storage/blob_store.h"
+
+#include <thread>
+
+#include "tests/contract/storage/store_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class BlobStoreTest : public StoreTest {};
+
+std::string Noise(std::size_t size) {
+  std::string data(size, '\0');
+  std::uint64_t state = 88172645463325252ULL;
+  for (char& byte : data) {
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    byte = static_cast<char>(state);
+  }
+  return data;
+}
+
+TEST_F(BlobStoreTest, StoresTheSameBytesOnce) {
+  const TestBlob blob("content");
+  ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view(), blob.view()}));
+  ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "1");
+  ASSERT_OK_AND_ASSIGN(const std::string data, blobs_.Get(Soon(), site_, blob.sha256()));
+  EXPECT_EQ(data, "content");
+  ASSERT_OK_AND_ASSIGN(const BlobRef ref, blobs_.Stat(Soon(), site_, blob.sha256()));
+  EXPECT_EQ(ref, blob.ref());
+}
+
+TEST_F(BlobStoreTest, RefusesBytesThatAreNotWhatWasSaid) {
+  const TestBlob good("good");
+  const TestBlob other("other");
+  EXPECT_THAT(blobs_.Put(Soon(), site_, {good.view(), {other.sha256(), "evil"}}),
+              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(blobs_.Put(Soon(), site_, {TestBlob("").view()}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(blobs_.Get(Soon(), site_, good.sha256()), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(blobs_.Put(Soon(), SiteId("nowhere"), {good.view()}), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(BlobStoreTest, TheLargestBlobComesBackWholeAndInParts) {
+  const TestBlob blob(Noise(kMaxBlobBytes));
+  ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
+  ASSERT_OK_AND_ASSIGN(const std::string data, blobs_.Get(Soon(), site_, blob.sha256()));
+  EXPECT_TRUE(data == blob.data());
+  ASSERT_OK_AND_ASSIGN(const std::string part, blobs_.GetRange(Soon(), site_, blob.sha256(), 33'333'333, 1 << 20));
+  EXPECT_TRUE(part == blob.data().substr(33'333'333, 1 << 20));
+  ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), kMaxBlobBytes - 3, 100));
+  EXPECT_EQ(end, blob.data().substr(kMaxBlobBytes - 3));
+  const TestBlob too_large(std::string(kMaxBlobBytes + 1, 'x'));
+  EXPECT_THAT(blobs_.Put(Soon(), site_, {too_large.view()}), HasCode(absl::StatusCode::kInvalidArgument));
+}
+
+TEST_F(BlobStoreTest, SaysWhereABlobEnds) {
+  const TestBlob blob("0123456789");
+  ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
+  ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), 10, 5));
+  EXPECT_THAT(end, IsEmpty());
+  EXPECT_THAT(blobs_.GetRange(Soon(), site_, blob.sha256(), 11, 5), HasCode(absl::StatusCode::kOutOfRange));
+  EXPECT_THAT(blobs_.GetRange(Soon(), site_, blob.sha256(), -1, 5), HasCode(absl::StatusCode::kOutOfRange));
+  EXPECT_THAT(blobs_.GetRange(Soon(), site_, TestBlob("x").sha256(), 0, 5), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(BlobStoreTest, BelongsToItsSite) {
+  const TestBlob blob("content");
+  ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
+  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
+  EXPECT_THAT(blobs_.Get(Soon(), SiteId("other"), blob.sha256()), HasCode(absl::StatusCode::kNotFound));
+  const std::vector<std::string> digests = {blob.sha256(), TestBlob("y").sha256(), TestBlob("y").sha256()};
+  ASSERT_OK_AND_ASSIGN(const auto missing, blobs_.Missing(Soon(), site_, digests));
+  EXPECT_THAT(missing, ElementsAre(TestBlob("y").sha256()));
+}
+
+TEST_F(BlobStoreTest, ManyMayPutTheSameAtOnce) {
+  std::vector<TestBlob> blobs;
+  for (int i = 0; i < 20; ++i) blobs.emplace_back("blob " + std::to_string(i));
+  std::vector<absl::Status> outcomes(8);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < outcomes.size(); ++t) {
+    threads.emplace_back([&, t] {
+      std::vector<BlobView> views;
+      for (std::size_t i = 0; i < blobs.size(); ++i) views.push_back(blobs[(i * (t + 1) * 3) % blobs.size()].view());
+      for (int round = 0; round < 5 && outcomes[t].ok(); ++round) outcomes[t] = blobs_.Put(Soon(), site_, views);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const absl::Status& outcome : outcomes) EXPECT_OK(outcome);
+}
+
+}  // namespace
+}  // namespace enfilade::testing

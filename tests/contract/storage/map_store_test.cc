@@ -1,0 +1,175 @@
+#include "storage/map_store.h"
+
+#include <limits>
+#include <thread>
+
+#include "tests/contract/storage/store_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::vector<Eigen::Vector2d> Square(double x, double y, double side) {
+  return {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
+}
+
+class MapStoreTest : public StoreTest {
+ protected:
+  Map Get(const std::string& id) {
+    const auto map = maps_.Get(Soon(), site_, MapId(id));
+    EXPECT_OK(map);
+    return *map;
+  }
+  std::vector<std::string> Find(int level, const Rectangle& rectangle) {
+    const auto maps = maps_.FindByOutline(Soon(), site_, level, rectangle);
+    EXPECT_OK(maps);
+    std::vector<std::string> ids;
+    for (const Map& map : *maps) ids.push_back(map.id.value());
+    return ids;
+  }
+};
+
+TEST_F(MapStoreTest, GivesBackWhatWasStored) {
+  Map map = MakeMap(site_, MapId("lab"), "Lab 1/2 \"west\" \xf0\x9f\xa4\x96");
+  map.level = -2;
+  map.environment = Environment::kOutdoor;
+  map.slam_profile = "outdoor-fast";
+  map.outline = {{500'000.1, 5'800'000.2}, {500'010.3, 5'800'000.2}, {500'005.0, 5'800'009.4}};
+  ASSERT_OK(maps_.Create(Soon(), map, ""));
+  const Map stored = Get("lab");
+  EXPECT_EQ(stored.display_name, map.display_name);
+  EXPECT_EQ(stored.level, -2);
+  EXPECT_EQ(stored.environment, Environment::kOutdoor);
+  EXPECT_EQ(stored.slam_profile, "outdoor-fast");
+  EXPECT_EQ(stored.outline, map.outline);
+  EXPECT_EQ(stored.state, MapState::kEmpty);
+  EXPECT_EQ(stored.current_revision, 0);
+  EXPECT_THAT(Get("hall").outline, IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const Map named, maps_.GetByDisplayName(Soon(), site_, map.display_name));
+  EXPECT_EQ(named.id, map.id);
+  EXPECT_THAT(maps_.GetByDisplayName(Soon(), site_, "lab"), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(MapStoreTest, SaysWhatIsTaken) {
+  EXPECT_THAT(maps_.Create(Soon(), MakeMap(site_, map_, "Other"), ""),
+              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("sites/campus/maps/hall exists")));
+  EXPECT_THAT(maps_.Create(Soon(), MakeMap(site_, MapId("hall2"), "Hall"), ""),
+              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("\"Hall\"")));
+  EXPECT_THAT(maps_.Create(Soon(), MakeMap(SiteId("nowhere"), map_, "Hall"), ""),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sites/nowhere")));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("a"), "A"), "request"));
+  ASSERT_OK_AND_ASSIGN(const Map repeated, maps_.Create(Soon(), MakeMap(site_, MapId("b"), "A"), "request"));
+  EXPECT_EQ(repeated.id, MapId("a"));
+}
+
+TEST_F(MapStoreTest, RefusesOutlinesThatAreNoSimplePolygons) {
+  Map map = MakeMap(site_, MapId("m"), "M");
+  map.outline = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
+  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("outline")));
+  map.outline = {{0, 0}, {1, 1}};
+  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("2 corners")));
+  map.outline = {{0, 0}, {1, std::numeric_limits<double>::quiet_NaN()}, {1, 0}};
+  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("finite")));
+  map.outline = {};
+  map.environment = static_cast<Environment>(7);
+  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasCode(absl::StatusCode::kInvalidArgument));
+}
+
+TEST_F(MapStoreTest, UpdatesOnlyUnderTheStoredEtag) {
+  Map map = Get("hall");
+  map.display_name = "Great hall";
+  map.level = 3;
+  map.outline = Square(0, 0, 10);
+  ASSERT_OK_AND_ASSIGN(const Map updated, maps_.Update(Soon(), map));
+  EXPECT_EQ(updated.outline, map.outline);
+  EXPECT_EQ(Get("hall").level, 3);
+  EXPECT_THAT(maps_.Update(Soon(), map), HasCode(absl::StatusCode::kAborted));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), ""));
+  map.etag = updated.etag;
+  map.display_name = "Lab";
+  EXPECT_THAT(maps_.Update(Soon(), map), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("\"Lab\"")));
+  map.id = MapId("nowhere");
+  EXPECT_THAT(maps_.Update(Soon(), map), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(MapStoreTest, FindsMapsByOutlineOnOneLevelOfOneSite) {
+  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
+  const auto create = [&](const SiteId& site, const std::string& id, int level, double x) {
+    Map map = MakeMap(site, MapId(id), id);
+    map.level = level;
+    map.outline = Square(x, 0, 1);
+    ASSERT_OK(maps_.Create(Soon(), map, ""));
+  };
+  create(site_, "near", 0, 0);
+  create(site_, "far", 0, 100);
+  create(site_, "above", 1, 0);
+  create(SiteId("other"), "near", 0, 0);
+  EXPECT_THAT(Find(0, {{0.5, 0.5}, {2, 2}}), ElementsAre("near"));
+  EXPECT_THAT(Find(0, {{-1, -1}, {200, 2}}), ElementsAre("far", "near"));
+  EXPECT_THAT(Find(1, {{-1, -1}, {200, 2}}), ElementsAre("above"));
+  EXPECT_THAT(Find(0, {{3, 3}, {4, 4}}), IsEmpty());
+}
+
+TEST_F(MapStoreTest, TheOutlinesIndexServesTheSearch) {
+  database_.Sql(
+      "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, outline)"
+      " SELECT 'campus', 'm' || i, 'm' || i, i % 5, 1, ST_MakeEnvelope(i, 0, i + 1, 1)"
+      " FROM generate_series(1, 20000) i");
+  database_.Sql("ANALYZE enfilade.maps");
+  const std::vector<std::string> plan = database_.Sql(
+      "EXPLAIN SELECT map_id FROM enfilade.maps WHERE site_id = 'campus' AND level = 2"
+      " AND ST_Intersects(outline, ST_MakeEnvelope(10, 0, 20, 1)) ORDER BY map_id");
+  EXPECT_THAT(plan, ::testing::Contains(HasSubstr("maps_outline_idx"))) << ::testing::PrintToString(plan);
+  EXPECT_THAT(Find(2, {{10, 0}, {20, 1}}), ElementsAre("m12", "m17"));
+  // And the store's own statement took it: a connection's counts are published when it ends.
+  pool_.reset();
+  std::string scans = "0";
+  for (int i = 0; i < 500 && scans == "0"; ++i) {
+    scans = database_.SqlValue("SELECT idx_scan FROM pg_stat_user_indexes WHERE indexrelname = 'maps_outline_idx'");
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(scans, "1");
+}
+
+TEST_F(MapStoreTest, IsKeptWhileSessionsMapIntoIt) {
+  const SessionId first = NewSession("s1");
+  NewSession("s2");
+  EXPECT_THAT(maps_.Delete(Soon(), site_, map_, 0, false),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("s1, s2")));
+  ASSERT_OK(Append(first, ScanRecords(1, 3)));
+  ASSERT_OK_AND_ASSIGN(const auto leased, mapping_.Acquire(Soon(), "worker", std::chrono::seconds(60)));
+  ASSERT_TRUE(leased);
+  ASSERT_OK(maps_.Delete(Soon(), site_, map_, 0, true));
+  EXPECT_THAT(maps_.Get(Soon(), site_, map_), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(sessions_.Get(Soon(), site_, first), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(Append(first, {ScanRecord(4)}), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_THAT(mapping_.Renew(Soon(), leased->lease, std::chrono::seconds(60)), HasCode(absl::StatusCode::kAborted));
+}
+
+TEST_F(MapStoreTest, AMapMadeAgainUnderAnOldIdStartsAnew) {
+  for (const char* id : {"a", "b", "c"}) ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId(id), id), ""));
+  const TestBlob blob("tile");
+  NewRevision revision;
+  revision.source = RevisionSource::kImport;
+  revision.content_sha256 = blob.sha256();
+  revision.tiles = {{{0, 0}, blob.sha256()}};
+  ASSERT_OK(revisions_.Add(Soon(), site_, MapId("b"), revision, {blob.view()}));
+  const Map old = Get("b");
+  EXPECT_THAT(maps_.Delete(Soon(), site_, MapId("b"), old.etag + 1, false), HasCode(absl::StatusCode::kAborted));
+  ASSERT_OK(maps_.Delete(Soon(), site_, MapId("b"), old.etag, false));
+  EXPECT_THAT(maps_.Delete(Soon(), site_, MapId("b"), 0, false), HasCode(absl::StatusCode::kNotFound));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("b"), "b"), ""));
+  EXPECT_EQ(Get("b").current_revision, 0);
+  EXPECT_EQ(Get("b").state, MapState::kEmpty);
+  EXPECT_THAT(revisions_.Get(Soon(), site_, MapId("b"), 1), HasCode(absl::StatusCode::kNotFound));
+  ASSERT_OK_AND_ASSIGN(const auto page, maps_.List(Soon(), site_, {2, "a"}));
+  ASSERT_EQ(page.size(), 2U);
+  EXPECT_EQ(page[0].id, MapId("b"));
+  EXPECT_EQ(page[1].id, MapId("c"));
+}
+
+}  // namespace
+}  // namespace enfilade::testing

@@ -1,0 +1,351 @@
+#include "storage/mapping_store.h"
+
+#include <atomic>
+#include <thread>
+
+#include "core/base/sha256.h"
+#include "fmt/format.h"
+#include "tests/contract/storage/store_test.h"
+#include "tests/support/pose_matchers.h"
+
+namespace enfilade::testing {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+Eigen::Matrix3d MatrixOf(double scale) {
+  Eigen::Matrix3d matrix;
+  matrix << 1.0 / 3, 0.1, 0.2, 0.1, 1.0 / 7, 0.3, 0.2, 0.3, 1e-17;
+  return scale * matrix;
+}
+
+SlamNode NodeOf(std::int64_t id, double x) {
+  return {id, 10 * id + 1, (id + 1) * kNsPerSecond, {x, 1.0 / 3, -0.1}, MatrixOf(static_cast<double>(id)), 0};
+}
+
+// The delta of a mapper's first step: one submap, two nodes, a closure, three scans.
+SlamDelta FirstDelta() {
+  SlamDelta delta;
+  delta.submaps = {{0, 1, {0.0, -0.0, 0.5}, false, ""}};
+  delta.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.5)};
+  delta.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), ClosureState::kRejected, 0.25, 7.5, "too few \"inliers\""}};
+  delta.trajectory = {{1, kNsPerSecond, 0, {0, 0, 0}},
+                      {5, kNsPerSecond * 3 / 2, 0, {0.75, 0, 0}},
+                      {11, 2 * kNsPerSecond, 1, {0, 0, 0}}};
+  return delta;
+}
+
+class MappingStoreTest : public StoreTest {
+ protected:
+  LeasedSession AcquireOne(const std::string& owner = "worker", milliseconds ttl = seconds(60)) {
+    const auto leased = mapping_.Acquire(Soon(), owner, ttl);
+    EXPECT_OK(leased);
+    EXPECT_TRUE(leased->has_value());
+    return **leased;
+  }
+  bool FindsWork() {
+    const auto leased = mapping_.Acquire(Soon(), "another", seconds(60));
+    EXPECT_OK(leased);
+    return leased->has_value();
+  }
+  SessionId SessionWithRecords(const std::string& id, std::int64_t count) {
+    const SessionId session = NewSession(id);
+    EXPECT_OK(Append(session, ScanRecords(1, count)));
+    return session;
+  }
+  absl::Status CommitStep(const SessionLease& lease, const SlamDelta& delta, std::int64_t mapped_sequence) {
+    return mapping_.Commit(Soon(), lease, StepOf(delta, "state", mapped_sequence)).status();
+  }
+  SlamMap LoadMap(const SessionId& session) {
+    const auto stored = mapping_.Load(Soon(), site_, session);
+    EXPECT_OK(stored);
+    EXPECT_TRUE(stored->has_value());
+    return (*stored)->map;
+  }
+  NewRevision RevisionOf(const SessionId& session, const TestBlob& tile) {
+    NewRevision revision;
+    revision.session = session;
+    revision.geometry = {0.05, {-1, -2, 0}, 10, 10};
+    revision.content_sha256 = Sha256("content of " + tile.data());
+    revision.tiles = {{{0, 0}, tile.sha256()}};
+    return revision;
+  }
+};
+
+void ExpectEqual(const SlamMap& map, const SlamMap& expected) {
+  EXPECT_EQ(map.nodes, expected.nodes);
+  EXPECT_EQ(map.submaps, expected.submaps);
+  EXPECT_EQ(map.closures, expected.closures);
+  EXPECT_EQ(map.trajectory, expected.trajectory);
+}
+
+TEST_F(MappingStoreTest, ThereIsWorkWhereRecordsAreNotMappedOrASessionIsToBeClosed) {
+  NewSession("empty");
+  EXPECT_OK(Append(NewSession("recorded", false), ScanRecords(1, 3)));
+  EXPECT_FALSE(FindsWork());
+  const SessionId session = SessionWithRecords("s1", 3);
+  const LeasedSession leased = AcquireOne();
+  EXPECT_EQ(leased.session.id, session);
+  EXPECT_EQ(leased.session.acknowledged_sequence, 3);
+  EXPECT_EQ(leased.lease.token, 1);
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK(CommitStep(leased.lease, {}, 3));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
+  EXPECT_TRUE(FindsWork());
+}
+
+TEST_F(MappingStoreTest, ALeaseThatRanOutGoesToAnotherWithAHigherToken) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const LeasedSession lost = AcquireOne("first", milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(5));
+  const LeasedSession held = AcquireOne("second");
+  EXPECT_EQ(held.lease.session, session);
+  EXPECT_GT(held.lease.token, lost.lease.token);
+  EXPECT_THAT(CommitStep(lost.lease, FirstDelta(), 3), HasStatus(absl::StatusCode::kAborted, HasSubstr("first")));
+  EXPECT_THAT(mapping_.Renew(Soon(), lost.lease, seconds(60)), HasCode(absl::StatusCode::kAborted));
+  EXPECT_OK(mapping_.Release(Soon(), lost.lease));
+  EXPECT_FALSE(FindsWork());
+  EXPECT_OK(CommitStep(held.lease, FirstDelta(), 3));
+}
+
+TEST_F(MappingStoreTest, ALeaseThatRanOutStillHoldsWhileNobodyElseTookIt) {
+  SessionWithRecords("s1", 3);
+  const LeasedSession leased = AcquireOne("first", milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_OK(CommitStep(leased.lease, FirstDelta(), 3));
+  EXPECT_OK(mapping_.Renew(Soon(), leased.lease, seconds(60)));
+  EXPECT_OK(Append(leased.session.id, {ScanRecord(4)}));
+  EXPECT_FALSE(FindsWork());
+}
+
+TEST_F(MappingStoreTest, AReleasedSessionGoesToTheEndOfTheQueue) {
+  SessionWithRecords("s1", 3);
+  SessionWithRecords("s2", 3);
+  const LeasedSession first = AcquireOne();
+  ASSERT_OK(mapping_.Release(Soon(), first.lease));
+  EXPECT_NE(AcquireOne().session.id, first.session.id);
+  EXPECT_EQ(AcquireOne().session.id, first.session.id);
+}
+
+TEST_F(MappingStoreTest, EachSessionGoesToOneOfManyWorkers) {
+  constexpr int kSessions = 12;
+  for (int i = 0; i < kSessions; ++i) SessionWithRecords(fmt::format("s{}", i), 1);
+  std::atomic<int> leases = 0;
+  std::vector<std::thread> workers;
+  for (int w = 0; w < 4; ++w) {
+    workers.emplace_back([&, w] {
+      // Losing a race for the candidates is no reason to stop.
+      for (int misses = 0; misses < 20;) {
+        const auto leased = mapping_.Acquire(Soon(), fmt::format("w{}", w), seconds(60));
+        ASSERT_OK(leased);
+        leased->has_value() ? ++leases : ++misses;
+      }
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  EXPECT_EQ(leases, kSessions);
+  EXPECT_EQ(database_.SqlValue("SELECT max(token) FROM enfilade.session_leases"), "1");
+}
+
+TEST_F(MappingStoreTest, GivesBackTheSumOfAllSteps) {
+  const SessionId session = SessionWithRecords("s1", 30);
+  const LeasedSession leased = AcquireOne();
+  ASSERT_OK_AND_ASSIGN(const auto nothing, mapping_.Load(Soon(), site_, session));
+  EXPECT_FALSE(nothing);
+  SlamMap expected;
+  const std::string checkpoint("\0binary\xff", 8);
+  const auto commit = [&](const SlamDelta& delta, std::int64_t mapped) {
+    MappingStep step = StepOf(delta, checkpoint, mapped);
+    step.counts = {1, 2, 3, 4, 5, mapped};
+    ASSERT_OK(mapping_.Commit(Soon(), leased.lease, step));
+    expected.Apply(delta);
+    ASSERT_OK_AND_ASSIGN(const auto stored, mapping_.Load(Soon(), site_, session));
+    ASSERT_TRUE(stored);
+    ExpectEqual(stored->map, expected);
+    EXPECT_EQ(stored->checkpoint, checkpoint);
+    EXPECT_EQ(stored->mapped_sequence, mapped);
+  };
+  commit(FirstDelta(), 11);
+  SlamDelta second;
+  second.submaps = {{0, 2, {0.5, 0, 0}, true, std::string(100'000, '\7')}, {1, 1, {3, 0, 0}, false, ""}};
+  second.nodes = {NodeOf(2, 3.0)};
+  second.nodes[0].submap = 1;
+  second.trajectory = {{21, 3 * kNsPerSecond, 2, {0, 0, 0}}};
+  commit(second, 21);
+  SlamDelta solved;  // poses move, the finished submap's content stays
+  solved.submaps = {{0, 2, {0.6, 0, 0}, true, ""}};
+  solved.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.25), NodeOf(2, 2.75)};
+  solved.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), ClosureState::kAccepted, 0.5, 1.5, ""}};
+  commit(solved, 21);
+  EXPECT_THAT(expected.submaps.at(0).content, SizeIs(100'000));
+  ASSERT_OK_AND_ASSIGN(const Session stored, sessions_.Get(Soon(), site_, session));
+  EXPECT_EQ(stored.mapped_sequence, 21);
+  EXPECT_EQ(stored.mapping_counts, (MappingCounts{1, 2, 3, 4, 5, 21}));
+}
+
+TEST_F(MappingStoreTest, TheSameStepTwiceChangesNothing) {
+  const SessionId session = SessionWithRecords("s1", 30);
+  const LeasedSession leased = AcquireOne();
+  const TestBlob tile("tile");
+  const NewRevision revision = RevisionOf(session, tile);
+  const SlamDelta delta = FirstDelta();
+  const std::vector<BlobView> blobs = {tile.view()};
+  MappingStep step = StepOf(delta, "c", 11);
+  step.revision = &revision;
+  step.blobs = blobs;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_OK_AND_ASSIGN(const std::int64_t number, mapping_.Commit(Soon(), leased.lease, step));
+    EXPECT_EQ(number, 1);
+    EXPECT_THAT(LoadMap(session).trajectory, SizeIs(3));
+  }
+}
+
+TEST_F(MappingStoreTest, RefusesStepsThatGoBack) {
+  SessionWithRecords("s1", 30);
+  const LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 20));
+  EXPECT_THAT(CommitStep(leased.lease, {}, 19), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("20")));
+}
+
+TEST_F(MappingStoreTest, PublishesRevisionsAndClosesTheSession) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const LeasedSession leased = AcquireOne();
+  const TestBlob first_tile("first");
+  const NewRevision first = RevisionOf(session, first_tile);
+  const SlamDelta delta = FirstDelta();
+  const std::vector<BlobView> first_blobs = {first_tile.view()};
+  MappingStep step = StepOf(delta, "c", 3);
+  step.revision = &first;
+  step.blobs = first_blobs;
+  ASSERT_OK_AND_ASSIGN(const std::int64_t number, mapping_.Commit(Soon(), leased.lease, step));
+  EXPECT_EQ(number, 1);
+  ASSERT_OK_AND_ASSIGN(const Map mapping, maps_.Get(Soon(), site_, map_));
+  EXPECT_EQ(mapping.state, MapState::kMapping);
+  EXPECT_EQ(database_.SqlValue("SELECT ST_AsText(track) FROM enfilade.session_tracks"),
+            "LINESTRING M (0 0.333333333333333 1,1.5 0.333333333333333 2)");
+
+  const SlamDelta nothing;
+  MappingStep last = StepOf(nothing, "c", 3);
+  last.final_state = SessionState::kMapped;
+  EXPECT_THAT(mapping_.Commit(Soon(), leased.lease, last),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("not finished")));
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
+  const TestBlob last_tile("last");
+  const NewRevision second = RevisionOf(session, last_tile);
+  const std::vector<BlobView> last_blobs = {last_tile.view()};
+  last.revision = &second;
+  last.blobs = last_blobs;
+  ASSERT_OK_AND_ASSIGN(const std::int64_t last_number, mapping_.Commit(Soon(), leased.lease, last));
+  EXPECT_EQ(last_number, 2);
+  ASSERT_OK_AND_ASSIGN(const Map ready, maps_.Get(Soon(), site_, map_));
+  EXPECT_EQ(ready.state, MapState::kReady);
+  EXPECT_EQ(ready.etag, mapping.etag);
+  ASSERT_OK_AND_ASSIGN(const Session closed, sessions_.Get(Soon(), site_, session));
+  EXPECT_EQ(closed.state, SessionState::kMapped);
+  ASSERT_OK_AND_ASSIGN(const MapRevision stored, revisions_.Get(Soon(), site_, map_, 0));
+  EXPECT_EQ(stored.session, session);
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+}
+
+TEST_F(MappingStoreTest, AFailureIsOnRecordAndTheSessionGoesOnRecording) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const LeasedSession leased = AcquireOne();
+  const SlamDelta nothing;
+  MappingStep step = StepOf(nothing, "", 2);
+  step.final_state = SessionState::kFailed;
+  step.error = "record 3: it's \"odd\"";
+  ASSERT_OK(mapping_.Commit(Soon(), leased.lease, step));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+  EXPECT_OK(Append(session, {ScanRecord(4)}));
+  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 4));
+  EXPECT_EQ(finished.state, SessionState::kFailed);
+  EXPECT_EQ(finished.error, step.error);
+  EXPECT_THAT(Append(session, {ScanRecord(5)}), HasCode(absl::StatusCode::kFailedPrecondition));
+}
+
+TEST_F(MappingStoreTest, AStepThatCannotBeStoredWholeIsNotStoredAtAll) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const LeasedSession leased = AcquireOne();
+  const NewRevision missing_tile = RevisionOf(session, TestBlob("never sent"));
+  const SlamDelta delta = FirstDelta();
+  MappingStep step = StepOf(delta, "c", 3);
+  step.revision = &missing_tile;
+  EXPECT_THAT(mapping_.Commit(Soon(), leased.lease, step), HasCode(absl::StatusCode::kFailedPrecondition));
+  SlamDelta dangling = FirstDelta();
+  dangling.trajectory.push_back({30, 4 * kNsPerSecond, 99, {0, 0, 0}});
+  EXPECT_THAT(CommitStep(leased.lease, dangling, 3), HasCode(absl::StatusCode::kFailedPrecondition));
+  ASSERT_OK_AND_ASSIGN(const auto stored, mapping_.Load(Soon(), site_, session));
+  EXPECT_FALSE(stored);
+}
+
+TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 1));
+  ASSERT_OK(sessions_.Delete(Soon(), site_, session));
+  EXPECT_THAT(CommitStep(leased.lease, {}, 2), HasCode(absl::StatusCode::kAborted));
+  EXPECT_THAT(mapping_.Renew(Soon(), leased.lease, seconds(60)), HasCode(absl::StatusCode::kAborted));
+  EXPECT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+  EXPECT_THAT(mapping_.ReadTrajectory(Soon(), site_, session), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(MappingStoreTest, TheTrajectoryFollowsTheNodes) {
+  const SessionId session = SessionWithRecords("s1", 30);
+  ASSERT_OK_AND_ASSIGN(const Trajectory none, mapping_.ReadTrajectory(Soon(), site_, session));
+  EXPECT_THAT(none.poses, IsEmpty());
+  const LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 11));
+  const auto expect_poses_of = [&](const SlamMap& map, std::int64_t mapped) {
+    ASSERT_OK_AND_ASSIGN(const Trajectory trajectory, mapping_.ReadTrajectory(Soon(), site_, session));
+    EXPECT_EQ(trajectory.mapped_sequence, mapped);
+    const std::vector<StampedPose> expected = TrajectoryOf(map);
+    ASSERT_EQ(trajectory.poses.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ(trajectory.poses[i].time, expected[i].time);
+      EXPECT_EQ(trajectory.poses[i].T_map_robot, expected[i].T_map_robot);
+    }
+  };
+  SlamMap map;
+  map.Apply(FirstDelta());
+  expect_poses_of(map, 11);
+  SlamDelta moved;
+  moved.nodes = {NodeOf(1, 2.5)};
+  ASSERT_OK(CommitStep(leased.lease, moved, 12));
+  map.Apply(moved);
+  expect_poses_of(map, 12);
+  EXPECT_THAT(mapping_.ReadTrajectory(Soon(), site_, SessionId("s9")), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(MappingStoreTest, RecordingAndMappingOfOneSessionDoNotBlockEachOther) {
+  const SessionId session = SessionWithRecords("s1", 1);
+  const LeasedSession leased = AcquireOne();
+  absl::Status recorded;
+  std::thread recorder([&] {
+    for (std::int64_t sequence = 2; sequence <= 100 && recorded.ok(); ++sequence) {
+      recorded = Append(session, {ScanRecord(sequence)}).status();
+    }
+  });
+  absl::Status mapped;
+  for (std::int64_t id = 0; id < 100 && mapped.ok(); ++id) {
+    SlamDelta delta;
+    if (id == 0) delta.submaps = {{0, 1, {0, 0, 0}, false, ""}};
+    delta.nodes = {NodeOf(id, 0.5)};
+    mapped = CommitStep(leased.lease, delta, 1);
+  }
+  recorder.join();
+  EXPECT_OK(recorded);
+  EXPECT_OK(mapped);
+  EXPECT_THAT(LoadMap(session).nodes, SizeIs(100));
+}
+
+}  // namespace
+}  // namespace enfilade::testing

@@ -1,0 +1,318 @@
+#include "storage/record_store.h"
+
+#include <algorithm>
+#include <random>
+#include <thread>
+
+#include "fmt/format.h"
+#include "tests/contract/storage/store_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class RecordStoreTest : public StoreTest {
+ protected:
+  std::vector<Record> ReadAll(const SessionId& session) {
+    const auto records = records_.Read(Soon(), site_, session, 1, 1 << 30);
+    EXPECT_OK(records);
+    return records.ok() ? *records : std::vector<Record>();
+  }
+  Session Get(const SessionId& id) {
+    const auto session = sessions_.Get(Soon(), site_, id);
+    EXPECT_OK(session);
+    return *session;
+  }
+  std::string StoredRows() { return database_.SqlValue("SELECT count(*) FROM enfilade.session_records"); }
+};
+
+TEST_F(RecordStoreTest, GivesBackEveryKindOfRecordExactly) {
+  const SessionId session = NewSession("s1");
+  const TestBlob image("an image");
+  const TestBlob cloud("a cloud");
+  Record no_returns = ScanRecord(5);
+  std::get<LaserScan>(no_returns.payload).ranges = {std::numeric_limits<float>::infinity(), -1.0F, 0.0F};
+  const std::vector<Record> records = {ScanRecord(1),
+                                       OdometryRecord(2),
+                                       ImageRecord(3, image.ref()),
+                                       {4, PointCloud{4 * kNsPerSecond, CloudEncoding::kXyz32, cloud.ref()}},
+                                       no_returns,
+                                       WithheldRecord(6)};
+  ASSERT_OK_AND_ASSIGN(const AppendResult result, Append(session, records, {image.view(), cloud.view()}));
+  EXPECT_EQ(result.acknowledged_sequence, 6);
+  EXPECT_EQ(result.inserted, 6);
+  EXPECT_EQ(result.duplicates, 0);
+  EXPECT_EQ(ReadAll(session), records);
+  const Session stored = Get(session);
+  EXPECT_EQ(stored.record_counts, (RecordCounts{2, 1, 1, 1, 1}));
+  EXPECT_EQ(stored.first_time, kNsPerSecond);
+  EXPECT_EQ(stored.last_time, 5 * kNsPerSecond);
+  EXPECT_GT(stored.payload_bytes, 0);
+}
+
+TEST_F(RecordStoreTest, TheSameRecordsAgainAreDuplicates) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 10)));
+  ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, ScanRecords(1, 10)));
+  EXPECT_EQ(again.duplicates, 10);
+  EXPECT_EQ(again.inserted, 0);
+  EXPECT_EQ(again.acknowledged_sequence, 10);
+  ASSERT_OK_AND_ASSIGN(const AppendResult overlapping, Append(session, ScanRecords(6, 15)));
+  EXPECT_EQ(overlapping.duplicates, 5);
+  EXPECT_EQ(overlapping.inserted, 5);
+  EXPECT_EQ(overlapping.acknowledged_sequence, 15);
+  EXPECT_EQ(ReadAll(session), ScanRecords(1, 15));
+  EXPECT_EQ(Get(session).record_counts.laser_scans, 15);
+}
+
+TEST_F(RecordStoreTest, ScansWithNanAreDuplicatesOfThemselves) {
+  const SessionId session = NewSession("s1");
+  Record record = ScanRecord(1);
+  std::get<LaserScan>(record.payload).ranges[1] = std::numeric_limits<float>::quiet_NaN();
+  ASSERT_OK(Append(session, {record}));
+  ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, {record}));
+  EXPECT_EQ(again.duplicates, 1);
+}
+
+TEST_F(RecordStoreTest, AnotherContentUnderAStoredSequenceRefusesTheWholeBatch) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 5)));
+  std::vector<Record> records = ScanRecords(1, 8);
+  records[2] = OdometryRecord(3);
+  const auto refused = Append(session, records);
+  EXPECT_THAT(refused, HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("record 3 of sites/campus/sessions/s1")));
+  EXPECT_EQ(RefusedSequenceOf(refused.status()), 3);
+  EXPECT_EQ(Get(session).acknowledged_sequence, 5);
+  std::get<LaserScan>((records = ScanRecords(1, 8))[4].payload).ranges[0] += 0.001F;
+  EXPECT_EQ(RefusedSequenceOf(Append(session, records).status()), 5);
+  EXPECT_EQ(ReadAll(session), ScanRecords(1, 5));
+}
+
+TEST_F(RecordStoreTest, AcknowledgesUpToTheFirstHole) {
+  const SessionId session = NewSession("s1");
+  const auto acknowledged = [&](std::int64_t first, std::int64_t last) {
+    const auto result = Append(session, ScanRecords(first, last));
+    EXPECT_OK(result);
+    return result.ok() ? result->acknowledged_sequence : -1;
+  };
+  EXPECT_EQ(acknowledged(3, 4), 0);
+  EXPECT_THAT(ReadAll(session), IsEmpty());
+  EXPECT_EQ(acknowledged(1, 1), 1);
+  EXPECT_EQ(acknowledged(8, 9), 1);
+  EXPECT_EQ(acknowledged(2, 2), 4);
+  EXPECT_EQ(acknowledged(6, 6), 4);
+  EXPECT_EQ(ReadAll(session), ScanRecords(1, 4));
+  EXPECT_EQ(acknowledged(5, 7), 9);  // 6 was there: fills both holes
+  EXPECT_EQ(ReadAll(session), ScanRecords(1, 9));
+  EXPECT_EQ(Get(session).record_counts.laser_scans, 9);
+}
+
+TEST_F(RecordStoreTest, AnyOrderOfBatchesEndsTheSame) {
+  const std::vector<Record> log = ScanRecords(1, 60);
+  std::mt19937 random(7);
+  for (int round = 0; round < 10; ++round) {
+    const SessionId session = NewSession(fmt::format("s{}", round));
+    std::vector<std::pair<std::size_t, std::size_t>> pieces;  // overlapping, so that some come twice
+    for (std::size_t first = 0; first < log.size(); first += 3) {
+      pieces.emplace_back(first, std::min(first + 3 + random() % 3, log.size()));
+    }
+    std::shuffle(pieces.begin(), pieces.end(), random);
+    std::int64_t inserted = 0;
+    std::int64_t acknowledged = 0;
+    for (const auto& [first, last] : pieces) {
+      ASSERT_OK_AND_ASSIGN(const AppendResult result,
+                           Append(session, {log.begin() + static_cast<std::ptrdiff_t>(first),
+                                            log.begin() + static_cast<std::ptrdiff_t>(last)}));
+      inserted += result.inserted;
+      EXPECT_GE(result.acknowledged_sequence, acknowledged);
+      acknowledged = result.acknowledged_sequence;
+    }
+    EXPECT_EQ(inserted, 60);
+    EXPECT_EQ(acknowledged, 60);
+    EXPECT_EQ(ReadAll(session), log);
+  }
+}
+
+TEST_F(RecordStoreTest, RefusesSequencesThatDoNotIncrease) {
+  const SessionId session = NewSession("s1");
+  const auto repeated = Append(session, {ScanRecord(1), ScanRecord(2), ScanRecord(2)});
+  EXPECT_THAT(repeated, HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_EQ(RefusedSequenceOf(repeated.status()), 2);
+  EXPECT_THAT(Append(session, {ScanRecord(0)}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_EQ(StoredRows(), "0");
+}
+
+TEST_F(RecordStoreTest, AnEmptyBatchTellsWhereTheLogStands) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 3)));
+  ASSERT_OK_AND_ASSIGN(const AppendResult result, Append(session, {}));
+  EXPECT_EQ(result.acknowledged_sequence, 3);
+}
+
+TEST_F(RecordStoreTest, AFinishedSessionTakesOnlyWhatItHas) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 3)));
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
+  ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, ScanRecords(2, 3)));
+  EXPECT_EQ(again.duplicates, 2);
+  EXPECT_THAT(Append(session, ScanRecords(3, 4)),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("is finished")));
+  EXPECT_EQ(ReadAll(session), ScanRecords(1, 3));
+}
+
+TEST_F(RecordStoreTest, LateRecordsOfADeletedSessionAreRefused) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 3)));
+  ASSERT_OK(sessions_.Delete(Soon(), site_, session));
+  EXPECT_THAT(Append(session, ScanRecords(4, 5)),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("sites/campus/sessions/s1 is deleted")));
+  EXPECT_THAT(Append(session, ScanRecords(1, 3)), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_THAT(Append(SessionId("s9"), ScanRecords(1, 3)), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(RecordStoreTest, RefusesARecordWhoseBlobIsMissingOrOfAnotherSize) {
+  const SessionId session = NewSession("s1");
+  const TestBlob blob("image");
+  const auto missing = Append(session, {ScanRecord(1), ImageRecord(2, blob.ref())});
+  EXPECT_THAT(missing, HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("record 2")));
+  EXPECT_EQ(RefusedSequenceOf(missing.status()), 2);
+  BlobRef longer = blob.ref();
+  longer.size = 6;
+  const auto wrong_size = Append(session, {ImageRecord(1, longer)}, {blob.view()});
+  EXPECT_THAT(wrong_size, HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("has 5 bytes, not 6")));
+  EXPECT_THAT(Append(session, {ScanRecord(1)}, {{blob.sha256(), "evil"}}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_EQ(StoredRows(), "0");
+  ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
+  EXPECT_OK(Append(session, {ImageRecord(1, blob.ref()), ImageRecord(2, blob.ref())}));
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "1");
+}
+
+TEST_F(RecordStoreTest, ARefusedBatchDoesNotTouchTheOthersOfItsGroup) {
+  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
+  ASSERT_OK(robots_.Create(Soon(), MakeRobot(SiteId("other"), robot_, "x"), ""));
+  ASSERT_OK(sessions_.Create(Soon(), MakeSession(SiteId("other"), SessionId("s1"), robot_, std::nullopt), ""));
+  const SiteId other("other");
+  const SessionId first = NewSession("s1");
+  const SessionId second = NewSession("s2");
+  const SessionId missing("s9");
+  const auto a = ScanRecords(1, 3);
+  const auto b = ScanRecords(4, 6);
+  auto changed = ScanRecords(3, 8);
+  changed[0] = OdometryRecord(3);
+  const auto late = ScanRecords(2, 7);
+  const std::vector<RecordBatch> batches = {
+      {site_, first, a, {}}, {site_, missing, a, {}},     {other, first, a, {}},   {site_, second, b, {}},
+      {site_, first, b, {}}, {site_, first, changed, {}}, {site_, first, late, {}}};
+  const auto answers = records_.AppendGroup(Soon(), batches);
+  ASSERT_THAT(answers, SizeIs(7));
+  ASSERT_OK(answers[0]);
+  EXPECT_THAT(answers[1], HasCode(absl::StatusCode::kNotFound));
+  ASSERT_OK(answers[2]);
+  EXPECT_EQ(answers[2]->acknowledged_sequence, 3);
+  ASSERT_OK(answers[3]);
+  EXPECT_EQ(answers[3]->acknowledged_sequence, 0);
+  ASSERT_OK(answers[4]);
+  EXPECT_THAT(answers[5], HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_EQ(RefusedSequenceOf(answers[5].status()), 3);
+  ASSERT_OK(answers[6]);
+  EXPECT_EQ(answers[6]->duplicates, 5);
+  EXPECT_EQ(answers[6]->inserted, 1);
+  EXPECT_EQ(answers[6]->acknowledged_sequence, 7);
+  EXPECT_EQ(ReadAll(first), ScanRecords(1, 7));
+  EXPECT_EQ(Get(second).highest_sequence, 6);
+}
+
+TEST_F(RecordStoreTest, ManyWritersOfOneSessionStoreEachRecordOnce) {
+  const SessionId session = NewSession("s1");
+  const std::vector<Record> log = ScanRecords(1, 200);
+  std::vector<absl::Status> outcomes(6);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < outcomes.size(); ++t) {
+    threads.emplace_back([&, t] {
+      std::mt19937 random(static_cast<unsigned>(t));
+      for (std::size_t first = 0; first < log.size() && outcomes[t].ok();) {
+        const std::size_t count = std::min<std::size_t>(1 + random() % 20, log.size() - first);
+        outcomes[t] =
+            records_.Append(Soon(), {site_, session, absl::MakeConstSpan(log).subspan(first, count), {}}).status();
+        first += count;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const absl::Status& outcome : outcomes) EXPECT_OK(outcome);
+  EXPECT_EQ(ReadAll(session), log);
+  EXPECT_EQ(Get(session).record_counts.laser_scans, 200);
+}
+
+TEST_F(RecordStoreTest, ReadsInPortionsOfAboutTheGivenSize) {
+  const SessionId session = NewSession("s1");
+  std::vector<Record> log;
+  for (std::int64_t sequence = 1; sequence <= 100; ++sequence) {
+    log.push_back(sequence % 10 == 0 ? ScanRecord(sequence, 10'000) : OdometryRecord(sequence));
+  }
+  ASSERT_OK(Append(session, log));
+  std::vector<Record> all;
+  std::size_t largest = 0;
+  while (all.size() < log.size()) {
+    ASSERT_OK_AND_ASSIGN(const auto records,
+                         records_.Read(Soon(), site_, session, static_cast<std::int64_t>(all.size()) + 1, 50'000));
+    ASSERT_THAT(records, ::testing::Not(IsEmpty()));
+    std::size_t bytes = 0;
+    for (const Record& record : records) bytes += std::holds_alternative<LaserScan>(record.payload) ? 40'000 : 40;
+    largest = std::max(largest, bytes);
+    all.insert(all.end(), records.begin(), records.end());
+  }
+  EXPECT_EQ(all, log);
+  EXPECT_LE(largest, 100'000U);
+  ASSERT_OK_AND_ASSIGN(const auto beyond, records_.Read(Soon(), site_, session, 101, 50'000));
+  EXPECT_THAT(beyond, IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto one, records_.Read(Soon(), site_, session, 10, 1));
+  EXPECT_THAT(one, SizeIs(1));
+}
+
+TEST_F(RecordStoreTest, SaysWhenAStoredPayloadDoesNotDecode) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 2)));
+  database_.Sql("UPDATE enfilade.session_records SET payload = '\\x00' WHERE sequence = 2");
+  EXPECT_THAT(records_.Read(Soon(), site_, session, 1, 1 << 20),
+              HasStatus(absl::StatusCode::kDataLoss, HasSubstr("record 2")));
+}
+
+TEST_F(RecordStoreTest, AKilledConnectionStoresAllOrNothingAndTheBatchCanBeSentAgain) {
+  const SessionId session = NewSession("s1");
+  std::atomic<bool> done = false;
+  std::thread killer([&] {
+    while (!done) {
+      database_.Sql(
+          "SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
+          " WHERE datname = current_database() AND application_name = 'enfilade'");
+      std::this_thread::sleep_for(std::chrono::milliseconds(15));
+    }
+  });
+  int unavailable = 0;
+  for (std::int64_t first = 1; first <= 200; first += 10) {
+    const auto batch = ScanRecords(first, first + 9);
+    absl::Status status;
+    do {
+      const auto result = Append(session, batch);
+      status = result.status();
+      if (result.ok()) {
+        EXPECT_EQ(result->acknowledged_sequence, first + 9);
+      }
+      if (!status.ok()) {
+        EXPECT_THAT(status, HasCode(absl::StatusCode::kUnavailable));
+        ++unavailable;
+      }
+    } while (!status.ok() && unavailable < 10'000);
+  }
+  done = true;
+  killer.join();
+  EXPECT_EQ(ReadAll(session), ScanRecords(1, 200));
+  EXPECT_EQ(Get(session).record_counts.laser_scans, 200);
+}
+
+}  // namespace
+}  // namespace enfilade::testing

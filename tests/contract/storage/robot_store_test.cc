@@ -1,0 +1,60 @@
+#include "storage/robot_store.h"
+
+#include "tests/contract/storage/store_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+class RobotStoreTest : public StoreTest {};
+
+TEST_F(RobotStoreTest, CreatesReadsUpdatesAndDeletes) {
+  ASSERT_OK_AND_ASSIGN(Robot robot, robots_.Create(Soon(), MakeRobot(site_, RobotId("r2"), "it's \"2\""), "request"));
+  ASSERT_OK_AND_ASSIGN(const Robot repeated,
+                       robots_.Create(Soon(), MakeRobot(site_, RobotId("r3"), "it's \"2\""), "request"));
+  EXPECT_EQ(repeated.id, robot.id);
+  robot.display_name = "two";
+  ASSERT_OK_AND_ASSIGN(const Robot updated, robots_.Update(Soon(), robot));
+  EXPECT_THAT(robots_.Update(Soon(), robot), HasCode(absl::StatusCode::kAborted));
+  ASSERT_OK_AND_ASSIGN(const Robot stored, robots_.Get(Soon(), site_, robot.id));
+  EXPECT_EQ(stored.display_name, "two");
+  EXPECT_THAT(robots_.Delete(Soon(), site_, robot.id, robot.etag), HasCode(absl::StatusCode::kAborted));
+  EXPECT_OK(robots_.Delete(Soon(), site_, robot.id, updated.etag));
+  EXPECT_THAT(robots_.Delete(Soon(), site_, robot.id, 0), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(RobotStoreTest, SaysWhetherTheSiteIsMissingOrTheRobotIsThere) {
+  EXPECT_THAT(robots_.Create(Soon(), MakeRobot(SiteId("nowhere"), robot_, "x"), ""),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sites/nowhere does not exist")));
+  EXPECT_THAT(robots_.Create(Soon(), MakeRobot(site_, robot_, "x"), ""),
+              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("sites/campus/robots/r1")));
+}
+
+TEST_F(RobotStoreTest, EnsuringKeepsTheRobotThatIsThere) {
+  ASSERT_OK_AND_ASSIGN(const Robot kept, robots_.Ensure(Soon(), MakeRobot(site_, robot_, "another name")));
+  EXPECT_EQ(kept.display_name, "Robot 1");
+  ASSERT_OK_AND_ASSIGN(const Robot made, robots_.Ensure(Soon(), MakeRobot(site_, RobotId("r9"), "Robot 9")));
+  EXPECT_EQ(made.display_name, "Robot 9");
+  ASSERT_OK_AND_ASSIGN(const auto page, robots_.List(Soon(), site_, {10, "r1"}));
+  EXPECT_THAT(page, SizeIs(1));
+}
+
+TEST_F(RobotStoreTest, IsKeptWhileItHasSessions) {
+  const SessionId session = NewSession("s1");
+  EXPECT_THAT(robots_.Delete(Soon(), site_, robot_, 0),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("still has sessions")));
+  ASSERT_OK(sessions_.Delete(Soon(), site_, session));
+  EXPECT_OK(robots_.Delete(Soon(), site_, robot_, 0));
+}
+
+TEST_F(RobotStoreTest, TheSameIdInAnotherSiteIsAnotherRobot) {
+  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
+  ASSERT_OK(robots_.Create(Soon(), MakeRobot(SiteId("other"), robot_, "Other"), ""));
+  ASSERT_OK_AND_ASSIGN(const Robot robot, robots_.Get(Soon(), site_, robot_));
+  EXPECT_EQ(robot.display_name, "Robot 1");
+}
+
+}  // namespace
+}  // namespace enfilade::testing

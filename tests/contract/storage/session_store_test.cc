@@ -1,0 +1,116 @@
+#include "storage/session_store.h"
+
+#include "tests/contract/storage/store_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class SessionStoreTest : public StoreTest {
+ protected:
+  Session Get(const SessionId& id) {
+    const auto session = sessions_.Get(Soon(), site_, id);
+    EXPECT_OK(session);
+    return *session;
+  }
+  std::vector<std::string> List(const SessionFilter& filter, int limit = 100,
+                                const std::optional<SessionPosition>& after = std::nullopt) {
+    const auto sessions = sessions_.List(Soon(), site_, filter, limit, after);
+    EXPECT_OK(sessions);
+    std::vector<std::string> ids;
+    for (const Session& session : *sessions) ids.push_back(session.id.value());
+    return ids;
+  }
+};
+
+TEST_F(SessionStoreTest, ANewSessionIsRecordingAndEmpty) {
+  const Session session = Get(NewSession("s1"));
+  EXPECT_EQ(session.robot, robot_);
+  EXPECT_EQ(session.map, map_);
+  EXPECT_EQ(session.state, SessionState::kRecording);
+  EXPECT_EQ(session.acknowledged_sequence, 0);
+  EXPECT_EQ(session.mapped_sequence, 0);
+  EXPECT_EQ(session.record_counts, RecordCounts());
+  EXPECT_EQ(session.first_time, std::nullopt);
+  EXPECT_EQ(session.finish_time, std::nullopt);
+  EXPECT_EQ(Get(NewSession("s2", false)).map, std::nullopt);
+}
+
+TEST_F(SessionStoreTest, SaysWhatIsMissing) {
+  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(SiteId("nowhere"), SessionId("s"), robot_, map_), ""),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sites/nowhere does not")));
+  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), RobotId("r9"), map_), ""),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("robots/r9 does not")));
+  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, MapId("m9")), ""),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("maps/m9 does not")));
+}
+
+TEST_F(SessionStoreTest, ManyRepeatedCreationsMakeOneSession) {
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_OK_AND_ASSIGN(const Session session,
+                         sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, map_), "request"));
+    EXPECT_EQ(session.id, SessionId("s"));
+  }
+  EXPECT_THAT(List({}), ElementsAre("s"));
+  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, map_), "another"),
+              HasCode(absl::StatusCode::kAlreadyExists));
+}
+
+TEST_F(SessionStoreTest, ListsTheNewestFirstInPages) {
+  for (const char* id : {"c", "a", "b"}) NewSession(id);
+  NewSession("recorded", false);
+  EXPECT_THAT(List({}), ElementsAre("recorded", "b", "a", "c"));
+  EXPECT_THAT(List({}, 2), ElementsAre("recorded", "b"));
+  const SessionPosition last{Get(SessionId("b")).create_time, SessionId("b")};
+  EXPECT_THAT(List({}, 2, last), ElementsAre("a", "c"));
+  SessionFilter filter;
+  filter.map = map_;
+  EXPECT_THAT(List(filter), ElementsAre("b", "a", "c"));
+  filter.robot = RobotId("r9");
+  EXPECT_THAT(List(filter), ElementsAre());
+  filter = {};
+  filter.state = SessionState::kFinished;
+  EXPECT_THAT(List(filter), ElementsAre());
+}
+
+TEST_F(SessionStoreTest, FinishesWhereTheLogEndsWithoutHoles) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 5)));
+  ASSERT_OK(Append(session, {ScanRecord(7)}));
+  EXPECT_THAT(sessions_.Finish(Soon(), site_, session, 7),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("record 6 is missing")));
+  ASSERT_OK(Append(session, {ScanRecord(6)}));
+  EXPECT_THAT(sessions_.Finish(Soon(), site_, session, 8),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("highest that is stored is 7")));
+  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 7));
+  EXPECT_EQ(finished.state, SessionState::kFinished);
+  ASSERT_TRUE(finished.finish_time);
+  ASSERT_OK_AND_ASSIGN(const Session again, sessions_.Finish(Soon(), site_, session, 7));
+  EXPECT_EQ(again.finish_time, finished.finish_time);
+  EXPECT_THAT(sessions_.Finish(Soon(), site_, SessionId("s9"), 0), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(SessionStoreTest, WithoutAMapThereIsNothingLeftToDo) {
+  const SessionId session = NewSession("s1", false);
+  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 0));
+  EXPECT_EQ(finished.state, SessionState::kMapped);
+}
+
+TEST_F(SessionStoreTest, DeletingIsSeenAtOnceAndForGood) {
+  const SessionId session = NewSession("s1");
+  NewSession("s2");
+  ASSERT_OK(Append(session, ScanRecords(1, 5)));
+  ASSERT_OK(sessions_.Delete(Soon(), site_, session));
+  EXPECT_THAT(sessions_.Get(Soon(), site_, session), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(List({}), ElementsAre("s2"));
+  EXPECT_THAT(records_.Read(Soon(), site_, session, 1, 1000), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(sessions_.Finish(Soon(), site_, session, 5), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(sessions_.Delete(Soon(), site_, session), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, session, robot_, map_), ""),
+              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("deleted")));
+}
+
+}  // namespace
+}  // namespace enfilade::testing

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "storage/blob_store.h"
+#include "storage/map_store.h"
+#include "storage/mapping_store.h"
+#include "storage/record_store.h"
+#include "storage/revision_store.h"
+#include "storage/robot_store.h"
+#include "storage/session_store.h"
+#include "storage/site_store.h"
+#include "tests/support/database.h"
+#include "tests/support/status_matchers.h"
+
+namespace enfilade::testing {
+
+// All stores over a database of the test's own, with a site "campus", a robot "r1" and a map "hall" in it.
+class StoreTest : public DatabaseTest {
+ protected:
+  StoreTest();
+
+  // A new session of r1 into "hall"; without `mapped` only recorded.
+  SessionId NewSession(const std::string& id, bool mapped = true);
+  absl::StatusOr<AppendResult> Append(const SessionId& session, const std::vector<Record>& records,
+                                      const std::vector<BlobView>& blobs = {});
+
+  const SiteId site_{"campus"};
+  const RobotId robot_{"r1"};
+  const MapId map_{"hall"};
+  SiteStore sites_{*pool_};
+  RobotStore robots_{*pool_};
+  MapStore maps_{*pool_};
+  RevisionStore revisions_{*pool_};
+  SessionStore sessions_{*pool_};
+  RecordStore records_{*pool_};
+  BlobStore blobs_{*pool_};
+  MappingStore mapping_{*pool_};
+};
+
+Site MakeSite(const SiteId& id, const std::string& display_name);
+Robot MakeRobot(const SiteId& site, const RobotId& id, const std::string& display_name);
+Map MakeMap(const SiteId& site, const MapId& id, const std::string& display_name);
+Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map);
+
+// The delta and the checkpoint must outlive the step.
+MappingStep StepOf(const SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence);
+
+// A scan of `beams` beams at second `sequence`, with ranges that differ from any other sequence's.
+Record ScanRecord(std::int64_t sequence, std::size_t beams = 4);
+Record OdometryRecord(std::int64_t sequence);
+Record ImageRecord(std::int64_t sequence, const BlobRef& content);
+Record WithheldRecord(std::int64_t sequence);
+std::vector<Record> ScanRecords(std::int64_t first, std::int64_t last);
+
+// `data` with its digest. Holds both; view() refers to them.
+class TestBlob {
+ public:
+  explicit TestBlob(std::string data);
+  BlobView view() const { return {sha256_, data_}; }
+  BlobRef ref() const { return {sha256_, static_cast<std::int64_t>(data_.size())}; }
+  const std::string& sha256() const { return sha256_; }
+  const std::string& data() const { return data_; }
+
+ private:
+  std::string data_;
+  std::string sha256_;
+};
+
+}  // namespace enfilade::testing

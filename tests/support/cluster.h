@@ -1,0 +1,36 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+
+namespace enfilade::testing {
+
+// A throwaway PostgreSQL cluster of this test program, made by deploy/database/cluster. A second process stops and
+// removes it as soon as this one has ended, also when it was killed.
+class Cluster {
+ public:
+  // Starts it at the first call.
+  static Cluster& Instance();
+
+  const std::string& url() const { return url_; }
+  // The server's process.
+  pid_t pid() const;
+  // Starts it again where the test has killed it.
+  void Restart();
+
+ private:
+  Cluster();
+  ~Cluster();
+
+  void StartGuard();
+  void Start();
+
+  std::filesystem::path directory_;
+  std::string url_;
+  int guard_pipe_ = -1;  // the guard acts when its other end closes
+  pid_t guard_ = 0;
+};
+
+}  // namespace enfilade::testing
