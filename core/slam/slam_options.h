@@ -106,8 +106,8 @@ struct LoopOptions {
   double ambiguity_angle = 0.5;     // rad
   double max_ambiguity = 0.95;
   // What a closure's information leaves out: the submap's own distortion.
-  double sigma_floor = 0.03;  // m
-  double yaw_floor = 0.005;   // rad
+  double sigma_floor = 0.05;  // m
+  double yaw_floor = 0.01;    // rad
   int cached_submaps = 8;     // decompressed, about 5 MB each
 };
 
@@ -117,8 +117,8 @@ struct GraphOptions {
   double max_chi2 = 16.3;     // a closure beyond is invalid: 99.9 % of chi2 with three degrees of freedom
   int max_iterations = 50;
   // Errors of matching a scan to the active submap that the matching does not know of.
-  double match_sigma_floor = 0.01;  // m
-  double match_yaw_floor = 0.003;   // rad
+  double match_sigma_floor = 0.02;  // m
+  double match_yaw_floor = 0.005;   // rad
   // A closure that the estimate fits worse than this is solved for at once, others when the graph has grown so much.
   double urgent_chi2 = 4.0;
   double growth = 0.05;
