@@ -6,6 +6,7 @@
 #include "client/cli/commands/session.h"
 #include "client/cli/commands/simulate.h"
 #include "client/cli/commands/site.h"
+#include "client/cli/commands/slam.h"
 #include "client/cli/commands/trajectory.h"
 
 int main(int argc, char** argv) {
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
   AddSession(app, globals);
   AddSimulate(app, globals);
   AddSite(app, globals);
+  AddSlam(app, globals);
   AddTrajectory(app, globals);
   try {
     app.parse(argc, argv);

@@ -56,9 +56,8 @@ std::string LogMapper::Checkpoint() const {
   return bytes;
 }
 
-absl::StatusOr<LogMapper> LogMapper::Restore(const ScanPairingOptions& pairing_options,
-                                             const SlamOptions& slam_options, const SlamMap& stored,
-                                             std::string_view checkpoint) {
+absl::StatusOr<LogMapper> LogMapper::Restore(const ScanPairingOptions& pairing_options, const SlamOptions& slam_options,
+                                             const SlamMap& stored, std::string_view checkpoint) {
   BinaryReader reader(checkpoint);
   if (reader.Get<std::uint8_t>() != kVersion) return DataLoss("the checkpoint has a version unknown to this program");
   LogMapperCounts counts;

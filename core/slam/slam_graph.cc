@@ -147,8 +147,7 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
 }
 
 double ClosureChi2(const MapperState& state, const SlamClosure& closure) {
-  const Pose2 T_submap_node =
-      Between(PoseOfSubmap(state, closure.submap), state.nodes.at(closure.node).T_map_node);
+  const Pose2 T_submap_node = Between(PoseOfSubmap(state, closure.submap), state.nodes.at(closure.node).T_map_node);
   const Eigen::Vector3d e(T_submap_node.x - closure.T_submap_node.x, T_submap_node.y - closure.T_submap_node.y,
                           WrapAngle(T_submap_node.yaw - closure.T_submap_node.yaw));
   return e.dot(closure.information * e);

@@ -47,6 +47,7 @@ struct MotionOptions {
   double max_step = 20.0;
 };
 
+// How a scan is fitted to a likelihood field.
 struct FieldMatchOptions {
   double sigma = 0.05;             // m, of a hit about its wall: ranging, cells and clutter
   double kernel_width = 2.0;       // of Cauchy's kernel, in sigmas
@@ -56,6 +57,7 @@ struct FieldMatchOptions {
   int max_iterations = 20;
 };
 
+// How each scan is matched to the active submap.
 struct LocalMatchOptions {
   FieldMatchOptions field;
   double point_spacing = 0.05;  // m: nearer neighbours along a scan are left out
@@ -69,6 +71,14 @@ struct LocalMatchOptions {
   double min_agreement = 0.50;
   // Below this share the search looks farther for something better.
   double sure_agreement = 0.85;
+};
+
+// When the robot counts as lost, and what then.
+struct QualityOptions {
+  int lost_after = 3;        // scans without a good match, one after the other
+  int new_submap_after = 5;  // such scans: a new submap begins where the robot is thought to be
+  // What the way into that submap counts for as drift, m: closures are looked for far and wide again.
+  double lost_length = 100.0;
 };
 
 // The likelihood fields in which finished submaps are searched and matched, from coarse to fine.
@@ -139,6 +149,7 @@ struct SlamOptions {
   SubmapOptions submap;
   MotionOptions motion;
   LocalMatchOptions local;
+  QualityOptions quality;
   PyramidOptions pyramid;
   LoopOptions loop;
   GraphOptions graph;

@@ -1,0 +1,145 @@
+#include "client/cli/commands/slam.h"
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/cli/commands/slam_files.h"
+#include "client/cli/output.h"
+#include "client/sources/log_reader.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/slam/log_mapper.h"
+#include "core/slam/slam_options_yaml.h"
+
+namespace enfilade::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string log;
+  std::string directory;
+  bool no_odometry = false;
+  bool plot = false;
+  bool skip_bad_lines = false;
+  bool print_options = false;
+  std::string options_file;
+};
+
+struct SlamRun {
+  SlamMap map;
+  OccupancyGrid grid;
+  LogMapperCounts counts;
+  std::int64_t scans = 0;
+  double seconds = 0.0;  // of mapping, reading the log not counted
+};
+
+absl::StatusOr<SlamOptions> LoadOptions(const std::string& path) {
+  if (path.empty()) return SlamOptions{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return NotFound("{}: no such file", path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  absl::StatusOr<SlamOptions> options = ParseSlamOptions(text);
+  if (!options.ok()) return WithContext(options.status(), path);
+  return options;
+}
+
+absl::StatusOr<SlamRun> Map(const Globals& globals, const Options& options, const SlamOptions& slam) {
+  sources::LogOptions log_options;
+  log_options.odometry = !options.no_odometry;
+  log_options.skip_bad_lines = options.skip_bad_lines;
+  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, log_options));
+  ProgressBar bar(globals, "mapping", reader.facts().scans);
+  LogMapper mapper(ScanPairingOptions{}, slam);
+  SlamRun run;
+  Clock::duration spent{};
+  for (std::int64_t sequence = 1;; ++sequence) {
+    ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
+    if (!entry) break;
+    const Clock::time_point begin = Clock::now();
+    mapper.Add(Record{sequence, std::move(entry->payload)});
+    spent += Clock::now() - begin;
+    bar.Update(reader.counts().scans);
+  }
+  const Clock::time_point begin = Clock::now();
+  mapper.Finish();
+  run.grid = mapper.RenderGrid();
+  run.map.Apply(mapper.TakeDelta());
+  spent += Clock::now() - begin;
+  bar.Finish();
+  run.counts = mapper.counts();
+  run.scans = reader.counts().scans;
+  run.seconds = std::chrono::duration<double>(spent).count();
+  return run;
+}
+
+void PrintReport(const Globals& globals, const SlamRun& run) {
+  std::int64_t accepted = 0;
+  for (const auto& [id, closure] : run.map.closures) accepted += closure.state == ClosureState::kAccepted;
+  const auto rejected = static_cast<std::int64_t>(run.map.closures.size()) - accepted;
+  const double rate = run.seconds > 0.0 ? static_cast<double>(run.scans) / run.seconds : 0.0;
+  if (globals.json) {
+    PrintJson(std::cout, {{"scans", run.scans},
+                          {"used", run.counts.used},
+                          {"keyframes", run.counts.keyframes},
+                          {"lost", run.counts.lost},
+                          {"without_odometry", run.counts.pairing.unpaired},
+                          {"dropped", run.counts.pairing.time_reversed},
+                          {"submaps", run.map.submaps.size()},
+                          {"closures_accepted", accepted},
+                          {"closures_rejected", rejected},
+                          {"seconds", run.seconds},
+                          {"scans_per_second", rate}});
+    return;
+  }
+  std::cout << fmt::format("{} scans ({} used, {} keyframes, {} lost) in {}: {:.0f} scans/s\n", run.scans,
+                           run.counts.used, run.counts.keyframes, run.counts.lost, SecondsInWords(run.seconds), rate)
+            << fmt::format("{} submaps, {} loops closed, {} attempts rejected\n", run.map.submaps.size(), accepted,
+                           rejected);
+  if (run.counts.pairing.time_reversed > 0) {
+    std::cout << fmt::format("{} records older than their predecessor were left out\n",
+                             run.counts.pairing.time_reversed);
+  }
+}
+
+absl::Status Run(const Globals& globals, const Options& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, LoadOptions(options.options_file));
+  if (options.print_options) {
+    std::cout << FormatSlamOptions(slam);
+    return absl::OkStatus();
+  }
+  if (options.log.empty()) return InvalidArgument("slam: which LOG? (enfilade slam --help)");
+  if (options.plot && options.directory.empty()) return InvalidArgument("slam: --plot needs -o DIR to write into");
+  ENFILADE_ASSIGN_OR_RETURN(const SlamRun run, Map(globals, options, slam));
+  if (!options.directory.empty()) {
+    ENFILADE_RETURN_IF_ERROR(WriteSlamFiles(options.directory, run.map, run.grid, options.plot));
+  }
+  PrintReport(globals, run);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddSlam(CLI::App& app, const Globals& globals) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = AddCommand(app, "slam", "Make a map of a recorded log, here, without a server",
+                                 [&globals, options] { return Run(globals, *options); });
+  command->add_option("LOG", options->log, "The log (docs/logs.md lists the formats)");
+  command->add_option("-o,--output", options->directory,
+                      "The folder for trajectory.txt, map.pgm, map.yaml, map.png and closures.json");
+  command->add_flag("--no-odometry", options->no_odometry, "Use the scans only");
+  command->add_flag("--plot", options->plot, "Also write plot.png: the trajectory over the map");
+  command->add_option("--options", options->options_file, "A YAML file with SLAM options (docs/slam.md)");
+  command->add_flag("--print-options", options->print_options, "Print all SLAM options as YAML and stop");
+  command->add_flag("--skip-bad-lines", options->skip_bad_lines, "Go on behind lines that cannot be read");
+  command->footer("Example:\n  enfilade slam drive.jsonl -o out --plot");
+}
+
+}  // namespace enfilade::cli
