@@ -9,8 +9,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "storage/call_context.h"
 #include "core/base/mutex.h"
+#include "storage/call_context.h"
 
 namespace enfilade::postgres {
 
