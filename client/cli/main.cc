@@ -2,6 +2,7 @@
 
 #include "client/cli/command.h"
 #include "client/cli/commands/map.h"
+#include "client/cli/commands/replay.h"
 #include "client/cli/commands/server.h"
 #include "client/cli/commands/session.h"
 #include "client/cli/commands/simulate.h"
@@ -23,6 +24,7 @@ int main(int argc, char** argv) {
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
   AddMap(app, globals);
+  AddReplay(app, globals);
   AddServer(app, globals);
   AddSession(app, globals);
   AddSimulate(app, globals);
