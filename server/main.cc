@@ -11,6 +11,7 @@
 #include "CLI/CLI.hpp"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/slam/slam_options_yaml.h"
 #include "server/app/logging.h"
 #include "server/config/server_options.h"
 #include "server/server.h"
@@ -30,7 +31,7 @@ struct CommandLine {
 
 absl::StatusOr<std::string> ReadFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return NotFound("cannot read the configuration file {}", path);
+  if (!file) return NotFound("cannot read the file {}", path);
   std::ostringstream content;
   content << file.rdbuf();
   return content.str();
@@ -55,10 +56,10 @@ absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
 }
 
 absl::StatusOr<SlamOptions> LoadSlamOptions(const ServerOptions& options) {
-  SlamOptions slam;
-  slam.match_scans = false;
-  slam.close_loops = false;
-  (void)options;
+  if (options.mapping.slam_options_file.empty()) return SlamOptions();
+  ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadFile(options.mapping.slam_options_file));
+  absl::StatusOr<SlamOptions> slam = ParseSlamOptions(text);
+  if (!slam.ok()) return WithContext(slam.status(), options.mapping.slam_options_file);
   return slam;
 }
 

@@ -53,7 +53,7 @@ class Server::Impl {
                                                    mappings, ingest, mapping, *exports});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
-    SetReady(readiness->state());
+    grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
     maintenance = std::make_unique<MaintenanceLoop>(options.retention, *pool, *readiness, *metrics);
     return absl::OkStatus();
   }

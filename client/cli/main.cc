@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/cli/command.h"
+#include "client/cli/commands/completion.h"
 #include "client/cli/commands/map.h"
 #include "client/cli/commands/replay.h"
 #include "client/cli/commands/server.h"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   AddSite(app, globals);
   AddSlam(app, globals);
   AddTrajectory(app, globals);
+  AddCompletion(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,120 @@
+#include <atomic>
+#include <thread>
+
+#include "grpc/grpc.h"
+#include "tests/rpc/server_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+class MannersTest : public ServerTest {};
+
+template <typename Service, typename Request, typename Response>
+void ExpectRefusesEmpty(const Connection& connection,
+                        grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*)) {
+  EXPECT_THAT(connection.Call(method, Request()), HasCode(absl::StatusCode::kInvalidArgument))
+      << Request::descriptor()->full_name();
+}
+
+TEST_F(MannersTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
+  using v1::IngestService;
+  using v1::MapService;
+  using v1::RobotService;
+  using v1::SessionService;
+  using v1::SiteService;
+  ExpectRefusesEmpty(*connection_, &SiteService::Stub::CreateSite);
+  ExpectRefusesEmpty(*connection_, &SiteService::Stub::GetSite);
+  ExpectRefusesEmpty(*connection_, &SiteService::Stub::UpdateSite);
+  ExpectRefusesEmpty(*connection_, &SiteService::Stub::DeleteSite);
+  ExpectRefusesEmpty(*connection_, &RobotService::Stub::CreateRobot);
+  ExpectRefusesEmpty(*connection_, &RobotService::Stub::GetRobot);
+  ExpectRefusesEmpty(*connection_, &RobotService::Stub::ListRobots);
+  ExpectRefusesEmpty(*connection_, &RobotService::Stub::DeleteRobot);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::CreateMap);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::GetMap);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMaps);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::UpdateMap);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::DeleteMap);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::GetMapRevision);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapRevisions);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::CreateSession);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::GetSession);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::ListSessions);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::FinishSession);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::DeleteSession);
+  ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitScan);
+  ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitOdometry);
+  ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
+  ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
+
+  const auto first_of = [&](auto reader) {
+    typename std::remove_reference_t<decltype(*reader.second)>* stream = reader.second.get();
+    decltype(reader.first) message;
+    EXPECT_FALSE(stream->Read(&message));
+    return FromGrpcStatus(stream->Finish());
+  };
+  const auto maps = MapService::NewStub(connection_->channel());
+  const auto sessions = SessionService::NewStub(connection_->channel());
+  const auto ingest = IngestService::NewStub(connection_->channel());
+  grpc::ClientContext contexts[4];
+  EXPECT_THAT(first_of(std::pair(v1::ExportMapResponse(), maps->ExportMap(&contexts[0], {}))),
+              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(first_of(std::pair(v1::ExportTrajectoryResponse(), sessions->ExportTrajectory(&contexts[1], {}))),
+              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(first_of(std::pair(v1::DownloadBlobResponse(), ingest->DownloadBlob(&contexts[2], {}))),
+              HasCode(absl::StatusCode::kInvalidArgument));
+  v1::ImportMapResponse imported;
+  const auto import = maps->ImportMap(&contexts[3], &imported);
+  import->Write(v1::ImportMapRequest());
+  import->WritesDone();
+  EXPECT_THAT(FromGrpcStatus(import->Finish()), HasCode(absl::StatusCode::kInvalidArgument));
+
+  ASSERT_OK_AND_ASSIGN(const auto status,
+                       Call(&v1::ServerService::Stub::GetServerStatus, v1::GetServerStatusRequest()));
+  EXPECT_TRUE(status.ready());
+  EXPECT_EQ(status.schema_version(), status.expected_schema_version());
+}
+
+TEST_F(MannersTest, StreamsAreToldToComeAgainWhenTheServerEnds) {
+  const std::string session = CreateSession(false);
+  TestStream stream(*connection_, session);
+  stream.Receive();
+  stream.SendBatch(ScanRecords(1, 100));
+  ASSERT_TRUE(stream.AwaitAcknowledged(100));
+  std::thread shutdown([this] { server_->Shutdown(); });
+  EXPECT_THAT(stream.Finish(), HasCode(absl::StatusCode::kUnavailable));
+  shutdown.join();
+}
+
+TEST_F(MannersTest, ASecondServerOnTheSameAddressSaysSo) {
+  server::ServerOptions options = Options();
+  options.database.url = database_.url();
+  options.listen.address = "127.0.0.1:0";
+  ASSERT_OK_AND_ASSIGN(const auto first, server::Server::Start(options, SlamOptions()));
+  options.listen.address = first->address();
+  EXPECT_THAT(server::Server::Start(options, SlamOptions()),
+              HasStatus(absl::StatusCode::kUnavailable, ::testing::HasSubstr(first->address())));
+}
+
+TEST_F(MannersTest, ManyClientsComeAndGoWhileOthersList) {
+  const std::string session = CreateSession(false);
+  std::atomic<int> next{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&] {
+      for (int i = next++; i < 80; i = next++) {
+        TestStream stream(*connection_, session);
+        if (i % 3 == 0) continue;  // gone before the answer
+        stream.Receive();
+        stream.SendBatch(ScanRecords(1, 20));
+        if (i % 3 == 1) EXPECT_TRUE(stream.AwaitAcknowledged(20));
+        EXPECT_EQ(GetSession(session).name(), session);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM session_records"), "20");
+}
+
+}  // namespace
+}  // namespace enfilade::testing

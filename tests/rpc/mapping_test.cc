@@ -1,0 +1,113 @@
+#include "client/simulator/drive.h"
+#include "core/slam/log_mapper.h"
+#include "proto/convert/record.h"
+#include "tests/rpc/server_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+class MappingTest : public ServerTest {
+ protected:
+  static std::vector<Record> SimulatedLog() {
+    simulator::DriveOptions options;
+    options.laps = 1;
+    const auto drive = simulator::SimulateDrive(simulator::EnfiladePlan(), options);
+    EXPECT_OK(drive);
+    std::vector<Record> log;
+    for (const sources::LogEntry& entry : drive->entries) {
+      Record record;
+      record.sequence = static_cast<std::int64_t>(log.size()) + 1;
+      std::visit([&](const auto& payload) { record.payload = payload; }, entry.payload);
+      log.push_back(std::move(record));
+    }
+    return log;
+  }
+
+  void Stream(const std::string& session, const std::vector<Record>& log, std::size_t begin, std::size_t end) {
+    TestStream stream(*connection_, session);
+    std::vector<v1::Record> batch;
+    for (std::size_t i = begin; i < end; ++i) {
+      batch.push_back(ToProto(log[i]));
+      if (batch.size() < 200 && i + 1 < end) continue;
+      ASSERT_TRUE(stream.SendBatch(batch));
+      batch.clear();
+    }
+    ASSERT_TRUE(stream.AwaitAcknowledged(log[end - 1].sequence));
+  }
+
+  std::vector<v1::TrajectoryPose> Trajectory(const std::string& session) {
+    const auto stub = v1::SessionService::NewStub(connection_->channel());
+    grpc::ClientContext context;
+    v1::ExportTrajectoryRequest request;
+    request.set_name(session);
+    const auto reader = stub->ExportTrajectory(&context, request);
+    v1::ExportTrajectoryResponse part;
+    std::vector<v1::TrajectoryPose> poses;
+    while (reader->Read(&part)) poses.insert(poses.end(), part.poses().begin(), part.poses().end());
+    EXPECT_TRUE(reader->Finish().ok());
+    return poses;
+  }
+};
+
+TEST_F(MappingTest, TheServersMapIsTheOfflineToolsAlsoAcrossRestarts) {
+  const std::vector<Record> log = SimulatedLog();
+  LogMapper offline({}, SlamOptions());
+  SlamMap expected;
+  for (const Record& record : log) offline.Add(record);
+  offline.Finish();
+  expected.Apply(offline.TakeDelta());
+  const std::vector<StampedPose> expected_poses = TrajectoryOf(expected);
+
+  const std::string session = CreateSession(true);
+  Stream(session, log, 0, log.size() / 3);
+  Restart(Options());
+  Stream(session, log, log.size() / 3, 2 * log.size() / 3);
+  Restart(Options());
+  Stream(session, log, 2 * log.size() / 3, log.size());
+  ASSERT_OK(FinishSession(session, static_cast<std::int64_t>(log.size())));
+  AwaitState(session, v1::Session::STATE_MAPPED);
+
+  const auto poses = Trajectory(session);
+  ASSERT_EQ(poses.size(), expected_poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(*FromTimestamp(poses[i].time()), expected_poses[i].time);
+    EXPECT_EQ(FromProto(poses[i].pose_map_robot()), expected_poses[i].T_map_robot) << i;
+  }
+  const v1::Session mapped = GetSession(session);
+  EXPECT_EQ(mapped.mapped_sequence(), static_cast<std::int64_t>(log.size()));
+  EXPECT_EQ(mapped.mapping_counts().used(), static_cast<std::int64_t>(poses.size()));
+
+  v1::GetMapRequest request;
+  request.set_name("sites/s/maps/m");
+  ASSERT_OK_AND_ASSIGN(const v1::GetMapResponse map, Call(&v1::MapService::Stub::GetMap, request));
+  v1::GetMapRevisionRequest get;
+  get.set_name(map.map().latest_revision());
+  ASSERT_OK_AND_ASSIGN(const auto revision, Call(&v1::MapService::Stub::GetMapRevision, get));
+  const OccupancyGrid grid = offline.RenderGrid();
+  EXPECT_EQ(revision.revision().width(), grid.geometry.width);
+  EXPECT_EQ(revision.revision().height(), grid.geometry.height);
+  EXPECT_EQ(revision.revision().session(), session);
+}
+
+TEST_F(MappingTest, AnEmptySessionEndsMappedWithoutARevision) {
+  const std::string session = CreateSession(true);
+  ASSERT_OK(FinishSession(session, 0));
+  AwaitState(session, v1::Session::STATE_MAPPED);
+  EXPECT_TRUE(Trajectory(session).empty());
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM map_revisions"), "0");
+}
+
+TEST_F(MappingTest, SeveralSessionsAreMappedByOneWorkerInTurns) {
+  const std::vector<Record> log = SimulatedLog();
+  std::vector<std::string> sessions;
+  for (int i = 0; i < 3; ++i) {
+    sessions.push_back(CreateSession(true));
+    Stream(sessions.back(), log, 0, 400);
+    ASSERT_OK(FinishSession(sessions.back(), 400));
+  }
+  for (const std::string& session : sessions) AwaitState(session, v1::Session::STATE_MAPPED);
+  EXPECT_EQ(Trajectory(sessions[0]).size(), Trajectory(sessions[2]).size());
+}
+
+}  // namespace
+}  // namespace enfilade::testing
