@@ -107,7 +107,9 @@ TEST_F(MannersTest, ManyClientsComeAndGoWhileOthersList) {
         if (i % 3 == 0) continue;  // gone before the answer
         stream.Receive();
         stream.SendBatch(ScanRecords(1, 20));
-        if (i % 3 == 1) EXPECT_TRUE(stream.AwaitAcknowledged(20));
+        if (i % 3 == 1) {
+          EXPECT_TRUE(stream.AwaitAcknowledged(20));
+        }
         EXPECT_EQ(GetSession(session).name(), session);
       }
     });
