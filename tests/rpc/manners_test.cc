@@ -82,7 +82,7 @@ TEST_F(MannersTest, StreamsAreToldToComeAgainWhenTheServerEnds) {
   stream.SendBatch(ScanRecords(1, 100));
   ASSERT_TRUE(stream.AwaitAcknowledged(100));
   std::thread shutdown([this] { server_->Shutdown(); });
-  EXPECT_THAT(stream.Finish(), HasCode(absl::StatusCode::kUnavailable));
+  EXPECT_THAT(stream.AwaitEnd(), HasCode(absl::StatusCode::kUnavailable));
   shutdown.join();
 }
 

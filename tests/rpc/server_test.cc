@@ -140,6 +140,10 @@ bool TestStream::AwaitAcknowledged(std::int64_t sequence) {
 
 absl::Status TestStream::Finish() {
   stream_->WritesDone();
+  return AwaitEnd();
+}
+
+absl::Status TestStream::AwaitEnd() {
   v1::StreamRecordsResponse ignored;
   while (stream_->Read(&ignored)) {
   }

@@ -62,6 +62,8 @@ class TestStream {
   bool AwaitAcknowledged(std::int64_t sequence);
   // Half-closes and gives the stream's status after the remaining answers.
   absl::Status Finish();
+  // The same without half-closing: it is for the server to end the stream.
+  absl::Status AwaitEnd();
   void Cancel() { context_.TryCancel(); }
 
  private:
