@@ -50,7 +50,7 @@ class Server::Impl {
     readiness = std::make_unique<Readiness>(*pool, [this](const Readiness::State& state) { SetReady(state); });
     services = std::make_unique<Services>(Services{options, std::chrono::steady_clock::now(), executor, *metrics,
                                                    *readiness, sites, robots, maps, revisions, sessions, records, blobs,
-                                                   mappings, ingest, mapping, *exports});
+                                                   mappings, closures, ingest, mapping, *exports});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -116,6 +116,7 @@ class Server::Impl {
   const RecordStore records{*pool};
   const BlobStore blobs{*pool};
   const MappingStore mappings{*pool};
+  const ClosureStore closures{*pool};
   Executor executor;
   Mapping mapping;
   Ingest ingest;

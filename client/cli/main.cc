@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "client/cli/command.h"
+#include "client/cli/commands/closure.h"
 #include "client/cli/commands/completion.h"
 #include "client/cli/commands/map.h"
 #include "client/cli/commands/replay.h"
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
+  AddClosure(app, globals);
   AddMap(app, globals);
   AddReplay(app, globals);
   AddServer(app, globals);

@@ -80,9 +80,8 @@ class Mapper::Impl {
   }
 
   void Finish() {
-    if (state_.ended) return;
+    if (!state_.ended && state_.active) FinishActive(std::nullopt);
     state_.ended = true;
-    if (state_.active) FinishActive(std::nullopt);
     if (options_.match_scans) Solve();
   }
 

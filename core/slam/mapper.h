@@ -40,7 +40,8 @@ class Mapper {
   // A scan that cannot be used is no error: the report says so.
   ScanReport AddScan(const PairedScan& scan);
 
-  // No more scans will come: the last submap is finished and the graph solved.
+  // No more scans will come: the last submap is finished and the graph solved. Again, after closures were suspended or
+  // resumed in the stored rows: the graph is solved anew.
   void Finish();
 
   // What has changed since the last call, to be stored by the caller; empties the account.

@@ -44,11 +44,19 @@ absl::StatusOr<std::vector<std::string>> MatchOrError(std::string_view form, std
   return Misnamed(field, name, form);
 }
 
+std::optional<std::int64_t> ToNumber(const std::string& text) {
+  std::int64_t number = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
 constexpr std::string_view kSiteForm = "sites/{site}";
 constexpr std::string_view kMapForm = "sites/{site}/maps/{map}";
 constexpr std::string_view kRevisionForm = "sites/{site}/maps/{map}/revisions/{revision}";
 constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
 constexpr std::string_view kSessionForm = "sites/{site}/sessions/{session}";
+constexpr std::string_view kClosureForm = "sites/{site}/sessions/{session}/closures/{closure}";
 
 }  // namespace
 
@@ -59,6 +67,9 @@ std::string NameOf(const RevisionName& name) {
 }
 std::string NameOf(const RobotName& name) { return NameOf(name.site) + "/robots/" + name.robot.value(); }
 std::string NameOf(const SessionName& name) { return NameOf(name.site) + "/sessions/" + name.session.value(); }
+std::string NameOf(const ClosureName& name) {
+  return NameOf(SessionName{name.site, name.session}) + "/closures/" + std::to_string(name.closure);
+}
 
 absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name) {
   ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kSiteForm, field, name));
@@ -72,12 +83,9 @@ absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view na
 
 absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::string_view name) {
   ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kRevisionForm, field, name));
-  RevisionName revision{SiteId(ids[0]), MapId(ids[1]), 0};
-  const auto parsed = std::from_chars(ids[2].data(), ids[2].data() + ids[2].size(), revision.revision);
-  if (parsed.ec != std::errc() || parsed.ptr != ids[2].data() + ids[2].size() || revision.revision < 1) {
-    return InvalidArgument("{} is \"{}\": revisions are numbers from 1 on", field, name.substr(0, 200));
-  }
-  return revision;
+  const std::optional<std::int64_t> revision = ToNumber(ids[2]);
+  if (revision && *revision >= 1) return RevisionName{SiteId(ids[0]), MapId(ids[1]), *revision};
+  return InvalidArgument("{} is \"{}\": revisions are numbers from 1 on", field, name.substr(0, 200));
 }
 
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name) {
@@ -93,6 +101,13 @@ absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_vie
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name) {
   ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kSessionForm, field, name));
   return SessionName{SiteId(ids[0]), SessionId(ids[1])};
+}
+
+absl::StatusOr<ClosureName> ParseClosureName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kClosureForm, field, name));
+  const std::optional<std::int64_t> closure = ToNumber(ids[2]);
+  if (closure && *closure >= 0) return ClosureName{SiteId(ids[0]), SessionId(ids[1]), *closure};
+  return InvalidArgument("{} is \"{}\": closures are numbers from 0 on", field, name.substr(0, 200));
 }
 
 }  // namespace enfilade

@@ -30,11 +30,18 @@ struct SessionName {
   SessionId session;
 };
 
+struct ClosureName {
+  SiteId site;
+  SessionId session;
+  std::int64_t closure = 0;
+};
+
 std::string NameOf(const SiteId& site);
 std::string NameOf(const MapName& name);
 std::string NameOf(const RevisionName& name);
 std::string NameOf(const RobotName& name);
 std::string NameOf(const SessionName& name);
+std::string NameOf(const ClosureName& name);
 
 absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name);
 absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view name);
@@ -43,5 +50,6 @@ absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std:
 absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::string_view name);
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);
+absl::StatusOr<ClosureName> ParseClosureName(std::string_view field, std::string_view name);
 
 }  // namespace enfilade

@@ -10,6 +10,7 @@
 #include "server/app/readiness.h"
 #include "server/config/server_options.h"
 #include "storage/blob_store.h"
+#include "storage/closure_store.h"
 #include "storage/map_store.h"
 #include "storage/mapping_store.h"
 #include "storage/record_store.h"
@@ -36,6 +37,7 @@ struct Services {
   const RecordStore& records;
   const BlobStore& blobs;
   const MappingStore& mappings;
+  const ClosureStore& closures;
 
   Ingest& ingest;
   Mapping& mapping;

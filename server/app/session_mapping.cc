@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "server/app/raster_revision.h"
 
@@ -44,10 +45,13 @@ absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const Sessi
 }
 
 absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const SessionLease& lease) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<Record> records,
-                            stores_.records.Read(Context(), site_, session_, mapped_sequence_ + 1, kPortionBytes));
-  if (records.empty()) return AtEndOfLog(lease);
-  for (Record& record : records) {
+  absl::StatusOr<std::vector<Record>> records =
+      stores_.records.Read(Context(), site_, session_, mapped_sequence_ + 1, kPortionBytes);
+  // A mapped session whose records are gone by retention may still have its graph solved again.
+  const bool records_are_gone = absl::IsFailedPrecondition(records.status());
+  if (!records.ok() && !records_are_gone) return records.status();
+  if (records_are_gone || records->empty()) return AtEndOfLog(lease);
+  for (Record& record : *records) {
     mapped_sequence_ = record.sequence;
     mapper_.Add(std::move(record));
   }
@@ -61,7 +65,10 @@ absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const SessionLease
 absl::StatusOr<SessionMapping::Progress> SessionMapping::AtEndOfLog(const SessionLease& lease) {
   ENFILADE_ASSIGN_OR_RETURN(const Session session, stores_.sessions.Get(Context(), site_, session_));
   if (session.state == SessionState::kRecording) return Progress::kWaiting;
-  if (mapped_sequence_ < session.acknowledged_sequence) return Progress::kWorked;  // more came just before the end
+  if (mapped_sequence_ < session.acknowledged_sequence) {
+    if (!session.records_deleted) return Progress::kWorked;  // more came just before the end
+    return FailedPrecondition("the records from {} on were deleted before they were mapped", mapped_sequence_ + 1);
+  }
   mapper_.Finish();
   ENFILADE_RETURN_IF_ERROR(Commit(lease, /*with_revision=*/true, SessionState::kMapped));
   ended_ = true;

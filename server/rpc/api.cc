@@ -150,6 +150,18 @@ class SessionApi final : public v1::SessionService::CallbackService {
       Call* call, const v1::ExportTrajectoryRequest* request) override {
     return RunServerStream(services_, call, "ExportTrajectory", request, server::ExportTrajectory);
   }
+  grpc::ServerUnaryReactor* ListClosures(Call* call, const v1::ListClosuresRequest* request,
+                                         v1::ListClosuresResponse* response) override {
+    return RunUnary(services_, call, "ListClosures", request, response, server::ListClosures);
+  }
+  grpc::ServerUnaryReactor* SuspendClosure(Call* call, const v1::SuspendClosureRequest* request,
+                                           v1::SuspendClosureResponse* response) override {
+    return RunUnary(services_, call, "SuspendClosure", request, response, server::SuspendClosure);
+  }
+  grpc::ServerUnaryReactor* ResumeClosure(Call* call, const v1::ResumeClosureRequest* request,
+                                          v1::ResumeClosureResponse* response) override {
+    return RunUnary(services_, call, "ResumeClosure", request, response, server::ResumeClosure);
+  }
 
  private:
   const Services& services_;

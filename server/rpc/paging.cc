@@ -1,9 +1,11 @@
 #include "server/rpc/paging.h"
 
 #include <algorithm>
+#include <charconv>
 
 #include "absl/strings/escaping.h"
 #include "core/base/error.h"
+#include "core/base/status_macros.h"
 
 namespace enfilade::server {
 namespace {
@@ -27,6 +29,15 @@ absl::StatusOr<std::string> FromPageToken(const std::string& token) {
     return InvalidArgument("page_token \"{}\" is not from this server", token.substr(0, 100));
   }
   return key.substr(sizeof(kMark) - 1);
+}
+
+absl::StatusOr<std::int64_t> FromNumericPageToken(const std::string& token, std::int64_t first) {
+  if (token.empty()) return first;
+  ENFILADE_ASSIGN_OR_RETURN(const std::string key, FromPageToken(token));
+  std::int64_t number = 0;
+  const auto parsed = std::from_chars(key.data(), key.data() + key.size(), number);
+  if (parsed.ec == std::errc() && parsed.ptr == key.data() + key.size()) return number;
+  return InvalidArgument("page_token is not from this call");
 }
 
 }  // namespace enfilade::server

@@ -16,6 +16,9 @@ std::string ToPageToken(const std::string& last_key);
 // Empty for the first page. INVALID_ARGUMENT where the server did not make `token`.
 absl::StatusOr<std::string> FromPageToken(const std::string& token);
 
+// The same for lists whose key is a number; `first` for the first page.
+absl::StatusOr<std::int64_t> FromNumericPageToken(const std::string& token, std::int64_t first);
+
 // Cuts `rows`, read with one row more than the page, to the page. True where more follow.
 template <typename Rows>
 bool CutToPage(Rows& rows, int page_size) {

@@ -104,6 +104,20 @@ v1::Session ToProto(const Session& session) {
   return out;
 }
 
+v1::Closure ToProto(const SessionName& session, const SlamClosure& closure) {
+  v1::Closure out;
+  out.set_name(NameOf(ClosureName{session.site, session.session, closure.id}));
+  out.set_submap(closure.submap);
+  out.set_node(closure.node);
+  *out.mutable_pose_submap_node() = enfilade::ToProto(closure.T_submap_node);
+  static_assert(static_cast<int>(ClosureState::kSuspended) == v1::Closure::STATE_SUSPENDED);
+  out.set_state(static_cast<v1::Closure::State>(closure.state));
+  out.set_score(closure.score);
+  out.set_chi2(closure.chi2);
+  out.set_reason(closure.reason);
+  return out;
+}
+
 absl::StatusOr<Site> FromProto(const v1::Site& in) {
   Site site;
   ENFILADE_RETURN_IF_ERROR(CheckDisplayName("site.display_name", in.display_name()));

@@ -4,11 +4,14 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/slam/slam_map.h"
+#include "enfilade/v1/closure.pb.h"
 #include "enfilade/v1/map.pb.h"
 #include "enfilade/v1/robot.pb.h"
 #include "enfilade/v1/session.pb.h"
 #include "enfilade/v1/site.pb.h"
 #include "google/protobuf/field_mask.pb.h"
+#include "proto/convert/names.h"
 #include "storage/map_store.h"
 #include "storage/revision_store.h"
 #include "storage/robot_store.h"
@@ -24,6 +27,7 @@ v1::Robot ToProto(const Robot& robot);
 v1::Map ToProto(const Map& map);
 v1::MapRevision ToProto(const MapRevision& revision);
 v1::Session ToProto(const Session& session);
+v1::Closure ToProto(const SessionName& session, const SlamClosure& closure);
 
 // INVALID_ARGUMENT naming the field. Names, etags and output-only fields of the message are not read.
 absl::StatusOr<Site> FromProto(const v1::Site& site);

@@ -51,9 +51,8 @@ constexpr Statement kSelectNodes{
     "SELECT node_id, sequence, time_ns, x, y, yaw, covariance, submap_id FROM enfilade.slam_nodes"
     " WHERE site_id = $1 AND session_id = $2 ORDER BY node_id"};
 constexpr Statement kSelectClosures{
-    "reading closures",
-    "SELECT closure_id, submap_id, node_id, x, y, yaw, information, state, score, chi2, reason"
-    " FROM enfilade.slam_closures WHERE site_id = $1 AND session_id = $2 ORDER BY closure_id"};
+    "reading closures", "SELECT " ENFILADE_CLOSURE_COLUMNS
+                        " FROM enfilade.slam_closures WHERE site_id = $1 AND session_id = $2 ORDER BY closure_id"};
 constexpr Statement kSelectTrajectory{"reading the trajectory",
                                       "SELECT sequence, time_ns, node_id, x, y, yaw FROM enfilade.trajectory_points"
                                       " WHERE site_id = $1 AND session_id = $2 ORDER BY sequence"};
@@ -98,20 +97,6 @@ SlamNode ReadNode(Row& row) {
   return node;
 }
 
-SlamClosure ReadClosure(Row& row) {
-  SlamClosure closure;
-  closure.id = row.Int64();
-  closure.submap = row.Int64();
-  closure.node = row.Int64();
-  closure.T_submap_node = ReadPose(row);
-  closure.information = ReadMatrix(row);
-  closure.state = static_cast<ClosureState>(row.Int16());
-  closure.score = row.Double();
-  closure.chi2 = row.Double();
-  closure.reason = row.Text();
-  return closure;
-}
-
 TrajectoryPoint ReadTrajectoryPoint(Row& row) {
   TrajectoryPoint point;
   point.sequence = row.Int64();
@@ -154,6 +139,20 @@ void QueueTrajectory(Transaction& transaction, const SiteId& site, const Session
 }
 
 }  // namespace
+
+SlamClosure ReadClosure(Row& row) {
+  SlamClosure closure;
+  closure.id = row.Int64();
+  closure.submap = row.Int64();
+  closure.node = row.Int64();
+  closure.T_submap_node = ReadPose(row);
+  closure.information = ReadMatrix(row);
+  closure.state = static_cast<ClosureState>(row.Int16());
+  closure.score = row.Double();
+  closure.chi2 = row.Double();
+  closure.reason = row.Text();
+  return closure;
+}
 
 // In the order in which they refer to one another.
 void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const SlamDelta& delta) {

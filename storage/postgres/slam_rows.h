@@ -3,9 +3,14 @@
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "core/slam/slam_map.h"
+#include "storage/postgres/result.h"
 #include "storage/postgres/transaction.h"
 
 namespace enfilade::postgres {
+
+// In the order in which ReadClosure reads them.
+#define ENFILADE_CLOSURE_COLUMNS "closure_id, submap_id, node_id, x, y, yaw, information, state, score, chi2, reason"
+SlamClosure ReadClosure(Row& row);
 
 // Queues the delta's rows: what is there already is overwritten, so that the same delta may be stored twice.
 void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const SlamDelta& delta);

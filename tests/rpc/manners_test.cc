@@ -42,6 +42,9 @@ TEST_F(MannersTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::ListSessions);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::FinishSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::DeleteSession);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::ListClosures);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::SuspendClosure);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::ResumeClosure);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitScan);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitOdometry);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);

@@ -8,9 +8,9 @@ namespace {
 
 class MappingTest : public ServerTest {
  protected:
-  static std::vector<Record> SimulatedLog() {
+  static std::vector<Record> SimulatedLog(int laps = 1) {
     simulator::DriveOptions options;
-    options.laps = 1;
+    options.laps = laps;
     const auto drive = simulator::SimulateDrive(simulator::EnfiladePlan(), options);
     EXPECT_OK(drive);
     std::vector<Record> log;
@@ -107,6 +107,49 @@ TEST_F(MappingTest, SeveralSessionsAreMappedByOneWorkerInTurns) {
   }
   for (const std::string& session : sessions) AwaitState(session, v1::Session::STATE_MAPPED);
   EXPECT_EQ(Trajectory(sessions[0]).size(), Trajectory(sessions[2]).size());
+}
+
+TEST_F(MappingTest, ASuspendedClosureLeavesTheMapAndAResumedOneComesBack) {
+  const std::vector<Record> log = SimulatedLog(2);
+  const std::string session = CreateSession(true);
+  Stream(session, log, 0, log.size());
+  ASSERT_OK(FinishSession(session, static_cast<std::int64_t>(log.size())));
+  AwaitState(session, v1::Session::STATE_MAPPED);
+  const std::string revisions = database_.SqlValue("SELECT count(*) FROM map_revisions");
+
+  v1::ListClosuresRequest list;
+  list.set_parent(session);
+  list.set_page_size(1000);
+  ASSERT_OK_AND_ASSIGN(const auto closures, Call(&v1::SessionService::Stub::ListClosures, list));
+  const auto accepted = std::find_if(closures.closures().begin(), closures.closures().end(),
+                                     [](const v1::Closure& c) { return c.state() == v1::Closure::STATE_ACCEPTED; });
+  ASSERT_NE(accepted, closures.closures().end()) << "the second lap sees the first again";
+
+  v1::SuspendClosureRequest suspend;
+  suspend.set_name(accepted->name());
+  ASSERT_OK_AND_ASSIGN(const auto suspended, Call(&v1::SessionService::Stub::SuspendClosure, suspend));
+  EXPECT_EQ(suspended.closure().state(), v1::Closure::STATE_SUSPENDED);
+  AwaitState(session, v1::Session::STATE_MAPPED);
+  EXPECT_NE(database_.SqlValue("SELECT count(*) FROM map_revisions"), revisions);
+  ASSERT_OK_AND_ASSIGN(const auto after, Call(&v1::SessionService::Stub::ListClosures, list));
+  for (const v1::Closure& closure : after.closures()) {
+    if (closure.name() != accepted->name()) continue;
+    EXPECT_EQ(closure.state(), v1::Closure::STATE_SUSPENDED);
+  }
+
+  v1::ResumeClosureRequest resume;
+  resume.set_name(accepted->name());
+  ASSERT_OK(Call(&v1::SessionService::Stub::ResumeClosure, resume));
+  AwaitState(session, v1::Session::STATE_MAPPED);
+  ASSERT_OK_AND_ASSIGN(const auto resumed, Call(&v1::SessionService::Stub::ListClosures, list));
+  for (const v1::Closure& closure : resumed.closures()) {
+    if (closure.name() != accepted->name()) continue;
+    EXPECT_EQ(closure.state(), v1::Closure::STATE_ACCEPTED);
+  }
+  suspend.set_name(session + "/closures/99999");
+  EXPECT_THAT(Call(&v1::SessionService::Stub::SuspendClosure, suspend), HasCode(absl::StatusCode::kNotFound));
+  suspend.set_name("sites/s/sessions/unknown/closures/1");
+  EXPECT_THAT(Call(&v1::SessionService::Stub::SuspendClosure, suspend), HasCode(absl::StatusCode::kNotFound));
 }
 
 }  // namespace

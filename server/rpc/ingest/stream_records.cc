@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
-#include "core/base/mutex.h"
 #include "core/base/error.h"
+#include "core/base/mutex.h"
 #include "proto/convert/names.h"
 #include "server/rpc/ingest/batch.h"
 #include "server/rpc/status.h"

@@ -1,6 +1,3 @@
-#include <charconv>
-
-#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/map/handlers.h"
@@ -14,11 +11,7 @@ absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& se
   v1::ListMapRevisionsResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const MapName name, ParseMapName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
-  ENFILADE_ASSIGN_OR_RETURN(const std::string key, FromPageToken(request.page_token()));
-  std::int64_t before = 0;
-  if (!key.empty() && std::from_chars(key.data(), key.data() + key.size(), before).ptr != key.data() + key.size()) {
-    return InvalidArgument("page_token is not from this call");
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t before, FromNumericPageToken(request.page_token(), 0));
   ENFILADE_ASSIGN_OR_RETURN(auto revisions, services.revisions.List(context, name.site, name.map, before, size + 1));
   if (CutToPage(revisions, size)) response.set_next_page_token(ToPageToken(std::to_string(revisions.back().number)));
   for (const MapRevision& revision : revisions) *response.add_revisions() = ToProto(revision);

@@ -19,5 +19,11 @@ absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services
                                                         const v1::FinishSessionRequest& request);
 absl::StatusOr<v1::DeleteSessionResponse> DeleteSession(const Services& services, const CallContext& context,
                                                         const v1::DeleteSessionRequest& request);
+absl::StatusOr<v1::ListClosuresResponse> ListClosures(const Services& services, const CallContext& context,
+                                                      const v1::ListClosuresRequest& request);
+absl::StatusOr<v1::SuspendClosureResponse> SuspendClosure(const Services& services, const CallContext& context,
+                                                          const v1::SuspendClosureRequest& request);
+absl::StatusOr<v1::ResumeClosureResponse> ResumeClosure(const Services& services, const CallContext& context,
+                                                        const v1::ResumeClosureRequest& request);
 
 }  // namespace enfilade::server

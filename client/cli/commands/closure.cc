@@ -1,0 +1,116 @@
+#include "client/cli/commands/closure.h"
+
+#include <iostream>
+#include <memory>
+
+#include "client/cli/output.h"
+#include "client/cli/remote.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "enfilade/v1/session_service.grpc.pb.h"
+
+namespace enfilade::cli {
+namespace {
+
+struct Options {
+  std::string session;
+  std::int64_t closure = 0;
+  bool all = false;
+};
+
+std::string StateInWords(v1::Closure::State state) {
+  switch (state) {
+    case v1::Closure::STATE_ACCEPTED:
+      return "accepted";
+    case v1::Closure::STATE_REJECTED:
+      return "rejected";
+    case v1::Closure::STATE_SUSPENDED:
+      return "suspended";
+    default:
+      return "?";
+  }
+}
+
+nlohmann::json ToJson(const v1::Closure& closure) {
+  const v1::Pose2& pose = closure.pose_submap_node();
+  return {{"name", closure.name()},
+          {"submap", closure.submap()},
+          {"node", closure.node()},
+          {"pose_submap_node", {pose.x(), pose.y(), pose.yaw()}},
+          {"state", StateInWords(closure.state())},
+          {"score", closure.score()},
+          {"chi2", closure.chi2()},
+          {"reason", closure.reason()}};
+}
+
+std::string SessionNameOf(const Globals& globals, const std::string& session) {
+  return session.rfind("sites/", 0) == 0 ? session : SiteNameOf(globals) + "/sessions/" + session;
+}
+
+absl::Status List(const Globals& globals, const Options& options) {
+  const Connection connection = ConnectionOf(globals);
+  nlohmann::json documents = nlohmann::json::array();
+  std::vector<std::vector<std::string>> rows;
+  v1::ListClosuresRequest request;
+  request.set_parent(SessionNameOf(globals, options.session));
+  request.set_page_size(1000);
+  do {
+    ENFILADE_ASSIGN_OR_RETURN(const v1::ListClosuresResponse page,
+                              connection.Call(&v1::SessionService::Stub::ListClosures, request));
+    for (const v1::Closure& closure : page.closures()) {
+      if (!options.all && closure.state() == v1::Closure::STATE_REJECTED) continue;
+      documents.push_back(ToJson(closure));
+      rows.push_back({IdOf(closure.name()), StateInWords(closure.state()), std::to_string(closure.submap()),
+                      std::to_string(closure.node()), fmt::format("{:.2f}", closure.score()),
+                      fmt::format("{:.2f}", closure.chi2()), closure.reason()});
+    }
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  if (globals.json) {
+    PrintJson(std::cout, documents);
+  } else {
+    PrintTable(std::cout, {"CLOSURE", "STATE", "SUBMAP", "NODE", "SCORE", "CHI2", "REASON"}, rows);
+  }
+  return absl::OkStatus();
+}
+
+template <typename Request, typename Response>
+absl::Status Change(const Globals& globals, const Options& options,
+                    grpc::Status (v1::SessionService::Stub::*method)(grpc::ClientContext*, const Request&, Response*)) {
+  Request request;
+  request.set_name(fmt::format("{}/closures/{}", SessionNameOf(globals, options.session), options.closure));
+  ENFILADE_ASSIGN_OR_RETURN(const Response response, ConnectionOf(globals).Call(method, request));
+  if (globals.json) {
+    PrintJson(std::cout, ToJson(response.closure()));
+  } else {
+    std::cout << response.closure().name() << " is " << StateInWords(response.closure().state())
+              << "; the session's map is made anew\n";
+  }
+  return absl::OkStatus();
+}
+
+void AddChange(CLI::App& closure, const std::string& name, const std::string& description,
+               const std::shared_ptr<Options>& options, std::function<absl::Status()> run) {
+  CLI::App* command = AddCommand(closure, name, description, std::move(run));
+  command->add_option("SESSION", options->session, "The session's id or resource name")->required();
+  command->add_option("CLOSURE", options->closure, "The closure's number")->required();
+  command->footer("Example: enfilade closure " + name + " 5d0c... 17");
+}
+
+}  // namespace
+
+void AddClosure(CLI::App& app, const Globals& globals) {
+  CLI::App* closure = app.add_subcommand("closure", "Loop closures of a session's map");
+  closure->require_subcommand(1);
+  auto options = std::make_shared<Options>();
+  CLI::App* list = AddCommand(*closure, "list", "List them", [&globals, options] { return List(globals, *options); });
+  list->add_option("SESSION", options->session, "The session's id or resource name")->required();
+  list->add_flag("--all", options->all, "Also those that mapping has rejected, with the reason");
+  list->footer("Example: enfilade closure list 5d0c... --all");
+  AddChange(*closure, "suspend", "Take one out of the map", options,
+            [&globals, options] { return Change(globals, *options, &v1::SessionService::Stub::SuspendClosure); });
+  AddChange(*closure, "resume", "Let one count again", options,
+            [&globals, options] { return Change(globals, *options, &v1::SessionService::Stub::ResumeClosure); });
+}
+
+}  // namespace enfilade::cli

@@ -1,0 +1,19 @@
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/resources.h"
+#include "server/rpc/session/handlers.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::SuspendClosureResponse> SuspendClosure(const Services& services, const CallContext& context,
+                                                          const v1::SuspendClosureRequest& request) {
+  v1::SuspendClosureResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const ClosureName name, ParseClosureName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const SlamClosure closure,
+                            services.closures.SetSuspended(context, name.site, name.session, name.closure, true));
+  services.mapping.Wake();
+  *response.mutable_closure() = ToProto({name.site, name.session}, closure);
+  return response;
+}
+
+}  // namespace enfilade::server
