@@ -1,0 +1,131 @@
+#include "client/cli/commands/graph_solve.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/optimize/graph_text.h"
+#include "tests/support/manhattan_graph.h"
+#include "tests/support/status_matchers.h"
+#include "tests/support/test_data.h"
+
+namespace enfilade::cli {
+namespace {
+
+using testing::HasStatus;
+using ::testing::HasSubstr;
+
+class GraphSolveTest : public ::testing::Test {
+ protected:
+  std::string File(const std::string& name, const std::string& content) {
+    const std::string path = directory_.path() / name;
+    std::ofstream(path) << content;
+    return path;
+  }
+
+  static std::string Content(const std::string& path) {
+    std::stringstream content;
+    content << std::ifstream(path).rdbuf();
+    return content.str();
+  }
+
+  // Runs `enfilade graph solve ...` in this process; what it prints goes to `printed_`.
+  absl::Status Run(const std::vector<std::string>& arguments, bool json = true) {
+    Globals globals;
+    globals.json = json;
+    CLI::App app("enfilade");
+    AddGraph(app, globals);
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
+    reversed.insert(reversed.end(), {"solve", "graph"});
+    std::stringstream printed;
+    std::streambuf* const terminal = std::cout.rdbuf(printed.rdbuf());
+    absl::Status status;
+    try {
+      app.parse(reversed);
+    } catch (const CommandFailed& failed) {
+      status = failed.status;
+    } catch (const CLI::ParseError& error) {
+      status = absl::InvalidArgumentError(error.what());
+    }
+    std::cout.rdbuf(terminal);
+    printed_ = printed.str();
+    return status;
+  }
+
+  testing::TemporaryDirectory directory_;
+  const PoseGraph graph_ = testing::MakeManhattanGraph({.nodes = 100}).graph;
+  std::string printed_;
+};
+
+TEST_F(GraphSolveTest, PrintsWhatProgramsAskFor) {
+  const std::string path = File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o) + "VERTEX_XY 5000 1 1\n");
+  ASSERT_OK(Run({path, "--covariance", "99"}));
+  const nlohmann::json document = nlohmann::json::parse(printed_);
+  EXPECT_GT(document["initial_chi2"], document["final_chi2"]);
+  EXPECT_GT(document["iterations"], 0);
+  EXPECT_GT(document["seconds"], 0.0);
+  EXPECT_EQ(document["components"], 1);
+  EXPECT_EQ(document["converged"], true);
+  EXPECT_EQ(document["skipped"]["VERTEX_XY"], 1);
+  EXPECT_EQ(document["covariances"][0]["node"], 99);
+  EXPECT_GT(document["covariances"][0]["covariance"][2][2], 0.0);
+}
+
+TEST_F(GraphSolveTest, TellsPeopleOfComponentsAndUnknownTags) {
+  const std::string path =
+      File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o) + "VERTEX_SE2 5000 1 1 0\nPARAMS_X 1\n");
+  ASSERT_OK(Run({path}, false));
+  EXPECT_THAT(printed_, HasSubstr("2 components"));
+  EXPECT_THAT(printed_, HasSubstr("skipped 1 line of the unknown tag PARAMS_X"));
+  EXPECT_THAT(printed_, HasSubstr("initial chi2"));
+}
+
+TEST_F(GraphSolveTest, WritesTheSolutionInTheFormOfItsName) {
+  const std::string path = File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o, {3}));
+  for (const auto& [name, format] : {std::pair{"b.graph", GraphFormat::kToro}, std::pair{"b.g2o", GraphFormat::kG2o},
+                                     std::pair{"b.txt", GraphFormat::kG2o}}) {
+    const std::string output = directory_.path() / name;
+    ASSERT_OK(Run({path, "-o", output}));
+    const double final_chi2 = nlohmann::json::parse(printed_)["final_chi2"];
+    ASSERT_OK_AND_ASSIGN(const ParsedPoseGraph solved, ParsePoseGraph(Content(output), name));
+    EXPECT_EQ(solved.format, format);
+    EXPECT_EQ(solved.graph.nodes[3].T_world_node, graph_.nodes[3].T_world_node) << "FIX is honoured";
+    ASSERT_OK(Run({output, "--init", "none"}));
+    EXPECT_NEAR(nlohmann::json::parse(printed_)["initial_chi2"], final_chi2, 1e-9 * final_chi2);
+  }
+}
+
+TEST_F(GraphSolveTest, AppliesTheKernelToLoopsOnlyWhereOdometryIsTrusted) {
+  PoseGraph graph = graph_;
+  graph.edges.push_back({10, 90, {5.0, 5.0, 1.0}, graph.edges.front().information});
+  const std::string path = File("a.g2o", WritePoseGraph(graph, GraphFormat::kG2o));
+  ASSERT_OK(Run({path}));
+  const double misled = nlohmann::json::parse(printed_)["final_cost"];
+  ASSERT_OK(Run({path, "--robust", "dcs", "--kernel-width", "2", "--trust-odometry"}));
+  const nlohmann::json robust = nlohmann::json::parse(printed_);
+  EXPECT_LT(robust["final_cost"], 0.5 * misled);
+  EXPECT_GT(robust["final_chi2"], robust["final_cost"]);
+}
+
+TEST_F(GraphSolveTest, SaysWhichFileAndLineIsWrong) {
+  EXPECT_THAT(Run({directory_.path() / "absent.g2o"}), HasStatus(absl::StatusCode::kNotFound, HasSubstr("absent.g2o")));
+  EXPECT_THAT(Run({directory_.path()}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("folder")));
+  EXPECT_THAT(Run({File("bad.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n")}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.g2o:2")));
+  const std::string good = File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o));
+  EXPECT_THAT(Run({good, "-o", directory_.path() / "absent" / "b.g2o"}),
+              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("cannot be written")));
+  EXPECT_THAT(Run({good, "--robust", "tukey"}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("tukey")));
+  EXPECT_THAT(Run({good, "--kernel-width", "0"}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("width")));
+}
+
+TEST_F(GraphSolveTest, AcceptsAnEmptyFile) {
+  ASSERT_OK(Run({File("empty.g2o", "")}));
+  EXPECT_EQ(nlohmann::json::parse(printed_)["components"], 0);
+}
+
+}  // namespace
+}  // namespace enfilade::cli
