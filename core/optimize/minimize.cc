@@ -1,7 +1,7 @@
 #include "core/optimize/minimize.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -48,12 +48,13 @@ class Descent {
         graph_.poses = std::move(poses);
         cost_ = cost;
         moved = true;
+        minimum.converged = IsNegligible(Remaining(decrease));
         if (decrease > 0.25 * predicted) LowerDamping();
       } else {
         RaiseDamping();
       }
       // A damped step may be short for another reason than a near minimum.
-      minimum.converged = (at_rest || (moved && IsNegligible(decrease))) && damping_ <= kFirstDamping;
+      minimum.converged = (minimum.converged || at_rest) && damping_ <= kFirstDamping;
     }
     minimum.converged = minimum.converged || layout_.structure.size == 0;
     minimum.cost = cost_;
@@ -63,6 +64,13 @@ class Descent {
  private:
   bool IsNegligible(double decrease) const {
     return decrease <= options_.relative_tolerance * cost_ || decrease <= kNoDecrease;
+  }
+
+  // What further steps will still lower the cost by if each does so by the same share of the one before as this one
+  // did; close to the minimum the shares become smaller.
+  double Remaining(double decrease) {
+    const double share = decrease / std::exchange(last_decrease_, decrease);
+    return share < 1.0 ? decrease * share / (1.0 - share) : std::numeric_limits<double>::infinity();
   }
 
   void RaiseDamping() { damping_ = std::max(10.0 * damping_, kFirstDamping); }
@@ -95,6 +103,7 @@ class Descent {
   IndexedGraph& graph_;
   double cost_;
   double damping_ = 0.0;
+  double last_decrease_ = 0.0;  // of the last step taken
   NormalEquations equations_;
   BlockMatrix<3> factor_;
 };

@@ -14,7 +14,7 @@ namespace enfilade {
 enum class Initialisation {
   kNone,     // the given poses: what a caller with a warm start wants
   kChordal,  // chordal relaxation (Carlone et al. 2015); the given poses are used only where a node is held
-  kAuto,     // several starts, the given poses among them; the lowest minimum found
+  kAuto,     // several starts, the given poses among them; the least minimum found (starts.h)
 };
 
 struct SolveOptions {

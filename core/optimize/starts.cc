@@ -27,39 +27,56 @@ std::vector<Start> Starts(const MinimizeOptions& options, const GraphLayout& lay
   };
   if (std::optional<std::vector<Pose2>> chordal = ChordalPoses(graph, layout)) add(*std::move(chordal), true);
   add(graph.poses, false);
-  add(SpanningTreePoses(graph), false);
+  // One wrong edge in a spanning tree puts all that hangs on it wrong.
+  if (options.kernel.type == RobustKernel::Type::kNone) add(SpanningTreePoses(graph), false);
   std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
   return starts;
 }
 
-// Whether the yaws can be carried from `a` to `b` with no edge's yaw error passing pi: then they turn equally often
-// around every loop. `turn[i]` is what has to be added to b's yaw i, as accumulated along the edges.
-bool TurnAlike(const IndexedGraph& graph, const std::vector<Pose2>& a, const std::vector<Pose2>& b) {
-  // An edge's error wraps by an integer w; between a and b, w changes by d(to) - d(from) - (e_b - e_a), all in turns,
-  // where d is the unwrapped change of yaw. A potential n with n(to) - n(from) = that integer on all edges says yes.
-  std::vector<std::vector<std::pair<int, int>>> neighbours(a.size());
+// An integer per edge: how many whole turns its yaw error is wrapped by more at `b` than at `a`, apart from those that
+// come with how b's yaws happen to be written down.
+struct EdgeTurns {
+  int from = 0;
+  int to = 0;
+  int turns = 0;
+};
+
+// Of the edges that the kernel counts for at least half at `a`: wrong ones may turn as they like.
+std::vector<EdgeTurns> TurnsBetween(const IndexedGraph& graph, const RobustKernel& kernel, const std::vector<Pose2>& a,
+                                    const std::vector<Pose2>& b) {
+  std::vector<EdgeTurns> all;
   for (const IndexedEdge& edge : graph.edges) {
-    const double error_a = EdgeError(a[edge.from], a[edge.to], edge.measurement).z();
+    const Eigen::Vector3d error_a = EdgeError(a[edge.from], a[edge.to], edge.measurement);
+    if (edge.robust && Evaluate(kernel, error_a.dot(edge.information * error_a)).weight < 0.5) continue;
     const double error_b = EdgeError(b[edge.from], b[edge.to], edge.measurement).z();
     const double change = (b[edge.to].yaw - a[edge.to].yaw) - (b[edge.from].yaw - a[edge.from].yaw);
-    const int turns = static_cast<int>(std::lround((change - (error_b - error_a)) / (2.0 * M_PI)));
-    neighbours[edge.from].emplace_back(edge.to, turns);
-    neighbours[edge.to].emplace_back(edge.from, -turns);
+    const double turns = (change - (error_b - error_a.z())) / (2.0 * M_PI);
+    all.push_back({edge.from, edge.to, static_cast<int>(std::lround(turns))});
   }
-  std::vector<std::optional<int>> potential(a.size());
-  std::vector<int> queue;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (!graph.held[i]) continue;
-    potential[i] = 0;
-    queue.push_back(static_cast<int>(i));
+  return all;
+}
+
+// Whether the yaws can be carried from one to the other with no edge's yaw error passing pi: then they turn equally
+// often around every loop, and the turns of the edges are differences of whole turns of the nodes.
+bool TurnAlike(const std::vector<EdgeTurns>& edges, std::size_t nodes) {
+  std::vector<std::vector<std::pair<int, int>>> neighbours(nodes);
+  for (const EdgeTurns& edge : edges) {
+    neighbours[edge.from].emplace_back(edge.to, edge.turns);
+    neighbours[edge.to].emplace_back(edge.from, -edge.turns);
   }
-  for (std::size_t head = 0; head < queue.size(); ++head) {
-    const int i = queue[head];
-    for (const auto& [j, turns] : neighbours[i]) {
-      if (potential[j] && *potential[j] != *potential[i] + turns) return false;
-      if (potential[j]) continue;
-      potential[j] = *potential[i] + turns;
-      queue.push_back(j);
+  std::vector<std::optional<int>> node_turns(nodes);
+  for (std::size_t root = 0; root < nodes; ++root) {
+    if (node_turns[root]) continue;
+    node_turns[root] = 0;
+    std::vector<int> queue = {static_cast<int>(root)};
+    while (!queue.empty()) {
+      const int i = queue.back();
+      queue.pop_back();
+      for (const auto& [j, turns] : neighbours[i]) {
+        if (!node_turns[j]) queue.push_back(j);
+        if (!node_turns[j]) node_turns[j] = *node_turns[i] + turns;
+        if (*node_turns[j] != *node_turns[i] + turns) return false;
+      }
     }
   }
   return true;
@@ -72,9 +89,7 @@ bool ExplainedByNoise(const IndexedGraph& graph, const GraphLayout& layout, doub
   return cost <= freedom + 5.0 * std::sqrt(2.0 * std::max(freedom, 0.0));
 }
 
-}  // namespace
-
-Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
+Minimum LeastOfSeveralStarts(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
   const std::vector<Start> starts = Starts(options, layout, graph);
   const bool chordal_is_least = starts.empty() || starts.front().chordal;
   std::optional<Minimum> least;
@@ -83,7 +98,9 @@ Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLay
   IndexedGraph attempt = graph;
   for (const Start& start : starts) {
     if (least && chordal_is_least && ExplainedByNoise(graph, layout, least->cost)) break;
-    const auto turns_alike = [&](const std::vector<Pose2>& minimum) { return TurnAlike(graph, minimum, start.poses); };
+    const auto turns_alike = [&](const std::vector<Pose2>& minimum) {
+      return TurnAlike(TurnsBetween(graph, options.kernel, minimum, start.poses), graph.poses.size());
+    };
     if (std::any_of(minima.begin(), minima.end(), turns_alike)) continue;
     attempt.poses = start.poses;
     const Minimum minimum = Minimize(options, layout, attempt);
@@ -96,6 +113,25 @@ Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLay
   if (!least) return Minimize(options, layout, graph);
   least->iterations = iterations;
   return *least;
+}
+
+bool HasManyMinima(const RobustKernel& kernel) {
+  return kernel.type == RobustKernel::Type::kCauchy || kernel.type == RobustKernel::Type::kDcs;
+}
+
+}  // namespace
+
+Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
+  if (!HasManyMinima(options.kernel)) return LeastOfSeveralStarts(options, layout, graph);
+  MinimizeOptions coarse = options;
+  coarse.relative_tolerance = std::max(options.relative_tolerance, 1e-2);
+  coarse.kernel.width = 10.0 * options.kernel.width;
+  int iterations = LeastOfSeveralStarts(coarse, layout, graph).iterations;
+  coarse.kernel.width = 3.0 * options.kernel.width;
+  iterations += Minimize(coarse, layout, graph).iterations;
+  Minimum minimum = Minimize(options, layout, graph);
+  minimum.iterations += iterations;
+  return minimum;
 }
 
 }  // namespace enfilade

@@ -49,6 +49,21 @@ TEST(RobustSolve, RejectsManyWrongLoops) {
   }
 }
 
+// A kernel narrower than the noise takes right edges for wrong wherever it can.
+TEST(RobustSolve, FindsTheMinimumNearTheTruthWithANarrowKernel) {
+  const ManhattanGraph world = MakeManhattanGraph({.nodes = 400, .outlier_share = 0.3, .seed = 2});
+  for (const auto type : {RobustKernel::Type::kCauchy, RobustKernel::Type::kDcs}) {
+    PoseGraph from_odometry = world.graph;
+    PoseGraph from_truth = world.graph;
+    for (std::size_t i = 0; i < world.truth.size(); ++i) from_truth.nodes[i].T_world_node = world.truth[i];
+    ASSERT_OK_AND_ASSIGN(const SolveReport found, SolvePoseGraph({.kernel = {type, 1.0}}, from_odometry));
+    ASSERT_OK_AND_ASSIGN(const SolveReport expected,
+                         SolvePoseGraph({.initialisation = Initialisation::kNone, .kernel = {type, 1.0}}, from_truth));
+    EXPECT_LT(found.final_cost, 1.01 * expected.final_cost);
+    EXPECT_LT(RootMeanSquareError(from_odometry, world.truth), 0.2);
+  }
+}
+
 TEST(RobustSolve, AppliesToRobustEdgesOnly) {
   PoseGraph graph = MakeManhattanGraph({.nodes = 60}).graph;
   graph.edges.push_back({5, 50, {9.0, 9.0, 0.0}, graph.edges.front().information, false});
