@@ -32,7 +32,7 @@ class TemporaryDirectory {
 }  // namespace enfilade::testing
 
 // Ends the test as skipped, with a message, where a recording is not on this machine.
-#define ENFILADE_RECORDING_OR_SKIP(variable, relative)                                            \
-  const auto variable##_found = enfilade::testing::FindRecording(relative);                       \
+#define ENFILADE_RECORDING_OR_SKIP(variable, relative)                                                    \
+  const auto variable##_found = enfilade::testing::FindRecording(relative);                               \
   if (!variable##_found) GTEST_SKIP() << "recording " << (relative) << " is not here: set ENFILADE_DATA"; \
   const std::filesystem::path variable = *variable##_found

@@ -175,7 +175,7 @@ absl::StatusOr<v1::Map> FindOrCreateMap(const Connection& connection, const Glob
 }
 
 void Send(grpc::ClientWriter<v1::ImportMapRequest>& writer, const v1::Map& map, const ImportOptions& options,
-                  const std::vector<MapFile>& files, ProgressBar& progress) {
+          const std::vector<MapFile>& files, ProgressBar& progress) {
   v1::ImportMapRequest message;
   message.mutable_manifest()->set_parent(map.name());
   message.mutable_manifest()->set_dialect(options.dialect == "ros1" ? v1::MAP_DIALECT_ROS1 : v1::MAP_DIALECT_NAV2);

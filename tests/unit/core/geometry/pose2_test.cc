@@ -55,8 +55,8 @@ class CovarianceTest : public ::testing::Test {
     return {pose.pose.x + d.x(), pose.pose.y + d.y(), pose.pose.yaw + d.z()};
   }
 
-  const PoseWithCovariance first_{{1.0, -2.0, 0.7},
-                                  (Eigen::Matrix3d() << 4e-4, 1e-4, 2e-5, 1e-4, 9e-4, -3e-5, 2e-5, -3e-5, 1e-4).finished()};
+  const PoseWithCovariance first_{
+      {1.0, -2.0, 0.7}, (Eigen::Matrix3d() << 4e-4, 1e-4, 2e-5, 1e-4, 9e-4, -3e-5, 2e-5, -3e-5, 1e-4).finished()};
   const PoseWithCovariance second_{{5.0, 3.0, -1.9},
                                    (Eigen::Matrix3d() << 1e-4, 0, 0, 0, 1e-3, 4e-5, 0, 4e-5, 2e-4).finished()};
   std::mt19937 rng_{42};
