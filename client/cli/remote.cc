@@ -7,6 +7,10 @@
 
 namespace enfilade::cli {
 
+std::string SessionNameOf(const Globals& globals, const std::string& session) {
+  return session.rfind("sites/", 0) == 0 ? session : SiteNameOf(globals) + "/sessions/" + session;
+}
+
 absl::StatusOr<v1::Map> FindMap(const Connection& connection, const Globals& globals, const std::string& map) {
   return enfilade::FindMap(connection, SiteId(globals.site), map);
 }

@@ -21,6 +21,9 @@ inline Connection ConnectionOf(const Globals& globals) {
 // sites/{--site}
 inline std::string SiteNameOf(const Globals& globals) { return "sites/" + globals.site; }
 
+// The resource name of the session that a person means: by its id or its resource name.
+std::string SessionNameOf(const Globals& globals, const std::string& session);
+
 // The map that a person means: by its display name, its id or its resource name, in this order. NOT_FOUND.
 absl::StatusOr<v1::Map> FindMap(const Connection& connection, const Globals& globals, const std::string& map);
 

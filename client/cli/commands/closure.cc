@@ -43,10 +43,6 @@ nlohmann::json ToJson(const v1::Closure& closure) {
           {"reason", closure.reason()}};
 }
 
-std::string SessionNameOf(const Globals& globals, const std::string& session) {
-  return session.rfind("sites/", 0) == 0 ? session : SiteNameOf(globals) + "/sessions/" + session;
-}
-
 absl::Status List(const Globals& globals, const Options& options) {
   const Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();

@@ -72,7 +72,7 @@ absl::Status List(const Globals& globals) {
 
 absl::Status Show(const Globals& globals, const std::string& id) {
   v1::GetSessionRequest request;
-  request.set_name(id.rfind("sites/", 0) == 0 ? id : SiteNameOf(globals) + "/sessions/" + id);
+  request.set_name(SessionNameOf(globals, id));
   ENFILADE_ASSIGN_OR_RETURN(const v1::GetSessionResponse response,
                             ConnectionOf(globals).Call(&v1::SessionService::Stub::GetSession, request));
   const v1::Session& session = response.session();

@@ -38,8 +38,7 @@ absl::StatusOr<std::int64_t> Receive(const Connection& connection, const v1::Exp
 
 absl::Status Export(const Globals& globals, const Options& options) {
   v1::ExportTrajectoryRequest request;
-  request.set_name(options.session.rfind("sites/", 0) == 0 ? options.session
-                                                           : SiteNameOf(globals) + "/sessions/" + options.session);
+  request.set_name(SessionNameOf(globals, options.session));
   const bool to_stdout = options.output == "-";
   std::ofstream file;
   if (!to_stdout) {
