@@ -218,6 +218,7 @@ absl::Status Import(const Globals& globals, const ImportOptions& options) {
   ENFILADE_RETURN_IF_ERROR(FromGrpcStatus(writer->Finish(), connection.address()));
   progress.Finish();
   const v1::MapRevision& revision = response.revision();
+  for (const std::string& warning : response.warnings()) std::cerr << "warning: " << warning << '\n';
   if (globals.json) {
     PrintJson(std::cout, {{"revision", revision.name()},
                           {"width", revision.width()},

@@ -11,20 +11,22 @@
 #include "server/rpc/map/file_assembly.h"
 #include "server/rpc/resources.h"
 #include "server/rpc/status.h"
-#include "spdlog/spdlog.h"
 
 namespace enfilade::server {
 namespace {
 
-absl::StatusOr<MapRevision> Import(const Services& services, const CallContext& context, const MapName& name,
-                                   MapDialect dialect, FileAssembly& assembly) {
+absl::Status Import(const Services& services, const CallContext& context, const MapName& name, MapDialect dialect,
+                    FileAssembly& assembly, v1::ImportMapResponse& response) {
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, assembly.Finish());
   ENFILADE_ASSIGN_OR_RETURN(const ImportedMap imported, ImportFiles(files, dialect));
-  for (const std::string& warning : imported.warnings) spdlog::info("import into {}: {}", NameOf(name), warning);
+  for (const std::string& warning : imported.warnings) response.add_warnings(warning);
   ENFILADE_ASSIGN_OR_RETURN(RasterRevision raster, ToRevision(imported.raster));
   raster.revision.source = RevisionSource::kImport;
   ENFILADE_RETURN_IF_ERROR(PutTiles(context, services.blobs, name.site, raster, {}));
-  return services.revisions.Add(context, name.site, name.map, raster.revision, {});
+  ENFILADE_ASSIGN_OR_RETURN(const MapRevision revision,
+                            services.revisions.Add(context, name.site, name.map, raster.revision, {}));
+  *response.mutable_revision() = ToProto(revision);
+  return absl::OkStatus();
 }
 
 class ImportMapReactor final : public grpc::ServerReadReactor<v1::ImportMapRequest> {
@@ -65,11 +67,8 @@ class ImportMapReactor final : public grpc::ServerReadReactor<v1::ImportMapReque
   }
 
   void EndOfFiles() {
-    const bool queued = services_.executor.Post([this] {
-      const auto revision = Import(services_, context_, name_, dialect_, assembly_);
-      if (revision.ok()) *response_->mutable_revision() = ToProto(*revision);
-      Answer(revision.status());
-    });
+    const bool queued = services_.executor.Post(
+        [this] { Answer(Import(services_, context_, name_, dialect_, assembly_, *response_)); });
     if (!queued) Answer(absl::ResourceExhaustedError("too many calls are waiting: try again later"));
   }
 
