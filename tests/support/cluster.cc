@@ -33,19 +33,22 @@ constexpr char kGuardScript[] = R"sh(
 }  // namespace
 
 Cluster& Cluster::Instance() {
-  static Cluster cluster;
+  static Cluster cluster(Durability::kFast);
   return cluster;
 }
 
-Cluster::Cluster() {
+Cluster::Cluster(Durability durability) {
   std::string name = (fs::temp_directory_path() / "enfilade-db-XXXXXX").string();
   if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a temporary directory " + name);
   directory_ = name;
   fs::permissions(directory_, fs::perms(0755));  // run by root the server is postgres' and has to enter it
   StartGuard();
-  // What is lost when the machine dies does not matter here.
-  std::ofstream(directory_ / "test.conf") << "fsync = off\nfull_page_writes = off\nshared_buffers = 64MB\n"
-                                             "max_wal_size = 512MB\nautovacuum_naptime = 10s\n";
+  std::ofstream settings(directory_ / "test.conf");
+  if (durability == Durability::kFast) {
+    settings << "fsync = off\nfull_page_writes = off\nshared_buffers = 64MB\nmax_wal_size = 512MB\n"
+                "autovacuum_naptime = 10s\n";
+  }
+  settings.close();
   Start();
 }
 

@@ -11,7 +11,16 @@ namespace enfilade::testing {
 // removes it as soon as this one has ended, also when it was killed.
 class Cluster {
  public:
-  // Starts it at the first call.
+  // kFast: what is lost when the machine dies does not matter (fsync off); kDurable: settings as in service.
+  enum class Durability { kFast, kDurable };
+
+  // Starts a new one.
+  explicit Cluster(Durability durability);
+  ~Cluster();
+  Cluster(const Cluster&) = delete;
+  Cluster& operator=(const Cluster&) = delete;
+
+  // The one that the program's tests share; starts it at the first call.
   static Cluster& Instance();
 
   const std::string& url() const { return url_; }
@@ -21,9 +30,6 @@ class Cluster {
   void Restart();
 
  private:
-  Cluster();
-  ~Cluster();
-
   void StartGuard();
   void Start();
 

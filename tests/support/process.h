@@ -1,0 +1,41 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace enfilade::testing {
+
+// A program started by a test, with stdout and stderr appended to a file. It is killed with the guard, and by the
+// kernel when the thread that started it ends, so that nothing outlives a test that is killed itself.
+class Process {
+ public:
+  // `environment`: "NAME=value", on top of this process's. Throws where the program cannot be started.
+  Process(const std::vector<std::string>& command, const std::filesystem::path& output,
+          const std::vector<std::string>& environment = {});
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  pid_t pid() const { return pid_; }
+  // Does nothing once it has ended.
+  void Signal(int signal);
+  // Its exit code, 128 + the signal where a signal ended it; nullopt where it is still running after `timeout`.
+  std::optional<int> Wait(std::chrono::milliseconds timeout);
+  bool running() { return !Wait(std::chrono::milliseconds(0)); }
+  // kill -9, and waits until it is gone.
+  void Kill();
+
+ private:
+  pid_t pid_ = 0;
+  std::optional<int> exit_code_;
+};
+
+// VmRSS or VmHWM (the most it ever was) of a process, bytes; 0 where it is gone.
+std::int64_t ResidentBytes(pid_t pid, const std::string& field = "VmRSS");
+
+}  // namespace enfilade::testing
