@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/support/cluster.h"
+#include "tests/support/process.h"
+#include "tests/support/server_process.h"
+#include "tests/support/test_data.h"
+
+namespace enfilade::testing {
+
+// How `enfilade replay` is called.
+struct Replay {
+  std::string site;
+  std::string session = "drive";
+  std::string map = "Rooms";
+  std::string rate = "max";
+  bool wait = true;
+};
+
+// Database, server and a recorded drive in one temporary directory.
+class WholeSystem {
+ public:
+  WholeSystem(Cluster::Durability durability, std::vector<std::string> server_settings);
+
+  Cluster& cluster() { return cluster_; }
+  ServerProcess& server() { return server_; }
+  const std::filesystem::path& directory() const { return directory_.path(); }
+  // A further server on the same database; not yet started.
+  std::unique_ptr<ServerProcess> AnotherServer(const std::string& name) const;
+
+  // Runs `enfilade ARGUMENTS` against the server; throws where it fails.
+  void Tool(const std::string& site, const std::vector<std::string>& arguments) const;
+  void CreateSite(const std::string& site) const;
+  // Simulates a drive of so many laps for the replays to come.
+  void RecordDrive(int laps);
+  // Starts a replay against `server`. The same site and session: the same spool, so that it goes on where it was.
+  std::unique_ptr<Process> StartReplay(const Replay& replay, const ServerProcess& server) const;
+  std::filesystem::path ReplayLog(const Replay& replay) const;
+  // The highest sequence that the robot has put into its spool; 0 where there is none.
+  std::int64_t SpooledSequence(const Replay& replay) const;
+
+  // The first column of all rows, as text; nullopt where the database does not answer.
+  std::optional<std::vector<std::string>> TryQuery(const std::string& sql) const;
+  // Its first value; throws where there is none.
+  std::string Query(const std::string& sql) const;
+  // Of a session; 0 where the database does not answer or has none.
+  std::int64_t AcknowledgedSequence(const std::string& site) const;
+  std::int64_t MappedSequence(const std::string& site) const;
+
+  // The files of the map "Rooms" and the session's trajectory, by name.
+  std::vector<std::pair<std::string, std::string>> ExportAll(const std::string& site) const;
+
+ private:
+  std::int64_t NumberOf(const std::string& sql) const;
+  std::filesystem::path SpoolOf(const Replay& replay) const;
+
+  TemporaryDirectory directory_;
+  Cluster cluster_;
+  std::vector<std::string> settings_;
+  ServerProcess server_;
+};
+
+}  // namespace enfilade::testing
