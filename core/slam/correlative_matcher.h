@@ -18,7 +18,7 @@ struct SearchWindow {
   double sigma_yaw = 1e9;          // rad
   double min_score = 0.0;          // what scores less is not looked for
   // Poses nearer than this to `excluded`, in both, are left out.
-  std::optional<Pose2> excluded;
+  std::optional<Pose2> excluded = std::nullopt;
   double excluded_distance = 0.0;  // m
   double excluded_angle = 0.0;     // rad
 };

@@ -42,18 +42,19 @@ void LikelihoodField::Add(const std::vector<Eigen::Vector2d>& points) {
 
 // A changed cell's stamp is cleared, and all that can reach into a cleared cell is stamped again.
 CellWindow LikelihoodField::Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed) {
+  const int margin = reach_cells_ + 1;  // rounding may put a mean just beyond its cell
   CellWindow bounds;
   for (const CellIndex& cell : changed) bounds = Union(bounds, {cell, 1, 1});
   Cover(bounds);
-  for (const CellIndex& cell : changed) Clear(Dilated({cell, 1, 1}, reach_cells_));
-  const CellWindow reaching = Dilated(bounds, 2 * reach_cells_);
+  for (const CellIndex& cell : changed) Clear(Dilated({cell, 1, 1}, margin));
+  const CellWindow reaching = Dilated(bounds, 2 * margin);
   const auto& hits = grid.hits();
   for (auto it = hits.lower_bound({reaching.min.row, reaching.min.column});
        it != hits.end() && it->first.first < reaching.top(); ++it) {
     const CellIndex cell{it->first.second, it->first.first};
     if (reaching.contains(cell.column, cell.row) && grid.IsOccupied(cell)) Stamp(it->second.mean);
   }
-  return Intersection(Dilated(bounds, reach_cells_), window_);
+  return Intersection(Dilated(bounds, margin), window_);
 }
 
 void LikelihoodField::Cover(const CellWindow& needed) {

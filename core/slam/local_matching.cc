@@ -10,20 +10,21 @@ namespace {
 
 constexpr double kFieldReach = 0.5;  // m: farther points pull nowhere
 constexpr int kSearchLevels = 5;
+constexpr std::size_t kSearchPoints = 120;
+constexpr double kMinWideScore = 0.5;  // mean likelihood
 constexpr double kWider = 3.0;
 constexpr int kMaxWidenings = 2;
-constexpr double kWorthIt = 0.10;  // a pose from farther away must fit that much better
+// What a pose farther away than the motion may be must explain more of the scan, as a share of it, to be believed.
+constexpr double kWorthIt = 0.30;
 
 double Fit(const LocalMatch& match) { return match.agreement.matched_share - match.agreement.contradicted_share; }
 
-bool IsSure(const LocalMatch& match, const LocalMatchOptions& options) {
-  return match.good && match.agreement.agreement() >= options.sure_agreement;
-}
-
 LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
                        const SearchWindow& window, const PosePrior& prior, const LocalMatchOptions& options) {
-  const SearchResult found = SearchPose(fields.table, points, window);
+  const SearchResult found = SearchPose(fields.table, Subsampled(points, kSearchPoints), window);
   LocalMatch result;
+  result.match.T_submap_robot = found.pose;
+  if (found.score <= 0.0) return result;
   result.match = MatchToField(fields.field, points, found.pose, prior, options.field);
   result.agreement =
       MeasureAgreement(grid, fields.field, points, result.match.T_submap_robot, options.field.matched_distance);
@@ -33,6 +34,10 @@ LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const 
 }
 
 }  // namespace
+
+bool IsSure(const LocalMatch& match, const LocalMatchOptions& options) {
+  return match.good && match.agreement.agreement() >= options.sure_agreement;
+}
 
 LocalFields::LocalFields(double resolution, const LocalMatchOptions& options)
     : field(resolution, kFieldReach), table(options.search_sigma, kSearchLevels) {}
@@ -81,9 +86,11 @@ LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const
     window.sigma_yaw = wider * motion.sigma_yaw;
     window.half_width = std::min(options.window_sigmas * window.sigma_translation, options.max_half_width);
     window.half_angle = std::min(options.window_sigmas * window.sigma_yaw, M_PI);
+    // Far and wide only what would be believed is worth the search; it is this that bounds its cost.
+    if (widening > 0) window.min_score = kMinWideScore;
     const PosePrior prior{predicted, InformationOf(window.sigma_translation, window.sigma_yaw)};
     const LocalMatch match = MatchWithin(grid, fields, points, window, prior, options);
-    if (widening == 0 || Fit(match) > Fit(best) + kWorthIt) best = match;
+    if (widening == 0 || (IsSure(match, options) && Fit(match) > Fit(best) + kWorthIt)) best = match;
   }
   if (!best.good) {
     best.match.T_submap_robot = predicted;

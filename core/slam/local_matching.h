@@ -43,6 +43,9 @@ struct LocalMatch {
   bool good = false;
 };
 
+// Whether nothing better need be looked for.
+bool IsSure(const LocalMatch& match, const LocalMatchOptions& options);
+
 // The scan's pose in the active submap: a correlative search about the prediction, wider where a narrow one finds
 // nothing good, refined by Gauss-Newton with the prediction as a prior. Where nothing good is found the pose is the
 // prediction.

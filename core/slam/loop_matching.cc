@@ -10,19 +10,6 @@
 #include "fmt/format.h"
 
 namespace enfilade {
-namespace {
-
-// Every n-th point, so that at most `count` are left: enough to search by.
-std::vector<Eigen::Vector2d> Subsampled(const std::vector<Eigen::Vector2d>& points, std::size_t count) {
-  const std::size_t step = (points.size() + count - 1) / count;
-  if (step <= 1) return points;
-  std::vector<Eigen::Vector2d> kept;
-  for (std::size_t i = 0; i < points.size(); i += step) kept.push_back(points[i]);
-  return kept;
-}
-
-}  // namespace
-
 LoopMatch MatchLoop(const SubmapGrid& grid, const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& hits,
                     const Pose2& guess, const LoopCandidate& candidate, const SlamOptions& options) {
   const LoopOptions& loop = options.loop;

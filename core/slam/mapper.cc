@@ -1,6 +1,7 @@
 #include "core/slam/mapper.h"
 
-#include <cmath>
+#include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -8,11 +9,11 @@
 #include "core/base/status_macros.h"
 #include "core/slam/edge_information.h"
 #include "core/slam/local_matching.h"
-#include "core/slam/loop_candidates.h"
-#include "core/slam/loop_matching.h"
+#include "core/slam/loop_closer.h"
 #include "core/slam/map_renderer.h"
 #include "core/slam/mapper_state.h"
 #include "core/slam/motion_model.h"
+#include "core/slam/policies.h"
 #include "core/slam/scan_points.h"
 #include "core/slam/slam_graph.h"
 #include "core/slam/submap_cache.h"
@@ -20,13 +21,15 @@
 namespace enfilade {
 namespace {
 
-bool IsFarEnough(const Pose2& T_last_now, const KeyframeOptions& options) {
-  return T_last_now.translation().norm() >= options.distance || std::abs(T_last_now.yaw) >= options.angle;
+ScanReport NotUsed(std::string reason) {
+  ScanReport report;
+  report.reason = std::move(reason);
+  return report;
 }
 
-bool IsFull(const Submap& submap, const Pose2& T_submap_robot, const SubmapOptions& options) {
-  return submap.own_nodes() >= options.max_keyframes || T_submap_robot.translation().norm() > options.max_extent;
-}
+// How unsure the way into a submap is that was begun because the robot was lost: it may be anywhere near.
+constexpr double kLostTranslation = 10.0;  // m
+constexpr double kLostYaw = 3.0;           // rad
 
 }  // namespace
 
@@ -43,37 +46,23 @@ class Mapper::Impl {
   }
 
   ScanReport AddScan(const PairedScan& scan) {
-    ScanReport report;
-    if (!scan.T_odom_robot && !options_.match_scans) {
-      report.reason = "no odometry at the scan's time";
-      return report;
-    }
+    if (state_.ended) return NotUsed("the map is finished");
+    if (!scan.T_odom_robot && !options_.match_scans) return NotUsed("no odometry at the scan's time");
     const ScanRays rays = RobotRays(scan.scan, {options_.max_range, options_.occupancy.no_return_range});
-    if (!state_.active) BeginFirstSubmap();
-    Track track = state_.track.value_or(Track{});
-    information_ = InformationOf(0.05, 0.02);
-    if (state_.track) {
-      const PredictedMotion motion =
-          PredictMotion(track.T_odom_robot, scan.T_odom_robot, track.T_before_last, options_.motion);
-      Pose2 next = track.T_submap_robot * motion.T_last_now;
-      if (options_.match_scans) {
-        const LocalMatch m = MatchLocally(state_.active->content.grid, *fields_, rays.hits, track.T_submap_robot,
-                                          motion, options_.local);
-        next = m.match.T_submap_robot;
-        report.matched_share = m.agreement.matched_share;
-        report.lost = !m.good;
-        information_ = m.match.information + InformationOf(motion.sigma_translation, motion.sigma_yaw);
-      }
-      track.T_before_last = Between(track.T_submap_robot, next);
-      track.length_since_keyframe += track.T_before_last->translation().norm();
-      track.T_submap_robot = next;
+    if (rays.hits.empty() && options_.match_scans && (!state_.track || !scan.T_odom_robot)) {
+      return NotUsed("no beam hit anything in range");
     }
-    track.T_odom_robot = scan.T_odom_robot;
-    state_.track = track;
+    const Place place = state_.track ? Locate(scan, rays) : Begin(scan);
+    state_.track = place.track;
+    const bool is_keyframe =
+        state_.nodes.empty() || IsElsewhere(place.track.quality, options_.quality) ||
+        IsKeyframeDue(Between(LastNode().T_submap_node, place.track.T_submap_robot), options_.keyframe);
+    ScanReport report;
     report.used = true;
-    report.keyframe =
-        state_.nodes.empty() || IsFarEnough(Between(LastNode().T_submap_node, track.T_submap_robot), options_.keyframe);
-    if (report.keyframe) AddKeyframe(scan, rays);
+    report.keyframe = is_keyframe && (place.may_insert || IsElsewhere(place.track.quality, options_.quality));
+    if (report.keyframe) AddKeyframe(scan, rays, place.information);
+    report.lost = IsLost(state_.track->quality, options_.quality) || state_.adrift_since.has_value();
+    report.matched_share = place.matched_share;
     delta_.trajectory.push_back({scan.sequence, scan.scan.time, LastNode().node,
                                  Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
     return report;
@@ -83,6 +72,21 @@ class Mapper::Impl {
     if (!state_.ended && state_.active) FinishActive(std::nullopt);
     state_.ended = true;
     if (options_.match_scans) Solve();
+  }
+
+  absl::Status SetClosureSuspended(std::int64_t id, bool suspended) {
+    const auto found = state_.closures.find(id);
+    if (found == state_.closures.end()) return NotFound("there is no closure {}", id);
+    SlamClosure& closure = found->second;
+    if ((closure.state == ClosureState::kSuspended) == suspended) return absl::OkStatus();
+    if (!suspended && closure.information.isZero()) {
+      return FailedPrecondition("closure {} never matched: {}", id, closure.reason);
+    }
+    // Taken up again it is judged by the graph like a new one.
+    closure.state = suspended ? ClosureState::kSuspended : ClosureState::kAccepted;
+    touched_closures_.insert(id);
+    Solve();
+    return absl::OkStatus();
   }
 
   SlamDelta TakeDelta() {
@@ -111,66 +115,100 @@ class Mapper::Impl {
   }
 
  private:
+  // Where a scan was taken.
+  struct Place {
+    Track track;
+    Eigen::Matrix3d information;  // of track.T_submap_robot
+    double matched_share = 0.0;
+    bool may_insert = true;
+  };
+
   const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
 
-  void BeginFirstSubmap() {
-    state_.active = Submap{0, 0, Pose2{}, {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}};
+  Place Begin(const PairedScan& scan) {
+    state_.active = Submap{0, 0, Pose2{}, EmptyContent()};
     fields_.emplace(options_.resolution, options_.local);
+    Place place;
+    place.track.T_odom_robot = scan.T_odom_robot;
+    place.information = InformationOf(options_.motion.translation_floor, options_.motion.yaw_floor);
+    return place;
   }
 
-  void Insert(SubmapGrid& grid, const Pose2& T_submap_robot, const ScanRays& rays) {
-    const auto changed = grid.Insert(T_submap_robot, rays);
-    if (changed.ok()) fields_->Update(grid, *changed);
+  // Predicts the motion, matches the scan to the active submap, and judges the match.
+  Place Locate(const PairedScan& scan, const ScanRays& rays) {
+    Place place;
+    Track& track = place.track = *state_.track;
+    PredictedMotion motion = PredictMotion(track.T_odom_robot, scan.T_odom_robot, track.T_before_last, options_.motion);
+    Pose2 next = track.T_submap_robot * motion.T_last_now;
+    place.information = InformationOf(motion.sigma_translation, motion.sigma_yaw);
+    if (options_.match_scans) {
+      LocalMatch match = Match(rays, motion);
+      if (!match.good && motion.by_odometry) {  // wheels that slip or jump: what do the scans alone say?
+        const PredictedMotion free = PredictMotion({}, {}, track.T_before_last, options_.motion);
+        const LocalMatch other = Match(rays, free);
+        if (IsSure(other, options_.local)) match = other;
+      }
+      if (match.good) next = match.match.T_submap_robot;
+      place.information += match.match.information;
+      place.matched_share = match.agreement.matched_share;
+      place.may_insert = MayInsert(match, options_.local);
+      track.quality = Updated(track.quality, match, options_.local);
+    }
+    track.T_before_last = Between(track.T_submap_robot, next);
+    track.length_since_keyframe += track.T_before_last->translation().norm();
+    track.T_submap_robot = next;
+    track.T_odom_robot = scan.T_odom_robot;
+    return place;
   }
 
-  void AddKeyframe(const PairedScan& scan, const ScanRays& rays) {
-    if (IsFull(*state_.active, state_.track->T_submap_robot, options_.submap)) BeginNextSubmap();
+  LocalMatch Match(const ScanRays& rays, const PredictedMotion& motion) const {
+    return MatchLocally(state_.active->content.grid, *fields_, rays.hits, state_.track->T_submap_robot, motion,
+                        options_.local);
+  }
+
+  void AddKeyframe(const PairedScan& scan, const ScanRays& rays, const Eigen::Matrix3d& information) {
+    const Eigen::Matrix3d floored =
+        WithFloor(information, options_.graph.match_sigma_floor, options_.graph.match_yaw_floor);
+    if (IsElsewhere(state_.track->quality, options_.quality)) {
+      BeginSubmapElsewhere();
+    } else if (IsSubmapFull(*state_.active, state_.track->T_submap_robot, options_.submap)) {
+      BeginNextSubmap(floored);
+    }
     Submap& submap = *state_.active;
-    const Pose2 T_submap_robot = state_.track->T_submap_robot;
-    const auto id = static_cast<std::int64_t>(state_.nodes.size());
-    const double length = state_.track->length_since_keyframe;
-    state_.track->length_since_keyframe = 0.0;
-    Insert(submap.content.grid, T_submap_robot, rays);
-    submap.content.nodes.push_back({id, false, length, T_submap_robot, NodeInformation()});
-    submap.content.scans.push_back(rays);
-    ++submap.version;
     SlamNode node;
-    node.id = id;
+    node.id = static_cast<std::int64_t>(state_.nodes.size());
     node.sequence = scan.sequence;
     node.time = scan.scan.time;
-    node.T_map_node = submap.T_map_submap * T_submap_robot;
+    node.T_map_node = submap.T_map_submap * state_.track->T_submap_robot;
     node.submap = submap.id;
-    state_.nodes[id] = node;
-    touched_nodes_.insert(id);
+    Put({node.id, false, std::exchange(state_.track->length_since_keyframe, 0.0), state_.track->T_submap_robot,
+         floored},
+        rays);
+    ++submap.version;
+    state_.nodes[node.id] = node;
+    touched_nodes_.insert(node.id);
     touched_submaps_.insert(submap.id);
     if (options_.close_loops && options_.match_scans) CloseLoops(node, rays);
   }
 
-  Eigen::Matrix3d NodeInformation() const {
-    return WithFloor(information_, options_.graph.match_sigma_floor, options_.graph.match_yaw_floor);
+  // Into the active submap. A scan that its grid refuses (absurdly far from the rest) leaves only its pose there.
+  void Put(SubmapNode node, const ScanRays& rays) {
+    SubmapContent& content = state_.active->content;
+    const auto changed = content.grid.Insert(node.T_submap_node, rays);
+    if (changed.ok()) fields_->Update(content.grid, *changed);
+    content.nodes.push_back(std::move(node));
+    content.scans.push_back(rays);
   }
 
   void CloseLoops(const SlamNode& node, const ScanRays& rays) {
     bool urgent = false;
-    for (const LoopCandidate& candidate : SelectLoopCandidates(state_, node, options_.loop)) {
-      const FinishedSubmap& submap = state_.finished.at(candidate.submap);
-      const SubmapCache::Entry& entry = cache_.Get(candidate.submap, submap);
-      const Pose2 guess = Between(submap.T_map_submap, node.T_map_node);
-      const LoopMatch match = MatchLoop(entry.grid, entry.pyramid, rays.hits, guess, candidate, options_);
-      SlamClosure closure;
-      closure.id = static_cast<std::int64_t>(state_.closures.size());
-      closure.submap = candidate.submap;
-      closure.node = node.id;
-      closure.T_submap_node = match.T_submap_node;
-      closure.information = match.information;
-      closure.state = match.accepted ? ClosureState::kAccepted : ClosureState::kRejected;
-      closure.score = match.score;
-      closure.reason = match.reason;
-      state_.closures[closure.id] = closure;
+    for (SlamClosure& closure : TryClosures(state_, node, rays, options_, cache_)) {
       touched_closures_.insert(closure.id);
-      if (!match.accepted) continue;
-      state_.unsolved_closures = true;
-      urgent = urgent || ClosureChi2(state_, closure) > options_.graph.urgent_chi2;
+      if (closure.state == ClosureState::kAccepted) {
+        state_.unsolved_closures = true;
+        urgent = urgent || ClosureChi2(state_, closure) > options_.graph.urgent_chi2;
+      }
+      state_.closures[closure.id] = std::move(closure);
     }
     const auto nodes = static_cast<double>(state_.nodes.size());
     const bool grown = nodes > static_cast<double>(state_.nodes_at_solve) * (1.0 + options_.graph.growth);
@@ -184,27 +222,40 @@ class Mapper::Impl {
     touched_closures_.insert(change.closures.begin(), change.closures.end());
     state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
     state_.unsolved_closures = false;
+    if (state_.adrift_since && IsRecognised(state_, *state_.adrift_since)) state_.adrift_since.reset();
   }
 
-  // The new submap's origin is the present pose; the last keyframes are copied over into it.
-  void BeginNextSubmap() {
-    const Pose2 T_old_new = state_.track->T_submap_robot;
-    const Submap old = FinishActive(NextSubmap{T_old_new, NodeInformation()});
+  SubmapContent EmptyContent() const { return {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}; }
+
+  // The new submap's origin is the present pose.
+  Submap BeginSubmap(const Eigen::Matrix3d& information) {
+    const Pose2 T_old_new = std::exchange(state_.track->T_submap_robot, Pose2{});
+    Submap old = FinishActive(NextSubmap{T_old_new, information});
     fields_.emplace(options_.resolution, options_.local);
-    Submap next{
-        old.id + 1, 0, old.T_map_submap * T_old_new, {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}};
+    state_.active = Submap{old.id + 1, 0, old.T_map_submap * T_old_new, EmptyContent()};
+    return old;
+  }
+
+  // Goes on from the last submap, whose last keyframes are copied over.
+  void BeginNextSubmap(const Eigen::Matrix3d& information) {
+    const Submap old = BeginSubmap(information);
     const std::size_t count = old.content.nodes.size();
     const std::size_t carried = std::min(count, static_cast<std::size_t>(options_.submap.carried_keyframes));
     for (std::size_t i = count - carried; i < count; ++i) {
       SubmapNode node = old.content.nodes[i];
       node.carried = true;
-      node.T_submap_node = Between(T_old_new, node.T_submap_node);
-      Insert(next.content.grid, node.T_submap_node, old.content.scans[i]);
-      next.content.nodes.push_back(node);
-      next.content.scans.push_back(old.content.scans[i]);
+      node.T_submap_node = Between(old.content.next->T_submap_next, node.T_submap_node);
+      Put(std::move(node), old.content.scans[i]);
     }
-    state_.track->T_submap_robot = Pose2{};
-    state_.active = std::move(next);
+  }
+
+  // Begins afresh where the robot is thought to be, held to the rest by next to nothing until it is recognised.
+  void BeginSubmapElsewhere() {
+    BeginSubmap(InformationOf(kLostTranslation, kLostYaw));
+    state_.track->quality = {};
+    state_.track->T_before_last.reset();
+    state_.track->length_since_keyframe += options_.quality.lost_length;
+    if (!state_.adrift_since) state_.adrift_since = state_.active->id;
   }
 
   Submap FinishActive(const std::optional<NextSubmap>& next) {
@@ -235,15 +286,15 @@ class Mapper::Impl {
 
   SlamOptions options_;
   MapperState state_;
-  std::optional<LocalFields> fields_;
-  Eigen::Matrix3d information_;
-  SubmapCache cache_;
   SlamDelta delta_;
   std::set<std::int64_t> touched_nodes_;
   std::set<std::int64_t> touched_submaps_;
   std::set<std::int64_t> touched_closures_;
-  std::set<std::int64_t> new_contents_;
-  mutable MapRenderer renderer_;  // a cache: what it gives depends on the state only
+  std::set<std::int64_t> new_contents_;  // of submaps finished since the last delta
+  // What follows from the state and is only kept to spare work.
+  std::optional<LocalFields> fields_;
+  SubmapCache cache_;
+  mutable MapRenderer renderer_;
 };
 
 Mapper::Mapper(const SlamOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -259,6 +310,9 @@ absl::StatusOr<Mapper> Mapper::Restore(const SlamOptions& options, const SlamMap
 
 ScanReport Mapper::AddScan(const PairedScan& scan) { return impl_->AddScan(scan); }
 void Mapper::Finish() { impl_->Finish(); }
+absl::Status Mapper::SetClosureSuspended(std::int64_t id, bool suspended) {
+  return impl_->SetClosureSuspended(id, suspended);
+}
 SlamDelta Mapper::TakeDelta() { return impl_->TakeDelta(); }
 std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
 OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }

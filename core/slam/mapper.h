@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/sensor/scan_pairing.h"
@@ -43,6 +45,10 @@ class Mapper {
   // No more scans will come: the last submap is finished and the graph solved. Again, after closures were suspended or
   // resumed in the stored rows: the graph is solved anew.
   void Finish();
+
+  // Takes a closure out of the graph, or lets the graph judge it again, and solves. Also after Finish. NOT_FOUND; or
+  // FAILED_PRECONDITION where it is to be taken up but never matched.
+  absl::Status SetClosureSuspended(std::int64_t id, bool suspended);
 
   // What has changed since the last call, to be stored by the caller; empties the account.
   SlamDelta TakeDelta();

@@ -31,6 +31,8 @@ void PutTrack(BinaryWriter& writer, const std::optional<Track>& track) {
   PutOptional(writer, track->T_odom_robot);
   PutOptional(writer, track->T_before_last);
   writer.Put(track->length_since_keyframe);
+  writer.Put(track->quality.poor);
+  writer.Put(track->quality.contradicting);
 }
 
 std::optional<Track> GetTrack(BinaryReader& reader) {
@@ -40,6 +42,8 @@ std::optional<Track> GetTrack(BinaryReader& reader) {
   track.T_odom_robot = GetOptional(reader);
   track.T_before_last = GetOptional(reader);
   track.length_since_keyframe = reader.Get<double>();
+  track.quality.poor = reader.Get<int>();
+  track.quality.contradicting = reader.Get<int>();
   return track;
 }
 
@@ -86,6 +90,14 @@ FinishedSubmap Finished(const Pose2& T_map_submap, std::int64_t version, std::st
   return submap;
 }
 
+bool IsRecognised(const MapperState& state, std::int64_t since) {
+  return std::any_of(state.closures.begin(), state.closures.end(), [&](const auto& entry) {
+    const SlamClosure& closure = entry.second;
+    if (closure.state != ClosureState::kAccepted) return false;
+    return (closure.submap < since) != (state.nodes.at(closure.node).submap < since);
+  });
+}
+
 std::string EncodeCheckpoint(const MapperState& state) {
   std::string bytes;
   BinaryWriter writer(bytes);
@@ -96,6 +108,7 @@ std::string EncodeCheckpoint(const MapperState& state) {
   writer.Put<std::uint8_t>(state.ended);
   writer.Put(state.nodes_at_solve);
   writer.Put<std::uint8_t>(state.unsolved_closures);
+  writer.Put<std::int64_t>(state.adrift_since.value_or(-1));
   PutTrack(writer, state.track);
   PutActive(writer, state.active);
   return Compress(bytes);
@@ -113,6 +126,7 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   state.ended = reader.Get<std::uint8_t>() != 0;
   state.nodes_at_solve = reader.Get<std::int64_t>();
   state.unsolved_closures = reader.Get<std::uint8_t>() != 0;
+  if (const auto since = reader.Get<std::int64_t>(); since >= 0) state.adrift_since = since;
   state.track = GetTrack(reader);
   ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/slam/policies.h"
 #include "core/slam/slam_map.h"
 #include "core/slam/submap.h"
 
@@ -33,6 +34,7 @@ struct Track {
   std::optional<Pose2> T_odom_robot;   // at the same scan
   std::optional<Pose2> T_before_last;  // the step that led here
   double length_since_keyframe = 0.0;  // m
+  TrackQuality quality;
 };
 
 // All that a mapper knows.
@@ -46,9 +48,15 @@ struct MapperState {
   // When the graph was last solved, and whether a closure has come since.
   std::int64_t nodes_at_solve = 0;
   bool unsolved_closures = false;
+  // The submap that was begun because the robot was lost, until a closure joins what followed to what was before.
+  std::optional<std::int64_t> adrift_since;
 
   std::int64_t last_submap() const { return active ? active->id : static_cast<std::int64_t>(finished.size()) - 1; }
 };
+
+// Whether an accepted closure joins a keyframe of submap `since` or later to a submap before it, or the other way
+// round.
+bool IsRecognised(const MapperState& state, std::int64_t since);
 
 // The part of `state` that is not in rows.
 std::string EncodeCheckpoint(const MapperState& state);

@@ -5,7 +5,10 @@
 namespace enfilade {
 namespace {
 
-Eigen::Vector2d Rounded(const Eigen::Vector2d& p) { return p.cast<float>().cast<double>(); }
+// Not inlined: GCC 12 vectorises the loops below two points at a time and forgets the last of an odd number.
+[[gnu::noinline]] double ToSinglePrecision(double value) { return static_cast<double>(static_cast<float>(value)); }
+
+Eigen::Vector2d Rounded(const Eigen::Vector2d& p) { return {ToSinglePrecision(p.x()), ToSinglePrecision(p.y())}; }
 
 }  // namespace
 
@@ -37,6 +40,14 @@ std::vector<Eigen::Vector2d> Thinned(const std::vector<Eigen::Vector2d>& points,
   for (const Eigen::Vector2d& p : points) {
     if (kept.empty() || (p - kept.back()).squaredNorm() >= spacing * spacing) kept.push_back(p);
   }
+  return kept;
+}
+
+std::vector<Eigen::Vector2d> Subsampled(const std::vector<Eigen::Vector2d>& points, std::size_t count) {
+  const std::size_t step = (points.size() + count - 1) / count;
+  if (step <= 1) return points;
+  std::vector<Eigen::Vector2d> kept;
+  for (std::size_t i = 0; i < points.size(); i += step) kept.push_back(points[i]);
   return kept;
 }
 

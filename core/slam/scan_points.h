@@ -19,4 +19,7 @@ ScanRays Transformed(const Pose2& T_target_source, const ScanRays& rays);
 // not outweigh far ones.
 std::vector<Eigen::Vector2d> Thinned(const std::vector<Eigen::Vector2d>& points, double spacing);
 
+// Every n-th point, so that at most `count` are left.
+std::vector<Eigen::Vector2d> Subsampled(const std::vector<Eigen::Vector2d>& points, std::size_t count);
+
 }  // namespace enfilade

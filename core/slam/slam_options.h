@@ -68,7 +68,7 @@ struct LocalMatchOptions {
   // A match is good where at least this share of the hits fits the map ...
   double min_matched_share = 0.30;
   // ... and of the hits that fall where the map is known, at least this share does.
-  double min_agreement = 0.50;
+  double min_agreement = 0.65;
   // Below this share the search looks farther for something better.
   double sure_agreement = 0.85;
 };

@@ -10,7 +10,8 @@ namespace {
 // Points every 1 cm along the line through `p` with direction `yaw`: a wall.
 std::vector<Eigen::Vector2d> WallPoints(const Eigen::Vector2d& p, double yaw, double length) {
   std::vector<Eigen::Vector2d> points;
-  for (double s = -length / 2; s <= length / 2; s += 0.01) points.push_back(p + s * Eigen::Vector2d(std::cos(yaw), std::sin(yaw)));
+  for (double s = -length / 2; s <= length / 2; s += 0.01)
+    points.push_back(p + s * Eigen::Vector2d(std::cos(yaw), std::sin(yaw)));
   return points;
 }
 

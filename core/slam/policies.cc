@@ -1,0 +1,38 @@
+#include "core/slam/policies.h"
+
+#include <cmath>
+
+namespace enfilade {
+namespace {
+
+// A scan contradicts the map where it falls on known ground and yet does not fit.
+bool Contradicts(const LocalMatch& match, const LocalMatchOptions& options) {
+  return !match.good && match.agreement.known_share() >= options.min_matched_share;
+}
+
+}  // namespace
+
+bool IsKeyframeDue(const Pose2& T_last_now, const KeyframeOptions& options) {
+  return T_last_now.translation().norm() >= options.distance || std::abs(T_last_now.yaw) >= options.angle;
+}
+
+bool IsSubmapFull(const Submap& submap, const Pose2& T_submap_robot, const SubmapOptions& options) {
+  return submap.own_nodes() >= options.max_keyframes || T_submap_robot.translation().norm() > options.max_extent;
+}
+
+TrackQuality Updated(const TrackQuality& quality, const LocalMatch& match, const LocalMatchOptions& options) {
+  if (match.good) return {};
+  return {quality.poor + 1, quality.contradicting + (Contradicts(match, options) ? 1 : 0)};
+}
+
+bool IsLost(const TrackQuality& quality, const QualityOptions& options) { return quality.poor >= options.lost_after; }
+
+bool IsElsewhere(const TrackQuality& quality, const QualityOptions& options) {
+  return quality.contradicting >= options.new_submap_after;
+}
+
+bool MayInsert(const LocalMatch& match, const LocalMatchOptions& options) {
+  return match.good || !Contradicts(match, options);
+}
+
+}  // namespace enfilade
