@@ -64,7 +64,7 @@ TEST_F(OutageTest, WithoutDatabaseTheServerIsNotReadyAndRobotsSpoolOn) {
   const Replay replay{.site = "s", .rate = "10"};
   const auto robot = system_.StartReplay(replay, system_.server());
   ASSERT_TRUE(Eventually([&] { return system_.AcknowledgedSequence("s") > 0; })) << TailOf(system_.ReplayLog(replay));
-  kill(system_.cluster().pid(), SIGKILL);
+  system_.KillDatabase();
   const Connection connection = system_.server().Connect();
   EXPECT_TRUE(Eventually([&] { return HealthOf(connection) == Health::kNotServing; }));
   EXPECT_EQ(ListSites().code(), absl::StatusCode::kUnavailable) << ListSites();

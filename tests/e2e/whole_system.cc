@@ -1,6 +1,7 @@
 #include "tests/e2e/whole_system.h"
 
 #include <libpq-fe.h>
+#include <signal.h>
 #include <sqlite3.h>
 
 #include <algorithm>
@@ -29,6 +30,12 @@ WholeSystem::WholeSystem(Cluster::Durability durability, std::vector<std::string
   const CommandResult migrate = RunCommand({ProjectFile("deploy/database/migrate"), "up", cluster_.url()});
   if (migrate.exit_code != 0) throw std::runtime_error("the migrations failed:\n" + migrate.output);
   server_.StartAndWait();
+}
+
+void WholeSystem::KillDatabase() {
+  const pid_t postmaster = cluster_.pid();
+  if (postmaster <= 1) throw std::runtime_error("no database is running");  // 0 would be this test's own group
+  kill(postmaster, SIGKILL);
 }
 
 std::unique_ptr<ServerProcess> WholeSystem::AnotherServer(const std::string& name) const {

@@ -31,6 +31,8 @@ class WholeSystem {
   Cluster& cluster() { return cluster_; }
   ServerProcess& server() { return server_; }
   const std::filesystem::path& directory() const { return directory_.path(); }
+  // kill -9 of the postmaster. Throws where none is running.
+  void KillDatabase();
   // A further server on the same database; not yet started.
   std::unique_ptr<ServerProcess> AnotherServer(const std::string& name) const;
 
