@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <random>
 #include <thread>
@@ -34,19 +33,11 @@ std::vector<Victim> VictimsInRandomOrder(std::mt19937_64& random) {
 // A robot that has failed many times in a row waits for half a minute before the next try.
 constexpr auto kPatience = std::chrono::seconds(180);
 
-// Poses by odometry: a day's mapping in a moment, and exactly the same each time.
-std::string WriteSlamOptions(const std::filesystem::path& path) {
-  std::ofstream(path) << "match_scans: false\nclose_loops: false\n";
-  return path.string();
-}
-
 class KillTest : public ::testing::Test {
  protected:
   KillTest()
-      : slam_options_(WriteSlamOptions(options_directory_.path() / "slam.yaml")),
-        system_(Cluster::Durability::kDurable,
-                {"mapping.slam_options_file=" + slam_options_, "mapping.lease_s=1", "mapping.checkpoint_interval_s=0.2",
-                 "mapping.revision_interval_s=1", "listen.grace_s=2"}) {
+      : system_(Cluster::Durability::kDurable, {"mapping.lease_s=1", "mapping.checkpoint_interval_s=0.2",
+                                                "mapping.revision_interval_s=1", "listen.grace_s=2"}) {
     const char* seed = std::getenv("ENFILADE_KILL_SEED");
     const std::uint64_t value = seed ? std::strtoull(seed, nullptr, 10) : 20261121;
     RecordProperty("seed", std::to_string(value));
@@ -65,8 +56,6 @@ class KillTest : public ::testing::Test {
   void KillAndRestart(Victim victim);
   void KillBackend();
 
-  TemporaryDirectory options_directory_;
-  std::string slam_options_;
   WholeSystem system_;
   std::mt19937_64 random_;
   Replay storm_{.site = "storm", .rate = kPace};
@@ -169,7 +158,7 @@ TEST_F(KillTest, NothingIsLostOrDoubledAndTheMapIsTheSame) {
 
   // Mapped: bit for bit the same.
   expect_same("node_id, sequence, time_ns, x, y, yaw, covariance, submap_id", "slam_nodes");
-  expect_same("submap_id, x, y, yaw, finished", "slam_submaps");
+  expect_same("submap_id, x, y, yaw, finished, content", "slam_submaps");
   expect_same("mapped_sequence, paired, unpaired, used, keyframes, lost, state", "mapping_checkpoints");
   const auto undisturbed = system_.ExportAll(calm.site);
   const auto disturbed = system_.ExportAll(storm_.site);
