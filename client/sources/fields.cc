@@ -41,7 +41,7 @@ bool IsDigits(std::string_view text) { return text.find_first_not_of("0123456789
 
 }  // namespace
 
-void Fields::Fail(std::string message) {
+void Fields::Fail(const std::string& message) {
   if (status_.ok()) status_ = absl::InvalidArgumentError(message);
 }
 

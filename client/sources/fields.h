@@ -36,7 +36,7 @@ class Fields {
   bool ok() const { return status_.ok(); }
   const absl::Status& status() const { return status_; }
 
-  void Fail(std::string message);
+  void Fail(const std::string& message);
 
  private:
   std::string_view rest_;

@@ -97,7 +97,7 @@ class Members {
   }
   void Fail(const std::string& name, const std::string& what) {
     if (!status_.ok()) return;
-    status_ = InvalidArgument("{} {}", path_ + name == "" ? "the object" : path_ + name, what);
+    status_ = InvalidArgument("{} {}", path_.empty() && name.empty() ? "the object" : path_ + name, what);
   }
 
  private:

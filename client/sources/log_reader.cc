@@ -89,8 +89,8 @@ std::string ToString(LogFormat format) {
   return "?";
 }
 
-LogReader::LogReader(LogOptions options, LineSource lines, std::unique_ptr<LogParser> parser)
-    : options_(std::move(options)),
+LogReader::LogReader(const LogOptions& options, LineSource lines, std::unique_ptr<LogParser> parser)
+    : options_(options),
       lines_(std::move(lines)),
       parser_(std::move(parser)),
       last_scan_time_(std::numeric_limits<TimeNs>::min()),

@@ -85,7 +85,7 @@ class LogReader {
   const LogCounts& counts() const { return counts_; }
 
  private:
-  LogReader(LogOptions options, LineSource lines, std::unique_ptr<LogParser> parser);
+  LogReader(const LogOptions& options, LineSource lines, std::unique_ptr<LogParser> parser);
   absl::Status Survey();
   // Parses one line into pending_.
   absl::Status ReadLine(std::string_view line);

@@ -81,13 +81,13 @@ absl::StatusOr<bool> SqliteStatement::Step() {
   const int result = sqlite3_step(statement_.get());
   if (result == SQLITE_ROW) return true;
   if (result == SQLITE_DONE) return false;
-  const absl::Status status = ErrorOf(database_, result);
+  absl::Status status = ErrorOf(database_, result);
   Reset();
   return status;
 }
 
 absl::Status SqliteStatement::Run() {
-  const absl::Status status = Step().status();
+  absl::Status status = Step().status();
   Reset();
   return status;
 }
@@ -160,7 +160,7 @@ SqliteTransaction::~SqliteTransaction() {
 }
 
 absl::Status SqliteTransaction::Commit() {
-  const absl::Status status = database_->Execute("COMMIT");
+  absl::Status status = database_->Execute("COMMIT");
   if (status.ok()) database_ = nullptr;
   return status;
 }
