@@ -59,7 +59,7 @@ TEST(RobustSolve, FindsTheMinimumNearTheTruthWithANarrowKernel) {
     ASSERT_OK_AND_ASSIGN(const SolveReport found, SolvePoseGraph({.kernel = {type, 1.0}}, from_odometry));
     ASSERT_OK_AND_ASSIGN(const SolveReport expected,
                          SolvePoseGraph({.initialisation = Initialisation::kNone, .kernel = {type, 1.0}}, from_truth));
-    EXPECT_LT(found.final_cost, 1.01 * expected.final_cost);
+    EXPECT_LT(found.final_cost, 1.05 * expected.final_cost) << "as deep, if not the same, of many minima";
     EXPECT_LT(RootMeanSquareError(from_odometry, world.truth), 0.2);
   }
 }
