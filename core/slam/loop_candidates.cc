@@ -26,27 +26,35 @@ struct LastTried {
 
 }  // namespace
 
-std::map<std::int64_t, double> DriftLengths(const MapperState& state, std::int64_t from) {
-  std::map<std::int64_t, std::vector<std::pair<std::int64_t, double>>> ways;
-  for (const auto& [id, submap] : state.finished) {
-    ways[id].emplace_back(id + 1, submap.length);
-    ways[id + 1].emplace_back(id, submap.length);
-  }
+std::vector<double> DriftLengths(const MapperState& state, std::int64_t from) {
+  struct Way {
+    std::int64_t to;
+    double length;
+  };
+  std::vector<std::vector<Way>> ways(state.finished.size() + 1);
+  const auto join = [&](std::int64_t a, std::int64_t b, double length) {
+    ways[static_cast<std::size_t>(a)].push_back({b, length});
+    ways[static_cast<std::size_t>(b)].push_back({a, length});
+  };
+  for (const auto& [id, submap] : state.finished) join(id, id + 1, submap.length);
   for (const auto& [id, closure] : state.closures) {
-    if (closure.state != ClosureState::kAccepted) continue;
-    const std::int64_t other = state.nodes.at(closure.node).submap;
-    ways[closure.submap].emplace_back(other, 0.0);
-    ways[other].emplace_back(closure.submap, 0.0);
+    if (closure.state == ClosureState::kAccepted) join(closure.submap, state.nodes.at(closure.node).submap, 0.0);
   }
-  std::map<std::int64_t, double> lengths;
+  std::vector<double> lengths(ways.size(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, std::int64_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  lengths[static_cast<std::size_t>(from)] = 0.0;
   open.emplace(0.0, from);
   while (!open.empty()) {
     const auto [length, submap] = open.top();
     open.pop();
-    if (!lengths.emplace(submap, length).second) continue;
-    for (const auto& [next, way] : ways[submap]) open.emplace(length + way, next);
+    if (length > lengths[static_cast<std::size_t>(submap)]) continue;
+    for (const Way& way : ways[static_cast<std::size_t>(submap)]) {
+      double& best = lengths[static_cast<std::size_t>(way.to)];
+      if (length + way.length >= best) continue;
+      best = length + way.length;
+      open.emplace(best, way.to);
+    }
   }
   return lengths;
 }
@@ -56,20 +64,22 @@ std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const 
   std::vector<LoopCandidate> candidates;
   if (state.finished.empty()) return candidates;
   std::map<std::int64_t, LastTried> tried;
-  for (auto it = state.closures.rbegin(); it != state.closures.rend(); ++it) {
+  for (auto it = state.closures.rbegin(); it != state.closures.rend(); ++it) {  // the latest first
     const SlamClosure& closure = it->second;
     if (node.id - closure.node > options.accepted_spacing) break;
+    if (node.id - closure.node < options.attempt_interval) return candidates;
     LastTried& last = tried[closure.submap];
     last.any = std::max(last.any, closure.node);
-    if (closure.state == ClosureState::kAccepted) last.accepted = std::max(last.accepted, closure.node);
+    if (closure.state != ClosureState::kAccepted) continue;
+    last.accepted = std::max(last.accepted, closure.node);
+    if (node.id - closure.node < options.closure_spacing) return candidates;
   }
-  const std::map<std::int64_t, double> lengths = DriftLengths(state, node.submap);
+  const std::vector<double> lengths = DriftLengths(state, node.submap);
   for (const auto& [id, submap] : state.finished) {
     if (id + options.min_submap_gap > node.submap) break;
     const LastTried& last = tried[id];
     if (node.id - last.any < options.attempt_spacing || node.id - last.accepted < options.accepted_spacing) continue;
-    const auto length = lengths.find(id);
-    const double drifted = length == lengths.end() ? std::numeric_limits<double>::max() : length->second;
+    const double drifted = lengths[static_cast<std::size_t>(id)];
     LoopCandidate candidate;
     candidate.submap = id;
     candidate.half_width = std::min(options.search_base + options.drift_per_metre * drifted, options.max_search);

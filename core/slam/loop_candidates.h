@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "core/slam/mapper_state.h"
@@ -9,10 +8,10 @@
 
 namespace enfilade {
 
-// How far, in metres of drift-laden driving, each submap is from `from` along the shortest way through the graph:
-// a submap's own way to the next, nothing across an accepted closure. What drift there can be between two submaps
-// grows with this (Dijkstra projection: Bosse et al. 2004, Olson 2009).
-std::map<std::int64_t, double> DriftLengths(const MapperState& state, std::int64_t from);
+// How far, in metres of drift-laden driving, each submap (by its id) is from `from` along the shortest way through the
+// graph: a submap's own way to the next, nothing across an accepted closure. What drift there can be between two
+// submaps grows with this (Dijkstra projection: Bosse et al. 2004, Olson 2009).
+std::vector<double> DriftLengths(const MapperState& state, std::int64_t from);
 
 // A submap in which a node may be seen, and how unsure its place there is.
 struct LoopCandidate {
@@ -22,8 +21,9 @@ struct LoopCandidate {
   double half_angle = 0.0;  // rad
 };
 
-// Which finished submaps to try for `node`, the most likely first: not the node's own or the one before it, no attempt
-// from a recent node of the same submap, and near enough under the drift there may have been.
+// Which finished submaps to try for `node`, the most likely first: not the node's own or the one before it, not tried
+// from a recent node, and near enough under the drift there may have been. None so soon after an
+// attempt or a closure.
 std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const SlamNode& node,
                                                 const LoopOptions& options);
 

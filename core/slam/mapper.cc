@@ -201,18 +201,18 @@ class Mapper::Impl {
   }
 
   void CloseLoops(const SlamNode& node, const ScanRays& rays) {
-    bool urgent = false;
     for (SlamClosure& closure : TryClosures(state_, node, rays, options_, cache_)) {
       touched_closures_.insert(closure.id);
       if (closure.state == ClosureState::kAccepted) {
         state_.unsolved_closures = true;
-        urgent = urgent || ClosureChi2(state_, closure) > options_.graph.urgent_chi2;
+        if (ClosureChi2(state_, closure) > options_.graph.urgent_chi2) state_.urgent_closures = true;
       }
       state_.closures[closure.id] = std::move(closure);
     }
-    const auto nodes = static_cast<double>(state_.nodes.size());
-    const bool grown = nodes > static_cast<double>(state_.nodes_at_solve) * (1.0 + options_.graph.growth);
-    if (urgent || (state_.unsolved_closures && grown)) Solve();
+    const auto nodes = static_cast<std::int64_t>(state_.nodes.size());
+    if (state_.unsolved_closures && IsSolveDue(nodes, state_.nodes_at_solve, state_.urgent_closures, options_.graph)) {
+      Solve();
+    }
   }
 
   void Solve() {
@@ -222,6 +222,7 @@ class Mapper::Impl {
     touched_closures_.insert(change.closures.begin(), change.closures.end());
     state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
     state_.unsolved_closures = false;
+    state_.urgent_closures = false;
     if (state_.adrift_since && IsRecognised(state_, *state_.adrift_since)) state_.adrift_since.reset();
   }
 

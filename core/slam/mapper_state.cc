@@ -108,6 +108,7 @@ std::string EncodeCheckpoint(const MapperState& state) {
   writer.Put<std::uint8_t>(state.ended);
   writer.Put(state.nodes_at_solve);
   writer.Put<std::uint8_t>(state.unsolved_closures);
+  writer.Put<std::uint8_t>(state.urgent_closures);
   writer.Put<std::int64_t>(state.adrift_since.value_or(-1));
   PutTrack(writer, state.track);
   PutActive(writer, state.active);
@@ -126,6 +127,7 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   state.ended = reader.Get<std::uint8_t>() != 0;
   state.nodes_at_solve = reader.Get<std::int64_t>();
   state.unsolved_closures = reader.Get<std::uint8_t>() != 0;
+  state.urgent_closures = reader.Get<std::uint8_t>() != 0;
   if (const auto since = reader.Get<std::int64_t>(); since >= 0) state.adrift_since = since;
   state.track = GetTrack(reader);
   ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));

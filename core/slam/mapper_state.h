@@ -45,9 +45,10 @@ struct MapperState {
   std::map<std::int64_t, SlamNode> nodes;
   std::map<std::int64_t, SlamClosure> closures;
   bool ended = false;  // Finish was called
-  // When the graph was last solved, and whether a closure has come since.
+  // When the graph was last solved, and what has come since.
   std::int64_t nodes_at_solve = 0;
   bool unsolved_closures = false;
+  bool urgent_closures = false;  // among them some that the estimate fits badly
   // The submap that was begun because the robot was lost, until a closure joins what followed to what was before.
   std::optional<std::int64_t> adrift_since;
 

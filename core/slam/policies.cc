@@ -31,6 +31,11 @@ bool IsElsewhere(const TrackQuality& quality, const QualityOptions& options) {
   return quality.contradicting >= options.new_submap_after;
 }
 
+bool IsSolveDue(std::int64_t nodes, std::int64_t nodes_at_solve, bool urgent, const GraphOptions& options) {
+  const double growth = urgent ? options.urgent_growth : options.growth;
+  return static_cast<double>(nodes) >= static_cast<double>(nodes_at_solve) * (1.0 + growth);
+}
+
 bool MayInsert(const LocalMatch& match, const LocalMatchOptions& options) {
   return match.good || !Contradicts(match, options);
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "core/slam/local_matching.h"
 #include "core/slam/slam_options.h"
 #include "core/slam/submap.h"
@@ -28,6 +30,9 @@ bool IsLost(const TrackQuality& quality, const QualityOptions& options);
 // Whether to give up on the active submap: what the scans show is not there (the robot was carried off, or slipped
 // beyond what the search covers). A scan that shows too little to match is no reason.
 bool IsElsewhere(const TrackQuality& quality, const QualityOptions& options);
+
+// Whether the pose graph of `nodes` keyframes is to be solved, last solved with `nodes_at_solve`.
+bool IsSolveDue(std::int64_t nodes, std::int64_t nodes_at_solve, bool urgent, const GraphOptions& options);
 
 // Whether a scan may be drawn into the submap: it fits, or it does not contradict what is there.
 bool MayInsert(const LocalMatch& match, const LocalMatchOptions& options);

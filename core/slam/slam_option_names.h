@@ -57,6 +57,8 @@ void VisitSlamOptions(Options& o, Visit visit) {
   visit("loop.min_submap_gap", o.loop.min_submap_gap);
   visit("loop.attempt_spacing", o.loop.attempt_spacing);
   visit("loop.accepted_spacing", o.loop.accepted_spacing);
+  visit("loop.attempt_interval", o.loop.attempt_interval);
+  visit("loop.closure_spacing", o.loop.closure_spacing);
   visit("loop.max_attempts", o.loop.max_attempts);
   visit("loop.max_distance", o.loop.max_distance);
   visit("loop.search_base", o.loop.search_base);
@@ -80,8 +82,9 @@ void VisitSlamOptions(Options& o, Visit visit) {
   visit("graph.max_iterations", o.graph.max_iterations);
   visit("graph.match_sigma_floor", o.graph.match_sigma_floor);
   visit("graph.match_yaw_floor", o.graph.match_yaw_floor);
-  visit("graph.urgent_chi2", o.graph.urgent_chi2);
   visit("graph.growth", o.graph.growth);
+  visit("graph.urgent_growth", o.graph.urgent_growth);
+  visit("graph.urgent_chi2", o.graph.urgent_chi2);
 }
 
 }  // namespace enfilade

@@ -73,6 +73,8 @@ constexpr Limits kLimits[] = {
     {"loop.min_submap_gap", 1, 1'000},
     {"loop.attempt_spacing", 1, 100'000},
     {"loop.accepted_spacing", 1, 100'000},
+    {"loop.attempt_interval", 1, 100'000},
+    {"loop.closure_spacing", 1, 100'000},
     {"loop.max_attempts", 1, 100},
     {"loop.max_distance", 0.0, 1e4},
     {"loop.search_base", 0.05, 100.0},
@@ -98,6 +100,7 @@ constexpr Limits kLimits[] = {
     {"graph.match_yaw_floor", 1e-4, 1.0},
     {"graph.urgent_chi2", 0.0, 1e6},
     {"graph.growth", 0.0, 10.0},
+    {"graph.urgent_growth", 0.0, 10.0},
 };
 
 }  // namespace

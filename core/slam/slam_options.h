@@ -98,6 +98,8 @@ struct LoopOptions {
   int min_submap_gap = 2;     // submaps: the node's own is 0, the one before 1
   int attempt_spacing = 3;    // keyframes between two attempts at the same submap ...
   int accepted_spacing = 10;  // ... and after a closure
+  int attempt_interval = 2;   // keyframes between attempts at whichever submap ...
+  int closure_spacing = 6;    // ... and after a closure with whichever: the next ones would say the same
   int max_attempts = 1;       // per keyframe
   double max_distance = 4.0;  // m to the submap's nearest keyframe, beside the drift
   // The search's half-widths: a base, and what may have drifted since, by the way through the graph.
@@ -129,9 +131,12 @@ struct GraphOptions {
   // Errors of matching a scan to the active submap that the matching does not know of.
   double match_sigma_floor = 0.02;  // m
   double match_yaw_floor = 0.005;   // rad
-  // A closure that the estimate fits worse than this is solved for at once, others when the graph has grown so much.
-  double urgent_chi2 = 4.0;
-  double growth = 0.05;
+  // The graph is solved when it has grown by `growth` since the last time; already at `urgent_growth` where a closure
+  // has come that the estimate fits worse than `urgent_chi2`. Shares, not counts: the cost per keyframe stays the same
+  // however long the drive.
+  double growth = 0.10;
+  double urgent_growth = 0.02;
+  double urgent_chi2 = 16.3;
 };
 
 // Every parameter of the mapper, with unit, default and source.

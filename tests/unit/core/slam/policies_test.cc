@@ -43,6 +43,15 @@ TEST(TrackQuality, IsLostAfterPoorScansInARowAndElsewhereAfterContradictions) {
   EXPECT_FALSE(IsElsewhere(quality, options));
 }
 
+TEST(SolvePolicy, WaitsForAShareOfGrowthAndForLessOfItWhenUrgent) {
+  const GraphOptions options{.growth = 0.10, .urgent_growth = 0.02};
+  EXPECT_TRUE(IsSolveDue(1, 0, false, options));
+  EXPECT_FALSE(IsSolveDue(1'050, 1'000, false, options));
+  EXPECT_TRUE(IsSolveDue(1'100, 1'000, false, options));
+  EXPECT_FALSE(IsSolveDue(1'010, 1'000, true, options));
+  EXPECT_TRUE(IsSolveDue(1'020, 1'000, true, options));
+}
+
 TEST(InsertPolicy, KeepsContradictingScansOutOfTheMap) {
   const LocalMatchOptions local;
   EXPECT_TRUE(MayInsert(Match(0.8, 0.1, true), local));
