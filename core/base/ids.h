@@ -28,6 +28,7 @@ class Id {
 
 using SiteId = Id<struct SiteTag>;
 using MapId = Id<struct MapTag>;
+using LinkPointId = Id<struct LinkPointTag>;
 using RobotId = Id<struct RobotTag>;
 using SessionId = Id<struct SessionTag>;
 

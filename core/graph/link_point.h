@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/time.h"
+#include "core/geometry/pose2.h"
+
+namespace enfilade {
+
+// The numbers of these enums are in the database: never reuse one.
+enum class LinkPointKind : std::int16_t { kDoor = 1, kLift = 2, kStairs = 3, kRamp = 4, kOpening = 5 };
+// Whether a robot gets through. Poses are chained through a place in any state.
+enum class PassageState : std::int16_t { kOpen = 1, kClosed = 2, kBlocked = 3 };
+// What the graph makes of a link point.
+enum class LinkPointUse : std::int16_t {
+  kUsed = 1,
+  kSwitchedOff = 2,  // by the optimisation's chi-square gate: it contradicts the others
+  kSuspended = 3,    // by a person
+};
+
+// One place as one map sees it.
+struct Anchor {
+  MapId map;
+  Pose2 T_map_place;  // m, rad
+  // In (x, y, yaw) of T_map_place: m^2, m rad, rad^2. Symmetric, positive semi-definite.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+
+  friend bool operator==(const Anchor&, const Anchor&) = default;
+};
+
+// The predecessor's setting (initial_variance_x, _y, _theta = 0.003 m^2, 0.003 m^2, 0.003 rad^2 per map-to-map
+// transform): where nothing better is known. Of one transform, so of its two anchors together.
+inline Eigen::Matrix3d DefaultTransformCovariance() { return Eigen::Vector3d(0.003, 0.003, 0.003).asDiagonal(); }
+// Each of the two anchors' half of it. The composition then adds up to the default where both are given so and the
+// place is at the maps' origins; farther out the yaws' halves turn into position as geometry has it.
+inline Eigen::Matrix3d DefaultAnchorCovariance() { return 0.5 * DefaultTransformCovariance(); }
+
+// One physical place (a door, a lift, a ramp) seen from maps that meet there.
+struct LinkPoint {
+  LinkPointId id;
+  LinkPointKind kind = LinkPointKind::kDoor;
+  // At most one per map; in the order they were made. One: a candidate, seen from one side. Two or more: a link point;
+  // a lift joins three and more.
+  std::vector<Anchor> anchors;
+  MapId direction;     // the map that was entered when it was made; empty: not known
+  int difficulty = 0;  // 0: none, greater: harder to pass
+  std::string tag;     // free text
+  PassageState state = PassageState::kOpen;
+  // Until when `state` holds; after that the place counts as open. For ever where unset.
+  std::optional<TimeNs> state_valid_until;
+  LinkPointUse use = LinkPointUse::kUsed;
+  std::int64_t graph_version = 0;  // of the site when it last changed
+
+  bool is_candidate() const { return anchors.size() < 2; }
+  // The anchor in `map`, or null.
+  const Anchor* FindAnchor(const MapId& map) const {
+    for (const Anchor& anchor : anchors) {
+      if (anchor.map == map) return &anchor;
+    }
+    return nullptr;
+  }
+  // The state that holds at `time`.
+  PassageState StateAt(TimeNs time) const {
+    return state_valid_until.has_value() && time >= *state_valid_until ? PassageState::kOpen : state;
+  }
+
+  friend bool operator==(const LinkPoint&, const LinkPoint&) = default;
+};
+
+}  // namespace enfilade
