@@ -79,7 +79,7 @@ class RobotApi final : public v1::RobotService::CallbackService {
   const Services& services_;
 };
 
-class MapApi final : public v1::MapService::CallbackService {
+class MapApi final : public v1::MapService::WithRawCallbackMethod_ExportMap<v1::MapService::CallbackService> {
  public:
   explicit MapApi(const Services& services) : services_(services) {}
 
@@ -111,7 +111,7 @@ class MapApi final : public v1::MapService::CallbackService {
                                              v1::ListMapRevisionsResponse* response) override {
     return RunUnary(services_, call, "ListMapRevisions", request, response, server::ListMapRevisions);
   }
-  grpc::ServerWriteReactor<v1::ExportMapResponse>* ExportMap(Call* call, const v1::ExportMapRequest* request) override {
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* ExportMap(Call* call, const grpc::ByteBuffer* request) override {
     return RunServerStream(services_, call, "ExportMap", request, server::ExportMap);
   }
   grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(Call* call, v1::ImportMapResponse* response) override {

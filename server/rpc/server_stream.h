@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -21,8 +23,9 @@ namespace enfilade::server {
 template <typename Response>
 using MessageSource = std::function<absl::StatusOr<bool>(Response& message)>;
 
-// Sends what a source makes: while one message is on its way the executor makes the next, no more than one ahead, so
-// that a slow client costs two messages of memory and no thread.
+// Sends what a source makes: while messages are on their way the executor makes the next ones, at most `kAhead`, so
+// that a slow client costs that many messages of memory and no thread, and a fast one hardly ever waits for a thread to
+// wake.
 template <typename Request, typename Response>
 class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
  public:
@@ -39,15 +42,20 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
         source_ = *std::move(source);
         Make();
       } else {
-        Made(source.status());
+        MutexLock lock(mutex_);
+        End(source.status());
       }
     });
-    if (!queued) Made(absl::ResourceExhaustedError("too many calls are waiting: try again later"));
+    if (!queued) {
+      MutexLock lock(mutex_);
+      End(absl::ResourceExhaustedError("too many calls are waiting: try again later"));
+    }
   }
 
   void OnWriteDone(bool ok) override {
     MutexLock lock(mutex_);
     writing_ = false;
+    ++sent_;
     if (!ok) gone_ = true;
     Advance();
   }
@@ -59,20 +67,44 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   }
 
   void OnDone() override {
+    // Finish() may have been called by a thread that still holds the mutex.
+    { MutexLock lock(mutex_); }
     services_.metrics.CountCall(name_, status_.code(), std::chrono::steady_clock::now() - begin_);
     delete this;
   }
 
  private:
-  void Make() { Made(source_(messages_[next_])); }
+  static constexpr std::uint64_t kAhead = 4;
 
-  // A message is made; or there is none: the end (false), or an error.
-  void Made(const absl::StatusOr<bool>& made) {
-    MutexLock lock(mutex_);
+  // Fills the ring. `making_` says that a thread is here: only it touches the source and the message `made_`.
+  void Make() {
+    while (true) {
+      Response* message = nullptr;
+      {
+        MutexLock lock(mutex_);
+        if (gone_ || made_ - sent_ == kAhead) {
+          making_ = false;
+          Advance();
+          return;
+        }
+        message = &ring_[made_ % kAhead];
+      }
+      const absl::StatusOr<bool> made = source_(*message);
+      MutexLock lock(mutex_);
+      if (!made.ok() || !*made) {
+        End(made.status());
+        return;
+      }
+      ++made_;
+      Advance();
+    }
+  }
+
+  // No further message: the stream's end, or an error.
+  void End(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     making_ = false;
-    made_ = made.ok() && *made;
-    ended_ = !made_;
-    status_ = made.status();
+    ended_ = true;
+    status_ = status;
     Advance();
   }
 
@@ -83,14 +115,13 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
       finished_ = true;
       status_ = absl::CancelledError("the client has gone");
       this->Finish(ToGrpcStatus(status_));
-    } else if (made_) {
+    } else if (sent_ < made_) {
       writing_ = true;
-      made_ = false;
-      making_ = true;
-      Response* message = &messages_[next_];
-      next_ = 1 - next_;
-      services_.executor.PostNext([this] { Make(); });
-      this->StartWrite(message);
+      if (!making_ && !ended_) {
+        making_ = true;
+        services_.executor.PostNext([this] { Make(); });
+      }
+      this->StartWrite(&ring_[sent_ % kAhead]);
     } else if (ended_) {
       finished_ = true;
       this->Finish(ToGrpcStatus(status_));
@@ -101,12 +132,12 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   const char* const name_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   MessageSource<Response> source_;
-  Response messages_[2];
-  int next_ = 0;  // the one that is being made; the other is being written
+  std::array<Response, kAhead> ring_;
 
   Mutex mutex_;
+  std::uint64_t made_ ABSL_GUARDED_BY(mutex_) = 0;  // messages so far
+  std::uint64_t sent_ ABSL_GUARDED_BY(mutex_) = 0;
   bool making_ ABSL_GUARDED_BY(mutex_) = true;
-  bool made_ ABSL_GUARDED_BY(mutex_) = false;
   bool ended_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool gone_ ABSL_GUARDED_BY(mutex_) = false;
@@ -114,7 +145,6 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   absl::Status status_;
 };
 
-// The body of every server-streaming RPC: `open` finds what is asked for and gives the source of the messages.
 template <typename Request, typename Response>
 grpc::ServerWriteReactor<Response>* RunServerStream(
     const Services& services, grpc::CallbackServerContext* call, const char* name, const Request* request,

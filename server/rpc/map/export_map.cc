@@ -6,7 +6,9 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "enfilade/v1/map_service.grpc.pb.h"
 #include "proto/convert/names.h"
+#include "server/rpc/map/chunk_message.h"
 #include "server/rpc/resources.h"
 
 namespace enfilade::server {
@@ -32,9 +34,9 @@ class ExportSource {
  public:
   explicit ExportSource(ExportedMap map) : map_(std::move(map)) {}
 
-  absl::StatusOr<bool> operator()(v1::ExportMapResponse& message) {
+  absl::StatusOr<bool> operator()(grpc::ByteBuffer& message) {
     if (!std::exchange(manifest_sent_, true)) {
-      FillManifest(*message.mutable_manifest());
+      ENFILADE_ASSIGN_OR_RETURN(message, EncodeManifest());
       return true;
     }
     while (file_ < map_.files.size() && offset_ == map_.files[file_].size) {
@@ -43,18 +45,17 @@ class ExportSource {
     }
     if (file_ == map_.files.size()) return false;
     const ExportedFile& file = map_.files[file_];
-    v1::FileChunk& chunk = *message.mutable_chunk();
-    chunk.set_file(static_cast<std::int32_t>(file_));
-    chunk.set_offset(offset_);
     const auto size = static_cast<std::size_t>(std::min(kChunkBytes, file.size - offset_));
-    chunk.mutable_data()->resize(size);
-    ENFILADE_RETURN_IF_ERROR(file.content->Read(offset_, size, chunk.mutable_data()->data()));
+    const auto read = [&](char* data) { return file.content->Read(offset_, size, data); };
+    ENFILADE_ASSIGN_OR_RETURN(message, EncodeChunkMessage(static_cast<std::int32_t>(file_), offset_, size, read));
     offset_ += static_cast<std::int64_t>(size);
     return true;
   }
 
  private:
-  void FillManifest(v1::ExportMapManifest& manifest) const {
+  absl::StatusOr<grpc::ByteBuffer> EncodeManifest() const {
+    v1::ExportMapResponse message;
+    v1::ExportMapManifest& manifest = *message.mutable_manifest();
     *manifest.mutable_revision() = ToProto(map_.revision);
     for (const ExportedFile& file : map_.files) {
       v1::FileEntry& entry = *manifest.add_files();
@@ -62,6 +63,8 @@ class ExportSource {
       entry.set_size_bytes(file.size);
       entry.set_sha256(file.sha256);
     }
+    const grpc::Slice bytes(message.SerializeAsString());
+    return grpc::ByteBuffer(&bytes, 1);
   }
 
   ExportedMap map_;
@@ -70,14 +73,22 @@ class ExportSource {
   std::int64_t offset_ = 0;
 };
 
+absl::StatusOr<v1::ExportMapRequest> Decode(grpc::ByteBuffer bytes) {
+  v1::ExportMapRequest request;
+  const grpc::Status status = grpc::SerializationTraits<v1::ExportMapRequest>::Deserialize(&bytes, &request);
+  if (!status.ok()) return InvalidArgument("the request is no ExportMapRequest: {}", status.error_message());
+  return request;
+}
+
 }  // namespace
 
-absl::StatusOr<MessageSource<v1::ExportMapResponse>> ExportMap(const Services& services, const CallContext& context,
-                                                               const v1::ExportMapRequest& request) {
+absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const CallContext& context,
+                                                          const grpc::ByteBuffer& encoded_request) {
+  ENFILADE_ASSIGN_OR_RETURN(const v1::ExportMapRequest request, Decode(encoded_request));
   ENFILADE_ASSIGN_OR_RETURN(const RevisionName name, ParseMapOrRevisionName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const MapFileFormat format, FormatOf(request.format()));
   ENFILADE_ASSIGN_OR_RETURN(ExportedMap map, services.exports.Get(context, name, format));
-  return MessageSource<v1::ExportMapResponse>(ExportSource(std::move(map)));
+  return MessageSource<grpc::ByteBuffer>(ExportSource(std::move(map)));
 }
 
 }  // namespace enfilade::server

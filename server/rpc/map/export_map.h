@@ -1,13 +1,13 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "enfilade/v1/map_service.pb.h"
+#include "grpcpp/support/byte_buffer.h"
 #include "server/rpc/server_stream.h"
 
 namespace enfilade::server {
 
-// MapService.ExportMap.
-absl::StatusOr<MessageSource<v1::ExportMapResponse>> ExportMap(const Services& services, const CallContext& context,
-                                                               const v1::ExportMapRequest& request);
+// MapService.ExportMap, with its messages in the form in which they travel: see EncodeChunkMessage().
+absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const CallContext& context,
+                                                          const grpc::ByteBuffer& encoded_request);
 
 }  // namespace enfilade::server
