@@ -2,6 +2,8 @@
 PRESET ?= release
 BIN := build/$(PRESET)/bin
 JOBS ?= $(shell nproc)
+# Further lists of deploy/packages that a target needs.
+PACKAGES ?=
 .PHONY: help demo stop test build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean
 
 help: ## this list
@@ -23,9 +25,10 @@ configure: bootstrap
 	@cmake --preset $(PRESET) >build/configure-$(PRESET).log 2>&1 || { cat build/configure-$(PRESET).log; exit 1; }
 
 bootstrap: ## install the Debian packages that are missing
-	@mkdir -p build && deploy/bootstrap
+	@mkdir -p build && deploy/bootstrap $(PACKAGES)
 
-bench: build ## run the benchmarks; JSON in build/bench
+bench: ## run the benchmarks; JSON in build/bench
+	@$(MAKE) build PACKAGES=analysis
 	@tests/bench/run $(BIN) build/bench
 
 asan: ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
@@ -35,12 +38,12 @@ tsan: ## the tests under ThreadSanitizer
 	@$(MAKE) test PRESET=tsan
 
 coverage: ## the tests with line coverage of core and storage
-	@$(MAKE) test PRESET=coverage
+	@$(MAKE) test PRESET=coverage PACKAGES=analysis
 	@gcovr --root . --object-directory build/coverage --filter core/ --filter storage/ --exclude-throw-branches --print-summary --output build/coverage/report.txt
 	@echo "whole report: build/coverage/report.txt"
 
 tidy: ## build with clang, its thread-safety analysis and clang-tidy
-	@$(MAKE) build PRESET=tidy
+	@$(MAKE) build PRESET=tidy PACKAGES=analysis
 
 format: ## clang-format in place
 	@git ls-files '*.h' '*.cc' | xargs clang-format -i
