@@ -1,0 +1,189 @@
+#include "perception/image/decode.h"
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/status_macros.h"
+#include "core/grid/png_codec.h"
+#include "core/sensor/record.h"
+#include "perception/image/image_header.h"
+#include "perception/image/opencv_guard.h"
+
+namespace enfilade::perception {
+namespace {
+
+absl::Status CheckSize(std::int64_t width, std::int64_t height, const DecodeLimits& limits) {
+  if (width <= 0 || height <= 0) return InvalidArgument("the image has {}x{} pixels: nothing to see", width, height);
+  if (width > limits.max_pixels || height > limits.max_pixels / width) {
+    return InvalidArgument("the image has {}x{} pixels ({:.1f} Mpx), more than the limit of {:.1f} Mpx: scale it down",
+                           width, height, static_cast<double>(width) * static_cast<double>(height) * 1e-6,
+                           static_cast<double>(limits.max_pixels) * 1e-6);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<cv::Mat> Decode(std::string_view bytes, int flags, const ImageHeader& header) {
+  // OpenCV's decoder reads only; its interface does not say so.
+  const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
+  cv::Mat image = cv::imdecode(encoded, flags);
+  const char* name = header.format == ImageFormat::kPng ? "PNG" : "JPEG";
+  if (image.empty()) return InvalidArgument("the {} is damaged or cut short ({} bytes)", name, bytes.size());
+  if (header.format == ImageFormat::kJpeg && bytes.rfind("\xFF\xD9") == std::string_view::npos) {
+    // OpenCV fills what is missing with grey and says nothing.
+    return InvalidArgument("the JPEG is cut short ({} bytes, no end marker)", bytes.size());
+  }
+  return image;
+}
+
+absl::StatusOr<ImageHeader> CheckHeader(std::string_view bytes, const DecodeLimits& limits) {
+  if (static_cast<std::int64_t>(bytes.size()) > kMaxBlobBytes) {
+    return InvalidArgument("the image has {} bytes, more than the limit of {}", bytes.size(), kMaxBlobBytes);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, ReadImageHeader(bytes));
+  ENFILADE_RETURN_IF_ERROR(CheckSize(header.width, header.height, limits));
+  if (header.format == ImageFormat::kJpeg && header.components != 1 && header.components != 3) {
+    return InvalidArgument("the JPEG has {} colour components ({}): send grey or RGB (YCbCr) images", header.components,
+                           header.components == 4 ? "CMYK" : "unknown");
+  }
+  return header;
+}
+
+// Our own reader says what is wrong with a PNG, where OpenCV prints it to the standard error; it leaves 16 bits alone.
+bool IsPlainPng(const ImageHeader& header) { return header.format == ImageFormat::kPng && header.bit_depth <= 8; }
+
+std::uint8_t Luma(int red, int green, int blue) {
+  return static_cast<std::uint8_t>((299 * red + 587 * green + 114 * blue + 500) / 1000);
+}
+
+GreyFrame GreyFrom(const PixelImage& image) {
+  GreyFrame grey{image.width, image.height, {}};
+  const auto channels = static_cast<std::size_t>(image.channels);
+  grey.pixels.resize(image.samples.size() / channels);
+  for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
+    const std::uint8_t* sample = &image.samples[i * channels];
+    grey.pixels[i] = channels < 3 ? sample[0] : Luma(sample[0], sample[1], sample[2]);
+  }
+  return grey;
+}
+
+ColorFrame ColorFrom(const PixelImage& image) {
+  ColorFrame color{image.width, image.height, {}};
+  const auto channels = static_cast<std::size_t>(image.channels);
+  color.samples.reserve(image.samples.size() / channels * 3);
+  for (std::size_t i = 0; i < image.samples.size(); i += channels) {
+    for (std::size_t k = 0; k < 3; ++k) color.samples.push_back(image.samples[i + (channels < 3 ? 0 : k)]);
+  }
+  return color;
+}
+
+template <typename Sample>
+std::vector<Sample> Samples(const cv::Mat& image) {
+  const cv::Mat whole = image.isContinuous() ? image : image.clone();
+  const auto* first = whole.ptr<Sample>();
+  return std::vector<Sample>(first, first + whole.total() * static_cast<std::size_t>(whole.channels()));
+}
+
+int ToOpenCvType(PixelOrder order) {
+  switch (order) {
+    case PixelOrder::kMono8:
+      return CV_8UC1;
+    case PixelOrder::kBgr8:
+    case PixelOrder::kRgb8:
+      return CV_8UC3;
+    case PixelOrder::kBgra8:
+    case PixelOrder::kRgba8:
+      return CV_8UC4;
+  }
+  return CV_8UC1;
+}
+
+cv::Mat ToGrey(const cv::Mat& image, PixelOrder order) {
+  cv::Mat grey;
+  switch (order) {
+    case PixelOrder::kMono8:
+      return image;
+    case PixelOrder::kBgr8:
+      cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+      break;
+    case PixelOrder::kRgb8:
+      cv::cvtColor(image, grey, cv::COLOR_RGB2GRAY);
+      break;
+    case PixelOrder::kBgra8:
+      cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
+      break;
+    case PixelOrder::kRgba8:
+      cv::cvtColor(image, grey, cv::COLOR_RGBA2GRAY);
+      break;
+  }
+  return grey;
+}
+
+}  // namespace
+
+absl::StatusOr<GreyFrame> DecodeGrey(std::string_view bytes, const DecodeLimits& limits) {
+  ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
+  if (IsPlainPng(header)) {
+    ENFILADE_ASSIGN_OR_RETURN(const PixelImage image, DecodePng(bytes));
+    return GreyFrom(image);
+  }
+  return GuardOpenCv("decoding an image", [&]() -> absl::StatusOr<GreyFrame> {
+    ENFILADE_ASSIGN_OR_RETURN(const cv::Mat image, Decode(bytes, cv::IMREAD_GRAYSCALE, header));
+    return GreyFrame{image.cols, image.rows, Samples<std::uint8_t>(image)};
+  });
+}
+
+absl::StatusOr<ColorFrame> DecodeColor(std::string_view bytes, const DecodeLimits& limits) {
+  ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
+  if (IsPlainPng(header)) {
+    ENFILADE_ASSIGN_OR_RETURN(const PixelImage image, DecodePng(bytes));
+    return ColorFrom(image);
+  }
+  return GuardOpenCv("decoding an image", [&]() -> absl::StatusOr<ColorFrame> {
+    ENFILADE_ASSIGN_OR_RETURN(const cv::Mat bgr, Decode(bytes, cv::IMREAD_COLOR, header));
+    cv::Mat rgb;
+    cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+    return ColorFrame{rgb.cols, rgb.rows, Samples<std::uint8_t>(rgb)};
+  });
+}
+
+absl::StatusOr<DepthFrame> DecodeDepth(std::string_view bytes, double metres_per_unit, const DecodeLimits& limits) {
+  ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
+  if (header.format != ImageFormat::kPng || header.components != 1 || header.bit_depth != 16) {
+    return InvalidArgument("a depth image is a PNG of one 16-bit channel: this is a {} of {} channels of {} bits",
+                           header.format == ImageFormat::kPng ? "PNG" : "JPEG", header.components, header.bit_depth);
+  }
+  return GuardOpenCv("decoding a depth image", [&]() -> absl::StatusOr<DepthFrame> {
+    ENFILADE_ASSIGN_OR_RETURN(const cv::Mat image, Decode(bytes, cv::IMREAD_UNCHANGED, header));
+    cv::Mat metres;
+    image.convertTo(metres, CV_32F, metres_per_unit);
+    return DepthFrame{metres.cols, metres.rows, Samples<float>(metres)};
+  });
+}
+
+absl::StatusOr<GreyFrame> GreyFromRaw(const RawImage& image, const DecodeLimits& limits) {
+  ENFILADE_RETURN_IF_ERROR(CheckSize(image.width, image.height, limits));
+  const int type = ToOpenCvType(image.order);
+  const std::int64_t row = static_cast<std::int64_t>(image.width) * CV_MAT_CN(type);
+  const std::int64_t step = image.step == 0 ? row : image.step;
+  if (step < row) return InvalidArgument("raw image: a step of {} bytes is shorter than a row of {}", step, row);
+  const auto size = static_cast<std::int64_t>(image.bytes.size());
+  if (size < row || (size - row) / step < image.height - 1) {
+    return InvalidArgument("raw image of {} rows of {} bytes has {} bytes only", image.height, step, size);
+  }
+  return GuardOpenCv("converting an image", [&]() -> absl::StatusOr<GreyFrame> {
+    const cv::Mat view(image.height, image.width, type, const_cast<char*>(image.bytes.data()),
+                       static_cast<std::size_t>(step));
+    return GreyFrame{image.width, image.height, Samples<std::uint8_t>(ToGrey(view, image.order))};
+  });
+}
+
+GreyFrame GreyFromColor(const ColorFrame& frame) {
+  GreyFrame grey{frame.width, frame.height, std::vector<std::uint8_t>(frame.samples.size() / 3)};
+  for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
+    const std::uint8_t* rgb = &frame.samples[3 * i];
+    grey.pixels[i] = Luma(rgb[0], rgb[1], rgb[2]);
+  }
+  return grey;
+}
+
+}  // namespace enfilade::perception

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "perception/image/match_images.h"
+
+namespace enfilade::perception {
+
+// A match with what its keypoints say about the views.
+struct TentativeMatch {
+  Eigen::Vector2f a;
+  Eigen::Vector2f b;
+  float octaves = 0.0F;   // log2(size in b / size in a)
+  float rotation = 0.0F;  // angle in b - angle in a, rad
+};
+
+struct Verification {
+  std::vector<char> is_inlier;           // per match
+  std::optional<Eigen::Matrix3d> H_b_a;  // of the plane with the most matches, where planes are looked for
+};
+
+// Which matches agree on a geometry. `tolerance_px`: in b. LO-RANSAC (Chum, Matas, Kittler 2003) with MSAC's score, as
+// OpenCV's USAC framework has it, with options.seed.
+absl::StatusOr<Verification> VerifyGeometry(const std::vector<TentativeMatch>& matches, double tolerance_px,
+                                            const ImageMatchOptions& options);
+
+}  // namespace enfilade::perception

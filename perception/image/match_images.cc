@@ -1,0 +1,138 @@
+#include "perception/image/match_images.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "perception/image/geometric_verification.h"
+
+namespace enfilade::perception {
+namespace {
+
+constexpr float kSameSpotPx = 2.0F;  // SIFT and AKAZE matches nearer than this in both images are one
+
+absl::Status Validate(const FeatureSet& features, const char* name) {
+  if (features.sift_descriptors.size() != features.sift.size() * kSiftBytes ||
+      features.akaze_descriptors.size() != features.akaze.size() * kAkazeBytes) {
+    return InvalidArgument("features of image {}: descriptors and keypoints are not equally many", name);
+  }
+  return absl::OkStatus();
+}
+
+void Append(const std::vector<Keypoint>& keypoints_a, const std::vector<Keypoint>& keypoints_b,
+            const std::vector<DescriptorMatch>& found, std::vector<TentativeMatch>& matches) {
+  for (const DescriptorMatch& match : found) {
+    const Keypoint& a = keypoints_a[static_cast<std::size_t>(match.a)];
+    const Keypoint& b = keypoints_b[static_cast<std::size_t>(match.b)];
+    const TentativeMatch tentative{{a.x, a.y}, {b.x, b.y}, std::log2(b.size / a.size), b.angle - a.angle};
+    const bool known = std::any_of(matches.begin(), matches.end(), [&](const TentativeMatch& other) {
+      return (other.a - tentative.a).norm() < kSameSpotPx && (other.b - tentative.b).norm() < kSameSpotPx;
+    });
+    if (!known) matches.push_back(tentative);
+  }
+}
+
+int CountInside(const std::vector<Keypoint>& keypoints, const Eigen::Matrix3d& H, int width, int height) {
+  return static_cast<int>(std::count_if(keypoints.begin(), keypoints.end(), [&](const Keypoint& keypoint) {
+    const Eigen::Vector3d p = H * Eigen::Vector3d(keypoint.x, keypoint.y, 1.0);
+    const double x = p.x() / p.z();
+    const double y = p.y() / p.z();
+    return x >= 0.0 && y >= 0.0 && x < width && y < height;  // false for NaN
+  }));
+}
+
+// Of the image that has fewer features in the part that both show, as far as the plane tells.
+int CountOverlap(const FeatureSet& a, const FeatureSet& b, const std::optional<Eigen::Matrix3d>& H_b_a) {
+  if (!H_b_a) return static_cast<int>(std::min(a.sift.size() + a.akaze.size(), b.sift.size() + b.akaze.size()));
+  const Eigen::Matrix3d H_a_b = H_b_a->inverse();
+  return std::min(CountInside(a.sift, *H_b_a, b.width, b.height) + CountInside(a.akaze, *H_b_a, b.width, b.height),
+                  CountInside(b.sift, H_a_b, a.width, a.height) + CountInside(b.akaze, H_a_b, a.width, a.height));
+}
+
+std::string ReasonOf(const ImageMatch& match, const ImageMatchOptions& options) {
+  if (match.accepted) return fmt::format("{} inliers, more than {}", match.inliers, options.threshold);
+  const int fewest = std::min(match.features_a, match.features_b);
+  if (fewest <= options.threshold) {
+    return fmt::format("image {} has too little to see: {} features", match.features_a == fewest ? "A" : "B", fewest);
+  }
+  if (match.matches <= options.threshold) {
+    return fmt::format("{} matches: more than {} are needed", match.matches, options.threshold);
+  }
+  if (match.inliers > options.threshold) {
+    return fmt::format("{} inliers of {} features that both images should show: more than {:.0f} % are needed",
+                       match.inliers, match.overlap, 100.0 * options.min_share);
+  }
+  return fmt::format("{} of {} matches agree on a geometry: more than {} are needed", match.inliers, match.matches,
+                     options.threshold);
+}
+
+}  // namespace
+
+ImageMatchOptions OriginalImageMatchOptions() {
+  ImageMatchOptions options;
+  options.model = GeometricModel::kNone;
+  options.threshold = 30;
+  options.min_share = 0.0;
+  return options;
+}
+
+absl::Status Validate(const ImageMatchOptions& options) {
+  const auto is_ratio = [](double ratio) { return ratio > 0.0 && ratio <= 1.0; };
+  if (!is_ratio(options.ratios.sift) || !is_ratio(options.ratios.akaze)) {
+    return InvalidArgument("ratios {} (SIFT) and {} (AKAZE): expected numbers above 0, at most 1", options.ratios.sift,
+                           options.ratios.akaze);
+  }
+  if (!(options.tolerance > 0.0 && options.tolerance < 1.0)) {
+    return InvalidArgument("tolerance is {}: expected a share of the image's longer side", options.tolerance);
+  }
+  if (!(options.size_tolerance > 0.0) || !(options.angle_tolerance > 0.0)) {
+    return InvalidArgument("size_tolerance {} and angle_tolerance {}: expected positive numbers",
+                           options.size_tolerance, options.angle_tolerance);
+  }
+  if (options.max_planes < 1 || options.min_plane_inliers < 4) {
+    return InvalidArgument("max_planes {} and min_plane_inliers {}: expected at least 1 and 4", options.max_planes,
+                           options.min_plane_inliers);
+  }
+  if (options.threshold < 0) return InvalidArgument("threshold is {}: expected at least 0", options.threshold);
+  if (!(options.min_share >= 0.0 && options.min_share < 1.0)) {
+    return InvalidArgument("min_share is {}: expected a share below 1", options.min_share);
+  }
+  if (options.model == GeometricModel::kEssential) {
+    for (const auto& camera : {options.intrinsics_a, options.intrinsics_b}) {
+      if (!camera || !(camera->fx > 0.0) || !(camera->fy > 0.0) || !std::isfinite(camera->cx + camera->cy)) {
+        return InvalidArgument("the essential matrix needs the intrinsics of both cameras");
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ImageMatch> MatchImages(const FeatureSet& a, const FeatureSet& b, const ImageMatchOptions& options) {
+  ENFILADE_RETURN_IF_ERROR(Validate(options));
+  ENFILADE_RETURN_IF_ERROR(Validate(a, "A"));
+  ENFILADE_RETURN_IF_ERROR(Validate(b, "B"));
+  std::vector<TentativeMatch> matches;
+  Append(a.sift, b.sift, MatchSift(a, b, options.ratios), matches);
+  Append(a.akaze, b.akaze, MatchAkaze(a, b, options.ratios), matches);
+  const double tolerance_px = options.tolerance * std::max(b.width, b.height);
+  ENFILADE_ASSIGN_OR_RETURN(const Verification verified, VerifyGeometry(matches, tolerance_px, options));
+  const std::vector<char>& inliers = verified.is_inlier;
+
+  ImageMatch result;
+  result.features_a = static_cast<int>(a.sift.size() + a.akaze.size());
+  result.features_b = static_cast<int>(b.sift.size() + b.akaze.size());
+  result.matches = static_cast<int>(matches.size());
+  result.inliers = static_cast<int>(std::count(inliers.begin(), inliers.end(), 1));
+  result.overlap = CountOverlap(a, b, verified.H_b_a);
+  result.accepted = result.inliers > options.threshold && result.inliers > options.min_share * result.overlap;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    result.pairs.push_back({matches[i].a, matches[i].b, inliers[i] != 0});
+  }
+  result.reason = ReasonOf(result, options);
+  return result;
+}
+
+}  // namespace enfilade::perception

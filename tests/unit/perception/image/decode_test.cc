@@ -1,0 +1,143 @@
+#include "perception/image/decode.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/grid/png_codec.h"
+#include "perception/image/image_header.h"
+#include "tests/support/status_matchers.h"
+#include "tests/unit/perception/image/scenes.h"
+
+namespace enfilade::perception {
+namespace {
+
+using enfilade::testing::HasStatus;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string Encode(const cv::Mat& image, const std::string& extension) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(extension, image, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+// OpenCV keeps colours as B, G, R.
+cv::Mat OneColor(int red, int green, int blue) { return {48, 64, CV_8UC3, cv::Scalar(blue, green, red)}; }
+
+// 0.299 R + 0.587 G + 0.114 B.
+TEST(DecodeTest, WeighsColorsByRec601InEveryFormat) {
+  const cv::Mat red = OneColor(255, 0, 0);
+  const cv::Mat blue = OneColor(0, 0, 255);
+  for (const std::string extension : {".png", ".jpg"}) {
+    ASSERT_OK_AND_ASSIGN(const GreyFrame of_red, DecodeGrey(Encode(red, extension)));
+    ASSERT_OK_AND_ASSIGN(const GreyFrame of_blue, DecodeGrey(Encode(blue, extension)));
+    EXPECT_EQ(of_red.width, 64);
+    EXPECT_EQ(of_red.height, 48);
+    EXPECT_NEAR(of_red.pixels[100], 76, 1) << extension;
+    EXPECT_NEAR(of_blue.pixels[100], 29, 1) << extension;
+  }
+}
+
+TEST(DecodeTest, GivesColorsAsRgb) {
+  ASSERT_OK_AND_ASSIGN(const ColorFrame frame, DecodeColor(Encode(OneColor(200, 100, 50), ".png")));
+  EXPECT_THAT(std::vector<int>(frame.samples.begin(), frame.samples.begin() + 3), ::testing::ElementsAre(200, 100, 50));
+  EXPECT_NEAR(GreyFromColor(frame).pixels[0], 124, 1);
+}
+
+// The original read bgr8 as RGB.
+TEST(DecodeTest, KnowsTheOrderOfRawChannels) {
+  const std::string pixel("\xFF\x00\x00", 3);
+  const auto grey = [&](PixelOrder order) {
+    return GreyFromRaw({.width = 1, .height = 1, .step = 0, .order = order, .bytes = pixel})->pixels[0];
+  };
+  EXPECT_EQ(grey(PixelOrder::kRgb8), 76);
+  EXPECT_EQ(grey(PixelOrder::kBgr8), 29);
+}
+
+TEST(DecodeTest, TakesRawRowsWithGaps) {
+  const std::string bytes("\x01\x02..\x03\x04", 6);
+  ASSERT_OK_AND_ASSIGN(const GreyFrame frame,
+                       GreyFromRaw({.width = 2, .height = 2, .step = 4, .order = PixelOrder::kMono8, .bytes = bytes}));
+  EXPECT_EQ(frame.pixels, (std::vector<std::uint8_t>{1, 2, 3, 4}));
+  EXPECT_THAT(GreyFromRaw({.width = 2, .height = 3, .step = 4, .order = PixelOrder::kMono8, .bytes = bytes}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("6 bytes only")));
+  EXPECT_THAT(GreyFromRaw({.width = 2, .height = 1, .step = 1, .order = PixelOrder::kMono8, .bytes = bytes}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("step")));
+  EXPECT_THAT(GreyFromRaw({.width = 0, .height = 1, .step = 0, .order = PixelOrder::kMono8, .bytes = bytes}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("0x1")));
+}
+
+TEST(DecodeTest, RefusesFiftyMegapixelsBeforeDecodingThem) {
+  PixelImage huge{.width = 10000, .height = 5000, .channels = 1, .samples = std::vector<std::uint8_t>(50'000'000)};
+  ASSERT_OK_AND_ASSIGN(const std::string png, EncodePng(huge));
+  EXPECT_THAT(DecodeGrey(png), HasStatus(absl::StatusCode::kInvalidArgument,
+                                         AllOf(HasSubstr("10000x5000"), HasSubstr("50.0 Mpx"), HasSubstr("25.0 Mpx"))));
+  ASSERT_OK_AND_ASSIGN(const GreyFrame frame, DecodeGrey(png, {.max_pixels = 50'000'000}));
+  EXPECT_EQ(frame.width, 10000);
+}
+
+TEST(DecodeTest, RefusesCmyk) {
+  std::string jpeg = Encode(OneColor(1, 2, 3), ".jpg");
+  const std::size_t frame_header = jpeg.find("\xFF\xC0");
+  ASSERT_NE(frame_header, std::string::npos);
+  jpeg[frame_header + 9] = 4;  // components
+  EXPECT_THAT(DecodeGrey(jpeg), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("CMYK")));
+}
+
+TEST(DecodeTest, RefusesWhatIsDamaged) {
+  const cv::Mat image = testing::Place(1);
+  for (const std::string extension : {".png", ".jpg"}) {
+    const std::string bytes = Encode(image, extension);
+    for (const std::size_t size :
+         {std::size_t{0}, std::size_t{1}, std::size_t{10}, std::size_t{40}, bytes.size() / 2}) {
+      EXPECT_THAT(DecodeGrey(std::string_view(bytes).substr(0, size)),
+                  enfilade::testing::HasCode(absl::StatusCode::kInvalidArgument))
+          << extension << " of " << size << " bytes";
+    }
+  }
+  EXPECT_THAT(DecodeGrey("GIF89a and so on"),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("neither PNG nor JPEG")));
+}
+
+// No mutation of a byte may crash or hang; most are told apart.
+TEST(DecodeTest, SurvivesEveryFlippedHeaderByte) {
+  for (const std::string extension : {".png", ".jpg"}) {
+    const std::string bytes = Encode(testing::Place(2, {40, 40}), extension);
+    for (std::size_t i = 0; i < std::min<std::size_t>(bytes.size(), 400); ++i) {
+      for (const int flip : {0x01, 0x80, 0xFF}) {
+        std::string damaged = bytes;
+        damaged[i] = static_cast<char>(damaged[i] ^ flip);
+        const auto frame = DecodeGrey(damaged);
+        if (frame.ok()) {
+          EXPECT_OK(Validate(*frame));
+        }
+      }
+    }
+  }
+}
+
+TEST(DecodeTest, ReadsDepthInMetres) {
+  cv::Mat depth(2, 3, CV_16U, cv::Scalar(1500));
+  depth.at<std::uint16_t>(0, 1) = 0;
+  ASSERT_OK_AND_ASSIGN(const DepthFrame frame, DecodeDepth(Encode(depth, ".png")));
+  EXPECT_THAT(frame.metres, ::testing::Pointwise(::testing::FloatEq(), {1.5F, 0.0F, 1.5F, 1.5F, 1.5F, 1.5F}));
+  EXPECT_THAT(DecodeDepth(Encode(testing::Place(1), ".png")),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("16-bit")));
+}
+
+TEST(ImageHeaderTest, TellsSizeAndChannels) {
+  const cv::Mat color = OneColor(1, 2, 3);
+  ASSERT_OK_AND_ASSIGN(const ImageHeader png, ReadImageHeader(Encode(color, ".png")));
+  EXPECT_EQ(png.format, ImageFormat::kPng);
+  EXPECT_EQ(png.width, 64);
+  EXPECT_EQ(png.components, 3);
+  ASSERT_OK_AND_ASSIGN(const ImageHeader jpeg, ReadImageHeader(Encode(color, ".jpg")));
+  EXPECT_EQ(jpeg.format, ImageFormat::kJpeg);
+  EXPECT_EQ(jpeg.height, 48);
+  EXPECT_EQ(jpeg.bit_depth, 8);
+}
+
+}  // namespace
+}  // namespace enfilade::perception
