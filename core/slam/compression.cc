@@ -10,6 +10,7 @@ std::string Compress(std::string_view bytes) {
   std::string compressed(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t size = ZSTD_compress(compressed.data(), compressed.size(), bytes.data(), bytes.size(), 3);
   compressed.resize(ZSTD_isError(size) ? 0 : size);
+  compressed.shrink_to_fit();  // it is kept for as long as the map grows
   return compressed;
 }
 

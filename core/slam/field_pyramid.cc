@@ -33,6 +33,12 @@ FieldPyramid::FieldPyramid(const SubmapGrid& grid, const PyramidOptions& options
   table.Update(searched, searched.window());
 }
 
+std::size_t FieldPyramid::bytes() const {
+  std::size_t bytes = table.bytes();
+  for (const LikelihoodField& level : levels) bytes += level.bytes();
+  return bytes;
+}
+
 PyramidMatch MatchToPyramid(const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
                             const PyramidOptions& options, const FieldMatchOptions& field) {
   PyramidMatch result;

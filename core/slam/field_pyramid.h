@@ -19,6 +19,9 @@ struct FieldPyramid {
   SearchTable table;
 
   FieldPyramid(const SubmapGrid& grid, const PyramidOptions& options);
+
+  // Bytes of memory held.
+  std::size_t bytes() const;
 };
 
 struct PyramidMatch {

@@ -34,6 +34,8 @@ class LikelihoodField {
   double resolution() const { return resolution_; }
   double reach() const { return reach_; }
   const CellWindow& window() const { return window_; }
+  // Bytes of memory held.
+  std::size_t bytes() const { return cells_.capacity() * sizeof(float); }
   // Row-major over window().
   const std::vector<float>& squared_distances() const { return cells_; }
 

@@ -19,6 +19,9 @@ struct LocalFields {
 
   LocalFields(double resolution, const LocalMatchOptions& options);
 
+  // Bytes of memory held.
+  std::size_t bytes() const { return field.bytes() + table.bytes(); }
+
   // `changed`: what SubmapGrid::Insert returned.
   void Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed);
   // From nothing: the same as all updates together.

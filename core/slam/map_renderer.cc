@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace enfilade {
 namespace {
 
-// A map of more cells than this (800 m x 800 m at 5 cm) is not drawn as one raster: what lies outside is left out.
+// A map of more cells than this (800 m x 800 m at 5 cm) is not drawn as one grid: submaps outside are left out.
 constexpr double kMaxCells = 1 << 28;
-constexpr int kBlock = 256;
+constexpr int kTileBits = 7;
+constexpr int kTile = 1 << kTileBits;        // cells: 6.4 m at 5 cm
 constexpr double kPositionStep = 1.0 / 8.0;  // of a cell
 constexpr double kYawStep = 5e-4;            // rad
 
-int FloorToBlock(int v) { return static_cast<int>(std::floor(static_cast<double>(v) / kBlock)) * kBlock; }
-
 double LogOdds(double p) { return std::log(p / (1.0 - p)); }
+
+double CellCount(const CellWindow& window) { return static_cast<double>(window.width) * window.height; }
 
 }  // namespace
 
@@ -28,20 +30,21 @@ bool MapRenderer::Place(std::int64_t submap, const Pose2& T_map_submap,
   const auto placed = placed_.find(submap);
   if (placed != placed_.end() && placed->second == rounded) return false;
   const SubmapGrid& drawn = grid();
-  if (placed != placed_.end()) Add(raster_, drawn, placed->second, -1);
-  Add(raster_, drawn, rounded, +1);
+  const CellWindow grown = Union(window_, MappedWindow(drawn, rounded));
+  if (CellCount(grown) > kMaxCells) return false;
+  window_ = grown;
+  if (placed != placed_.end()) Add(tiles_, drawn, placed->second, -1);
+  Add(tiles_, drawn, rounded, +1);
   placed_[submap] = rounded;
   return true;
 }
 
 OccupancyGrid MapRenderer::Render(const SubmapGrid* active, const Pose2& T_map_active) const {
-  Raster copy;
-  if (active) {
-    copy = raster_;
-    Add(copy, *active, Rounded(T_map_active), +1);
+  Tiles drawn;
+  if (active && CellCount(Union(window_, MappedWindow(*active, Rounded(T_map_active)))) <= kMaxCells) {
+    Add(drawn, *active, Rounded(T_map_active), +1);
   }
-  const Raster& raster = active ? copy : raster_;
-  const Window known = KnownWindow(raster);
+  const CellWindow known = Union(KnownWindow(tiles_), KnownWindow(drawn));
   OccupancyGrid grid;
   grid.geometry.resolution = resolution_;
   if (known.empty()) return grid;
@@ -49,16 +52,15 @@ OccupancyGrid MapRenderer::Render(const SubmapGrid* active, const Pose2& T_map_a
   grid.geometry.height = known.height;
   grid.geometry.T_map_grid = {known.min.column * resolution_, known.min.row * resolution_, 0.0};
   grid.cells.assign(grid.geometry.cell_count(), kUnknownCell);
-  for (int row = 0; row < known.height; ++row) {
-    for (int column = 0; column < known.width; ++column) {
-      const Cell& cell = raster.cells[raster.window.index(known.min.column + column, known.min.row + row)];
-      if (cell.known == 0) continue;
-      const double log_odds = std::clamp(cell.log_odds / LogOddsGrid::kUnitsPerLogOdds, min_log_odds_, max_log_odds_);
-      grid.cells[grid.geometry.index(column, row)] = CellFromProbability(1.0 / (1.0 + std::exp(-log_odds)));
-    }
+  std::set<TileIndex> indices;
+  for (const Tiles* tiles : {&tiles_, static_cast<const Tiles*>(&drawn)}) {
+    for (const auto& [index, cells] : *tiles) indices.insert(index);
   }
+  for (const TileIndex& index : indices) DrawTile(index, tiles_, drawn, grid);
   return grid;
 }
+
+std::size_t MapRenderer::bytes() const { return tiles_.size() * kTile * kTile * sizeof(Cell); }
 
 Pose2 MapRenderer::Rounded(const Pose2& pose) const {
   const double step = resolution_ * kPositionStep;
@@ -66,9 +68,14 @@ Pose2 MapRenderer::Rounded(const Pose2& pose) const {
           std::round(pose.yaw / kYawStep) * kYawStep};
 }
 
+CellWindow MapRenderer::WindowOf(const TileIndex& tile) {
+  return {{tile.second * kTile, tile.first * kTile}, kTile, kTile};
+}
+
 // The cells of the map that the grid at `T_map_submap` can touch.
-MapRenderer::Window MapRenderer::MappedWindow(const SubmapGrid& grid, const Pose2& T_map_submap) {
+CellWindow MapRenderer::MappedWindow(const SubmapGrid& grid, const Pose2& T_map_submap) {
   const LogOddsGrid& cells = grid.log_odds();
+  if (cells.cells().empty()) return {};
   const double r = cells.resolution();
   const CellIndex min = cells.window_min();
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());
@@ -82,68 +89,82 @@ MapRenderer::Window MapRenderer::MappedWindow(const SubmapGrid& grid, const Pose
   }
   const CellIndex first = cells.CellOf(low);
   const CellIndex last = cells.CellOf(high);
-  return {first, last.column - first.column + 1, last.row - first.row + 1};
+  return WindowBetween(first.column, first.row, last.column + 1, last.row + 1);
 }
 
-bool MapRenderer::Cover(Raster& raster, const Window& needed) {
-  const Window& old = raster.window;
-  const auto low = [&](int a, int b) { return FloorToBlock(old.empty() ? b : std::min(a, b)); };
-  const auto high = [&](int a, int b) { return FloorToBlock((old.empty() ? b : std::max(a, b)) + kBlock - 1); };
-  const int left = low(old.min.column, needed.min.column);
-  const int bottom = low(old.min.row, needed.min.row);
-  const int right = high(old.min.column + old.width, needed.min.column + needed.width);
-  const int top = high(old.min.row + old.height, needed.min.row + needed.height);
-  if (static_cast<double>(right - left) * (top - bottom) > kMaxCells) return false;
-  const Window grown{{left, bottom}, right - left, top - bottom};
-  if (grown.width == old.width && grown.height == old.height) return true;
-  std::vector<Cell> cells(grown.cell_count());
-  for (int row = old.min.row; row < old.min.row + old.height; ++row) {
-    std::copy_n(raster.cells.begin() + static_cast<std::ptrdiff_t>(old.index(old.min.column, row)), old.width,
-                cells.begin() + static_cast<std::ptrdiff_t>(grown.index(old.min.column, row)));
+CellWindow MapRenderer::KnownWindow(const Tiles& tiles) {
+  CellWindow known;
+  for (const auto& [index, cells] : tiles) {
+    const CellWindow w = WindowOf(index);
+    // A tile inside of what is known already adds nothing.
+    if (Union(known, w) == known) continue;
+    for (int row = w.min.row; row < w.top(); ++row) {
+      for (int column = w.min.column; column < w.right(); ++column) {
+        if (cells[w.index(column, row)].known == 0) continue;
+        known = Union(known, {{column, row}, 1, 1});
+      }
+    }
   }
-  raster.window = grown;
-  raster.cells = std::move(cells);
-  return true;
+  return known;
 }
 
-void MapRenderer::Add(Raster& raster, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const {
-  const LogOddsGrid& cells = grid.log_odds();
-  if (cells.cells().empty()) return;
-  const Window mapped = MappedWindow(grid, T_map_submap);
-  if (!Cover(raster, mapped)) return;
+void MapRenderer::Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const {
+  const CellWindow mapped = MappedWindow(grid, T_map_submap);
+  if (mapped.empty()) return;
   const Pose2 T_submap_map = Inverse(T_map_submap);
+  for (int row = mapped.min.row >> kTileBits; row <= (mapped.top() - 1) >> kTileBits; ++row) {
+    for (int column = mapped.min.column >> kTileBits; column <= (mapped.right() - 1) >> kTileBits; ++column) {
+      AddToTile(tiles, {row, column}, mapped, grid, T_submap_map, sign);
+    }
+  }
+}
+
+void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const CellWindow& mapped, const SubmapGrid& grid,
+                            const Pose2& T_submap_map, int sign) const {
+  const LogOddsGrid& cells = grid.log_odds();
+  const CellWindow tile = WindowOf(index);
+  const CellWindow w = Intersection(tile, mapped);
   const double c = std::cos(T_submap_map.yaw);
   const double s = std::sin(T_submap_map.yaw);
-  for (int row = mapped.min.row; row < mapped.min.row + mapped.height; ++row) {
-    Cell* target = &raster.cells[raster.window.index(mapped.min.column, row)];
+  std::vector<Cell>* sums = nullptr;
+  for (int row = w.min.row; row < w.top(); ++row) {
     const double y = (row + 0.5) * resolution_;
-    for (int column = mapped.min.column; column < mapped.min.column + mapped.width; ++column, ++target) {
+    for (int column = w.min.column; column < w.right(); ++column) {
       const double x = (column + 0.5) * resolution_;
       const auto value = cells.ValueAt(cells.CellOf({T_submap_map.x + c * x - s * y, T_submap_map.y + s * x + c * y}));
       if (value == LogOddsGrid::kUnknown) continue;
-      target->log_odds += sign * value;
-      target->known += sign;
+      if (sums == nullptr) {
+        sums = &tiles[index];
+        sums->resize(tile.cell_count());
+      }
+      Cell& sum = (*sums)[tile.index(column, row)];
+      sum.log_odds += sign * value;
+      sum.known += sign;
     }
   }
+  const auto unknown = [](const Cell& cell) { return cell.known == 0; };
+  if (sign < 0 && sums != nullptr && std::all_of(sums->begin(), sums->end(), unknown)) tiles.erase(index);
 }
 
-MapRenderer::Window MapRenderer::KnownWindow(const Raster& raster) {
-  const Window& w = raster.window;
-  int left = std::numeric_limits<int>::max();
-  int right = std::numeric_limits<int>::min();
-  int bottom = left;
-  int top = right;
-  for (int row = w.min.row; row < w.min.row + w.height; ++row) {
-    for (int column = w.min.column; column < w.min.column + w.width; ++column) {
-      if (raster.cells[w.index(column, row)].known == 0) continue;
-      left = std::min(left, column);
-      right = std::max(right, column);
-      bottom = std::min(bottom, row);
-      top = std::max(top, row);
+void MapRenderer::DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active,
+                           OccupancyGrid& grid) const {
+  const CellIndex first{static_cast<int>(std::lround(grid.geometry.T_map_grid.x / resolution_)),
+                        static_cast<int>(std::lround(grid.geometry.T_map_grid.y / resolution_))};
+  const CellWindow tile = WindowOf(index);
+  const CellWindow w = Intersection(tile, {first, grid.geometry.width, grid.geometry.height});
+  const auto a = placed.find(index);
+  const auto b = active.find(index);
+  for (int row = w.min.row; row < w.top(); ++row) {
+    for (int column = w.min.column; column < w.right(); ++column) {
+      const Cell x = a == placed.end() ? Cell{} : a->second[tile.index(column, row)];
+      const Cell y = b == active.end() ? Cell{} : b->second[tile.index(column, row)];
+      if (x.known + y.known == 0) continue;
+      const double sum = (x.log_odds + y.log_odds) / LogOddsGrid::kUnitsPerLogOdds;
+      const double log_odds = std::clamp(sum, min_log_odds_, max_log_odds_);
+      grid.cells[grid.geometry.index(column - first.column, row - first.row)] =
+          CellFromProbability(1.0 / (1.0 + std::exp(-log_odds)));
     }
   }
-  if (right < left) return {};
-  return {{left, bottom}, right - left + 1, top - bottom + 1};
 }
 
 }  // namespace enfilade

@@ -3,16 +3,19 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "core/grid/occupancy_grid.h"
+#include "core/slam/cell_window.h"
 #include "core/slam/submap_grid.h"
 
 namespace enfilade {
 
 // The map's grid as the sum of the finished submaps' grids, kept up to date by taking out and putting in only the
 // submaps that moved. Sums of whole numbers at poses rounded to a fraction of a cell: however the sum came about, the
-// same submaps at the same poses give the same grid, bit for bit.
+// same submaps at the same poses give the same grid, bit for bit. The sum is kept in tiles, of those places only that
+// a submap knows: a long way across a campus costs what was seen of it.
 class MapRenderer {
  public:
   MapRenderer(double resolution, const LogOddsOptions& options);
@@ -25,40 +28,33 @@ class MapRenderer {
   // known. Cells of the map lie on multiples of the resolution.
   OccupancyGrid Render(const SubmapGrid* active, const Pose2& T_map_active) const;
 
- private:
-  struct Window {
-    CellIndex min;
-    int width = 0;
-    int height = 0;
+  // Bytes of memory held.
+  std::size_t bytes() const;
 
-    bool empty() const { return width == 0; }
-    std::size_t cell_count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
-    std::size_t index(int column, int row) const {
-      return static_cast<std::size_t>(row - min.row) * static_cast<std::size_t>(width) +
-             static_cast<std::size_t>(column - min.column);
-    }
-  };
+ private:
   struct Cell {
     std::int32_t log_odds = 0;  // the sum over submaps, in LogOddsGrid's units
     std::int32_t known = 0;     // the number of submaps
   };
-  struct Raster {
-    Window window;
-    std::vector<Cell> cells;
-  };
+  using TileIndex = std::pair<int, int>;  // row, column
+  using Tiles = std::map<TileIndex, std::vector<Cell>>;
 
-  static Window MappedWindow(const SubmapGrid& grid, const Pose2& T_map_submap);
-  static bool Cover(Raster& raster, const Window& needed);
-  static Window KnownWindow(const Raster& raster);
+  static CellWindow WindowOf(const TileIndex& tile);
+  static CellWindow MappedWindow(const SubmapGrid& grid, const Pose2& T_map_submap);
+  static CellWindow KnownWindow(const Tiles& tiles);
 
   Pose2 Rounded(const Pose2& pose) const;
-  void Add(Raster& raster, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const;
+  void Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const;
+  void AddToTile(Tiles& tiles, const TileIndex& index, const CellWindow& mapped, const SubmapGrid& grid,
+                 const Pose2& T_submap_map, int sign) const;
+  void DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active, OccupancyGrid& grid) const;
 
   double resolution_;
   double min_log_odds_;
   double max_log_odds_;
   std::map<std::int64_t, Pose2> placed_;
-  Raster raster_;
+  CellWindow window_;  // of all that was ever placed
+  Tiles tiles_;
 };
 
 }  // namespace enfilade

@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/slam/edge_information.h"
 #include "core/slam/local_matching.h"
+#include "core/slam/locate.h"
 #include "core/slam/loop_closer.h"
 #include "core/slam/map_renderer.h"
 #include "core/slam/mapper_state.h"
 #include "core/slam/motion_model.h"
 #include "core/slam/policies.h"
+#include "core/slam/row_account.h"
 #include "core/slam/scan_points.h"
 #include "core/slam/slam_graph.h"
 #include "core/slam/submap_cache.h"
@@ -52,7 +53,8 @@ class Mapper::Impl {
     if (rays.hits.empty() && options_.match_scans && (!state_.track || !scan.T_odom_robot)) {
       return NotUsed("no beam hit anything in range");
     }
-    const Place place = state_.track ? Locate(scan, rays) : Begin(scan);
+    const Place place =
+        state_.track ? Locate(*state_.track, scan, rays, state_.active->content.grid, *fields_, options_) : Begin(scan);
     state_.track = place.track;
     const bool is_keyframe =
         state_.nodes.empty() || IsElsewhere(place.track.quality, options_.quality) ||
@@ -63,8 +65,8 @@ class Mapper::Impl {
     if (report.keyframe) AddKeyframe(scan, rays, place.information);
     report.lost = IsLost(state_.track->quality, options_.quality) || state_.adrift_since.has_value();
     report.matched_share = place.matched_share;
-    delta_.trajectory.push_back({scan.sequence, scan.scan.time, LastNode().node,
-                                 Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
+    account_.Append({scan.sequence, scan.scan.time, LastNode().node,
+                     Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
     return report;
   }
 
@@ -84,23 +86,23 @@ class Mapper::Impl {
     }
     // Taken up again it is judged by the graph like a new one.
     closure.state = suspended ? ClosureState::kSuspended : ClosureState::kAccepted;
-    touched_closures_.insert(id);
+    account_.TouchClosure(id);
     Solve();
     return absl::OkStatus();
   }
 
-  SlamDelta TakeDelta() {
-    for (const std::int64_t id : touched_nodes_) delta_.nodes.push_back(state_.nodes.at(id));
-    for (const std::int64_t id : touched_submaps_) delta_.submaps.push_back(RowOf(id));
-    for (const std::int64_t id : touched_closures_) delta_.closures.push_back(state_.closures.at(id));
-    touched_nodes_.clear();
-    touched_submaps_.clear();
-    touched_closures_.clear();
-    new_contents_.clear();
-    return std::exchange(delta_, SlamDelta{});
-  }
+  SlamDelta TakeDelta() { return account_.Take(state_); }
 
   std::string Checkpoint() const { return EncodeCheckpoint(state_); }
+
+  Footprint footprint() const {
+    Footprint footprint;
+    footprint.kept = KeptBytes(state_);
+    footprint.working = cache_.bytes();
+    if (state_.active) footprint.working += state_.active->bytes() + fields_->bytes();
+    footprint.raster = renderer_.bytes();
+    return footprint;
+  }
 
   OccupancyGrid RenderGrid() const {
     for (const auto& [id, submap] : state_.finished) {
@@ -115,55 +117,12 @@ class Mapper::Impl {
   }
 
  private:
-  // Where a scan was taken.
-  struct Place {
-    Track track;
-    Eigen::Matrix3d information;  // of track.T_submap_robot
-    double matched_share = 0.0;
-    bool may_insert = true;
-  };
-
   const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
 
   Place Begin(const PairedScan& scan) {
     state_.active = Submap{0, 0, Pose2{}, EmptyContent()};
     fields_.emplace(options_.resolution, options_.local);
-    Place place;
-    place.track.T_odom_robot = scan.T_odom_robot;
-    place.information = InformationOf(options_.motion.translation_floor, options_.motion.yaw_floor);
-    return place;
-  }
-
-  // Predicts the motion, matches the scan to the active submap, and judges the match.
-  Place Locate(const PairedScan& scan, const ScanRays& rays) {
-    Place place;
-    Track& track = place.track = *state_.track;
-    PredictedMotion motion = PredictMotion(track.T_odom_robot, scan.T_odom_robot, track.T_before_last, options_.motion);
-    Pose2 next = track.T_submap_robot * motion.T_last_now;
-    place.information = InformationOf(motion.sigma_translation, motion.sigma_yaw);
-    if (options_.match_scans) {
-      LocalMatch match = Match(rays, motion);
-      if (!match.good && motion.by_odometry) {  // wheels that slip or jump: what do the scans alone say?
-        const PredictedMotion free = PredictMotion({}, {}, track.T_before_last, options_.motion);
-        const LocalMatch other = Match(rays, free);
-        if (IsSure(other, options_.local)) match = other;
-      }
-      if (match.good) next = match.match.T_submap_robot;
-      place.information += match.match.information;
-      place.matched_share = match.agreement.matched_share;
-      place.may_insert = MayInsert(match, options_.local);
-      track.quality = Updated(track.quality, match, options_.local);
-    }
-    track.T_before_last = Between(track.T_submap_robot, next);
-    track.length_since_keyframe += track.T_before_last->translation().norm();
-    track.T_submap_robot = next;
-    track.T_odom_robot = scan.T_odom_robot;
-    return place;
-  }
-
-  LocalMatch Match(const ScanRays& rays, const PredictedMotion& motion) const {
-    return MatchLocally(state_.active->content.grid, *fields_, rays.hits, state_.track->T_submap_robot, motion,
-                        options_.local);
+    return FirstPlace(scan, options_.motion);
   }
 
   void AddKeyframe(const PairedScan& scan, const ScanRays& rays, const Eigen::Matrix3d& information) {
@@ -186,8 +145,8 @@ class Mapper::Impl {
         rays);
     ++submap.version;
     state_.nodes[node.id] = node;
-    touched_nodes_.insert(node.id);
-    touched_submaps_.insert(submap.id);
+    account_.TouchNode(node.id);
+    account_.TouchSubmap(submap.id);
     if (options_.close_loops && options_.match_scans) CloseLoops(node, rays);
   }
 
@@ -202,7 +161,7 @@ class Mapper::Impl {
 
   void CloseLoops(const SlamNode& node, const ScanRays& rays) {
     for (SlamClosure& closure : TryClosures(state_, node, rays, options_, cache_)) {
-      touched_closures_.insert(closure.id);
+      account_.TouchClosure(closure.id);
       if (closure.state == ClosureState::kAccepted) {
         state_.unsolved_closures = true;
         if (ClosureChi2(state_, closure) > options_.graph.urgent_chi2) state_.urgent_closures = true;
@@ -216,10 +175,7 @@ class Mapper::Impl {
   }
 
   void Solve() {
-    const GraphChange change = SolveSlamGraph(options_.graph, state_);
-    touched_nodes_.insert(change.nodes.begin(), change.nodes.end());
-    touched_submaps_.insert(change.submaps.begin(), change.submaps.end());
-    touched_closures_.insert(change.closures.begin(), change.closures.end());
+    account_.Touch(SolveSlamGraph(options_.graph, state_));
     state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
     state_.unsolved_closures = false;
     state_.urgent_closures = false;
@@ -254,7 +210,7 @@ class Mapper::Impl {
   void BeginSubmapElsewhere() {
     BeginSubmap(InformationOf(kLostTranslation, kLostYaw));
     state_.track->quality = {};
-    state_.track->T_before_last.reset();
+    state_.track->last_step.reset();
     state_.track->length_since_keyframe += options_.quality.lost_length;
     if (!state_.adrift_since) state_.adrift_since = state_.active->id;
   }
@@ -264,34 +220,14 @@ class Mapper::Impl {
     ++old.version;
     old.content.next = next;
     state_.finished[old.id] = Finished(old.T_map_submap, old.version, Encode(old.content), old.content.nodes, next);
-    touched_submaps_.insert(old.id);
-    new_contents_.insert(old.id);
+    account_.TouchSubmap(old.id);
+    account_.AddContent(old.id);
     return old;
-  }
-
-  SlamSubmap RowOf(std::int64_t id) const {
-    SlamSubmap row;
-    row.id = id;
-    if (state_.active && state_.active->id == id) {
-      row.version = state_.active->version;
-      row.T_map_submap = state_.active->T_map_submap;
-      return row;
-    }
-    const FinishedSubmap& submap = state_.finished.at(id);
-    row.version = submap.version;
-    row.T_map_submap = submap.T_map_submap;
-    row.finished = true;
-    if (new_contents_.contains(id)) row.content = submap.content;
-    return row;
   }
 
   SlamOptions options_;
   MapperState state_;
-  SlamDelta delta_;
-  std::set<std::int64_t> touched_nodes_;
-  std::set<std::int64_t> touched_submaps_;
-  std::set<std::int64_t> touched_closures_;
-  std::set<std::int64_t> new_contents_;  // of submaps finished since the last delta
+  RowAccount account_;
   // What follows from the state and is only kept to spare work.
   std::optional<LocalFields> fields_;
   SubmapCache cache_;
@@ -316,6 +252,7 @@ absl::Status Mapper::SetClosureSuspended(std::int64_t id, bool suspended) {
 }
 SlamDelta Mapper::TakeDelta() { return impl_->TakeDelta(); }
 std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
+Footprint Mapper::footprint() const { return impl_->footprint(); }
 OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }
 
 }  // namespace enfilade

@@ -23,6 +23,15 @@ struct ScanReport {
   std::string reason;          // why it was not used
 };
 
+// Bytes of memory that a mapper holds, by what they grow with. What a call needs for its own time is not in here.
+struct Footprint {
+  std::size_t working = 0;  // the active submap and loop closing's cache: bounded by the options
+  std::size_t kept = 0;     // finished submaps, keyframes, closures: grows with the way driven
+  std::size_t raster = 0;   // what RenderGrid keeps: grows with the area seen; nothing before its first call
+
+  std::size_t total() const { return working + kept + raster; }
+};
+
 // Makes one map out of one session's scans. The seam between the algorithm and its callers (the server's mapping
 // worker, the tool): they own the log, time, storage and leases; the mapper is pure. The same scans in the same order
 // with the same options give the same result, bit for bit, also when Checkpoint and Restore happen anywhere between.
@@ -55,6 +64,8 @@ class Mapper {
 
   // The state needed to go on, together with the stored rows; finished submaps are in the rows, not in here.
   std::string Checkpoint() const;
+
+  Footprint footprint() const;
 
   // The map by the present estimate.
   OccupancyGrid RenderGrid() const;

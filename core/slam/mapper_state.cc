@@ -10,12 +10,27 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
+constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
 constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
 
 void PutOptional(BinaryWriter& writer, const std::optional<Pose2>& pose) {
   writer.Put<std::uint8_t>(pose.has_value());
   PutPose(writer, pose.value_or(Pose2{}));
+}
+
+void PutStep(BinaryWriter& writer, const std::optional<Step>& step) {
+  writer.Put<std::uint8_t>(step.has_value());
+  PutPose(writer, step.value_or(Step{}).T_from_to);
+  writer.Put(step.value_or(Step{}).seconds);
+}
+
+std::optional<Step> GetStep(BinaryReader& reader) {
+  const bool has_value = reader.Get<std::uint8_t>() != 0;
+  Step step;
+  step.T_from_to = GetPose(reader);
+  step.seconds = reader.Get<double>();
+  return has_value ? std::optional(step) : std::nullopt;
 }
 
 std::optional<Pose2> GetOptional(BinaryReader& reader) {
@@ -29,7 +44,8 @@ void PutTrack(BinaryWriter& writer, const std::optional<Track>& track) {
   if (!track) return;
   PutPose(writer, track->T_submap_robot);
   PutOptional(writer, track->T_odom_robot);
-  PutOptional(writer, track->T_before_last);
+  writer.Put(track->time);
+  PutStep(writer, track->last_step);
   writer.Put(track->length_since_keyframe);
   writer.Put(track->quality.poor);
   writer.Put(track->quality.contradicting);
@@ -40,7 +56,8 @@ std::optional<Track> GetTrack(BinaryReader& reader) {
   Track track;
   track.T_submap_robot = GetPose(reader);
   track.T_odom_robot = GetOptional(reader);
-  track.T_before_last = GetOptional(reader);
+  track.time = reader.Get<TimeNs>();
+  track.last_step = GetStep(reader);
   track.length_since_keyframe = reader.Get<double>();
   track.quality.poor = reader.Get<int>();
   track.quality.contradicting = reader.Get<int>();
@@ -96,6 +113,18 @@ bool IsRecognised(const MapperState& state, std::int64_t since) {
     if (closure.state != ClosureState::kAccepted) return false;
     return (closure.submap < since) != (state.nodes.at(closure.node).submap < since);
   });
+}
+
+std::size_t KeptBytes(const MapperState& state) {
+  std::size_t bytes = state.nodes.size() * (sizeof(std::pair<const std::int64_t, SlamNode>) + kTreeNodeBytes);
+  for (const auto& [id, submap] : state.finished) {
+    bytes += sizeof(std::pair<const std::int64_t, FinishedSubmap>) + kTreeNodeBytes + submap.content.capacity() +
+             submap.nodes.capacity() * sizeof(SubmapNode);
+  }
+  for (const auto& [id, closure] : state.closures) {
+    bytes += sizeof(std::pair<const std::int64_t, SlamClosure>) + kTreeNodeBytes + closure.reason.capacity();
+  }
+  return bytes;
 }
 
 std::string EncodeCheckpoint(const MapperState& state) {

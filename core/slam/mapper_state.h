@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/slam/motion_model.h"
 #include "core/slam/policies.h"
 #include "core/slam/slam_map.h"
 #include "core/slam/submap.h"
@@ -32,7 +33,8 @@ FinishedSubmap Finished(const Pose2& T_map_submap, std::int64_t version, std::st
 struct Track {
   Pose2 T_submap_robot;
   std::optional<Pose2> T_odom_robot;   // at the same scan
-  std::optional<Pose2> T_before_last;  // the step that led here
+  TimeNs time = 0;                     // of it
+  std::optional<Step> last_step;       // the one that led here
   double length_since_keyframe = 0.0;  // m
   TrackQuality quality;
 };
@@ -58,6 +60,9 @@ struct MapperState {
 // Whether an accepted closure joins a keyframe of submap `since` or later to a submap before it, or the other way
 // round.
 bool IsRecognised(const MapperState& state, std::int64_t since);
+
+// Bytes of memory held by what has to be kept of the way so far: all but the active submap. Grows with the way.
+std::size_t KeptBytes(const MapperState& state);
 
 // The part of `state` that is not in rows.
 std::string EncodeCheckpoint(const MapperState& state);

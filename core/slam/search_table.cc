@@ -17,6 +17,14 @@ CellWindow AtLevel(const CellWindow& window, int level) {
 SearchTable::SearchTable(double sigma, int levels)
     : sigma_(sigma), blocks_(static_cast<std::size_t>(levels)), levels_(static_cast<std::size_t>(levels)) {}
 
+std::size_t SearchTable::bytes() const {
+  std::size_t bytes = 0;
+  for (const std::vector<Level>* levels : {&blocks_, &levels_}) {
+    for (const Level& level : *levels) bytes += level.cells.capacity();
+  }
+  return bytes;
+}
+
 void SearchTable::Update(const LikelihoodField& field, const CellWindow& changed) {
   if (changed.empty()) return;
   resolution_ = field.resolution();

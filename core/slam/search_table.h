@@ -22,6 +22,9 @@ class SearchTable {
   int levels() const { return static_cast<int>(levels_.size()); }
   double resolution() const { return resolution_; }
 
+  // Bytes of memory held.
+  std::size_t bytes() const;
+
   // 0..255; 0 outside.
   int At(int level, int column, int row) const {
     const Level& l = levels_[static_cast<std::size_t>(level)];

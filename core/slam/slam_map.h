@@ -31,7 +31,7 @@ struct SlamSubmap {
   std::int64_t version = 0;  // counts the changes of its content
   Pose2 T_map_submap;
   bool finished = false;
-  // The content (grid, keyframes' scans), compressed, in the submap's frame; set once, when the submap is finished.
+  // The content (grid, keyframes' places), compressed, in the submap's frame; set once, when the submap is finished.
   std::string content;
 
   friend bool operator==(const SlamSubmap&, const SlamSubmap&) = default;

@@ -94,6 +94,14 @@ int Submap::own_nodes() const {
       std::count_if(content.nodes.begin(), content.nodes.end(), [](const SubmapNode& n) { return !n.carried; }));
 }
 
+std::size_t Submap::bytes() const {
+  std::size_t bytes = content.grid.bytes() + content.nodes.capacity() * sizeof(SubmapNode);
+  for (const ScanRays& rays : content.scans) {
+    bytes += sizeof(ScanRays) + (rays.hits.capacity() + rays.free_ends.capacity()) * sizeof(Eigen::Vector2d);
+  }
+  return bytes;
+}
+
 void Serialize(const SubmapContent& content, BinaryWriter& writer) {
   writer.Put(kVersion);
   PutAll(writer, content.nodes, PutNode);
@@ -110,17 +118,17 @@ absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, con
   GetAll(reader, nodes, GetNode);
   std::optional<NextSubmap> next = GetNext(reader);
   GetAll(reader, scans, GetRays);
-  if (!reader.ok() || nodes.size() != scans.size()) return DataLoss("a submap's content is damaged");
+  if (!reader.ok() || (!scans.empty() && nodes.size() != scans.size())) {
+    return DataLoss("a submap's content is damaged");
+  }
   ENFILADE_ASSIGN_OR_RETURN(SubmapGrid grid, SubmapGrid::Deserialize(reader, options));
   return SubmapContent{std::move(nodes), std::move(next), std::move(scans), std::move(grid)};
 }
 
 std::string Encode(const SubmapContent& content) {
-  SubmapContent stored = content;
-  for (std::size_t i = 0; i < stored.nodes.size(); ++i) {
-    if (stored.nodes[i].carried) stored.scans[i] = ScanRays{};
-  }
+  SubmapContent stored{content.nodes, content.next, {}, content.grid};
   stored.grid.Crop();
+  stored.grid.RoundMeans();
   std::string bytes;
   BinaryWriter writer(bytes);
   Serialize(stored, writer);

@@ -34,7 +34,8 @@ struct NextSubmap {
   friend bool operator==(const NextSubmap&, const NextSubmap&) = default;
 };
 
-// What a submap holds, in its own frame. `scans[i]` belongs to `nodes[i]`.
+// What a submap holds, in its own frame. `scans[i]` belongs to `nodes[i]`; a finished submap has none, since its grid
+// says what they said and the session's log holds them.
 struct SubmapContent {
   std::vector<SubmapNode> nodes;
   std::optional<NextSubmap> next;
@@ -49,14 +50,15 @@ struct Submap {
   SubmapContent content;
 
   int own_nodes() const;
+  // Bytes of memory held.
+  std::size_t bytes() const;
 };
 
 // For checkpoints: exact.
 void Serialize(const SubmapContent& content, BinaryWriter& writer);
 absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, const OccupancyOptions& options);
 
-// For rows: as Serialize, compressed. Of a finished submap only; the scans of carried nodes are left out, since the
-// submap before holds them.
+// For rows: of a finished submap, compressed, without scans and with the walls' means rounded (SubmapGrid::RoundMeans).
 std::string Encode(const SubmapContent& content);
 absl::StatusOr<SubmapContent> DecodeSubmapContent(std::string_view bytes, const OccupancyOptions& options);
 

@@ -18,4 +18,10 @@ const SubmapCache::Entry& SubmapCache::Get(std::int64_t id, const FinishedSubmap
   return entries_.front();
 }
 
+std::size_t SubmapCache::bytes() const {
+  std::size_t bytes = 0;
+  for (const Entry& entry : entries_) bytes += sizeof(Entry) + entry.grid.bytes() + entry.pyramid.bytes();
+  return bytes;
+}
+
 }  // namespace enfilade

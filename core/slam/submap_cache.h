@@ -10,8 +10,8 @@
 
 namespace enfilade {
 
-// The submaps last used by loop closing, decompressed, with their pyramids: at most `capacity`. What it gives depends
-// on the submap only, never on what was asked before.
+// The submaps last used by loop closing, decompressed, with their pyramids: at most `loop.cached_submaps`. What it
+// gives depends on the submap only, never on what was asked before.
 class SubmapCache {
  public:
   struct Entry {
@@ -24,6 +24,9 @@ class SubmapCache {
 
   // `submap` is one that this program finished or has checked on restoring.
   const Entry& Get(std::int64_t id, const FinishedSubmap& submap);
+
+  // Bytes of memory held.
+  std::size_t bytes() const;
 
  private:
   SlamOptions options_;

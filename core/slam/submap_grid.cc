@@ -11,9 +11,11 @@
 namespace enfilade {
 namespace {
 
-constexpr int kSimplifiedClamp = 10;       // steps, the value of the public implementations of seed 001
-constexpr double kSimplifiedStep = 0.35;   // log-odds: the clamp of 10 steps is a probability of 0.97
-constexpr std::int32_t kMaxCount = 1'000;  // a mean goes on following what it sees
+constexpr int kSimplifiedClamp = 10;        // steps, the value of the public implementations of seed 001
+constexpr double kSimplifiedStep = 0.35;    // log-odds: the clamp of 10 steps is a probability of 0.97
+constexpr std::int32_t kMaxCount = 1'000;   // a mean goes on following what it sees
+constexpr double kMeanStep = 1.0 / 4096.0;  // m: a power of two, so that rounded means have few digits
+constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
 
 double Probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
@@ -86,6 +88,15 @@ std::vector<Eigen::Vector2d> SubmapGrid::OccupiedPoints() const {
     if (IsOccupied({key.second, key.first})) points.push_back(hit.mean);
   }
   return points;
+}
+
+void SubmapGrid::RoundMeans() {
+  for (auto& [key, hit] : hits_) hit.mean = (hit.mean / kMeanStep).array().round().matrix() * kMeanStep;
+}
+
+std::size_t SubmapGrid::bytes() const {
+  return log_odds_.cells().capacity() * sizeof(std::int16_t) +
+         hits_.size() * (sizeof(std::pair<const Key, HitMean>) + kTreeNodeBytes);
 }
 
 // Value by value over all cells, which compresses far better than cell by cell.

@@ -59,6 +59,7 @@ nlohmann::json Run(std::vector<PairedScan> scans, int laps) {
     const SlamDelta delta = mapper.TakeDelta();
     if (lap + 1 == laps) mapper.Finish();
     const double seconds = ProcessorSeconds() - begin;
+    const Footprint footprint = mapper.footprint();
     total += seconds;
     for (const SlamSubmap& submap : delta.submaps) submaps = std::max(submaps, submap.id + 1);
     for (const SlamClosure& closure : delta.closures) closures = std::max(closures, closure.id + 1);
@@ -66,6 +67,8 @@ nlohmann::json Run(std::vector<PairedScan> scans, int laps) {
                               {"ms_per_scan", 1e3 * seconds / static_cast<double>(scans.size())},
                               {"submaps", submaps},
                               {"closures_tried", closures},
+                              {"working_bytes", footprint.working},
+                              {"kept_bytes", footprint.kept},
                               {"peak_memory_bytes", PeakMemory()}});
     std::reverse(scans.begin(), scans.end());
   }
