@@ -25,8 +25,8 @@ enum class LinkPointUse : std::int16_t {
 
 // One place as one map sees it.
 struct Anchor {
-  MapId map;
-  Pose2 T_map_place;  // m, rad
+  MapId map = {};
+  Pose2 T_map_place = {};  // m, rad
   // In (x, y, yaw) of T_map_place: m^2, m rad, rad^2. Symmetric, positive semi-definite.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 
@@ -42,17 +42,17 @@ inline Eigen::Matrix3d DefaultAnchorCovariance() { return 0.5 * DefaultTransform
 
 // One physical place (a door, a lift, a ramp) seen from maps that meet there.
 struct LinkPoint {
-  LinkPointId id;
+  LinkPointId id = {};
   LinkPointKind kind = LinkPointKind::kDoor;
   // At most one per map; in the order they were made. One: a candidate, seen from one side. Two or more: a link point;
   // a lift joins three and more.
-  std::vector<Anchor> anchors;
-  MapId direction;     // the map that was entered when it was made; empty: not known
-  int difficulty = 0;  // 0: none, greater: harder to pass
-  std::string tag;     // free text
+  std::vector<Anchor> anchors = {};
+  MapId direction = {};  // the map that was entered when it was made; empty: not known
+  int difficulty = 0;    // 0: none, greater: harder to pass
+  std::string tag = {};  // free text
   PassageState state = PassageState::kOpen;
   // Until when `state` holds; after that the place counts as open. For ever where unset.
-  std::optional<TimeNs> state_valid_until;
+  std::optional<TimeNs> state_valid_until = {};
   LinkPointUse use = LinkPointUse::kUsed;
   std::int64_t graph_version = 0;  // of the site when it last changed
 

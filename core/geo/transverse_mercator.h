@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace enfilade {
+
+// A place on the WGS84 ellipsoid, degrees.
+struct LonLat {
+  double longitude = 0.0;  // [-180, 180]
+  double latitude = 0.0;   // [-90, 90]
+
+  friend bool operator==(const LonLat&, const LonLat&) = default;
+};
+
+// The transverse Mercator projection of the WGS84 ellipsoid about an origin of one's own, scale 1 on its meridian, in
+// metres east and north of the origin: Krueger's series to the sixth order in the third flattening (Karney 2011,
+// Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85, eqs. 7-12, 35, 36). Conformal, so that a
+// site keeps its angles; at 10 km from the meridian lengths are 1.2 mm per km too long. Within some 1000 km of the
+// origin there and back differ by nanometres. The origin must not be a pole.
+class TransverseMercator {
+ public:
+  TransverseMercator() : TransverseMercator(LonLat{}) {}
+  explicit TransverseMercator(const LonLat& origin);
+
+  const LonLat& origin() const { return origin_; }
+  Eigen::Vector2d Forward(const LonLat& place) const;
+  LonLat Inverse(const Eigen::Vector2d& east_north) const;
+
+ private:
+  LonLat origin_;
+  double north_of_equator_ = 0.0;  // of the origin, m
+};
+
+}  // namespace enfilade

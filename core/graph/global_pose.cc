@@ -1,0 +1,119 @@
+#include "core/graph/global_pose.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+
+namespace enfilade {
+namespace {
+
+absl::StatusOr<int> GetMapSlot(const GraphSnapshot& graph, const MapId& map) {
+  const int slot = graph.MapSlot(map);
+  if (slot < 0) return NotFound("the graph has no map {} at version {}", map.value(), graph.version());
+  return slot;
+}
+
+// The pose that the solution has for the map, or null.
+const PoseWithCovariance* FindSolved(const GraphSnapshot& graph, const MapId& map) {
+  if (graph.solution() == nullptr || graph.solution()->root != graph.root()) return nullptr;
+  const auto found = graph.solution()->map_poses.find(map);
+  return found == graph.solution()->map_poses.end() ? nullptr : &found->second;
+}
+
+// What paths that begin in a map posed so cost already.
+double InitialCost(const Eigen::Matrix3d& covariance, const PathOptions& options) {
+  if (options.cost != PathCost::kUncertainty) return 0.0;
+  return covariance(0, 0) + covariance(1, 1) + covariance(2, 2) * options.lever_m * options.lever_m;
+}
+
+std::vector<PathSource> SolvedMaps(const GraphSnapshot& graph, const PathOptions& options) {
+  std::vector<PathSource> sources;
+  if (const int root = graph.MapSlot(graph.root()); root >= 0) {
+    sources.push_back({.map = root, .cost = 0.0, .position = Eigen::Vector2d::Zero()});
+  }
+  if (graph.solution() == nullptr || graph.solution()->root != graph.root()) return sources;
+  for (const auto& [map, T_world_map] : graph.solution()->map_poses) {
+    const int slot = graph.MapSlot(map);
+    if (slot < 0 || map == graph.root()) continue;
+    sources.push_back({.map = slot, .cost = InitialCost(T_world_map.covariance, options), .position = std::nullopt});
+  }
+  // Not in the order of the hash map, nor of the slots: the result must follow from the graph alone.
+  std::sort(sources.begin(), sources.end(), [&graph](const PathSource& a, const PathSource& b) {
+    return graph.map_node(a.map).map->id < graph.map_node(b.map).map->id;
+  });
+  return sources;
+}
+
+}  // namespace
+
+WorldPoses::WorldPoses(GraphSnapshot graph, const PathOptions& options)
+    : graph_(std::move(graph)),
+      options_{.cost = options.cost, .lever_m = options.lever_m},
+      sources_(SolvedMaps(graph_, options_)),
+      labels_(ShortestPaths(graph_, sources_, options_)) {}
+
+absl::StatusOr<std::optional<GlobalPose>> WorldPoses::Find(const MapId& map,
+                                                           const PoseWithCovariance& T_map_robot) const {
+  ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(graph_, map));
+  const PathTarget target{.map = slot, .position = T_map_robot.pose.translation()};
+  const std::optional<Path> path = BestPath(graph_, sources_, labels_, target, options_);
+  if (!path.has_value()) return std::optional<GlobalPose>();
+
+  GlobalPose result{.graph_version = graph_.version(), .base_map = graph_.map_node(path->maps.front()).map->id};
+  if (const PoseWithCovariance* solved = FindSolved(graph_, result.base_map)) {
+    result.T_world_base = *solved;
+    result.solution_version = graph_.solution()->graph_version;
+  }
+  PoseChain chain = ChainAlong(graph_, *path, result.T_world_base, T_map_robot);
+  result.T_world_robot = chain.T_start_end;
+  result.base_share = chain.start_share;
+  result.hops = std::move(chain.hops);
+  result.robot_share = chain.end_share;
+  return std::optional<GlobalPose>(std::move(result));
+}
+
+absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& graph, const MapId& a, const MapId& b,
+                                                          const PathOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const int slot_a, GetMapSlot(graph, a));
+  ENFILADE_ASSIGN_OR_RETURN(const int slot_b, GetMapSlot(graph, b));
+  const std::vector<PathSource> sources = {{.map = slot_a, .cost = 0.0, .position = std::nullopt}};
+  const std::optional<Path> path = ShortestPath(graph, sources, {.map = slot_b, .position = std::nullopt}, options);
+  if (!path.has_value()) return std::optional<MapTransform>();
+
+  PoseChain chain = ChainAlong(graph, *path, {}, {});
+  MapTransform result{.T_a_b = chain.T_start_end,
+                      .graph_version = graph.version(),
+                      .hops = std::move(chain.hops),
+                      .solution_version = std::nullopt};
+  const PoseWithCovariance* T_world_a = FindSolved(graph, a);
+  const PoseWithCovariance* T_world_b = FindSolved(graph, b);
+  if (T_world_a != nullptr && T_world_b != nullptr) {
+    result.T_a_b.pose = Between(T_world_a->pose, T_world_b->pose);
+    result.solution_version = graph.solution()->graph_version;
+  }
+  return std::optional<MapTransform>(std::move(result));
+}
+
+std::vector<PoseWithCovariance> TransformPoses(const MapTransform& T_a_b,
+                                               const std::vector<PoseWithCovariance>& T_b_poses) {
+  std::vector<PoseWithCovariance> poses;
+  poses.reserve(T_b_poses.size());
+  for (const PoseWithCovariance& T_b_pose : T_b_poses) poses.push_back(Compose(T_a_b.T_a_b, T_b_pose));
+  return poses;
+}
+
+std::optional<PoseWithCovariance> FindInWorld(const WorldPoses& poses, const LinkPoint& link_point) {
+  std::optional<PoseWithCovariance> best;
+  const auto spread = [](const PoseWithCovariance& pose) { return pose.covariance(0, 0) + pose.covariance(1, 1); };
+  for (const Anchor& anchor : link_point.anchors) {
+    const auto found = poses.Find(anchor.map, {anchor.T_map_place, anchor.covariance});
+    if (!found.ok() || !found->has_value()) continue;
+    const PoseWithCovariance& T_world_place = (*found)->T_world_robot;
+    if (!best.has_value() || spread(T_world_place) < spread(*best)) best = T_world_place;
+  }
+  return best;
+}
+
+}  // namespace enfilade

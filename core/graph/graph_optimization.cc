@@ -1,0 +1,250 @@
+#include "core/graph/graph_optimization.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/graph/chi_squared.h"
+#include "core/graph/joint_graph.h"
+#include "core/optimize/solve_pose_graph.h"
+
+namespace enfilade {
+namespace {
+
+// Sets of maps that are joined (Tarjan 1975).
+class Islands {
+ public:
+  explicit Islands(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
+  // False where all of `maps` were joined already.
+  template <typename Maps>
+  bool Join(const Maps& maps) {
+    bool joined = false;
+    for (const int map : maps) {
+      const int a = Find(maps.front());
+      const int b = Find(map);
+      joined |= a != b;
+      parent_[static_cast<std::size_t>(b)] = a;
+    }
+    return joined;
+  }
+
+ private:
+  int Find(int i) {
+    while (parent_[static_cast<std::size_t>(i)] != i) {
+      i = parent_[static_cast<std::size_t>(i)] =
+          parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(i)])];
+    }
+    return i;
+  }
+  std::vector<int> parent_;
+};
+
+class Optimization {
+ public:
+  Optimization(const GraphSnapshot& snapshot, int root, const GraphOptimizationOptions& options)
+      : snapshot_(snapshot), options_(options), joint_(BuildJointGraph(snapshot, root, options)) {
+    begin_ = joint_.graph.nodes;
+    used_.assign(joint_.terms.size(), 1);
+    returned_.assign(joint_.terms.size(), 0);
+    chi2_.assign(joint_.terms.size(), 0.0);
+    std::map<int, double> gates;
+    for (const JointTerm& term : joint_.terms) {
+      const auto [gate, is_new] = gates.try_emplace(term.degrees_of_freedom);
+      if (is_new) gate->second = ChiSquaredQuantile(options.gate_probability, term.degrees_of_freedom);
+      gate_.push_back(gate->second);
+    }
+  }
+
+  absl::StatusOr<SolvedGraph> Run() {
+    ENFILADE_RETURN_IF_ERROR(SolveRobustly());
+    SwitchOffBeyondGate();
+    for (int round = 0;; ++round) {
+      ENFILADE_RETURN_IF_ERROR(Solve({}, Initialisation::kNone));
+      if (round >= options_.max_rounds) break;
+      ENFILADE_RETURN_IF_ERROR(JudgeUnused());
+      if (!SwitchOffWorst() && !UseAgain()) break;
+    }
+    return Solution();
+  }
+
+ private:
+  // A kernel that takes no notice of what is far off has minima in which a wrong link point holds a map against several
+  // right ones, and which one is found is a matter of the start. Huber's kernel has the majority's minimum, if a little
+  // off; started there and elsewhere, the least minimum counts.
+  absl::Status SolveRobustly() {
+    const RobustKernel dcs{.type = RobustKernel::Type::kDcs, .width = options_.kernel_width};
+    ENFILADE_RETURN_IF_ERROR(Solve({.type = RobustKernel::Type::kHuber, .width = 1.0}, Initialisation::kAuto));
+    ENFILADE_RETURN_IF_ERROR(Solve(dcs, Initialisation::kNone));
+    const double cost = report_.final_cost;
+    const std::vector<PoseGraphNode> nodes = joint_.graph.nodes;
+    ENFILADE_RETURN_IF_ERROR(Solve(dcs, Initialisation::kAuto));
+    if (report_.final_cost < cost) return absl::OkStatus();
+    joint_.graph.nodes = nodes;
+    return Solve(dcs, Initialisation::kNone);
+  }
+
+  absl::Status Solve(const RobustKernel& kernel, Initialisation initialisation) {
+    SolveOptions solve{.initialisation = initialisation,
+                       .kernel = kernel,
+                       .max_iterations = options_.max_iterations,
+                       .fixed = {joint_.graph.nodes.front().id}};
+    if (kernel.type == RobustKernel::Type::kNone) {
+      for (std::size_t i = 0; i < joint_.maps; ++i) solve.covariance_of.push_back(joint_.graph.nodes[i].id);
+    }
+    ENFILADE_ASSIGN_OR_RETURN(report_, SolvePoseGraph(solve, joint_.graph));
+    iterations_ += report_.iterations;
+    for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
+      chi2_[i] = 0.0;
+      for (const std::size_t edge : joint_.terms[i].edges) chi2_[i] += report_.edge_chi2[edge];
+    }
+    return absl::OkStatus();
+  }
+
+  // How far beyond the gate: comparable between link points with different numbers of anchors.
+  double Excess(std::size_t term) const { return chi2_[term] / gate_[term]; }
+
+  const auto& MapsOf(std::size_t term) const { return snapshot_.link_point_node(joint_.terms[term].link_point).maps; }
+
+  void Use(std::size_t term, bool used) {
+    used_[term] = used ? 1 : 0;
+    SetEnabled(joint_, joint_.terms[term], used);
+  }
+
+  // From the best on, what no better ones join already is kept.
+  void SwitchOffBeyondGate() {
+    std::vector<std::size_t> order(joint_.terms.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [this](auto a, auto b) { return Excess(a) < Excess(b); });
+    Islands islands(snapshot_.map_slots());
+    for (const std::size_t term : order) {
+      const bool needed = islands.Join(MapsOf(term));
+      if (Excess(term) > 1.0 && !needed) Use(term, false);
+    }
+  }
+
+  // Whether the maps of `term` are joined without it.
+  bool IsNeeded(std::size_t term) const {
+    Islands islands(snapshot_.map_slots());
+    for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
+      if (i != term && used_[i] != 0) islands.Join(MapsOf(i));
+    }
+    return islands.Join(MapsOf(term));
+  }
+
+  bool SwitchOffWorst() {
+    std::vector<std::size_t> beyond;
+    for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
+      if (used_[i] != 0 && Excess(i) > 1.0) beyond.push_back(i);
+    }
+    std::stable_sort(beyond.begin(), beyond.end(), [this](auto a, auto b) { return Excess(a) > Excess(b); });
+    for (const std::size_t term : beyond) {
+      if (IsNeeded(term)) continue;
+      Use(term, false);
+      return true;
+    }
+    return false;
+  }
+
+  absl::Status JudgeUnused() {
+    for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
+      if (used_[i] != 0) continue;
+      ENFILADE_ASSIGN_OR_RETURN(chi2_[i], Disagreement(joint_, joint_.graph.nodes, joint_.terms[i]));
+    }
+    return absl::OkStatus();
+  }
+
+  // Once for each, so that the rounds end.
+  bool UseAgain() {
+    bool any = false;
+    for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
+      if (used_[i] != 0 || returned_[i] != 0 || Excess(i) > 1.0) continue;
+      returned_[i] = 1;
+      Use(i, true);
+      any = true;
+    }
+    return any;
+  }
+
+  absl::StatusOr<SolvedGraph> Solution() {
+    ENFILADE_RETURN_IF_ERROR(JudgeUnused());
+    SolvedGraph solution{.graph_version = snapshot_.version(), .root = snapshot_.root()};
+    for (std::size_t i = 0; i < joint_.maps; ++i) {
+      const PoseGraphNode& node = joint_.graph.nodes[i];
+      solution.map_poses[snapshot_.map_node(static_cast<int>(node.id)).map->id] = {node.T_world_node,
+                                                                                   report_.covariances[i].covariance};
+    }
+    solution.degrees_of_freedom = -3 * (static_cast<int>(joint_.maps) - 1);
+    for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
+      if (used_[i] != 0) {
+        solution.degrees_of_freedom += joint_.terms[i].degrees_of_freedom;
+        ENFILADE_ASSIGN_OR_RETURN(const double before, Disagreement(joint_, begin_, joint_.terms[i]));
+        solution.chi2_before += before;
+        solution.chi2_after += chi2_[i];
+      } else {
+        const LinkPoint& link_point = *snapshot_.link_point_node(joint_.terms[i].link_point).link_point;
+        solution.switched_off.push_back({.link_point = link_point.id, .chi2 = chi2_[i], .gate = gate_[i]});
+      }
+    }
+    solution.disconnected = joint_.disconnected;
+    solution.iterations = iterations_;
+    solution.converged = report_.converged;
+    return solution;
+  }
+
+  const GraphSnapshot& snapshot_;
+  const GraphOptimizationOptions& options_;
+  JointGraph joint_;
+  std::vector<PoseGraphNode> begin_;
+  std::vector<char> used_;      // per term
+  std::vector<char> returned_;  // per term
+  std::vector<double> gate_;    // per term
+  std::vector<double> chi2_;    // per term
+  SolveReport report_;
+  int iterations_ = 0;
+};
+
+absl::Status Validate(const GraphOptimizationOptions& options) {
+  if (!(options.gate_probability > 0.0 && options.gate_probability < 1.0)) {
+    return InvalidArgument("gate_probability is {}: it must lie between 0 and 1", options.gate_probability);
+  }
+  if (!(options.kernel_width > 0.0) || !std::isfinite(options.kernel_width)) {
+    return InvalidArgument("kernel_width is {}: it must be positive", options.kernel_width);
+  }
+  if (!(options.position_floor_m > 0.0 && options.yaw_floor_rad > 0.0)) {
+    return InvalidArgument("position_floor_m and yaw_floor_rad must be positive");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<SolvedGraph> OptimizeGraph(const GraphSnapshot& graph, const GraphOptimizationOptions& options) {
+  ENFILADE_RETURN_IF_ERROR(Validate(options));
+  const int root = graph.MapSlot(graph.root());
+  if (root < 0) return FailedPrecondition("the graph has no maps");
+  return Optimization(graph, root, options).Run();
+}
+
+SnapshotChanges ChangesOf(const GraphSnapshot& graph, SolvedGraph solution, std::int64_t version) {
+  SnapshotChanges changes{.version = version};
+  for (const LinkPoint* link_point : graph.ListLinkPoints()) {
+    if (link_point->use == LinkPointUse::kSuspended) continue;
+    const bool off = std::any_of(solution.switched_off.begin(), solution.switched_off.end(),
+                                 [link_point](const SwitchedOff& s) { return s.link_point == link_point->id; });
+    const LinkPointUse use = off ? LinkPointUse::kSwitchedOff : LinkPointUse::kUsed;
+    if (use == link_point->use) continue;
+    changes.link_points.push_back(*link_point);
+    changes.link_points.back().use = use;
+    changes.link_points.back().graph_version = version;
+  }
+  changes.solution = std::make_shared<const SolvedGraph>(std::move(solution));
+  return changes;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,154 @@
+#include "core/graph/joint_graph.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/graph/pose_chain.h"
+#include "core/optimize/edge_error.h"
+#include "core/optimize/solve_pose_graph.h"
+
+namespace enfilade {
+namespace {
+
+// The inverse of a measured pose's covariance, in the frame of PoseGraphEdge's error, which is the measured one.
+Eigen::Matrix3d InformationOf(const PoseWithCovariance& measured, const GraphOptimizationOptions& options) {
+  Eigen::Matrix3d covariance = 0.5 * (measured.covariance + measured.covariance.transpose());
+  covariance(0, 0) += options.position_floor_m * options.position_floor_m;
+  covariance(1, 1) += options.position_floor_m * options.position_floor_m;
+  covariance(2, 2) += options.yaw_floor_rad * options.yaw_floor_rad;
+  const double c = std::cos(measured.pose.yaw);
+  const double s = std::sin(measured.pose.yaw);
+  Eigen::Matrix3d to_measured = Eigen::Matrix3d::Identity();
+  to_measured.topLeftCorner<2, 2>() << c, s, -s, c;
+  const Eigen::Matrix3d information = (to_measured * covariance * to_measured.transpose()).inverse();
+  return 0.5 * (information + information.transpose());
+}
+
+PoseGraphEdge Edge(int from, std::int64_t to, const PoseWithCovariance& measured,
+                   const GraphOptimizationOptions& options) {
+  return {.from = from,
+          .to = to,
+          .T_from_to = measured.pose,
+          .information = InformationOf(measured, options),
+          .robust = true,
+          .enabled = true};
+}
+
+bool TakesPart(const LinkPoint& link_point) {
+  return link_point.use != LinkPointUse::kSuspended && !link_point.is_candidate();
+}
+
+const PoseWithCovariance* FindSolved(const GraphSnapshot& snapshot, const MapId& map) {
+  const SolvedGraph* solution = snapshot.solution();
+  if (solution == nullptr || solution->root != snapshot.root()) return nullptr;
+  const auto found = solution->map_poses.find(map);
+  return found == solution->map_poses.end() ? nullptr : &found->second;
+}
+
+// Breadth first from the root: the maps that it is joined to with the poses to begin at, in that order.
+std::vector<std::pair<int, Pose2>> Reach(const GraphSnapshot& snapshot, int root) {
+  std::vector<std::pair<int, Pose2>> reached = {{root, Pose2()}};
+  std::vector<char> seen(snapshot.map_slots(), 0);
+  seen[static_cast<std::size_t>(root)] = 1;
+  for (std::size_t next = 0; next < reached.size(); ++next) {
+    const auto [map, T_world_map] = reached[next];
+    for (const int slot : snapshot.map_node(map).link_points) {
+      const GraphSnapshot::LinkPointNode& node = snapshot.link_point_node(slot);
+      if (!TakesPart(*node.link_point)) continue;
+      const Anchor& here = *node.link_point->FindAnchor(snapshot.map_node(map).map->id);
+      for (std::size_t i = 0; i < node.maps.size(); ++i) {
+        char& known = seen[static_cast<std::size_t>(node.maps[i])];
+        if (known != 0) continue;
+        known = 1;
+        const Anchor& there = node.link_point->anchors[i];
+        const PoseWithCovariance* solved = FindSolved(snapshot, there.map);
+        reached.emplace_back(node.maps[i], solved != nullptr
+                                               ? solved->pose
+                                               : T_world_map * here.T_map_place * Inverse(there.T_map_place));
+      }
+    }
+  }
+  return reached;
+}
+
+void AddTerm(const GraphSnapshot& snapshot, int slot, const GraphOptimizationOptions& options, JointGraph& joint,
+             const std::vector<Pose2>& T_world_maps) {
+  const GraphSnapshot::LinkPointNode& node = snapshot.link_point_node(slot);
+  const std::vector<Anchor>& anchors = node.link_point->anchors;
+  JointTerm term{.link_point = slot, .edges = {}, .degrees_of_freedom = 3 * (static_cast<int>(anchors.size()) - 1)};
+  const auto add = [&joint, &term](PoseGraphEdge edge) {
+    term.edges.push_back(joint.graph.edges.size());
+    joint.graph.edges.push_back(std::move(edge));
+  };
+  if (anchors.size() == 2) {
+    add(Edge(node.maps[0], node.maps[1], TransformAcross(anchors[0], anchors[1]), options));
+  } else {
+    const std::int64_t place = static_cast<std::int64_t>(snapshot.map_slots()) + slot;
+    const Pose2& T_world_map = T_world_maps[static_cast<std::size_t>(node.maps[0])];
+    joint.graph.nodes.push_back({.id = place, .T_world_node = T_world_map * anchors[0].T_map_place});
+    for (std::size_t i = 0; i < anchors.size(); ++i) {
+      add(Edge(node.maps[i], place, {anchors[i].T_map_place, anchors[i].covariance}, options));
+    }
+  }
+  joint.terms.push_back(std::move(term));
+}
+
+}  // namespace
+
+JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphOptimizationOptions& options) {
+  JointGraph joint;
+  std::vector<char> reached(snapshot.map_slots(), 0);
+  std::vector<Pose2> T_world_maps(snapshot.map_slots());
+  for (const auto& [map, T_world_map] : Reach(snapshot, root)) {
+    reached[static_cast<std::size_t>(map)] = 1;
+    T_world_maps[static_cast<std::size_t>(map)] = T_world_map;
+    joint.graph.nodes.push_back({.id = map, .T_world_node = T_world_map});
+  }
+  joint.maps = joint.graph.nodes.size();
+  for (const MapInGraph* map : snapshot.ListMaps()) {
+    if (reached[static_cast<std::size_t>(snapshot.MapSlot(map->id))] == 0) joint.disconnected.push_back(map->id);
+  }
+  for (const LinkPoint* link_point : snapshot.ListLinkPoints()) {
+    const int slot = snapshot.LinkPointSlot(link_point->id);
+    const int map = snapshot.link_point_node(slot).maps.front();
+    if (!TakesPart(*link_point) || reached[static_cast<std::size_t>(map)] == 0) continue;
+    AddTerm(snapshot, slot, options, joint, T_world_maps);
+  }
+  for (std::size_t i = 0; i < joint.graph.nodes.size(); ++i) joint.node_of[joint.graph.nodes[i].id] = i;
+  return joint;
+}
+
+void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled) {
+  for (const std::size_t edge : term.edges) joint.graph.edges[edge].enabled = enabled;
+}
+
+absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<PoseGraphNode>& nodes,
+                                    const JointTerm& term) {
+  const auto node = [&joint, &nodes](std::int64_t id) { return nodes[joint.node_of.at(id)]; };
+  if (term.edges.size() == 1) {
+    const PoseGraphEdge& edge = joint.graph.edges[term.edges.front()];
+    const Eigen::Vector3d error =
+        EdgeError(node(edge.from).T_world_node, node(edge.to).T_world_node, EdgeMeasurement(edge.T_from_to));
+    return error.dot(edge.information * error);
+  }
+  PoseGraph star;
+  SolveOptions options{.initialisation = Initialisation::kNone};
+  for (const std::size_t index : term.edges) {
+    PoseGraphEdge edge = joint.graph.edges[index];
+    edge.enabled = true;
+    star.nodes.push_back(node(edge.from));
+    options.fixed.push_back(edge.from);
+    if (star.edges.empty()) {
+      star.nodes.push_back({.id = edge.to, .T_world_node = node(edge.from).T_world_node * edge.T_from_to});
+    }
+    star.edges.push_back(std::move(edge));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const SolveReport report, SolvePoseGraph(options, star));
+  return report.final_chi2;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/geometry/pose2.h"
+
+namespace enfilade {
+
+// The 95 % quantile of chi-squared with two degrees of freedom.
+constexpr double kChiSquared2Dof95 = 5.991;
+
+struct SearchRadiusOptions {
+  double base_m = 20.0;
+  // Of the 95 % ellipse's larger semi-axis. 2: the whole axis, as the predecessor had it.
+  double factor = 2.0;
+};
+
+// The 95 % ellipse of a position: semi-axes in m, the larger first, and the angle of the larger to the x axis, rad.
+struct ErrorEllipse {
+  double semi_major_m = 0.0;
+  double semi_minor_m = 0.0;
+  double angle = 0.0;
+};
+ErrorEllipse ErrorEllipse95(const Eigen::Matrix3d& covariance);
+
+// How far around an uncertain pose link points are considered: base + factor * sqrt(5.991 lambda_max), lambda_max the
+// larger eigenvalue of the position's covariance, m.
+double SearchRadius(const Eigen::Matrix3d& covariance, const SearchRadiusOptions& options = {});
+
+// Of two independent position estimates: sqrt(d' (S_a + S_b)^-1 d). Empty where S_a + S_b is singular, unless they are
+// the same place: 0.
+std::optional<double> MahalanobisDistance(const PoseWithCovariance& a, const PoseWithCovariance& b);
+
+// Of `position`, from a robot at `T_frame_robot`: counter-clockwise from its x axis, rad in [-pi, pi).
+double Bearing(const Pose2& T_frame_robot, const Eigen::Vector2d& position);
+
+}  // namespace enfilade
