@@ -54,6 +54,7 @@ std::optional<std::int64_t> ToNumber(const std::string& text) {
 constexpr std::string_view kSiteForm = "sites/{site}";
 constexpr std::string_view kMapForm = "sites/{site}/maps/{map}";
 constexpr std::string_view kRevisionForm = "sites/{site}/maps/{map}/revisions/{revision}";
+constexpr std::string_view kLinkPointForm = "sites/{site}/linkPoints/{link_point}";
 constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
 constexpr std::string_view kSessionForm = "sites/{site}/sessions/{session}";
 constexpr std::string_view kClosureForm = "sites/{site}/sessions/{session}/closures/{closure}";
@@ -65,6 +66,7 @@ std::string NameOf(const MapName& name) { return NameOf(name.site) + "/maps/" + 
 std::string NameOf(const RevisionName& name) {
   return NameOf(MapName{name.site, name.map}) + "/revisions/" + std::to_string(name.revision);
 }
+std::string NameOf(const LinkPointName& name) { return NameOf(name.site) + "/linkPoints/" + name.link_point.value(); }
 std::string NameOf(const RobotName& name) { return NameOf(name.site) + "/robots/" + name.robot.value(); }
 std::string NameOf(const SessionName& name) { return NameOf(name.site) + "/sessions/" + name.session.value(); }
 std::string NameOf(const ClosureName& name) {
@@ -91,6 +93,11 @@ absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::stri
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name) {
   if (const auto map = ParseMapName(field, name); map.ok()) return RevisionName{map->site, map->map, 0};
   return ParseRevisionName(field, name);
+}
+
+absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kLinkPointForm, field, name));
+  return LinkPointName{SiteId(ids[0]), LinkPointId(ids[1])};
 }
 
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name) {

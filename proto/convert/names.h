@@ -21,6 +21,10 @@ struct RevisionName {
   MapId map;
   std::int64_t revision = 0;  // 0: the newest
 };
+struct LinkPointName {
+  SiteId site;
+  LinkPointId link_point;
+};
 struct RobotName {
   SiteId site;
   RobotId robot;
@@ -39,6 +43,7 @@ struct ClosureName {
 std::string NameOf(const SiteId& site);
 std::string NameOf(const MapName& name);
 std::string NameOf(const RevisionName& name);
+std::string NameOf(const LinkPointName& name);
 std::string NameOf(const RobotName& name);
 std::string NameOf(const SessionName& name);
 std::string NameOf(const ClosureName& name);
@@ -48,6 +53,7 @@ absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view na
 // Takes a map's name too, meaning its newest revision.
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name);
 absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::string_view name);
+absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::string_view name);
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);
 absl::StatusOr<ClosureName> ParseClosureName(std::string_view field, std::string_view name);

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/pose2.h"
+#include "enfilade/v1/geometry.pb.h"
+#include "google/protobuf/repeated_field.h"
+
+namespace enfilade {
+
+v1::PoseWithCovariance ToProto(const PoseWithCovariance& pose);
+
+// INVALID_ARGUMENT naming `field`: a pose that is missing or not finite, a covariance that is no covariance. Without
+// one it is zero.
+absl::StatusOr<PoseWithCovariance> FromProto(const std::string& field, const v1::PoseWithCovariance& pose);
+
+// Row by row.
+void SetMatrix(const Eigen::Matrix3d& matrix, google::protobuf::RepeatedField<double>* out);
+
+}  // namespace enfilade
