@@ -96,10 +96,10 @@ class Search {
   }
 
   Candidate Bounded(Candidate candidate) const {
+    const SearchTable::View view = table_.ViewOf(candidate.level);
     int sum = 0;
     for (const CellIndex& cell : scans_[static_cast<std::size_t>(candidate.scan)].cells) {
-      sum += table_.At(candidate.level, (cell.column + candidate.dx) >> candidate.level,
-                       (cell.row + candidate.dy) >> candidate.level);
+      sum += view.At((cell.column + candidate.dx) >> candidate.level, (cell.row + candidate.dy) >> candidate.level);
     }
     candidate.bound = sum * inverse_ - PriorCost(candidate);
     return candidate;

@@ -73,26 +73,35 @@ void SearchTable::UpdateLikelihoods(const LikelihoodField& field, const CellWind
 }
 
 void SearchTable::UpdateBounds(int level, const CellWindow& changed) {
-  const auto at = [](const Level& l, int column, int row) -> std::uint8_t {
-    return l.window.contains(column, row) ? l.cells[l.window.index(column, row)] : std::uint8_t{0};
-  };
-  const auto largest_of_four = [&](const Level& l, int column, int row) {
-    return std::max(std::max(at(l, column, row), at(l, column + 1, row)),
-                    std::max(at(l, column, row + 1), at(l, column + 1, row + 1)));
-  };
   const auto k = static_cast<std::size_t>(level);
-  const Level& finer = level == 1 ? levels_[0] : blocks_[k - 1];
-  Level& blocks = blocks_[k];
   const CellWindow touched = AtLevel(changed, level);
-  for (int row = touched.min.row; row < touched.top(); ++row) {
-    for (int column = touched.min.column; column < touched.right(); ++column) {
-      blocks.cells[blocks.window.index(column, row)] = largest_of_four(finer, 2 * column, 2 * row);
+  MaxOfSquares(level == 1 ? levels_[0] : blocks_[k - 1], 2, touched, blocks_[k]);
+  MaxOfSquares(blocks_[k], 1,
+               WindowBetween(touched.min.column - 1, touched.min.row - 1, touched.right(), touched.top()), levels_[k]);
+}
+
+// Cell (c, r) of `target` becomes the largest of the 2 x 2 cells of `source` from (step c, step r) on.
+void SearchTable::MaxOfSquares(const Level& source, int step, const CellWindow& cells, Level& target) {
+  const auto at = [&](int column, int row) -> std::uint8_t {
+    return source.window.contains(column, row) ? source.cells[source.window.index(column, row)] : std::uint8_t{0};
+  };
+  for (int row = cells.min.row; row < cells.top(); ++row) {
+    std::uint8_t* const to = &target.cells[target.window.index(cells.min.column, row)];
+    const int left = step * cells.min.column;
+    const int right = step * (cells.right() - 1) + 1;
+    if (source.window.contains(left, step * row) && source.window.contains(right, step * row + 1)) {
+      const std::uint8_t* const low = &source.cells[source.window.index(left, step * row)];
+      const std::uint8_t* const high = low + source.window.width;
+      for (int i = 0; i < cells.width; ++i) {
+        const int c = step * i;
+        to[i] = std::max(std::max(low[c], low[c + 1]), std::max(high[c], high[c + 1]));
+      }
+      continue;
     }
-  }
-  Level& bounds = levels_[k];
-  for (int row = touched.min.row - 1; row < touched.top(); ++row) {
-    for (int column = touched.min.column - 1; column < touched.right(); ++column) {
-      bounds.cells[bounds.window.index(column, row)] = largest_of_four(blocks, column, row);
+    for (int i = 0; i < cells.width; ++i) {  // along the border
+      const int c = left + step * i;
+      const int r = step * row;
+      to[i] = std::max(std::max(at(c, r), at(c + 1, r)), std::max(at(c, r + 1), at(c + 1, r + 1)));
     }
   }
 }

@@ -25,11 +25,26 @@ class SearchTable {
   // Bytes of memory held.
   std::size_t bytes() const;
 
-  // 0..255; 0 outside.
-  int At(int level, int column, int row) const {
+  // One level, to be looked into many times; valid until the next update.
+  struct View {
+    const std::uint8_t* cells;
+    CellIndex min;
+    unsigned width;
+    unsigned height;
+
+    // 0..255; 0 outside.
+    int At(int column, int row) const {
+      const auto c = static_cast<unsigned>(column - min.column);  // what lies before becomes huge
+      const auto r = static_cast<unsigned>(row - min.row);
+      return c < width && r < height ? cells[static_cast<std::size_t>(r) * width + c] : 0;
+    }
+  };
+  View ViewOf(int level) const {
     const Level& l = levels_[static_cast<std::size_t>(level)];
-    return l.window.contains(column, row) ? l.cells[l.window.index(column, row)] : 0;
+    return {l.cells.data(), l.window.min, static_cast<unsigned>(l.window.width),
+            static_cast<unsigned>(l.window.height)};
   }
+  int At(int level, int column, int row) const { return ViewOf(level).At(column, row); }
 
  private:
   struct Level {
@@ -40,6 +55,7 @@ class SearchTable {
   void Cover(const CellWindow& field_window);
   void UpdateLikelihoods(const LikelihoodField& field, const CellWindow& changed);
   void UpdateBounds(int level, const CellWindow& changed);
+  static void MaxOfSquares(const Level& source, int step, const CellWindow& cells, Level& target);
 
   double sigma_;
   double resolution_ = 0.05;

@@ -230,7 +230,7 @@ TEST(MapperBadInput, GoesOnByOdometryWhereNothingIsInRange) {
 }
 
 TEST(MapperBadInput, StandingStillForAnHourStaysBounded) {
-  const std::vector<Pose2> still(3'600, Pose2{2.5, 2.5, 0.3});
+  const std::vector<Pose2> still(7'200, Pose2{2.5, 2.5, 0.3});  // two scans a second
   const auto log = testing::Record(RingOfCorridors(), still, {}, {}, 2);
   Mapper mapper(SlamOptions{});
   SlamMap map;
