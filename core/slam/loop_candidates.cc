@@ -27,34 +27,29 @@ struct LastTried {
 }  // namespace
 
 std::vector<double> DriftLengths(const MapperState& state, std::int64_t from) {
-  struct Way {
-    std::int64_t to;
-    double length;
-  };
-  std::vector<std::vector<Way>> ways(state.finished.size() + 1);
-  const auto join = [&](std::int64_t a, std::int64_t b, double length) {
-    ways[static_cast<std::size_t>(a)].push_back({b, length});
-    ways[static_cast<std::size_t>(b)].push_back({a, length});
-  };
-  for (const auto& [id, submap] : state.finished) join(id, id + 1, submap.length);
-  for (const auto& [id, closure] : state.closures) {
-    if (closure.state == ClosureState::kAccepted) join(closure.submap, state.nodes.at(closure.node).submap, 0.0);
-  }
-  std::vector<double> lengths(ways.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> own;  // of each submap's way to the next
+  own.reserve(state.finished.size());
+  for (const auto& [id, submap] : state.finished) own.push_back(submap.length);
+  std::vector<double> lengths(own.size() + 1, std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, std::int64_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  lengths[static_cast<std::size_t>(from)] = 0.0;
-  open.emplace(0.0, from);
+  const auto reach = [&](std::int64_t submap, double length) {
+    double& best = lengths[static_cast<std::size_t>(submap)];
+    if (length >= best) return;
+    best = length;
+    open.emplace(length, submap);
+  };
+  reach(from, 0.0);
   while (!open.empty()) {
     const auto [length, submap] = open.top();
     open.pop();
-    if (length > lengths[static_cast<std::size_t>(submap)]) continue;
-    for (const Way& way : ways[static_cast<std::size_t>(submap)]) {
-      double& best = lengths[static_cast<std::size_t>(way.to)];
-      if (length + way.length >= best) continue;
-      best = length + way.length;
-      open.emplace(best, way.to);
-    }
+    const auto index = static_cast<std::size_t>(submap);
+    if (length > lengths[index]) continue;
+    if (index < own.size()) reach(submap + 1, length + own[index]);
+    if (index > 0) reach(submap - 1, length + own[index - 1]);
+    const auto joined = state.joined.find(submap);
+    if (joined == state.joined.end()) continue;
+    for (const std::int64_t other : joined->second) reach(other, length);
   }
   return lengths;
 }

@@ -164,6 +164,7 @@ class Mapper::Impl {
       account_.TouchClosure(closure.id);
       if (closure.state == ClosureState::kAccepted) {
         state_.unsolved_closures = true;
+        Join(closure, state_);
         if (ClosureChi2(state_, closure) > options_.graph.urgent_chi2) state_.urgent_closures = true;
       }
       state_.closures[closure.id] = std::move(closure);
@@ -176,6 +177,7 @@ class Mapper::Impl {
 
   void Solve() {
     account_.Touch(SolveSlamGraph(options_.graph, state_));
+    JoinAll(state_);
     state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
     state_.unsolved_closures = false;
     state_.urgent_closures = false;

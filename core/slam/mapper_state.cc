@@ -115,6 +115,18 @@ bool IsRecognised(const MapperState& state, std::int64_t since) {
   });
 }
 
+void Join(const SlamClosure& closure, MapperState& state) {
+  if (closure.state != ClosureState::kAccepted) return;
+  const std::int64_t other = state.nodes.at(closure.node).submap;
+  state.joined[closure.submap].insert(other);
+  state.joined[other].insert(closure.submap);
+}
+
+void JoinAll(MapperState& state) {
+  state.joined.clear();
+  for (const auto& [id, closure] : state.closures) Join(closure, state);
+}
+
 std::size_t KeptBytes(const MapperState& state) {
   std::size_t bytes = state.nodes.size() * (sizeof(std::pair<const std::int64_t, SlamNode>) + kTreeNodeBytes);
   for (const auto& [id, submap] : state.finished) {
@@ -124,6 +136,7 @@ std::size_t KeptBytes(const MapperState& state) {
   for (const auto& [id, closure] : state.closures) {
     bytes += sizeof(std::pair<const std::int64_t, SlamClosure>) + kTreeNodeBytes + closure.reason.capacity();
   }
+  for (const auto& [id, others] : state.joined) bytes += (1 + others.size()) * (sizeof(id) + kTreeNodeBytes);
   return bytes;
 }
 
@@ -171,6 +184,7 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
     return DataLoss("the checkpoint belongs to {} nodes, {} finished submaps, {} closures; stored are {}, {}, {}",
                     nodes, finished, closures, state.nodes.size(), state.finished.size(), state.closures.size());
   }
+  JoinAll(state);
   return state;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,8 @@ struct MapperState {
   std::map<std::int64_t, FinishedSubmap> finished;
   std::map<std::int64_t, SlamNode> nodes;
   std::map<std::int64_t, SlamClosure> closures;
+  // Which submaps accepted closures join, both ways: follows from `closures` and is kept to spare going through them.
+  std::map<std::int64_t, std::set<std::int64_t>> joined;
   bool ended = false;  // Finish was called
   // When the graph was last solved, and what has come since.
   std::int64_t nodes_at_solve = 0;
@@ -60,6 +63,10 @@ struct MapperState {
 // Whether an accepted closure joins a keyframe of submap `since` or later to a submap before it, or the other way
 // round.
 bool IsRecognised(const MapperState& state, std::int64_t since);
+
+// Takes note in `joined` of one closure, if it is accepted, or of all anew, after some have changed.
+void Join(const SlamClosure& closure, MapperState& state);
+void JoinAll(MapperState& state);
 
 // Bytes of memory held by what has to be kept of the way so far: all but the active submap. Grows with the way.
 std::size_t KeptBytes(const MapperState& state);

@@ -100,8 +100,10 @@ TEST(DriftLengths, GoTheShortestWayAcrossClosures) {
   MapperState state = Square(0.0);
   EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 40.0);
   state.closures[0] = Closure(0, 1, 4, {});
+  Join(state.closures[0], state);
   EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 10.0);
   state.closures[0].state = ClosureState::kRejected;
+  JoinAll(state);
   EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 40.0);
 }
 
