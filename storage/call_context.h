@@ -9,9 +9,10 @@ namespace enfilade {
 // set to what remains), and the caller gets DEADLINE_EXCEEDED.
 struct CallContext {
   std::chrono::steady_clock::time_point deadline;
+  std::string actor = {};  // who calls, for the audit trail; empty where nobody said
 
   static CallContext WithTimeout(std::chrono::steady_clock::duration timeout) {
-    return {std::chrono::steady_clock::now() + timeout};
+    return {.deadline = std::chrono::steady_clock::now() + timeout};
   }
 };
 

@@ -47,7 +47,7 @@ struct Rectangle {
   Eigen::Vector2d max;
 };
 
-// Thread-safe; errors common to all stores: see SiteStore.
+// Every change raises the version of the site's graph. Thread-safe; errors common to all stores: see SiteStore.
 class MapStore {
  public:
   explicit MapStore(postgres::Pool& pool) : pool_(pool) {}
@@ -66,7 +66,8 @@ class MapStore {
   // Writes display name, level, environment, profile and outline. ABORTED on a stale `map.etag`, NOT_FOUND,
   // ALREADY_EXISTS where the display name is taken. A new revision leaves the etag as it is.
   absl::StatusOr<Map> Update(const CallContext& context, const Map& map) const;
-  // With its revisions. FAILED_PRECONDITION naming the sessions that map into it, unless `force`, which deletes them.
+  // With its revisions. FAILED_PRECONDITION naming the sessions that map into it and the link points that join it,
+  // unless `force`, which deletes them; a link point that joins two other maps only loses its anchor here.
   // ABORTED on a stale `etag` (0: any); NOT_FOUND.
   absl::Status Delete(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
                       bool force) const;

@@ -251,6 +251,27 @@ absl::Status Connection::CopyIn(const Statement& statement, std::string_view dat
   return status.ok() ? finished : status;
 }
 
+absl::StatusOr<std::vector<std::string>> Connection::AwaitNotifications(Deadline deadline) {
+  constexpr char kWhat[] = "waiting for notifications";
+  std::vector<std::string> payloads;
+  while (true) {
+    if (broken() || !PQconsumeInput(connection_.get())) return Broken(LostConnection(connection_.get(), kWhat));
+    while (pgNotify* notification = PQnotifies(connection_.get())) {
+      payloads.emplace_back(notification->extra);
+      PQfreemem(notification);
+    }
+    if (!payloads.empty()) return payloads;
+    switch (PollSocket(PQsocket(connection_.get()), POLLIN, deadline)) {
+      case PollOutcome::kReady:
+        break;
+      case PollOutcome::kTimeout:
+        return payloads;
+      case PollOutcome::kError:
+        return Broken(LostConnection(connection_.get(), kWhat));
+    }
+  }
+}
+
 absl::Status Connection::FinishCopy(const Statement& statement, Deadline deadline) {
   absl::Status status;
   while (true) {

@@ -49,6 +49,12 @@ class Connection {
   // COPY ... FROM STDIN (FORMAT binary) with the whole of `data` (see CopyBuffer). Nothing may be queued.
   absl::Status CopyIn(const Statement& statement, std::string_view data, Deadline deadline);
 
+  // Payloads of notifications on the channels that were listened to; waits for the first until the deadline, and gives
+  // none then. Nothing may be queued. UNAVAILABLE where the connection is lost.
+  absl::StatusOr<std::vector<std::string>> AwaitNotifications(Deadline deadline);
+  // Not to be given back to the pool.
+  void Retire() { broken_ = true; }
+
   // Nothing can be done with it any more but to destroy it.
   bool broken() const;
   // Outside any transaction, nothing queued, nothing wrong: another caller may have it.

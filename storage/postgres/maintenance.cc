@@ -51,6 +51,8 @@ constexpr Statement kCollectBlobs{
     "  AND NOT EXISTS (SELECT FROM enfilade.map_revision_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
     "  AND NOT EXISTS (SELECT FROM enfilade.session_record_blobs r"
     "    WHERE r.site_id = b.site_id AND r.sha256 = b.sha256)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.link_point_evidence e"
+    "    WHERE e.site_id = b.site_id AND e.sha256 = b.sha256)"
     "  LIMIT $2 FOR UPDATE SKIP LOCKED))"};
 
 // One session: deletes up to `limit` rows of it; unset where none was found.

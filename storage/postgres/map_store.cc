@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "storage/postgres/graph_change.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_deletion.h"
@@ -48,6 +49,39 @@ constexpr Statement kUpdate{"updating the map",
 constexpr Statement kFindSessions{
     "looking for the map's sessions",
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 AND map_id = $2 ORDER BY session_id"};
+constexpr Statement kFindLinkPoints{
+    "looking for the map's link points",
+    "SELECT p.link_point_id FROM enfilade.link_point_anchors a JOIN enfilade.link_points p"
+    " ON p.site_id = a.site_id AND p.link_point_id = a.link_point_id"
+    " WHERE a.site_id = $1 AND a.map_id = $2 ORDER BY p.link_point_id"};
+constexpr Statement kMarkChanged{"marking the map as changed",
+                                 "UPDATE enfilade.graph_maps SET changed_version = $3"
+                                 " WHERE site_id = $1 AND map_id = $2"};
+// What joins no two maps without it goes with it.
+constexpr Statement kFindOrphans{"looking for link points that go with the map",
+                                 "SELECT link_point_id FROM enfilade.link_points"
+                                 " WHERE site_id = $1 AND link_point_id = ANY ($2) AND anchor_count <= 2"};
+constexpr Statement kDeleteOrphans{"deleting the map's link points",
+                                   "DELETE FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = ANY ($2)"};
+constexpr Statement kDeleteAnchors{"deleting the map's anchors",
+                                   "DELETE FROM enfilade.link_point_anchors WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kLeaveMap{"changing the link points that are left",
+                              "UPDATE enfilade.link_points SET changed_version = $3,"
+                              " direction_map_id = nullif(direction_map_id, $4), etag = nextval('enfilade.etags'),"
+                              " update_time = now() WHERE site_id = $1 AND link_point_id = ANY ($2)"};
+// The world frame stays where it is, carried by the oldest of the other maps that have a place in it.
+constexpr Statement kLeaveRoot{
+    "choosing another root map",
+    "UPDATE enfilade.site_graphs SET root_map_id = (SELECT m.map_id FROM enfilade.maps m"
+    "   JOIN enfilade.graph_maps g ON g.site_id = m.site_id AND g.map_id = m.map_id"
+    "   WHERE m.site_id = $1 AND m.map_id <> $2 ORDER BY g.x IS NULL, m.create_time, m.map_id LIMIT 1)"
+    " WHERE site_id = $1 AND root_map_id = $2"};
+// A root that has no place yet begins a world frame of its own.
+constexpr Statement kPlaceRoot{
+    "placing the root map",
+    "UPDATE enfilade.graph_maps m SET x = 0, y = 0, yaw = 0, covariance = array_fill(0::double precision, '{9}'),"
+    " changed_version = g.graph_version FROM enfilade.site_graphs g"
+    " WHERE g.site_id = $1 AND m.site_id = $1 AND m.map_id = g.root_map_id AND m.x IS NULL"};
 constexpr Statement kLock{"locking the map",
                           "SELECT etag FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR UPDATE"};
 constexpr Statement kDelete{"deleting the map", "DELETE FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
@@ -134,16 +168,47 @@ std::string Listing(const std::vector<std::string>& ids) {
   return text;
 }
 
+absl::Status RefuseWhereNeeded(const std::string& map, const std::vector<std::string>& sessions,
+                               const std::vector<std::string>& link_points) {
+  std::string needed;
+  if (!sessions.empty()) needed = fmt::format("{} sessions map into it: {}", sessions.size(), Listing(sessions));
+  if (!link_points.empty()) {
+    if (!needed.empty()) needed += "; ";
+    needed += fmt::format("{} link points join it: {}", link_points.size(), Listing(link_points));
+  }
+  if (needed.empty()) return absl::OkStatus();
+  return FailedPrecondition("{}: {}. Delete them first, or use force", map, needed);
+}
+
+absl::Status TakeFromGraph(Transaction& transaction, const SiteId& site, const MapId& map, std::int64_t version,
+                           const std::vector<std::string>& link_points) {
+  const std::vector<std::string_view> ids(link_points.begin(), link_points.end());
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kFindOrphans, Params(site, ids)));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> orphans,
+                            ReadRows(found, [](Row& row) { return std::string(row.Text()); }));
+  for (const std::string& orphan : orphans) postgres::QueueRemoval(transaction, site, LinkPointId(orphan));
+  const std::vector<std::string_view> orphan_ids(orphans.begin(), orphans.end());
+  transaction.Queue(kDeleteOrphans, Params(site, orphan_ids));
+  transaction.Queue(kDeleteAnchors, Params(site, map));
+  transaction.Queue(kLeaveMap, Params(site, ids, version, map));
+  transaction.Queue(kLeaveRoot, Params(site, map));
+  transaction.Queue(kPlaceRoot, Params(site));
+  postgres::QueueRemoval(transaction, site, map);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map, const std::string& request_id) const {
   ENFILADE_RETURN_IF_ERROR(ValidateOutline(map));
   const std::string outline = postgres::EncodePolygon(map.outline);
-  const auto inserted = ExecuteAlone(
-      pool_, context, kInsert,
-      Params(map.site, map.id, map.display_name, std::int32_t{map.level}, static_cast<std::int16_t>(map.environment),
-             map.slam_profile, BytesOrNull(outline), postgres::NullIfEmpty(request_id)));
-  if (inserted.ok()) return ReadMap(*inserted, NameOf(map.site, map.id));
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  postgres::QueueGraphLock(transaction, map.site);
+  transaction.Queue(kInsert, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
+                                    static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline),
+                                    postgres::NullIfEmpty(request_id)));
+  const auto inserted = transaction.FlushAndCommit();
+  if (inserted.ok()) return ReadMap(inserted->back(), NameOf(map.site, map.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
                               ExecuteAlone(pool_, context, kFindRequest, Params(map.site, request_id)));
@@ -184,22 +249,38 @@ absl::StatusOr<std::vector<Map>> MapStore::FindByOutline(const CallContext& cont
 absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map) const {
   ENFILADE_RETURN_IF_ERROR(ValidateOutline(map));
   const std::string outline = postgres::EncodePolygon(map.outline);
-  const auto updated =
-      ExecuteAlone(pool_, context, kUpdate,
-                   Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
-                          static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::int64_t version,
+      postgres::RaiseGraphVersion(transaction, map.site, GraphCause::kMapChanged, "maps/" + map.id.value()));
+  const auto updated = transaction.Execute(
+      kUpdate, Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
+                      static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
   if (!updated.ok()) return Explain(updated.status(), map);
-  if (updated->rows() > 0) return ReadMap(*updated, NameOf(map.site, map.id));
-  ENFILADE_RETURN_IF_ERROR(Get(context, map.site, map.id).status());
-  return postgres::StaleEtag(NameOf(map.site, map.id));
+  if (updated->rows() == 0) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelect, Params(map.site, map.id)));
+    ENFILADE_RETURN_IF_ERROR(ReadMap(stored, NameOf(map.site, map.id)).status());
+    return postgres::StaleEtag(NameOf(map.site, map.id));
+  }
+  transaction.Queue(kMarkChanged, Params(map.site, map.id, version));
+  ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(map.site, map.id)));
+  return ReadMap(*updated, NameOf(map.site, map.id));
 }
 
 absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
                               bool force) const {
+  const auto ids_of = [](const postgres::Result& result) {
+    return ReadRows(result, [](Row& row) { return std::string(row.Text()); });
+  };
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kFindSessions, Params(site, map)));
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> sessions,
-                            ReadRows(found, [](Row& row) { return std::string(row.Text()); }));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::int64_t version,
+      postgres::RaiseGraphVersion(transaction, site, GraphCause::kMapRemoved, "maps/" + map.value()));
+  transaction.Queue(kFindSessions, Params(site, map));
+  transaction.Queue(kFindLinkPoints, Params(site, map));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Flush());
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> sessions, ids_of(found[0]));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> link_points, ids_of(found[1]));
   const std::vector<std::string_view> session_views(sessions.begin(), sessions.end());
   if (force) transaction.Queue(postgres::kRevokeLeases, Params(site, session_views));
   ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLock, Params(site, map)));
@@ -207,10 +288,8 @@ absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, co
                             ReadOne(
                                 locked, [](Row& row) { return row.Int64(); }, NameOf(site, map)));
   if (etag != 0 && etag != stored_etag) return postgres::StaleEtag(NameOf(site, map));
-  if (!force && !sessions.empty()) {
-    return FailedPrecondition("{} sessions map into {}: {}. Delete them first, or use force", sessions.size(),
-                              NameOf(site, map), Listing(sessions));
-  }
+  if (!force) ENFILADE_RETURN_IF_ERROR(RefuseWhereNeeded(NameOf(site, map), sessions, link_points));
+  ENFILADE_RETURN_IF_ERROR(TakeFromGraph(transaction, site, map, version, link_points));
   transaction.Queue(postgres::kMarkSessionsDeleted, Params(site, session_views));
   transaction.Queue(kDelete, Params(site, map));
   const absl::Status committed = transaction.Commit();

@@ -15,6 +15,9 @@ inline std::string NameOf(const SiteId& site, const RobotId& robot) {
 inline std::string NameOf(const SiteId& site, const MapId& map) {
   return fmt::format("sites/{}/maps/{}", site.value(), map.value());
 }
+inline std::string NameOf(const SiteId& site, const LinkPointId& link_point) {
+  return fmt::format("sites/{}/linkPoints/{}", site.value(), link_point.value());
+}
 inline std::string NameOf(const SiteId& site, const SessionId& session) {
   return fmt::format("sites/{}/sessions/{}", site.value(), session.value());
 }

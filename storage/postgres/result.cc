@@ -31,6 +31,31 @@ std::vector<double> Row::Doubles() {
   return numbers;
 }
 
+std::vector<std::string> Row::OptionalTexts() {
+  const auto value = NullableValue(TypeOid::kTextArray);
+  constexpr std::size_t kHeader = 20;  // as in Doubles
+  std::vector<std::string> texts;
+  if (!value || value->size() < kHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return texts;
+  const std::size_t count = ReadNetwork<std::uint32_t>(value->data() + 12);
+  std::string_view rest = value->substr(kHeader);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t size = rest.size() < 4 ? rest.size() : ReadNetwork<std::uint32_t>(rest.data());
+    if (rest.size() < 4 || size > rest.size() - 4) {
+      Fail("ends too early");
+      return {};
+    }
+    texts.emplace_back(rest.substr(4, size));
+    rest.remove_prefix(4 + size);
+  }
+  return texts;
+}
+
+std::optional<double> Row::OptionalDouble() {
+  const auto value = NullableValue(TypeOid::kFloat8);
+  if (!value || !HasSize(*value, 8)) return std::nullopt;
+  return DecodeBinary<double>(value->data());
+}
+
 std::optional<std::int64_t> Row::OptionalInt64() {
   const auto value = NullableValue(TypeOid::kInt8);
   if (!value || !HasSize(*value, 8)) return std::nullopt;

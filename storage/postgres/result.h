@@ -50,6 +50,9 @@ class Row {
   std::string_view Bytes() { return Value(TypeOid::kBytea).value_or(""); }
   // A one-dimensional float8[] without nulls.
   std::vector<double> Doubles();
+  // A one-dimensional text[] without nulls; none for NULL.
+  std::vector<std::string> OptionalTexts();
+  std::optional<double> OptionalDouble();
 
   std::optional<std::string_view> OptionalText() { return NullableValue(TypeOid::kText); }
   std::optional<std::string_view> OptionalBytes() { return NullableValue(TypeOid::kBytea); }

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "storage/postgres/graph_change.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
@@ -42,6 +43,14 @@ constexpr Statement kLockSessions{
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 ORDER BY session_id FOR UPDATE"};
 // In an order that no foreign key objects to.
 constexpr std::array kDeletes = {
+    Statement{"deleting robots' poses", "DELETE FROM enfilade.robot_poses WHERE site_id = $1"},
+    Statement{"deleting control points", "DELETE FROM enfilade.control_points WHERE site_id = $1"},
+    Statement{"deleting link points", "DELETE FROM enfilade.link_points WHERE site_id = $1"},
+    Statement{"deleting what is gone from the graph", "DELETE FROM enfilade.graph_removals WHERE site_id = $1"},
+    Statement{"deleting the graph's maps", "DELETE FROM enfilade.graph_maps WHERE site_id = $1"},
+    Statement{"deleting maps' poses", "DELETE FROM enfilade.map_poses WHERE site_id = $1"},
+    Statement{"deleting the graph's versions", "DELETE FROM enfilade.graph_versions WHERE site_id = $1"},
+    Statement{"deleting the graph", "DELETE FROM enfilade.site_graphs WHERE site_id = $1"},
     Statement{"deleting tracks", "DELETE FROM enfilade.session_tracks WHERE site_id = $1"},
     Statement{"deleting trajectories", "DELETE FROM enfilade.trajectory_points WHERE site_id = $1"},
     Statement{"deleting closures", "DELETE FROM enfilade.slam_closures WHERE site_id = $1"},
@@ -114,14 +123,15 @@ absl::StatusOr<Site> SiteStore::Update(const CallContext& context, const Site& s
 
 absl::Status SiteStore::Delete(const CallContext& context, const SiteId& site, std::int64_t etag, bool force) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  postgres::QueueGraphLock(transaction, site);
   transaction.Queue(kLock, Params(site));
   transaction.Queue(kCountContent, Params(site));
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Flush());
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
                             ReadOne(
-                                found[0], [](Row& row) { return row.Int64(); }, NameOf(site)));
+                                found[1], [](Row& row) { return row.Int64(); }, NameOf(site)));
   if (etag != 0 && etag != stored_etag) return postgres::StaleEtag(NameOf(site));
-  Row content(found[1], 0);
+  Row content(found[2], 0);
   const std::int64_t maps = content.Int64();
   const std::int64_t robots = content.Int64();
   const std::int64_t sessions = content.Int64();

@@ -15,6 +15,7 @@ constexpr Statement kCommit{"committing", "COMMIT"};
 constexpr Statement kRollback{"rolling back", "ROLLBACK"};
 // The third argument makes it last for this transaction only.
 constexpr Statement kSetTimeout{"setting the statement timeout", "SELECT set_config('statement_timeout', $1, true)"};
+constexpr Statement kSetActor{"naming the actor", "SELECT set_config('enfilade.actor', $1, true)"};
 constexpr std::chrono::seconds kRollbackTime{2};
 
 // In milliseconds; at least one, because 0 means none.
@@ -31,7 +32,7 @@ absl::StatusOr<Transaction> Transaction::Begin(Pool& pool, const CallContext& co
 }
 
 Transaction::Transaction(Pool::Lease lease, const CallContext& context)
-    : lease_(std::move(lease)), deadline_(context.deadline) {}
+    : lease_(std::move(lease)), deadline_(context.deadline), actor_(context.actor) {}
 
 Transaction::~Transaction() {
   if (!lease_ || !open_ || lease_->broken()) return;
@@ -44,6 +45,7 @@ void Transaction::Queue(const Statement& statement, const Params& params) {
   if (!open_) {
     lease_->Queue(kBegin, Params());
     lease_->Queue(kSetTimeout, Params(RemainingMs(deadline_)));
+    if (!actor_.empty()) lease_->Queue(kSetActor, Params(actor_));
     open_ = true;
   }
   lease_->Queue(statement, params);
@@ -54,7 +56,7 @@ absl::StatusOr<std::vector<Result>> Transaction::Flush() {
   const int queued = std::exchange(queued_, 0);
   auto results = lease_->Flush(deadline_);
   failed_ = failed_ || !results.ok();
-  if (results.ok()) results->erase(results->begin(), results->end() - queued);  // those of BEGIN and its timeout
+  if (results.ok()) results->erase(results->begin(), results->end() - queued);  // those of BEGIN and its settings
   return results;
 }
 
@@ -90,6 +92,7 @@ absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, cons
                                     const Params& params) {
   ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
   lease->Queue(kSetTimeout, Params(RemainingMs(context.deadline)));
+  if (!context.actor.empty()) lease->Queue(kSetActor, Params(context.actor));
   lease->Queue(statement, params);
   ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, lease->Flush(context.deadline));
   return std::move(results.back());

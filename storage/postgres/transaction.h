@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -10,7 +11,8 @@
 
 namespace enfilade::postgres {
 
-// BEGIN ... COMMIT on a connection of the pool, with the database's statement_timeout at what remains of the deadline.
+// BEGIN ... COMMIT on a connection of the pool, with the database's statement_timeout at what remains of the deadline
+// and the audit trail's actor set.
 // Rolled back when it goes without a commit. Costs no round trip of its own: BEGIN goes with the first statement,
 // what was queued with the next one or the commit. Not thread-safe.
 class Transaction {
@@ -37,6 +39,7 @@ class Transaction {
 
   Pool::Lease lease_;
   Connection::Deadline deadline_;
+  std::string actor_;
   bool open_ = false;  // BEGIN was sent and neither COMMIT nor ROLLBACK
   bool failed_ = false;
   int queued_ = 0;  // statements of the caller that wait for the flush

@@ -42,6 +42,18 @@ Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robo
   return session;
 }
 
+Anchor MakeAnchor(const std::string& map, double x, double y, double yaw) {
+  return {MapId(map), {x, y, yaw}, DefaultAnchorCovariance()};
+}
+
+StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<Anchor>& anchors) {
+  StoredLinkPoint link_point;
+  link_point.site = site;
+  link_point.point.id = LinkPointId(id);
+  link_point.point.anchors = anchors;
+  return link_point;
+}
+
 MappingStep StepOf(const SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence) {
   return {delta, checkpoint, {}, mapped_sequence, nullptr, {}, std::nullopt, ""};
 }

@@ -3,11 +3,15 @@
 #include <string>
 #include <string_view>
 
+#include "storage/audit_store.h"
 #include "storage/blob_store.h"
+#include "storage/graph_store.h"
+#include "storage/link_point_store.h"
 #include "storage/map_store.h"
 #include "storage/mapping_store.h"
 #include "storage/record_store.h"
 #include "storage/revision_store.h"
+#include "storage/robot_pose_store.h"
 #include "storage/robot_store.h"
 #include "storage/session_store.h"
 #include "storage/site_store.h"
@@ -37,12 +41,20 @@ class StoreTest : public DatabaseTest {
   RecordStore records_{*pool_};
   BlobStore blobs_{*pool_};
   MappingStore mapping_{*pool_};
+  LinkPointStore link_points_{*pool_};
+  GraphStore graph_{*pool_};
+  RobotPoseStore robot_poses_{*pool_};
+  AuditStore audit_{*pool_};
 };
 
 Site MakeSite(const SiteId& id, const std::string& display_name);
 Robot MakeRobot(const SiteId& site, const RobotId& id, const std::string& display_name);
 Map MakeMap(const SiteId& site, const MapId& id, const std::string& display_name);
 Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map);
+
+// With the default covariance.
+Anchor MakeAnchor(const std::string& map, double x, double y, double yaw = 0.0);
+StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<Anchor>& anchors);
 
 // The delta and the checkpoint must outlive the step.
 MappingStep StepOf(const SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence);

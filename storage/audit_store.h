@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+#include "core/base/time.h"
+#include "storage/call_context.h"
+
+namespace enfilade {
+namespace postgres {
+class Pool;
+}
+
+// The numbers are in the database: never reuse one.
+enum class AuditAction : std::int16_t { kCreated = 1, kUpdated = 2, kDeleted = 3 };
+
+struct AuditEntry {
+  std::int64_t id = 0;
+  TimeNs time = 0;
+  std::string actor;  // CallContext::actor of the call that changed it
+  AuditAction action = AuditAction::kCreated;
+  std::string resource;  // maps/{map}, linkPoints/{link_point}, linkPoints/{link_point}/anchors/{map}, ...
+  std::string before;    // the row as JSON; empty for what was created
+  std::string after;     // empty for what was deleted
+};
+
+// Who changed which map or link point when; written by the database with the change itself. Thread-safe; errors common
+// to all stores: see SiteStore.
+class AuditStore {
+ public:
+  explicit AuditStore(postgres::Pool& pool) : pool_(pool) {}
+
+  // The newest first, those before `before` (0: from the newest), of resources that begin with `prefix`.
+  absl::StatusOr<std::vector<AuditEntry>> List(const CallContext& context, const SiteId& site,
+                                               const std::string& prefix, std::int64_t before, int limit) const;
+
+ private:
+  postgres::Pool& pool_;
+};
+
+}  // namespace enfilade

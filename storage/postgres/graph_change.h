@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+#include "storage/graph_store.h"
+#include "storage/postgres/transaction.h"
+
+namespace enfilade::postgres {
+
+// Every writer of a site's graph begins with one of these, so that writers of one site follow one another: locks are
+// taken in the order site's graph, lease, map, session.
+
+// Holds the site's graph without changing it. Queued only.
+void QueueGraphLock(Transaction& transaction, const SiteId& site);
+// Holds the site's graph and gives its new version, made by a change of `resource`. NOT_FOUND where the site is
+// missing.
+absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const SiteId& site, GraphCause cause,
+                                               const std::string& resource);
+// What is gone, for those who keep a copy of the graph. Queued only.
+void QueueRemoval(Transaction& transaction, const SiteId& site, const MapId& map);
+void QueueRemoval(Transaction& transaction, const SiteId& site, const LinkPointId& link_point);
+
+}  // namespace enfilade::postgres

@@ -1,0 +1,110 @@
+#include "storage/postgres/link_point_rows.h"
+
+#include <Eigen/Eigenvalues>
+#include <set>
+
+#include "storage/postgres/names.h"
+#include "storage/postgres/rows.h"
+
+namespace enfilade::postgres {
+namespace {
+
+struct LinkPointRow {
+  StoredLinkPoint link_point;
+  Anchor anchor;
+};
+
+LinkPointRow ReadRow(Row& row) {
+  LinkPointRow out;
+  StoredLinkPoint& stored = out.link_point;
+  LinkPoint& point = stored.point;
+  stored.site = SiteId(std::string(row.Text()));
+  point.id = LinkPointId(std::string(row.Text()));
+  point.kind = static_cast<LinkPointKind>(row.Int16());
+  point.tag = row.Text();
+  point.direction = MapId(std::string(row.OptionalText().value_or("")));
+  point.difficulty = row.Int32();
+  const std::int16_t environment = row.Int16();
+  if (environment != 0) stored.environment = static_cast<Environment>(environment);
+  point.state = static_cast<PassageState>(row.Int16());
+  point.state_valid_until = row.OptionalTime();
+  point.use = static_cast<LinkPointUse>(row.Int16());
+  stored.forced = row.Bool();
+  const bool placed = row.Bool();
+  PoseWithCovariance world;
+  world.pose = {row.Double(), row.Double(), row.Double()};
+  world.covariance = ToCovariance(row.Doubles());
+  if (placed) stored.T_world_place = world;
+  point.graph_version = row.Int64();
+  stored.etag = row.Int64();
+  stored.create_time = row.Time();
+  stored.update_time = row.Time();
+  out.anchor.map = MapId(std::string(row.Text()));
+  out.anchor.T_map_place = {row.Double(), row.Double(), row.Double()};
+  out.anchor.covariance = ToCovariance(row.Doubles());
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<StoredLinkPoint>> ReadLinkPoints(const Result& result) {
+  std::vector<StoredLinkPoint> link_points;
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    LinkPointRow read = ReadRow(row);
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    if (link_points.empty() || link_points.back().point.id != read.link_point.point.id) {
+      link_points.push_back(std::move(read.link_point));
+    }
+    link_points.back().point.anchors.push_back(std::move(read.anchor));
+  }
+  return link_points;
+}
+
+absl::StatusOr<StoredLinkPoint> ReadLinkPoint(const Result& result, const SiteId& site, const LinkPointId& id) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<StoredLinkPoint> link_points, ReadLinkPoints(result));
+  if (link_points.empty()) return NotFound("{} does not exist", NameOf(site, id));
+  return std::move(link_points.front());
+}
+
+std::vector<double> ToRow(const Eigen::Matrix3d& covariance) {
+  std::vector<double> values;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) values.push_back(covariance(row, column));
+  }
+  return values;
+}
+
+Eigen::Matrix3d ToCovariance(const std::vector<double>& values) {
+  if (values.size() != 9) return Eigen::Matrix3d::Zero();
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+}
+
+absl::Status ValidateCovariance(const std::string& field, const Eigen::Matrix3d& covariance) {
+  if (!covariance.allFinite()) return InvalidArgument("{} is not finite", field);
+  const double scale = std::max(covariance.cwiseAbs().maxCoeff(), 1e-12);
+  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) {
+    return InvalidArgument("{} is not symmetric", field);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  if (solver.eigenvalues()(0) < -1e-9 * scale) {
+    return InvalidArgument("{} is not positive semi-definite: an eigenvalue is {}", field, solver.eigenvalues()(0));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateAnchors(const std::vector<Anchor>& anchors) {
+  if (anchors.empty()) return InvalidArgument("anchors are missing: a link point has one at least");
+  std::set<MapId> maps;
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    const Anchor& anchor = anchors[i];
+    if (!maps.insert(anchor.map).second) {
+      return InvalidArgument("anchors[{}]: the map \"{}\" has an anchor already", i, anchor.map.value());
+    }
+    if (!IsFinite(anchor.T_map_place)) return InvalidArgument("anchors[{}].pose is not finite", i);
+    ENFILADE_RETURN_IF_ERROR(ValidateCovariance(fmt::format("anchors[{}].covariance", i), anchor.covariance));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace enfilade::postgres

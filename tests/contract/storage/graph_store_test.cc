@@ -1,0 +1,172 @@
+#include "storage/graph_store.h"
+
+#include <atomic>
+#include <thread>
+
+#include "fmt/format.h"
+#include "tests/contract/storage/store_test.h"
+#include "tests/support/pose_matchers.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class GraphStoreTest : public StoreTest {
+ protected:
+  GraphStoreTest() { EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), "")); }
+
+  void Create(const std::string& id, const std::vector<Anchor>& anchors) {
+    ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, id, anchors), ""));
+  }
+  GraphChanges Read(std::int64_t since) {
+    auto changes = graph_.ReadChanges(Soon(), site_, since);
+    EXPECT_OK(changes);
+    return *std::move(changes);
+  }
+};
+
+TEST_F(GraphStoreTest, TheFirstMapIsTheRootAndCarriesTheWorldFrame) {
+  const GraphChanges graph = Read(0);
+  EXPECT_TRUE(graph.complete);
+  EXPECT_EQ(graph.root, map_);
+  EXPECT_EQ(graph.version, 2);
+  ASSERT_THAT(graph.maps, SizeIs(2));
+  ASSERT_TRUE(graph.maps[0].T_world_map);
+  EXPECT_EQ(graph.maps[0].T_world_map->pose, Pose2());
+  EXPECT_FALSE(graph.maps[1].T_world_map);
+  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("empty"), "Empty"), ""));
+  ASSERT_OK_AND_ASSIGN(const GraphChanges empty, graph_.ReadChanges(Soon(), SiteId("empty"), 0));
+  EXPECT_EQ(empty.version, 0);
+  EXPECT_TRUE(empty.root.empty());
+  EXPECT_THAT(graph_.ReadChanges(Soon(), SiteId("nowhere"), 0), HasCode(absl::StatusCode::kNotFound));
+}
+
+TEST_F(GraphStoreTest, GivesWhatHasChangedSinceAVersion) {
+  Create("door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)});
+  Create("gone", {MakeAnchor("hall", 5, 0)});
+  const std::int64_t before = Read(0).version;
+  EXPECT_THAT(Read(before).link_points, IsEmpty());
+  ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("gone"), 0));
+  ASSERT_OK(link_points_.SetSuspended(Soon(), site_, LinkPointId("door"), 0, true));
+  ASSERT_OK_AND_ASSIGN(Map lab, maps_.Get(Soon(), site_, MapId("lab")));
+  lab.level = 4;
+  lab.outline = {{0, 0}, {1, 0}, {1, 1}};
+  ASSERT_OK(maps_.Update(Soon(), lab));
+  const GraphChanges changes = Read(before);
+  EXPECT_FALSE(changes.complete);
+  EXPECT_EQ(changes.version, before + 3);
+  EXPECT_THAT(changes.removed_link_points, ElementsAre(LinkPointId("gone")));
+  ASSERT_THAT(changes.link_points, SizeIs(1));
+  EXPECT_EQ(changes.link_points[0].point.use, LinkPointUse::kSuspended);
+  ASSERT_THAT(changes.maps, SizeIs(1));
+  EXPECT_EQ(changes.maps[0].level, 4);
+  EXPECT_EQ(changes.maps[0].outline, lab.outline);
+  // A version that the site never had: it was made again since.
+  EXPECT_TRUE(Read(before + 100).complete);
+}
+
+TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
+  Create("door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)});
+  Create("bad", {MakeAnchor("hall", 9, 0), MakeAnchor("lab", 1, 0)});
+  const std::int64_t version = Read(0).version;
+  GraphSolution solution;
+  solution.maps = {{MapId("lab"), {{1.5, 0.5, 0.25}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()}}};
+  solution.link_points = {{LinkPointId("door"), {{1.25, 0.5, 0.1}, Eigen::Vector3d(0.4, 0.5, 0.6).asDiagonal()}}};
+  solution.switched_off = {LinkPointId("bad")};
+  solution.chi2_before = 100.0;
+  solution.chi2_after = 2.5;
+  solution.residual_count = 2;
+  EXPECT_THAT(graph_.Apply(Soon(), site_, version - 1, solution), HasCode(absl::StatusCode::kAborted));
+  ASSERT_OK_AND_ASSIGN(const std::int64_t applied, graph_.Apply(Soon(), site_, version, solution));
+  EXPECT_EQ(applied, version + 1);
+  const GraphChanges changes = Read(version);
+  ASSERT_THAT(changes.maps, SizeIs(1));
+  EXPECT_EQ(changes.maps[0].T_world_map->pose, solution.maps[0].T_world_map.pose);
+  EXPECT_EQ(changes.maps[0].T_world_map->covariance, solution.maps[0].T_world_map.covariance);
+  ASSERT_THAT(changes.link_points, SizeIs(2));
+  EXPECT_EQ(changes.link_points[0].point.use, LinkPointUse::kSwitchedOff);
+  EXPECT_EQ(changes.link_points[1].T_world_place->pose, solution.link_points[0].T_world_place.pose);
+  EXPECT_EQ(changes.link_points[1].T_world_place->covariance, solution.link_points[0].T_world_place.covariance);
+
+  ASSERT_OK_AND_ASSIGN(const auto poses, graph_.GetMapPoses(Soon(), site_, applied));
+  ASSERT_THAT(poses, SizeIs(1));
+  EXPECT_EQ(poses[0].T_world_map.pose, solution.maps[0].T_world_map.pose);
+  EXPECT_THAT(graph_.GetMapPoses(Soon(), site_, version), HasCode(absl::StatusCode::kNotFound));
+  ASSERT_OK_AND_ASSIGN(const auto versions, graph_.ListVersions(Soon(), site_, 0, 2));
+  ASSERT_TRUE(versions[0].optimization);
+  EXPECT_EQ(versions[0].optimization->chi2_after, 2.5);
+  EXPECT_THAT(versions[0].optimization->switched_off, ElementsAre(LinkPointId("bad")));
+  EXPECT_FALSE(versions[1].optimization);
+
+  solution.switched_off.clear();
+  ASSERT_OK(graph_.Apply(Soon(), site_, applied, solution));
+  ASSERT_OK_AND_ASSIGN(const auto bad, link_points_.Get(Soon(), site_, LinkPointId("bad")));
+  EXPECT_EQ(bad.point.use, LinkPointUse::kUsed);
+}
+
+TEST_F(GraphStoreTest, KeepsThePosesOfTheLastOptimisationsOnly) {
+  GraphSolution solution;
+  solution.maps = {{MapId("lab"), {{1, 2, 3}, Eigen::Matrix3d::Identity()}}};
+  std::int64_t version = Read(0).version;
+  const std::int64_t first = version + 1;
+  for (int i = 0; i <= GraphStore::kKeptOptimizations; ++i) {
+    ASSERT_OK_AND_ASSIGN(version, graph_.Apply(Soon(), site_, version, solution));
+  }
+  EXPECT_THAT(graph_.GetMapPoses(Soon(), site_, first), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_OK(graph_.GetMapPoses(Soon(), site_, first + 1));
+  EXPECT_OK(graph_.GetMapPoses(Soon(), site_, version));
+}
+
+TEST_F(GraphStoreTest, ListenersHearOfEveryVersion) {
+  ASSERT_OK_AND_ASSIGN(const auto listener, GraphListener::Open(*pool_, Soon()));
+  ASSERT_OK_AND_ASSIGN(const auto nothing, listener->Await(CallContext::WithTimeout(std::chrono::milliseconds(1))));
+  EXPECT_THAT(nothing, IsEmpty());
+  const std::int64_t version = Read(0).version;
+  Create("door", {MakeAnchor("hall", 1, 0)});
+  ASSERT_OK_AND_ASSIGN(const auto changes, listener->Await(Soon()));
+  ASSERT_THAT(changes, SizeIs(1));
+  EXPECT_EQ(changes[0].site, site_);
+  EXPECT_EQ(changes[0].version, version + 1);
+}
+
+TEST_F(GraphStoreTest, AReaderSeesOneVersionWhateverIsWrittenMeanwhile) {
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (int i = 0; i < 60; ++i) {
+      const std::string id = fmt::format("p{}", i);
+      EXPECT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, id, {MakeAnchor("hall", i, 0)}), ""));
+    }
+    done = true;
+  });
+  const std::int64_t first = 2;  // of the two maps
+  while (!done) {
+    const GraphChanges graph = Read(0);
+    EXPECT_EQ(graph.link_points.size(), static_cast<std::size_t>(graph.version - first));
+  }
+  writer.join();
+  EXPECT_THAT(Read(0).link_points, SizeIs(60));
+}
+
+TEST_F(GraphStoreTest, ControlPointsAreReplacedAsAWhole) {
+  const std::vector<ControlPoint> points = {{map_, {1.5, 2.5}, 52.1, 9.7}, {MapId("lab"), {0, 0}, -90, 180}};
+  const std::int64_t version = Read(0).version;
+  ASSERT_OK_AND_ASSIGN(const std::int64_t raised, graph_.SetControlPoints(Soon(), site_, points));
+  EXPECT_EQ(raised, version + 1);
+  EXPECT_THAT(graph_.SetControlPoints(Soon(), site_, {{MapId("cellar"), {0, 0}, 0, 0}}),
+              HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(graph_.SetControlPoints(Soon(), site_, {{map_, {0, 0}, 90.5, 0}}),
+              HasCode(absl::StatusCode::kInvalidArgument));
+  ASSERT_OK_AND_ASSIGN(const auto stored, graph_.GetControlPoints(Soon(), site_));
+  ASSERT_THAT(stored, SizeIs(2));
+  EXPECT_EQ(stored[0].position, points[0].position);
+  EXPECT_EQ(stored[1].map, MapId("lab"));
+  EXPECT_EQ(stored[1].longitude, 180.0);
+  EXPECT_EQ(Read(0).version, raised);
+}
+
+}  // namespace
+}  // namespace enfilade::testing

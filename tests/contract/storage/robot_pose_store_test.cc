@@ -1,0 +1,56 @@
+#include "storage/robot_pose_store.h"
+
+#include <cmath>
+
+#include "tests/contract/storage/store_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::SizeIs;
+
+class RobotPoseStoreTest : public StoreTest {
+ protected:
+  RobotPose At(double x, TimeNs time) {
+    RobotPose pose{site_, robot_, map_, std::nullopt, {}, time, 0};
+    pose.T_map_robot = {{x, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
+    return pose;
+  }
+};
+
+TEST_F(RobotPoseStoreTest, TheNewestByItsTimeWins) {
+  EXPECT_THAT(robot_poses_.Get(Soon(), site_, robot_), HasCode(absl::StatusCode::kNotFound));
+  const SessionId session = NewSession("s");
+  RobotPose pose = At(1.0, 1'000'000'001);
+  pose.session = session;
+  ASSERT_OK(robot_poses_.Report(Soon(), pose));
+  ASSERT_OK(robot_poses_.Report(Soon(), At(9.0, 999)));
+  ASSERT_OK_AND_ASSIGN(const RobotPose first, robot_poses_.Get(Soon(), site_, robot_));
+  EXPECT_EQ(first.T_map_robot.pose, pose.T_map_robot.pose);
+  EXPECT_EQ(first.T_map_robot.covariance, pose.T_map_robot.covariance);
+  EXPECT_EQ(first.time, 1'000'000'001);
+  EXPECT_EQ(first.session, session);
+  ASSERT_OK(robot_poses_.Report(Soon(), At(2.0, 1'000'000'002)));
+  ASSERT_OK_AND_ASSIGN(const auto listed, robot_poses_.List(Soon(), site_));
+  ASSERT_THAT(listed, SizeIs(1));
+  EXPECT_EQ(listed[0].T_map_robot.pose.x, 2.0);
+  EXPECT_GT(listed[0].version, first.version);
+  EXPECT_FALSE(listed[0].session);
+}
+
+TEST_F(RobotPoseStoreTest, SaysWhatIsMissingOrWrong) {
+  RobotPose pose = At(1.0, 1);
+  pose.map = MapId("cellar");
+  EXPECT_THAT(robot_poses_.Report(Soon(), pose),
+              HasStatus(absl::StatusCode::kNotFound, ::testing::HasSubstr("cellar")));
+  pose = At(1.0, 1);
+  pose.robot = RobotId("r9");
+  EXPECT_THAT(robot_poses_.Report(Soon(), pose), HasStatus(absl::StatusCode::kNotFound, ::testing::HasSubstr("r9")));
+  EXPECT_THAT(robot_poses_.Report(Soon(), At(std::nan(""), 1)), HasCode(absl::StatusCode::kInvalidArgument));
+  pose = At(1.0, 1);
+  pose.T_map_robot.covariance(0, 0) = -1.0;
+  EXPECT_THAT(robot_poses_.Report(Soon(), pose), HasCode(absl::StatusCode::kInvalidArgument));
+}
+
+}  // namespace
+}  // namespace enfilade::testing
