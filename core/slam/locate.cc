@@ -8,6 +8,7 @@ Place FirstPlace(const PairedScan& scan, const MotionOptions& options) {
   Place place;
   place.track.T_odom_robot = scan.T_odom_robot;
   place.track.time = scan.scan.time;
+  place.track.matched_at = scan.scan.time;
   place.information = InformationOf(options.translation_floor, options.yaw_floor);
   return place;
 }
@@ -30,7 +31,10 @@ Place Locate(const Track& last, const PairedScan& scan, const ScanRays& rays, co
       const LocalMatch other = match_from(PredictMotion({}, {}, last.last_step, seconds, options.motion));
       if (IsSure(other, options.local)) match = other;
     }
-    if (match.good) next = match.match.T_submap_robot;
+    if (match.good) {
+      next = match.match.T_submap_robot;
+      track.matched_at = scan.scan.time;
+    }
     place.information += match.match.information;
     place.matched_share = match.agreement.matched_share;
     place.may_insert = MayInsert(match, options.local);

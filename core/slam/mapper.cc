@@ -65,6 +65,7 @@ class Mapper::Impl {
     if (report.keyframe) AddKeyframe(scan, rays, place.information);
     report.lost = IsLost(state_.track->quality, options_.quality) || state_.adrift_since.has_value();
     report.matched_share = place.matched_share;
+    if (options_.match_scans) report.match_age = ToSeconds(state_.track->time - state_.track->matched_at);
     account_.Append({scan.sequence, scan.scan.time, LastNode().node,
                      Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
     return report;

@@ -20,6 +20,7 @@ struct ScanReport {
   bool keyframe = false;
   bool lost = false;           // the last good match is too long ago, or too little of the scan fits the map
   double matched_share = 0.0;  // of the scan's hits, 0..1
+  double match_age = 0.0;      // s since the last scan that matched well: 0 where this one did
   std::string reason;          // why it was not used
 };
 

@@ -10,7 +10,7 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 2;
+constexpr std::uint8_t kVersion = 3;
 constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
 constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
 
@@ -45,6 +45,7 @@ void PutTrack(BinaryWriter& writer, const std::optional<Track>& track) {
   PutPose(writer, track->T_submap_robot);
   PutOptional(writer, track->T_odom_robot);
   writer.Put(track->time);
+  writer.Put(track->matched_at);
   PutStep(writer, track->last_step);
   writer.Put(track->length_since_keyframe);
   writer.Put(track->quality.poor);
@@ -57,6 +58,7 @@ std::optional<Track> GetTrack(BinaryReader& reader) {
   track.T_submap_robot = GetPose(reader);
   track.T_odom_robot = GetOptional(reader);
   track.time = reader.Get<TimeNs>();
+  track.matched_at = reader.Get<TimeNs>();
   track.last_step = GetStep(reader);
   track.length_since_keyframe = reader.Get<double>();
   track.quality.poor = reader.Get<int>();

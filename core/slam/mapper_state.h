@@ -35,6 +35,7 @@ struct Track {
   Pose2 T_submap_robot;
   std::optional<Pose2> T_odom_robot;   // at the same scan
   TimeNs time = 0;                     // of it
+  TimeNs matched_at = 0;               // the time of the last scan that matched well
   std::optional<Step> last_step;       // the one that led here
   double length_since_keyframe = 0.0;  // m
   TrackQuality quality;

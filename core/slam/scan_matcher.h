@@ -33,7 +33,6 @@ struct MatchCost {
   double value = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  // half the derivative of `value`
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();   // Gauss-Newton's, of half of `value`
-  Eigen::Matrix3d hessian_of_scan = Eigen::Matrix3d::Zero();
 };
 
 MatchCost EvaluateMatch(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points, const Pose2& pose,

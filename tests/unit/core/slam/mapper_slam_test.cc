@@ -227,6 +227,9 @@ TEST(MapperBadInput, GoesOnByOdometryWhereNothingIsInRange) {
   const Mapped mapped = MapLog(log);
   EXPECT_LT(WorstError(mapped, truth), 0.3);
   EXPECT_TRUE(mapped.reports.back().lost) << "the last good match is long ago";
+  EXPECT_EQ(mapped.reports[1].match_age, 0.0);
+  EXPECT_GT(mapped.reports.back().match_age, 30.0) << "s, of the 60 s that the drive takes";
+  EXPECT_LT(mapped.reports.back().match_age, 60.0);
 }
 
 TEST(MapperBadInput, StandingStillForAnHourStaysBounded) {

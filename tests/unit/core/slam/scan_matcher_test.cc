@@ -7,6 +7,7 @@
 
 #include "core/slam/motion_model.h"
 #include "core/slam/scan_points.h"
+#include "core/slam/submap_grid.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
@@ -97,6 +98,32 @@ TEST(MatchToField, KnowsThatACorridorSaysNothingAlongIt) {
   EXPECT_NEAR(match.T_submap_robot.y, 0.0, 0.01);
   EXPECT_NEAR(match.T_submap_robot.yaw, 0.0, 0.002);
   EXPECT_LT(match.information(0, 0), 0.05 * match.information(1, 1));
+}
+
+// Walls are known from noisy hits, and points lie on them to a millimetre: neither tells where along them.
+TEST(MatchToField, IsNotFooledByNoiseAlongAWall) {
+  SubmapGrid grid(0.05, {});
+  std::uint32_t state = 1;
+  const auto noise = [&] {  // about 1 cm
+    state = state * 1664525U + 1013904223U;
+    return (static_cast<double>(state >> 8U) / (1U << 24U) - 0.5) * 0.035;
+  };
+  ScanRays rays;
+  for (double x = -9; x < 9; x += 0.01) {
+    rays.hits.emplace_back(x + noise(), 1.0 + noise());
+    rays.hits.emplace_back(x + noise(), -1.0 + noise());
+  }
+  EXPECT_TRUE(grid.Insert({}, rays).ok());
+  LikelihoodField field(0.05, 0.5);
+  field.Add(grid.OccupiedPoints());
+  std::vector<Eigen::Vector2d> points;
+  for (double x = -4; x < 4; x += 0.11) {
+    points.emplace_back(x, 1.0 + noise());
+    points.emplace_back(x, -1.0 + noise());
+  }
+  const MatchResult match = MatchToField(field, points, {}, {{}, InformationOf(0.1, 0.1)}, {});
+  EXPECT_LT(match.information(0, 0), 0.02 * match.information(1, 1));
+  EXPECT_GT(match.information(1, 1), 1e4) << "across: 60 beams of 5 cm";
 }
 
 }  // namespace
