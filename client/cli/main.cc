@@ -3,8 +3,10 @@
 #include "client/cli/command.h"
 #include "client/cli/commands/closure.h"
 #include "client/cli/commands/completion.h"
+#include "client/cli/commands/environment.h"
 #include "client/cli/commands/graph_solve.h"
 #include "client/cli/commands/map.h"
+#include "client/cli/commands/match.h"
 #include "client/cli/commands/replay.h"
 #include "client/cli/commands/server.h"
 #include "client/cli/commands/session.h"
@@ -27,8 +29,10 @@ int main(int argc, char** argv) {
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
   AddClosure(app, globals);
+  AddEnvironment(app, globals);
   AddGraph(app, globals);
   AddMap(app, globals);
+  AddMatch(app, globals);
   AddReplay(app, globals);
   AddServer(app, globals);
   AddSession(app, globals);

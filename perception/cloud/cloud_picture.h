@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/grid/rgb_image.h"
+#include "perception/cloud/cloud.h"
+
+namespace enfilade::perception {
+
+// Both clouds from above, at most 1000 pixels a side: the target blue, the source over it red. White without points.
+RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_target_source);
+
+}  // namespace enfilade::perception

@@ -1,0 +1,147 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "client/cli/commands/environment.h"
+#include "client/cli/commands/match.h"
+#include "core/grid/png_codec.h"
+#include "perception/cloud/cloud_file.h"
+#include "tests/support/status_matchers.h"
+#include "tests/support/test_data.h"
+#include "tests/unit/perception/cloud/rooms.h"
+
+namespace enfilade::cli {
+namespace {
+
+using enfilade::testing::HasStatus;
+using perception::testing::PoseOf;
+using perception::testing::Room;
+using ::testing::HasSubstr;
+
+// Squares of random grey: `shift` pixels of the picture are cut off at its left.
+PixelImage Squares(std::uint32_t seed, int shift) {
+  std::mt19937 rng(seed);
+  constexpr int kWide = 480;
+  constexpr int kHigh = 320;
+  std::vector<std::uint8_t> whole(kWide * kHigh, 128);
+  for (int square = 0; square < 250; ++square) {
+    const int side = 6 + static_cast<int>(rng() % 30);
+    const int left = static_cast<int>(rng() % (kWide - 40));
+    const int top = static_cast<int>(rng() % (kHigh - 40));
+    const auto grey = static_cast<std::uint8_t>(rng() % 256);
+    for (int row = top; row < top + side; ++row) {
+      std::fill_n(whole.begin() + row * kWide + left, side, grey);
+    }
+  }
+  PixelImage image{.width = 440, .height = kHigh, .channels = 1, .samples = {}};
+  for (int row = 0; row < kHigh; ++row) {
+    const auto first = whole.begin() + row * kWide + shift;
+    image.samples.insert(image.samples.end(), first, first + 440);
+  }
+  return image;
+}
+
+class PerceptionCommandsTest : public ::testing::Test {
+ protected:
+  std::string File(const std::string& name, const std::string& content) {
+    const std::string path = directory_.path() / name;
+    std::ofstream(path, std::ios::binary) << content;
+    return path;
+  }
+  std::string ImageFile(const std::string& name, std::uint32_t seed, int shift) {
+    return File(name, EncodePng(Squares(seed, shift)).value());
+  }
+
+  // Runs the tool's command in this process; what it prints as JSON goes to `document_`.
+  absl::Status Run(const std::vector<std::string>& arguments) {
+    Globals globals;
+    globals.json = true;
+    CLI::App app("enfilade");
+    AddMatch(app, globals);
+    AddEnvironment(app, globals);
+    std::stringstream printed;
+    std::streambuf* const terminal = std::cout.rdbuf(printed.rdbuf());
+    absl::Status status;
+    try {
+      app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    } catch (const CommandFailed& failed) {
+      status = failed.status;
+    } catch (const CLI::ParseError& error) {
+      status = absl::InvalidArgumentError(error.what());
+    }
+    std::cout.rdbuf(terminal);
+    document_ = printed.str().empty() ? nlohmann::json() : nlohmann::json::parse(printed.str());
+    return status;
+  }
+
+  enfilade::testing::TemporaryDirectory directory_;
+  nlohmann::json document_;
+};
+
+TEST_F(PerceptionCommandsTest, JudgesImagesAndDrawsTheirMatches) {
+  const std::string a = ImageFile("a.png", 1, 0);
+  const std::string picture = directory_.path() / "matches.png";
+  ASSERT_OK(Run({"match", "images", a, ImageFile("b.png", 1, 30), "-o", picture}));
+  EXPECT_EQ(document_["accepted"], true);
+  EXPECT_GT(document_["inliers"], 14);
+  EXPECT_GE(document_["matches"], document_["inliers"]);
+  std::stringstream bytes;
+  bytes << std::ifstream(picture, std::ios::binary).rdbuf();
+  ASSERT_OK_AND_ASSIGN(const PixelImage drawn, DecodePng(bytes.str()));
+  EXPECT_EQ(drawn.width, 440 + 8 + 440);
+  ASSERT_OK(Run({"match", "images", a, ImageFile("c.png", 2, 0)}));
+  EXPECT_EQ(document_["accepted"], false);
+}
+
+TEST_F(PerceptionCommandsTest, NamesAnImageThatCannotBeRead) {
+  const std::string a = ImageFile("a.png", 1, 0);
+  EXPECT_THAT(Run({"match", "images", a, "/nowhere/b.png"}),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("b.png")));
+  EXPECT_THAT(Run({"match", "images", File("text.jpg", "no image"), a}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("text.jpg: the image is neither")));
+  EXPECT_THAT(Run({"match", "images", File("empty.png", ""), a}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("0 bytes")));
+}
+
+TEST_F(PerceptionCommandsTest, RegistersCloudsFromAGuess) {
+  const Eigen::Isometry3d truth = PoseOf(1.5, -0.5, 2.0, 0.1);
+  const std::string target = File("target.pcd", perception::EncodePcd(Room(3, 1)));
+  const std::string source =
+      File("source.pcd", perception::EncodePcd(perception::Transformed(Room(3, 2), truth.inverse())));
+  ASSERT_OK(Run({"match", "clouds", source, target, "--guess", "1.2", "-0.2", "0", "1.8"}));
+  EXPECT_EQ(document_["accepted"], true);
+  EXPECT_GT(document_["inlier_share"], 0.9);
+  EXPECT_LT(document_["fitness"], 0.05);
+  ASSERT_EQ(document_["T_target_source"].size(), 16U);
+  for (int i = 0; i < 16; ++i) {
+    EXPECT_NEAR(document_["T_target_source"][static_cast<std::size_t>(i)].get<double>(), truth.matrix()(i / 4, i % 4),
+                0.03);
+  }
+  EXPECT_THAT(Run({"match", "clouds", source, File("bad.pcd", "x")}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.pcd: the cloud is neither PCD nor PLY")));
+}
+
+TEST_F(PerceptionCommandsTest, ChoosesTheEnvironmentOfALog) {
+  ASSERT_OK(Run({"environment", enfilade::testing::ProjectData("logs/small.clf")}));
+  EXPECT_EQ(document_["criterion"], "range");
+  EXPECT_EQ(document_["environment"], "indoor");
+  EXPECT_GT(document_["scans_judged"], 0);
+}
+
+TEST_F(PerceptionCommandsTest, SaysWhatACriterionLacks) {
+  const std::string photograph = ImageFile("a.png", 1, 0);
+  EXPECT_THAT(Run({"environment", photograph, "--criterion", "scene"}),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("model")));
+  EXPECT_THAT(Run({"environment", photograph, "--criterion", "range"}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("there is no scan")));
+  EXPECT_THAT(Run({"environment", photograph}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("at least 2")));
+}
+
+}  // namespace
+}  // namespace enfilade::cli
