@@ -48,9 +48,17 @@ class Server::Impl {
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // Looks at the database once before the first call can come.
     readiness = std::make_unique<Readiness>(*pool, [this](const Readiness::State& state) { SetReady(state); });
-    services = std::make_unique<Services>(Services{options, std::chrono::steady_clock::now(), executor, *metrics,
-                                                   *readiness, sites, robots, maps, revisions, sessions, records, blobs,
-                                                   mappings, closures, ingest, mapping, *exports});
+    services = std::make_unique<Services>(Services{options,        std::chrono::steady_clock::now(),
+                                                   executor,       *metrics,
+                                                   *readiness,     sites,
+                                                   robots,         maps,
+                                                   revisions,      sessions,
+                                                   records,        blobs,
+                                                   mappings,       closures,
+                                                   graph_store,    robot_poses,
+                                                   ingest,         mapping,
+                                                   *exports,       graphs,
+                                                   graph_optimizer});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -100,6 +108,8 @@ class Server::Impl {
     if (readiness) readiness->Drain();
     mapping.Stop();
     ingest.Drain();
+    graph_optimizer.Stop();
+    graphs.Stop();
     grpc->Shutdown(deadline);
     grpc->Wait();
     grpc.reset();
@@ -117,9 +127,14 @@ class Server::Impl {
   const BlobStore blobs{*pool};
   const MappingStore mappings{*pool};
   const ClosureStore closures{*pool};
+  const GraphStore graph_store{*pool};
+  const RobotPoseStore robot_poses{*pool};
   Executor executor;
   Mapping mapping;
   Ingest ingest;
+  ChangedSites changed_sites;
+  SiteGraphs graphs{*pool, graph_store, changed_sites};
+  GraphOptimizer graph_optimizer{graph_store, graphs, changed_sites};
   std::unique_ptr<MapExports> exports;
   std::unique_ptr<Readiness> readiness;
   std::unique_ptr<Services> services;

@@ -3,6 +3,8 @@
 #include <chrono>
 
 #include "server/app/executor.h"
+#include "server/app/graph/graph_optimizer.h"
+#include "server/app/graph/site_graphs.h"
 #include "server/app/ingest.h"
 #include "server/app/map_exports.h"
 #include "server/app/mapping.h"
@@ -11,10 +13,12 @@
 #include "server/config/server_options.h"
 #include "storage/blob_store.h"
 #include "storage/closure_store.h"
+#include "storage/graph_store.h"
 #include "storage/map_store.h"
 #include "storage/mapping_store.h"
 #include "storage/record_store.h"
 #include "storage/revision_store.h"
+#include "storage/robot_pose_store.h"
 #include "storage/robot_store.h"
 #include "storage/session_store.h"
 #include "storage/site_store.h"
@@ -38,10 +42,14 @@ struct Services {
   const BlobStore& blobs;
   const MappingStore& mappings;
   const ClosureStore& closures;
+  const GraphStore& graph_store;
+  const RobotPoseStore& robot_poses;
 
   Ingest& ingest;
   Mapping& mapping;
   MapExports& exports;
+  SiteGraphs& graphs;
+  GraphOptimizer& graph_optimizer;
 };
 
 }  // namespace enfilade::server

@@ -1,11 +1,16 @@
 #include "server/rpc/api.h"
 
+#include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
+#include "server/rpc/graph/export_graph.h"
+#include "server/rpc/graph/get_global_pose.h"
+#include "server/rpc/graph/handlers.h"
+#include "server/rpc/graph/watch_global_poses.h"
 #include "server/rpc/ingest/download_blob.h"
 #include "server/rpc/ingest/handlers.h"
 #include "server/rpc/ingest/stream_records.h"
@@ -167,6 +172,56 @@ class SessionApi final : public v1::SessionService::CallbackService {
   const Services& services_;
 };
 
+class GraphApi final : public v1::GraphService::CallbackService {
+ public:
+  explicit GraphApi(const Services& services) : services_(services) {}
+
+  grpc::ServerUnaryReactor* GetGraph(Call* call, const v1::GetGraphRequest* request,
+                                     v1::GetGraphResponse* response) override {
+    return RunUnary(services_, call, "GetGraph", request, response, server::GetGraph);
+  }
+  grpc::ServerUnaryReactor* ListGraphVersions(Call* call, const v1::ListGraphVersionsRequest* request,
+                                              v1::ListGraphVersionsResponse* response) override {
+    return RunUnary(services_, call, "ListGraphVersions", request, response, server::ListGraphVersions);
+  }
+  grpc::ServerUnaryReactor* OptimizeGraph(Call* call, const v1::OptimizeGraphRequest* request,
+                                          v1::OptimizeGraphResponse* response) override {
+    return RunUnary(services_, call, "OptimizeGraph", request, response, server::OptimizeGraph);
+  }
+  grpc::ServerUnaryReactor* GetGlobalPose(Call* call, const v1::GetGlobalPoseRequest* request,
+                                          v1::GetGlobalPoseResponse* response) override {
+    return RunUnary(services_, call, "GetGlobalPose", request, response, server::GetGlobalPose,
+                    server::TryGetGlobalPose);
+  }
+  grpc::ServerWriteReactor<v1::WatchGlobalPosesResponse>* WatchGlobalPoses(
+      Call* call, const v1::WatchGlobalPosesRequest* request) override {
+    return server::WatchGlobalPoses(services_, call, request);
+  }
+  grpc::ServerUnaryReactor* TransformPoses(Call* call, const v1::TransformPosesRequest* request,
+                                           v1::TransformPosesResponse* response) override {
+    return RunUnary(services_, call, "TransformPoses", request, response, server::TransformPoses);
+  }
+  grpc::ServerUnaryReactor* FindRoutes(Call* call, const v1::FindRoutesRequest* request,
+                                       v1::FindRoutesResponse* response) override {
+    return RunUnary(services_, call, "FindRoutes", request, response, server::FindRoutes);
+  }
+  grpc::ServerWriteReactor<v1::ExportGraphResponse>* ExportGraph(Call* call,
+                                                                 const v1::ExportGraphRequest* request) override {
+    return RunServerStream(services_, call, "ExportGraph", request, server::ExportGraph);
+  }
+  grpc::ServerUnaryReactor* SetGeoreference(Call* call, const v1::SetGeoreferenceRequest* request,
+                                            v1::SetGeoreferenceResponse* response) override {
+    return RunUnary(services_, call, "SetGeoreference", request, response, server::SetGeoreference);
+  }
+  grpc::ServerUnaryReactor* GetGeoreference(Call* call, const v1::GetGeoreferenceRequest* request,
+                                            v1::GetGeoreferenceResponse* response) override {
+    return RunUnary(services_, call, "GetGeoreference", request, response, server::GetGeoreference);
+  }
+
+ private:
+  const Services& services_;
+};
+
 class IngestApi final : public v1::IngestService::CallbackService {
  public:
   explicit IngestApi(const Services& services) : services_(services) {}
@@ -216,11 +271,18 @@ class ServerApi final : public v1::ServerService::CallbackService {
 
 struct Api::Impl {
   explicit Impl(const Services& services)
-      : site(services), robot(services), map(services), session(services), ingest(services), server(services) {}
+      : site(services),
+        robot(services),
+        map(services),
+        graph(services),
+        session(services),
+        ingest(services),
+        server(services) {}
 
   SiteApi site;
   RobotApi robot;
   MapApi map;
+  GraphApi graph;
   SessionApi session;
   IngestApi ingest;
   ServerApi server;
@@ -233,6 +295,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->site);
   builder.RegisterService(&impl_->robot);
   builder.RegisterService(&impl_->map);
+  builder.RegisterService(&impl_->graph);
   builder.RegisterService(&impl_->session);
   builder.RegisterService(&impl_->ingest);
   builder.RegisterService(&impl_->server);

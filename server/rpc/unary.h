@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "absl/status/statusor.h"
@@ -12,12 +13,12 @@
 namespace enfilade::server {
 
 // The body of every unary RPC: `handle(services, context, request)` runs on the executor and its answer is sent.
-// `name` is the RPC's, for the metrics.
+// `name` is the RPC's, for the metrics. `answer_at_once`, which must not wait, may answer without the executor.
 template <typename Request, typename Response>
-grpc::ServerUnaryReactor* RunUnary(const Services& services, grpc::CallbackServerContext* call, const char* name,
-                                   const Request* request, Response* response,
-                                   absl::StatusOr<Response> (*handle)(const Services&, const CallContext&,
-                                                                      const Request&)) {
+grpc::ServerUnaryReactor* RunUnary(
+    const Services& services, grpc::CallbackServerContext* call, const char* name, const Request* request,
+    Response* response, absl::StatusOr<Response> (*handle)(const Services&, const CallContext&, const Request&),
+    std::optional<absl::StatusOr<Response>> (*answer_at_once)(const Services&, const Request&) = nullptr) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   const CallContext context =
       ContextOf(*call, std::chrono::duration<double>(services.options.database.default_deadline_s));
@@ -26,6 +27,13 @@ grpc::ServerUnaryReactor* RunUnary(const Services& services, grpc::CallbackServe
     services.metrics.CountCall(name, status.code(), std::chrono::steady_clock::now() - begin);
     reactor->Finish(ToGrpcStatus(status));
   };
+  if (answer_at_once != nullptr) {
+    if (std::optional<absl::StatusOr<Response>> answer = answer_at_once(services, *request)) {
+      if (answer->ok()) *response = **std::move(answer);
+      finish(answer->status());
+      return reactor;
+    }
+  }
   const bool queued = services.executor.Post([&services, context, request, response, handle, finish] {
     if (context.deadline <= std::chrono::steady_clock::now()) {
       return finish(absl::DeadlineExceededError("the deadline passed while the call waited for its turn"));

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <set>
+#include <utility>
+
+#include "absl/base/thread_annotations.h"
+#include "core/base/ids.h"
+#include "core/base/mutex.h"
+
+namespace enfilade::server {
+
+// Sites whose graphs may have changed since somebody looked. Thread-safe.
+class ChangedSites {
+ public:
+  void Add(const SiteId& site) {
+    MutexLock lock(mutex_);
+    sites_.insert(site);
+  }
+  // All of them; they are then no longer changed.
+  std::set<SiteId> Take() {
+    MutexLock lock(mutex_);
+    return std::exchange(sites_, {});
+  }
+
+ private:
+  Mutex mutex_;
+  std::set<SiteId> sites_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,122 @@
+#include "server/app/graph/graph_optimizer.h"
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "core/base/binary.h"
+#include "core/base/error.h"
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr int kAttempts = 5;
+// Changes come in bunches: a closure is a link point, its evidence, and often the next one.
+constexpr auto kSettleTime = std::chrono::milliseconds(300);
+constexpr auto kTimeout = std::chrono::seconds(60);
+// Solutions that differ by less are the same, m and rad.
+constexpr double kSame = 1e-6;
+
+// Of all that an optimisation depends on.
+std::string DigestOf(const GraphSnapshot& graph) {
+  std::string bytes;
+  BinaryWriter writer(bytes);
+  writer.PutString(graph.root().value());
+  for (const LinkPoint* link_point : graph.ListLinkPoints()) {
+    if (link_point->is_candidate()) continue;
+    writer.PutString(link_point->id.value());
+    writer.Put(link_point->use == LinkPointUse::kSuspended);
+    for (const Anchor& anchor : link_point->anchors) {
+      writer.PutString(anchor.map.value());
+      for (const double value : {anchor.T_map_place.x, anchor.T_map_place.y, anchor.T_map_place.yaw}) writer.Put(value);
+      for (const double value : anchor.covariance.reshaped()) writer.Put(value);
+    }
+  }
+  return Sha256(bytes);
+}
+
+bool IsSame(const GraphSnapshot& graph, const SolvedGraph& solution) {
+  // Nothing to tell where only the root is placed.
+  if (graph.solution() == nullptr) return solution.map_poses.size() <= 1 && solution.switched_off.empty();
+  if (graph.solution()->map_poses.size() != solution.map_poses.size()) return false;
+  for (const auto& [map, pose] : solution.map_poses) {
+    const auto found = graph.solution()->map_poses.find(map);
+    if (found == graph.solution()->map_poses.end()) return false;
+    const Pose2 d = Between(found->second.pose, pose.pose);
+    if (d.translation().norm() > kSame || std::abs(d.yaw) > kSame) return false;
+    if (!found->second.covariance.isApprox(pose.covariance, 1e-6) && !pose.covariance.isZero()) return false;
+  }
+  return ChangesOf(graph, solution, 0).link_points.empty();
+}
+
+absl::StatusOr<std::int64_t> Store(const GraphStore& store, const CallContext& context, const SiteId& site,
+                                   const GraphSnapshot& graph, const SolvedGraph& solution) {
+  // As it will be: link points' places follow from the new solution.
+  ENFILADE_ASSIGN_OR_RETURN(GraphSnapshot solved, Apply(graph, ChangesOf(graph, solution, graph.version() + 1)));
+  return store.Apply(context, site, graph.version(), ToStored(WorldPoses(std::move(solved)), solution));
+}
+
+}  // namespace
+
+GraphOptimizer::GraphOptimizer(const GraphStore& store, SiteGraphs& graphs, ChangedSites& changed)
+    : store_(store), graphs_(graphs), changed_(changed) {
+  worker_ = std::thread([this] { Run(); });
+}
+
+GraphOptimizer::~GraphOptimizer() {
+  Stop();
+  worker_.join();
+}
+
+void GraphOptimizer::Stop() { stop_.Set(); }
+
+absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& context, const SiteId& site) {
+  absl::Status last;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
+    ENFILADE_ASSIGN_OR_RETURN(SolvedGraph solution, OptimizeGraph(graph->graph()));
+    const absl::StatusOr<std::int64_t> version = Store(store_, context, site, graph->graph(), solution);
+    graphs_.MarkChanged(site);
+    if (version.ok()) return OptimizedGraph{*version, std::move(solution)};
+    if (!absl::IsAborted(version.status())) return version.status();
+    last = version.status();
+  }
+  return last;
+}
+
+void GraphOptimizer::Run() {
+  while (!stop_.WaitFor(kSettleTime)) {
+    for (const SiteId& site : changed_.Take()) {
+      if (stop_.is_set()) return;
+      const absl::Status status = OptimizeIfDue(site);
+      if (status.ok() || absl::IsNotFound(status)) continue;
+      if (!absl::IsAborted(status)) spdlog::warn("optimising the graph of {}: {}", site.value(), status.ToString());
+      changed_.Add(site);
+    }
+  }
+}
+
+absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
+  const CallContext context = CallContext::WithTimeout(kTimeout);
+  ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
+  if (graph->graph().root().empty()) return absl::OkStatus();
+  std::string digest = DigestOf(graph->graph());
+  std::string& solved = solved_[site];
+  if (solved == digest) return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(const SolvedGraph solution, OptimizeGraph(graph->graph()));
+  if (!IsSame(graph->graph(), solution)) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph->graph(), solution));
+    graphs_.MarkChanged(site);
+    spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off",
+                 site.value(), version, solution.map_poses.size(), solution.chi2_before, solution.chi2_after,
+                 solution.switched_off.size());
+  }
+  solved = std::move(digest);
+  return absl::OkStatus();
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,190 @@
+#include "server/app/graph/site_graphs.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr std::size_t kKeptVersions = 8;
+constexpr int kVersionsPerRead = 100;
+constexpr auto kAwaitTime = std::chrono::milliseconds(500);
+constexpr auto kReconnectTime = std::chrono::seconds(1);
+
+}  // namespace
+
+SiteGraphs::SiteGraphs(postgres::Pool& pool, const GraphStore& store, ChangedSites& changed)
+    : pool_(pool), store_(store), changed_(changed) {
+  listener_ = std::thread([this] { Listen(); });
+}
+
+SiteGraphs::~SiteGraphs() {
+  Stop();
+  listener_.join();
+}
+
+void SiteGraphs::Stop() { stop_.Set(); }
+
+std::shared_ptr<SiteGraphs::Entry> SiteGraphs::FindOrMake(const SiteId& site) {
+  MutexLock lock(mutex_);
+  std::shared_ptr<Entry>& entry = entries_[site];
+  if (entry == nullptr) entry = std::make_shared<Entry>();
+  return entry;
+}
+
+std::shared_ptr<const SiteGraph> SiteGraphs::FindCurrent(const SiteId& site) const {
+  MutexLock lock(mutex_);
+  const auto found = entries_.find(site);
+  if (found == entries_.end() || !hearing_) return nullptr;
+  const Entry& entry = *found->second;
+  return entry.changes_read == entry.changes ? entry.current : nullptr;
+}
+
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Get(const CallContext& context, const SiteId& site) {
+  if (std::shared_ptr<const SiteGraph> current = FindCurrent(site)) return current;
+  const std::shared_ptr<Entry> entry = FindOrMake(site);
+  MutexLock reading(entry->reading);
+  // Somebody else may have read meanwhile.
+  if (std::shared_ptr<const SiteGraph> current = FindCurrent(site)) return current;
+  std::shared_ptr<const SiteGraph> old;
+  std::uint64_t changes = 0;
+  {
+    MutexLock lock(mutex_);
+    old = entry->current;
+    changes = entry->changes;
+  }
+  absl::StatusOr<std::shared_ptr<const SiteGraph>> read = Read(context, site, old);
+  {
+    MutexLock lock(mutex_);
+    if (!read.ok()) {
+      if (absl::IsNotFound(read.status())) entries_.erase(site);
+      return read.status();
+    }
+    entry->changes_read = changes;
+    if (*read == old) return read;
+    entry->current = *read;
+    entry->recent.push_front(*read);
+    if (entry->recent.size() > kKeptVersions) entry->recent.pop_back();
+  }
+  changed_.Add(site);
+  return read;
+}
+
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const CallContext& context, const SiteId& site,
+                                                                        std::int64_t version) {
+  ENFILADE_ASSIGN_OR_RETURN(std::shared_ptr<const SiteGraph> current, Get(context, site));
+  if (version == 0 || version == current->graph().version()) return current;
+  const std::shared_ptr<Entry> entry = FindOrMake(site);
+  MutexLock lock(mutex_);
+  for (const std::shared_ptr<const SiteGraph>& kept : entry->recent) {
+    if (kept->graph().version() == version) return kept;
+  }
+  return NotFound("the graph of site {} is at version {}, and version {} is none of the last {} that this server keeps",
+                  site.value(), current->graph().version(), version, entry->recent.size());
+}
+
+// `old` itself where nothing changed.
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const CallContext& context, const SiteId& site,
+                                                                  const std::shared_ptr<const SiteGraph>& old) const {
+  const std::int64_t since = old == nullptr ? 0 : old->graph().version();
+  ENFILADE_ASSIGN_OR_RETURN(const GraphChanges changes, store_.ReadChanges(context, site, since));
+  if (old != nullptr && changes.version == since) return old;
+  SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
+  const bool anew = changes.complete || old == nullptr;
+  const std::int64_t known = anew ? 0 : old->solution_version;
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t optimized, FindLastOptimization(context, site, known));
+  std::int64_t solution_version = known;
+  if (optimized > known) {
+    const auto poses = store_.GetMapPoses(context, site, optimized);
+    if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
+    if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, optimized, changes.root);
+    if (snapshot_changes.solution != nullptr) solution_version = optimized;
+  }
+  ENFILADE_ASSIGN_OR_RETURN(GraphSnapshot snapshot, Apply(anew ? GraphSnapshot() : old->graph(), snapshot_changes));
+  auto graph = std::make_shared<SiteGraph>(std::move(snapshot));
+  const SolvedGraph* solution = graph->graph().solution();
+  graph->solution_version = solution != nullptr && solution->root == graph->graph().root() ? solution_version : 0;
+  ENFILADE_ASSIGN_OR_RETURN(graph->control_points, store_.GetControlPoints(context, site));
+  if (!graph->control_points.empty()) {
+    auto fit = FitControlPoints(graph->poses, graph->control_points);
+    if (fit.ok()) {
+      graph->georeference = *std::move(fit);
+    } else {
+      spdlog::warn("site {}: no georeference: {}", site.value(), fit.status().ToString());
+    }
+  }
+  return std::shared_ptr<const SiteGraph>(std::move(graph));
+}
+
+// The last version that an optimisation made, or `known` where there is none after it.
+absl::StatusOr<std::int64_t> SiteGraphs::FindLastOptimization(const CallContext& context, const SiteId& site,
+                                                              std::int64_t known) const {
+  std::int64_t before = 0;
+  while (true) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<GraphVersion> versions,
+                              store_.ListVersions(context, site, before, kVersionsPerRead));
+    for (const GraphVersion& version : versions) {
+      if (version.version <= known) return known;
+      if (version.cause == GraphCause::kOptimized) return version.version;
+      before = version.version;
+    }
+    if (versions.size() < static_cast<std::size_t>(kVersionsPerRead)) return known;
+  }
+}
+
+void SiteGraphs::MarkChanged(const SiteId& site) {
+  MutexLock lock(mutex_);
+  if (const auto found = entries_.find(site); found != entries_.end()) ++found->second->changes;
+}
+
+void SiteGraphs::MarkAllChanged() {
+  MutexLock lock(mutex_);
+  for (auto& [site, entry] : entries_) ++entry->changes;
+}
+
+void SiteGraphs::Listen() {
+  while (!stop_.is_set()) {
+    auto listener = GraphListener::Open(pool_, CallContext::WithTimeout(std::chrono::seconds(5)));
+    if (!listener.ok()) {
+      stop_.WaitFor(kReconnectTime);
+      continue;
+    }
+    // What changed while nobody listened.
+    MarkAllChanged();
+    {
+      MutexLock lock(mutex_);
+      hearing_ = true;
+    }
+    Hear(**listener);
+    MutexLock lock(mutex_);
+    hearing_ = false;
+  }
+}
+
+void SiteGraphs::Hear(GraphListener& listener) {
+  while (!stop_.is_set()) {
+    const auto changes = listener.Await(CallContext::WithTimeout(kAwaitTime));
+    if (!changes.ok()) {
+      spdlog::warn("cannot hear of changed graphs: {}", changes.status().ToString());
+      return;
+    }
+    for (const GraphListener::Change& change : *changes) {
+      {
+        MutexLock lock(mutex_);
+        const auto found = entries_.find(change.site);
+        if (found != entries_.end()) {
+          const std::shared_ptr<const SiteGraph>& current = found->second->current;
+          if (current != nullptr && current->graph().version() == change.version) continue;
+          ++found->second->changes;
+        }
+      }
+      changed_.Add(change.site);
+    }
+  }
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,48 @@
+#include "server/rpc/graph/export_graph.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+#include "core/graph/geojson.h"
+#include "proto/convert/names.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr std::size_t kChunkBytes = 1 << 20;
+
+}  // namespace
+
+absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services, const CallContext& context,
+                                                                   const v1::ExportGraphRequest& request) {
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("site", request.site()));
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site));
+  const auto text = std::make_shared<const std::string>(
+      GraphToGeoJson(graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr));
+  const std::int64_t version = graph->graph().version();
+  return [text, version, begun = false,
+          offset = std::size_t{0}](v1::ExportGraphResponse& message) mutable -> absl::StatusOr<bool> {
+    if (!begun) {
+      begun = true;
+      message.mutable_manifest()->set_graph_version(version);
+      v1::FileEntry& file = *message.mutable_manifest()->add_files();
+      file.set_name("graph.geojson");
+      file.set_size_bytes(static_cast<std::int64_t>(text->size()));
+      file.set_sha256(Sha256(*text));
+      return true;
+    }
+    if (offset == text->size()) return false;
+    v1::FileChunk& chunk = *message.mutable_chunk();
+    chunk.set_file(0);
+    chunk.set_offset(static_cast<std::int64_t>(offset));
+    const std::size_t size = std::min(kChunkBytes, text->size() - offset);
+    chunk.set_data(text->substr(offset, size));
+    offset += size;
+    return true;
+  };
+}
+
+}  // namespace enfilade::server

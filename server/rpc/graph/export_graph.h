@@ -1,0 +1,12 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "enfilade/v1/graph_service.pb.h"
+#include "server/rpc/server_stream.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services, const CallContext& context,
+                                                                   const v1::ExportGraphRequest& request);
+
+}  // namespace enfilade::server

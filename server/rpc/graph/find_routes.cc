@@ -1,0 +1,71 @@
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/graph/geojson.h"
+#include "proto/convert/names.h"
+#include "proto/convert/record.h"
+#include "server/rpc/graph/handlers.h"
+#include "server/rpc/graph/messages.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr int kMaxRoutes = 16;
+
+absl::StatusOr<PathCost> CostOf(v1::PathCost cost) {
+  switch (cost) {
+    case v1::PATH_COST_UNSPECIFIED:
+    case v1::PATH_COST_DISTANCE:
+      return PathCost::kDistance;
+    case v1::PATH_COST_UNCERTAINTY:
+      return PathCost::kUncertainty;
+    case v1::PATH_COST_HOPS:
+      return PathCost::kHops;
+    default:
+      return InvalidArgument("cost is {}: expected PATH_COST_DISTANCE, _UNCERTAINTY or _HOPS", static_cast<int>(cost));
+  }
+}
+
+absl::StatusOr<RouteOptions> OptionsOf(const v1::FindRoutesRequest& request) {
+  RouteOptions options;
+  ENFILADE_ASSIGN_OR_RETURN(options.cost, CostOf(request.cost()));
+  if (request.max_routes() < 0 || request.max_routes() > kMaxRoutes) {
+    return InvalidArgument("max_routes is {}: at most {}", request.max_routes(), kMaxRoutes);
+  }
+  options.max_routes = std::max(request.max_routes(), 1);
+  options.time = std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+  if (request.has_time()) {
+    const absl::StatusOr<TimeNs> time = FromTimestamp(request.time());
+    if (!time.ok()) return WithContext(time.status(), "time");
+    options.time = *time;
+  }
+  return options;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const CallContext& context,
+                                                  const v1::FindRoutesRequest& request) {
+  v1::FindRoutesResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const MapName start, ParseMapName("start_map", request.start_map()));
+  ENFILADE_ASSIGN_OR_RETURN(const MapName goal, ParseMapName("goal_map", request.goal_map()));
+  if (start.site != goal.site) return InvalidArgument("start_map and goal_map are of different sites");
+  if (!request.has_pose_map_start()) return InvalidArgument("pose_map_start is missing");
+  if (!request.has_pose_map_goal()) return InvalidArgument("pose_map_goal is missing");
+  ENFILADE_ASSIGN_OR_RETURN(const RouteOptions options, OptionsOf(request));
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, start.site));
+  ENFILADE_ASSIGN_OR_RETURN(const Routes routes, enfilade::FindRoutes(graph->graph(),
+                                                                      {start.map, FromProto(request.pose_map_start()),
+                                                                       goal.map, FromProto(request.pose_map_goal())},
+                                                                      options));
+  response.set_graph_version(routes.graph_version);
+  for (const Route& route : routes.routes) *response.add_routes() = ToProto(start.site, route);
+  if (request.with_geojson()) {
+    response.set_geojson(RoutesToGeoJson(
+        routes, graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr));
+  }
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,86 @@
+#include "server/rpc/graph/get_global_pose.h"
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/geometry.h"
+#include "proto/convert/names.h"
+#include "proto/convert/record.h"
+#include "server/rpc/graph/handlers.h"
+#include "server/rpc/graph/messages.h"
+
+namespace enfilade::server {
+namespace {
+
+absl::StatusOr<v1::GlobalPose> Answer(const SiteGraph& graph, const SiteId& site, const MapId& map,
+                                      const PoseWithCovariance& T_map_robot) {
+  v1::GlobalPose out;
+  out.set_graph_version(graph.graph().version());
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<GlobalPose> pose, graph.poses.Find(map, T_map_robot));
+  if (pose.has_value()) Fill(site, *pose, out);
+  return out;
+}
+
+struct GivenPose {
+  MapName name;
+  PoseWithCovariance T_map_robot;
+};
+
+absl::StatusOr<GivenPose> Parse(const v1::MapPose& message) {
+  ENFILADE_ASSIGN_OR_RETURN(MapName name, ParseMapName("map_pose.map", message.map()));
+  ENFILADE_ASSIGN_OR_RETURN(PoseWithCovariance T_map_robot,
+                            FromProto("map_pose.pose_map_robot", message.pose_map_robot()));
+  return GivenPose{std::move(name), T_map_robot};
+}
+
+absl::StatusOr<v1::GetGlobalPoseResponse> AnswerGiven(const SiteGraph& graph, const GivenPose& given,
+                                                      const v1::MapPose& message) {
+  v1::GetGlobalPoseResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_global_pose(),
+                            Answer(graph, given.name.site, given.name.map, given.T_map_robot));
+  *response.mutable_global_pose()->mutable_map_pose() = message;
+  return response;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::GlobalPose> GlobalPoseOf(const SiteGraph& graph, const RobotPose& report) {
+  ENFILADE_ASSIGN_OR_RETURN(v1::GlobalPose out, Answer(graph, report.site, report.map, report.T_map_robot));
+  out.set_robot(NameOf(RobotName{report.site, report.robot}));
+  out.mutable_map_pose()->set_map(NameOf(MapName{report.site, report.map}));
+  *out.mutable_map_pose()->mutable_pose_map_robot() = ToProto(report.T_map_robot);
+  *out.mutable_report_time() = ToTimestamp(report.time);
+  return out;
+}
+
+std::optional<absl::StatusOr<v1::GetGlobalPoseResponse>> TryGetGlobalPose(const Services& services,
+                                                                          const v1::GetGlobalPoseRequest& request) {
+  if (!request.has_map_pose()) return std::nullopt;
+  const absl::StatusOr<GivenPose> given = Parse(request.map_pose());
+  if (!given.ok()) return given.status();
+  const auto graph = services.graphs.FindCurrent(given->name.site);
+  if (graph == nullptr) return std::nullopt;
+  return AnswerGiven(*graph, *given, request.map_pose());
+}
+
+absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const CallContext& context,
+                                                        const v1::GetGlobalPoseRequest& request) {
+  switch (request.subject_case()) {
+    case v1::GetGlobalPoseRequest::kMapPose: {
+      ENFILADE_ASSIGN_OR_RETURN(const GivenPose given, Parse(request.map_pose()));
+      ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, given.name.site));
+      return AnswerGiven(*graph, given, request.map_pose());
+    }
+    case v1::GetGlobalPoseRequest::kRobot: {
+      v1::GetGlobalPoseResponse response;
+      ENFILADE_ASSIGN_OR_RETURN(const RobotName name, ParseRobotName("robot", request.robot()));
+      ENFILADE_ASSIGN_OR_RETURN(const RobotPose report, services.robot_poses.Get(context, name.site, name.robot));
+      ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, name.site));
+      ENFILADE_ASSIGN_OR_RETURN(*response.mutable_global_pose(), GlobalPoseOf(*graph, report));
+      return response;
+    }
+    default:
+      return InvalidArgument("subject is not set: name a robot, or a pose in a map");
+  }
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,429 @@
+#include <chrono>
+#include <thread>
+
+#include "core/base/sha256.h"
+#include "enfilade/v1/graph_service.grpc.pb.h"
+#include "fmt/format.h"
+#include "nlohmann/json.hpp"
+#include "proto/convert/geometry.h"
+#include "storage/graph_store.h"
+#include "storage/link_point_store.h"
+#include "storage/map_store.h"
+#include "storage/robot_pose_store.h"
+#include "storage/robot_store.h"
+#include "tests/rpc/server_test.h"
+#include "tests/support/pose_matchers.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+using Stub = v1::GraphService::Stub;
+
+// Three rooms in a row beside map "m" (the root): m - b - c, and "far" joined to nothing. Doors are 5 m along x from
+// the frame of the room before, at the origin of the one behind.
+class GraphTest : public ServerTest {
+ protected:
+  void SetUp() override {
+    MakeMapNamed("b");
+    MakeMapNamed("c");
+    MakeMapNamed("far");
+    Join("mb", "m", "b");
+    Join("bc", "b", "c");
+  }
+
+  void MakeMapNamed(const std::string& id) {
+    Map map;
+    map.site = site_;
+    map.id = MapId(id);
+    map.display_name = fmt::format("Room {}", id);
+    EXPECT_OK(maps_.Create(Soon(), map, ""));
+  }
+
+  StoredLinkPoint Join(const std::string& id, const std::string& from, const std::string& to,
+                       const Pose2& T_from_place = {5, 0, 0}, const Pose2& T_to_place = {}) {
+    StoredLinkPoint link_point;
+    link_point.site = site_;
+    link_point.point.id = LinkPointId(id);
+    link_point.point.anchors = {{MapId(from), T_from_place, DefaultAnchorCovariance()},
+                                {MapId(to), T_to_place, DefaultAnchorCovariance()}};
+    auto made = link_points_.Create(Soon(), link_point, "");
+    EXPECT_OK(made);
+    return made.ok() ? *made : link_point;
+  }
+
+  v1::GetGlobalPoseRequest At(const std::string& map, const Pose2& pose) const {
+    v1::GetGlobalPoseRequest request;
+    request.mutable_map_pose()->set_map(fmt::format("sites/s/maps/{}", map));
+    *request.mutable_map_pose()->mutable_pose_map_robot() =
+        ToProto(PoseWithCovariance{pose, DefaultTransformCovariance()});
+    return request;
+  }
+
+  v1::Graph GetGraph() const {
+    v1::GetGraphRequest request;
+    request.set_site("sites/s");
+    auto response = Call(&Stub::GetGraph, request);
+    EXPECT_OK(response);
+    return response.ok() ? response->graph() : v1::Graph();
+  }
+
+  // Until the server has heard of a version for which `done` holds.
+  template <typename Done>
+  v1::Graph AwaitGraph(const Done& done) const {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (true) {
+      v1::Graph graph = GetGraph();
+      if (done(graph)) return graph;
+      if (std::chrono::steady_clock::now() > until) {
+        ADD_FAILURE() << "waited in vain; version " << graph.graph_version();
+        return graph;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+  // Until all that was made is in a solution.
+  v1::Graph AwaitSolution() const {
+    return AwaitGraph([](const v1::Graph& graph) { return graph.solution_version() == graph.graph_version(); });
+  }
+
+  void Report(const std::string& map, const Pose2& pose, TimeNs time) {
+    RobotPose report;
+    report.site = site_;
+    report.robot = RobotId("r");
+    report.map = MapId(map);
+    report.T_map_robot = {pose, DefaultTransformCovariance()};
+    report.time = time;
+    EXPECT_OK(robot_poses_.Report(Soon(), report));
+  }
+
+  const SiteId site_{"s"};
+  const MapStore maps_{*pool_};
+  const LinkPointStore link_points_{*pool_};
+  const GraphStore graph_store_{*pool_};
+  const RobotPoseStore robot_poses_{*pool_};
+};
+
+TEST_F(GraphTest, GetGraphTellsMapsLinkPointsAndEdges) {
+  const v1::Graph graph = AwaitSolution();
+  EXPECT_EQ(graph.root_map(), "sites/s/maps/m");
+  ASSERT_EQ(graph.maps_size(), 4);
+  EXPECT_EQ(graph.maps(1).map(), "sites/s/maps/c");
+  EXPECT_NEAR(graph.maps(1).pose_world_map().pose().x(), 10.0, 1e-6);
+  EXPECT_TRUE(graph.maps(1).optimized());
+  EXPECT_EQ(graph.maps(2).map(), "sites/s/maps/far");
+  EXPECT_FALSE(graph.maps(2).has_pose_world_map());
+  ASSERT_EQ(graph.link_points_size(), 2);
+  EXPECT_THAT(graph.link_points(0).maps(), ElementsAre("sites/s/maps/b", "sites/s/maps/c"));
+  ASSERT_EQ(graph.edges_size(), 1);
+  EXPECT_EQ(graph.edges(0).map(), "sites/s/maps/b");
+  EXPECT_EQ(graph.edges(0).length_m(), 5.0);
+}
+
+TEST_F(GraphTest, GetGraphGivesAnEarlierVersionThatItHasSeen) {
+  const v1::Graph before = AwaitSolution();
+  Join("new", "m", "far", {1, 1, 0});
+  AwaitGraph([&](const v1::Graph& graph) { return graph.graph_version() > before.graph_version(); });
+  v1::GetGraphRequest request;
+  request.set_site("sites/s");
+  request.set_graph_version(before.graph_version());
+  ASSERT_OK_AND_ASSIGN(const v1::GetGraphResponse old, Call(&Stub::GetGraph, request));
+  EXPECT_EQ(old.graph().SerializeAsString(), before.SerializeAsString());
+  request.set_graph_version(1'000'000);
+  EXPECT_THAT(Call(&Stub::GetGraph, request), HasStatus(absl::StatusCode::kNotFound, HasSubstr("1000000")));
+}
+
+TEST_F(GraphTest, AGlobalPoseExplainsItself) {
+  ASSERT_OK_AND_ASSIGN(const v1::GetGlobalPoseResponse response, Call(&Stub::GetGlobalPose, At("c", {1, 2, 0.5})));
+  const v1::GlobalPose& pose = response.global_pose();
+  EXPECT_NEAR(pose.pose_world_robot().pose().x(), 11.0, 1e-6);
+  EXPECT_NEAR(pose.pose_world_robot().pose().y(), 2.0, 1e-6);
+  EXPECT_GT(pose.graph_version(), 0);
+  EXPECT_GT(pose.search_radius_m(), 20.0);
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  const auto add = [&sum](const auto& share) {
+    ASSERT_EQ(share.size(), 9);
+    for (int i = 0; i < 9; ++i) sum(i / 3, i % 3) += share.Get(i);
+  };
+  add(pose.base_share());
+  add(pose.robot_share());
+  for (const v1::PoseHop& hop : pose.hops()) add(hop.share());
+  for (int i = 0; i < 9; ++i) EXPECT_NEAR(sum(i / 3, i % 3), pose.pose_world_robot().covariance(i), 1e-12);
+}
+
+TEST_F(GraphTest, NoPathIsAnAnswer) {
+  ASSERT_OK_AND_ASSIGN(const v1::GetGlobalPoseResponse response, Call(&Stub::GetGlobalPose, At("far", {})));
+  EXPECT_FALSE(response.global_pose().has_pose_world_robot());
+  EXPECT_GT(response.global_pose().graph_version(), 0);
+  v1::TransformPosesRequest request;
+  request.set_source_map("sites/s/maps/far");
+  request.set_target_map("sites/s/maps/m");
+  ASSERT_OK_AND_ASSIGN(const v1::TransformPosesResponse transformed, Call(&Stub::TransformPoses, request));
+  EXPECT_FALSE(transformed.has_pose_target_source());
+}
+
+TEST_F(GraphTest, ChangesOfOthersAreHeardOf) {
+  ASSERT_OK(Call(&Stub::GetGlobalPose, At("far", {})));
+  Join("mf", "m", "far", {0, 7, 0});  // past this server, as another one would
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (std::chrono::steady_clock::now() < until) {
+    ASSERT_OK_AND_ASSIGN(const v1::GetGlobalPoseResponse response, Call(&Stub::GetGlobalPose, At("far", {})));
+    if (!response.global_pose().has_pose_world_robot()) continue;
+    EXPECT_NEAR(response.global_pose().pose_world_robot().pose().y(), 7.0, 1e-9);
+    return;
+  }
+  FAIL() << "the new link point was not heard of";
+}
+
+TEST_F(GraphTest, TransformsManyPosesAtOnce) {
+  v1::TransformPosesRequest request;
+  request.set_source_map("sites/s/maps/c");
+  request.set_target_map("sites/s/maps/b");
+  for (int i = 0; i < 100; ++i) {
+    *request.add_poses() = ToProto(PoseWithCovariance{{static_cast<double>(i), 1, 0}, Eigen::Matrix3d::Zero()});
+  }
+  ASSERT_OK_AND_ASSIGN(const v1::TransformPosesResponse response, Call(&Stub::TransformPoses, request));
+  ASSERT_EQ(response.poses_size(), 100);
+  EXPECT_NEAR(response.poses(42).pose().x(), 47.0, 1e-6);
+  EXPECT_EQ(response.hops_size(), 1);
+  request.mutable_poses(7)->add_covariance(1.0);
+  EXPECT_THAT(Call(&Stub::TransformPoses, request),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("poses[7]")));
+}
+
+TEST_F(GraphTest, RoutesRespectDoors) {
+  v1::FindRoutesRequest request;
+  request.set_start_map("sites/s/maps/m");
+  request.mutable_pose_map_start()->set_x(1.0);
+  request.set_goal_map("sites/s/maps/c");
+  request.mutable_pose_map_goal()->set_x(2.0);
+  request.set_with_geojson(true);
+  request.set_max_routes(3);
+  ASSERT_OK_AND_ASSIGN(const v1::FindRoutesResponse open, Call(&Stub::FindRoutes, request));
+  ASSERT_EQ(open.routes_size(), 1);
+  EXPECT_NEAR(open.routes(0).length_m(), 11.0, 1e-9);
+  ASSERT_EQ(open.routes(0).legs_size(), 3);
+  EXPECT_EQ(open.routes(0).legs(0).exit(), "sites/s/linkPoints/mb");
+  EXPECT_EQ(nlohmann::json::parse(open.geojson())["features"].size(), 3u);
+
+  ASSERT_OK_AND_ASSIGN(StoredLinkPoint door, link_points_.Get(Soon(), site_, LinkPointId("bc")));
+  door.point.state = PassageState::kClosed;
+  door.point.state_valid_until = 4'000'000'000 * kNsPerSecond;
+  ASSERT_OK(link_points_.Update(Soon(), door));
+  const std::int64_t before = open.graph_version();
+  AwaitGraph([before](const v1::Graph& graph) { return graph.graph_version() > before; });
+  const auto routes = [&]() {
+    auto response = Call(&Stub::FindRoutes, request);
+    EXPECT_OK(response);
+    return response.ok() ? response->routes_size() : -1;
+  };
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (routes() != 0 && std::chrono::steady_clock::now() < until) {
+  }
+  EXPECT_EQ(routes(), 0);
+  request.mutable_time()->set_seconds(4'000'000'001);
+  EXPECT_EQ(routes(), 1);
+  // A closed door is no less of a measurement.
+  EXPECT_OK(Call(&Stub::GetGlobalPose, At("c", {})));
+}
+
+TEST_F(GraphTest, OptimisesByItselfAndOnRequestAndListsVersions) {
+  const v1::Graph solved = AwaitSolution();
+  // A third door closes a loop that does not quite fit.
+  Join("mc", "m", "c", {0, 5, 0}, {-10, 5.3, 0});
+  const v1::Graph again = AwaitGraph([&](const v1::Graph& graph) {
+    return graph.solution_version() > solved.solution_version() && graph.solution_version() == graph.graph_version();
+  });
+  EXPECT_LT(again.maps(1).pose_world_map().pose().y(), 0.0);
+
+  v1::OptimizeGraphRequest request;
+  request.set_site("sites/s");
+  ASSERT_OK_AND_ASSIGN(const v1::OptimizeGraphResponse response, Call(&Stub::OptimizeGraph, request));
+  EXPECT_EQ(response.graph_version(), again.graph_version() + 1);
+  EXPECT_TRUE(response.converged());
+  EXPECT_EQ(response.maps(), 3);
+  EXPECT_EQ(response.degrees_of_freedom(), 3);
+  EXPECT_THAT(response.disconnected_maps(), ElementsAre("sites/s/maps/far"));
+  EXPECT_EQ(response.switched_off_size(), 0);
+
+  v1::ListGraphVersionsRequest list;
+  list.set_parent("sites/s");
+  list.set_page_size(2);
+  ASSERT_OK_AND_ASSIGN(v1::ListGraphVersionsResponse page, Call(&Stub::ListGraphVersions, list));
+  ASSERT_EQ(page.graph_versions_size(), 2);
+  EXPECT_EQ(page.graph_versions(0).graph_version(), response.graph_version());
+  EXPECT_EQ(page.graph_versions(0).cause(), v1::GraphVersion::CAUSE_OPTIMIZED);
+  EXPECT_NEAR(page.graph_versions(0).chi2_after(), response.chi2_after(), 1e-9);
+  std::int64_t last = page.graph_versions(1).graph_version();
+  while (!page.next_page_token().empty()) {
+    list.set_page_token(page.next_page_token());
+    ASSERT_OK_AND_ASSIGN(page, Call(&Stub::ListGraphVersions, list));
+    for (const v1::GraphVersion& version : page.graph_versions()) {
+      EXPECT_EQ(version.graph_version(), last - 1);
+      last = version.graph_version();
+    }
+  }
+  EXPECT_EQ(last, 1);
+}
+
+TEST_F(GraphTest, AFalseClosureIsSwitchedOffAndASuspendedOneLeftOut) {
+  AwaitSolution();
+  Join("mc", "m", "c", {0, 5, 0}, {-10, 5, 0});
+  StoredLinkPoint wrong = Join("wrong", "m", "c", {0, -5, 0}, {20, 5, 1});
+  const v1::Graph graph = AwaitGraph(
+      [](const v1::Graph& g) { return g.solution_version() == g.graph_version() && g.link_points_size() == 4; });
+  ASSERT_EQ(graph.link_points(3).link_point(), "sites/s/linkPoints/wrong");
+  EXPECT_FALSE(graph.link_points(3).joins());
+  EXPECT_NEAR(graph.maps(1).pose_world_map().pose().x(), 10.0, 1e-3);
+  ASSERT_OK_AND_ASSIGN(wrong, link_points_.Get(Soon(), site_, LinkPointId("wrong")));
+  EXPECT_EQ(wrong.point.use, LinkPointUse::kSwitchedOff);
+  ASSERT_OK(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), 0, true));
+  AwaitGraph([&graph](const v1::Graph& g) { return g.graph_version() > graph.graph_version(); });
+  v1::OptimizeGraphRequest request;
+  request.set_site("sites/s");
+  ASSERT_OK_AND_ASSIGN(const v1::OptimizeGraphResponse response, Call(&Stub::OptimizeGraph, request));
+  EXPECT_EQ(response.switched_off_size(), 0);
+}
+
+TEST_F(GraphTest, WatchersHearWhatChangesAndResumeWhereTheyWere) {
+  AwaitSolution();
+  Report("b", {1, 0, 0}, 1'000'000'000);
+  const auto stub = v1::GraphService::NewStub(connection_->channel());
+  v1::WatchGlobalPosesRequest request;
+  request.set_parent("sites/s");
+  request.set_rate_hz(20.0);
+  std::string token;
+  {
+    grpc::ClientContext context;
+    const auto stream = stub->WatchGlobalPoses(&context, request);
+    v1::WatchGlobalPosesResponse message;
+    ASSERT_TRUE(stream->Read(&message));
+    ASSERT_EQ(message.global_poses_size(), 1);
+    EXPECT_EQ(message.global_poses(0).robot(), "sites/s/robots/r");
+    EXPECT_NEAR(message.global_poses(0).pose_world_robot().pose().x(), 6.0, 1e-6);
+    Report("c", {2, 0, 0}, 2'000'000'000);
+    ASSERT_TRUE(stream->Read(&message));
+    ASSERT_EQ(message.global_poses_size(), 1);
+    EXPECT_NEAR(message.global_poses(0).pose_world_robot().pose().x(), 12.0, 1e-6);
+    token = message.resume_token();
+    context.TryCancel();
+  }
+  request.set_resume_token(token);
+  grpc::ClientContext context;
+  const auto stream = stub->WatchGlobalPoses(&context, request);
+  v1::WatchGlobalPosesResponse message;
+  ASSERT_TRUE(stream->Read(&message));
+  EXPECT_EQ(message.global_poses_size(), 0);
+  Report("c", {3, 0, 0}, 3'000'000'000);
+  ASSERT_TRUE(stream->Read(&message));
+  EXPECT_NEAR(message.global_poses(0).pose_world_robot().pose().x(), 13.0, 1e-6);
+  // The server ends streams before it ends itself.
+  const auto begin = std::chrono::steady_clock::now();
+  server_->Shutdown();
+  while (stream->Read(&message)) {
+  }
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(60));
+}
+
+TEST_F(GraphTest, ARobotsGlobalPoseIsThatOfItsLastReport) {
+  v1::GetGlobalPoseRequest request;
+  request.set_robot("sites/s/robots/r");
+  EXPECT_THAT(Call(&Stub::GetGlobalPose, request), HasCode(absl::StatusCode::kNotFound));
+  Report("b", {1, 0, 0}, 1'500'000'000);
+  ASSERT_OK_AND_ASSIGN(const v1::GetGlobalPoseResponse response, Call(&Stub::GetGlobalPose, request));
+  EXPECT_NEAR(response.global_pose().pose_world_robot().pose().x(), 6.0, 1e-6);
+  EXPECT_EQ(response.global_pose().map_pose().map(), "sites/s/maps/b");
+  EXPECT_EQ(response.global_pose().report_time().nanos(), 500'000'000);
+}
+
+TEST_F(GraphTest, AGeoreferenceMakesGeoJsonOfLongitudeAndLatitude) {
+  v1::SetGeoreferenceRequest request;
+  request.set_site("sites/s");
+  const auto add = [&request](const char* map, double x, double longitude) {
+    v1::ControlPoint& point = *request.mutable_georeference()->add_control_points();
+    point.set_map(map);
+    point.set_x(x);
+    point.set_latitude(52.37);
+    point.set_longitude(longitude);
+  };
+  add("sites/s/maps/m", 0.0, 9.7);
+  EXPECT_THAT(Call(&Stub::SetGeoreference, request),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("at least two")));
+  add("sites/s/maps/c", 3.62, 9.7002);  // 13.62 m east
+  ASSERT_OK_AND_ASSIGN(const v1::SetGeoreferenceResponse response, Call(&Stub::SetGeoreference, request));
+  EXPECT_NEAR(response.georeference().yaw_east_world(), 0.0, 1e-3);
+  EXPECT_LT(response.georeference().rms_m(), 0.02);
+  v1::GetGeoreferenceRequest get;
+  get.set_site("sites/s");
+  ASSERT_OK_AND_ASSIGN(const v1::GetGeoreferenceResponse got, Call(&Stub::GetGeoreference, get));
+  EXPECT_EQ(got.georeference().control_points_size(), 2);
+
+  const auto stub = v1::GraphService::NewStub(connection_->channel());
+  v1::ExportGraphRequest export_request;
+  export_request.set_site("sites/s");
+  grpc::ClientContext context;
+  const auto stream = stub->ExportGraph(&context, export_request);
+  v1::ExportGraphResponse message;
+  ASSERT_TRUE(stream->Read(&message));
+  ASSERT_EQ(message.manifest().files_size(), 1);
+  const v1::FileEntry file = message.manifest().files(0);
+  std::string text;
+  while (stream->Read(&message)) text += message.chunk().data();
+  EXPECT_TRUE(stream->Finish().ok());
+  EXPECT_EQ(static_cast<std::int64_t>(text.size()), file.size_bytes());
+  EXPECT_EQ(Sha256(text), file.sha256());
+  const nlohmann::json json = nlohmann::json::parse(text);
+  EXPECT_FALSE(json.contains("frame"));
+  EXPECT_NEAR(json["features"][0]["geometry"]["coordinates"][1], 52.37, 1e-3);
+}
+
+TEST_F(GraphTest, EveryMethodRefusesAnEmptyMessage) {
+  EXPECT_THAT(Call(&Stub::GetGraph, v1::GetGraphRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(Call(&Stub::ListGraphVersions, v1::ListGraphVersionsRequest()),
+              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(Call(&Stub::OptimizeGraph, v1::OptimizeGraphRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(Call(&Stub::GetGlobalPose, v1::GetGlobalPoseRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(Call(&Stub::TransformPoses, v1::TransformPosesRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(Call(&Stub::FindRoutes, v1::FindRoutesRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(Call(&Stub::SetGeoreference, v1::SetGeoreferenceRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(Call(&Stub::GetGeoreference, v1::GetGeoreferenceRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  const auto stub = v1::GraphService::NewStub(connection_->channel());
+  {
+    grpc::ClientContext context;
+    v1::WatchGlobalPosesResponse message;
+    const auto stream = stub->WatchGlobalPoses(&context, v1::WatchGlobalPosesRequest());
+    EXPECT_FALSE(stream->Read(&message));
+    EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  }
+  grpc::ClientContext context;
+  v1::ExportGraphResponse message;
+  const auto stream = stub->ExportGraph(&context, v1::ExportGraphRequest());
+  EXPECT_FALSE(stream->Read(&message));
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(GraphTest, RefusesWhatMakesNoSense) {
+  v1::FindRoutesRequest request;
+  request.set_start_map("sites/s/maps/m");
+  request.mutable_pose_map_start();
+  request.set_goal_map("sites/s/maps/c");
+  request.mutable_pose_map_goal();
+  request.set_cost(static_cast<v1::PathCost>(99));
+  EXPECT_THAT(Call(&Stub::FindRoutes, request), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("99")));
+  request.set_cost(v1::PATH_COST_HOPS);
+  request.set_max_routes(1000);
+  EXPECT_THAT(Call(&Stub::FindRoutes, request), HasCode(absl::StatusCode::kInvalidArgument));
+  request.set_max_routes(1);
+  request.mutable_pose_map_goal()->set_x(std::nan(""));
+  EXPECT_THAT(Call(&Stub::FindRoutes, request), HasCode(absl::StatusCode::kInvalidArgument));
+  v1::GetGraphRequest nowhere;
+  nowhere.set_site("sites/nowhere");
+  EXPECT_THAT(Call(&Stub::GetGraph, nowhere), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(Call(&Stub::GetGlobalPose, At("nowhere", {})), HasCode(absl::StatusCode::kNotFound));
+}
+
+}  // namespace
+}  // namespace enfilade::testing
