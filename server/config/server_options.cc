@@ -174,9 +174,9 @@ absl::Status ServerOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("database.default_deadline_s", database.default_deadline_s, 0.001));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("ingest.writers", ingest.writers, 1));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.workers", mapping.workers, 0));
-  // One for each writer and mapper, and one left for everything else.
+  // One for each writer and mapper, one each to hear of changed graphs and to optimise them, and one left for all else.
   ENFILADE_RETURN_IF_ERROR(
-      RequireAtLeast("database.max_connections", database.max_connections, ingest.writers + 2 * mapping.workers + 1));
+      RequireAtLeast("database.max_connections", database.max_connections, ingest.writers + 2 * mapping.workers + 3));
   for (const auto& [key, value] : {std::pair{"ingest.stream_buffer_bytes", ingest.stream_buffer_bytes},
                                    std::pair{"ingest.total_buffer_bytes", ingest.total_buffer_bytes},
                                    std::pair{"ingest.transaction_bytes", ingest.transaction_bytes},

@@ -1,5 +1,7 @@
+#include <atomic>
 #include <chrono>
 #include <thread>
+#include <vector>
 
 #include "core/base/sha256.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
@@ -285,6 +287,50 @@ TEST_F(GraphTest, AFalseClosureIsSwitchedOffAndASuspendedOneLeftOut) {
   request.set_site("sites/s");
   ASSERT_OK_AND_ASSIGN(const v1::OptimizeGraphResponse response, Call(&Stub::OptimizeGraph, request));
   EXPECT_EQ(response.switched_off_size(), 0);
+}
+
+// Readers never see a version older than they have seen, nor half of one, whatever editors and the optimisation do.
+TEST_F(GraphTest, ReadersGetWholeVersionsWhileEditorsAndOptimisationsChangeThem) {
+  std::atomic<bool> done{false};
+  std::vector<std::thread> threads;
+  for (int editor = 0; editor < 2; ++editor) {
+    threads.emplace_back([this, editor] {
+      const LinkPointId id(editor == 0 ? "mb" : "bc");
+      for (int i = 0; i < 40; ++i) {
+        // Each edits its own: placing a link point anew is no edit that the other had to know of.
+        auto door = link_points_.Get(Soon(), site_, id);
+        ASSERT_OK(door);
+        door->point.tag = std::to_string(i);
+        door->point.anchors[0].T_map_place.x = 5.0 + 0.01 * i;
+        const auto updated = link_points_.Update(Soon(), *door);
+        ASSERT_OK(updated);
+      }
+    });
+  }
+  std::atomic<int> answers{0};
+  for (int reader = 0; reader < 3; ++reader) {
+    threads.emplace_back([this, &done, &answers] {
+      std::int64_t version = 0;
+      while (!done) {
+        const auto response = Call(&Stub::GetGlobalPose, At("c", {}));
+        ASSERT_OK(response);
+        const v1::GlobalPose& pose = response->global_pose();
+        ASSERT_GE(pose.graph_version(), version);
+        version = pose.graph_version();
+        ASSERT_TRUE(pose.has_pose_world_robot());
+        ASSERT_GE(pose.pose_world_robot().pose().x(), 10.0 - 1e-6);
+        ASSERT_LE(pose.pose_world_robot().pose().x(), 10.8);
+        ++answers;
+      }
+    });
+  }
+  threads[0].join();
+  threads[1].join();
+  done = true;
+  for (std::size_t i = 2; i < threads.size(); ++i) threads[i].join();
+  EXPECT_GT(answers, 0);
+  const v1::Graph graph = AwaitSolution();
+  EXPECT_NEAR(graph.maps(1).pose_world_map().pose().x(), 10.78, 1e-6);
 }
 
 TEST_F(GraphTest, WatchersHearWhatChangesAndResumeWhereTheyWere) {
