@@ -34,6 +34,7 @@ class GraphTest : public ServerTest {
     MakeMapNamed("far");
     Join("mb", "m", "b");
     Join("bc", "b", "c");
+    AwaitGraph([](const v1::Graph& graph) { return graph.maps_size() == 4 && graph.link_points_size() == 2; });
   }
 
   void MakeMapNamed(const std::string& id) {

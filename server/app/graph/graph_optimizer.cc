@@ -110,7 +110,6 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   ENFILADE_ASSIGN_OR_RETURN(const SolvedGraph solution, OptimizeGraph(graph->graph()));
   if (!IsSame(graph->graph(), solution)) {
     ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph->graph(), solution));
-    graphs_.MarkChanged(site);
     spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off",
                  site.value(), version, solution.map_poses.size(), solution.chi2_before, solution.chi2_after,
                  solution.switched_off.size());

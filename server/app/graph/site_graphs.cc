@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kKeptVersions = 8;
 constexpr int kVersionsPerRead = 100;
 constexpr auto kAwaitTime = std::chrono::milliseconds(500);
+constexpr auto kReadTime = std::chrono::seconds(30);
 constexpr auto kReconnectTime = std::chrono::seconds(1);
 
 }  // namespace
@@ -41,21 +42,26 @@ std::shared_ptr<const SiteGraph> SiteGraphs::FindCurrent(const SiteId& site) con
   const auto found = entries_.find(site);
   if (found == entries_.end() || !hearing_) return nullptr;
   const Entry& entry = *found->second;
-  return entry.changes_read == entry.changes ? entry.current : nullptr;
+  return entry.changes_read >= entry.changes_needed ? entry.current : nullptr;
 }
 
 absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Get(const CallContext& context, const SiteId& site) {
   if (std::shared_ptr<const SiteGraph> current = FindCurrent(site)) return current;
+  return BringUpToDate(context, site);
+}
+
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::BringUpToDate(const CallContext& context,
+                                                                           const SiteId& site) {
   const std::shared_ptr<Entry> entry = FindOrMake(site);
   MutexLock reading(entry->reading);
-  // Somebody else may have read meanwhile.
-  if (std::shared_ptr<const SiteGraph> current = FindCurrent(site)) return current;
   std::shared_ptr<const SiteGraph> old;
   std::uint64_t changes = 0;
   {
     MutexLock lock(mutex_);
     old = entry->current;
     changes = entry->changes;
+    // Somebody else has read while this one waited for its turn.
+    if (hearing_ && entry->changes_read == changes) return old;
   }
   absl::StatusOr<std::shared_ptr<const SiteGraph>> read = Read(context, site, old);
   {
@@ -138,12 +144,13 @@ absl::StatusOr<std::int64_t> SiteGraphs::FindLastOptimization(const CallContext&
 
 void SiteGraphs::MarkChanged(const SiteId& site) {
   MutexLock lock(mutex_);
-  if (const auto found = entries_.find(site); found != entries_.end()) ++found->second->changes;
+  const auto found = entries_.find(site);
+  if (found != entries_.end()) found->second->changes_needed = ++found->second->changes;
 }
 
 void SiteGraphs::MarkAllChanged() {
   MutexLock lock(mutex_);
-  for (auto& [site, entry] : entries_) ++entry->changes;
+  for (auto& [site, entry] : entries_) entry->changes_needed = ++entry->changes;
 }
 
 void SiteGraphs::Listen() {
@@ -172,19 +179,25 @@ void SiteGraphs::Hear(GraphListener& listener) {
       spdlog::warn("cannot hear of changed graphs: {}", changes.status().ToString());
       return;
     }
-    for (const GraphListener::Change& change : *changes) {
-      {
-        MutexLock lock(mutex_);
-        const auto found = entries_.find(change.site);
-        if (found != entries_.end()) {
-          const std::shared_ptr<const SiteGraph>& current = found->second->current;
-          if (current != nullptr && current->graph().version() == change.version) continue;
-          ++found->second->changes;
-        }
-      }
-      changed_.Add(change.site);
+    for (const GraphListener::Change& change : *changes) HearOf(change);
+  }
+}
+
+void SiteGraphs::HearOf(const GraphListener::Change& change) {
+  {
+    MutexLock lock(mutex_);
+    const auto found = entries_.find(change.site);
+    if (found != entries_.end()) {
+      const std::shared_ptr<const SiteGraph>& current = found->second->current;
+      if (current != nullptr && current->graph().version() >= change.version) return;
+      ++found->second->changes;
     }
   }
+  // Sites that nobody asks for are read as well: their graphs are to be optimised.
+  const auto read = BringUpToDate(CallContext::WithTimeout(kReadTime), change.site);
+  if (read.ok() || absl::IsNotFound(read.status())) return;
+  spdlog::warn("reading the graph of {}: {}", change.site.value(), read.status().ToString());
+  MarkChanged(change.site);  // who asks next tries again
 }
 
 }  // namespace enfilade::server

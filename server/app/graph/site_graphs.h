@@ -18,8 +18,9 @@
 
 namespace enfilade::server {
 
-// The sites' graphs, each kept in memory from when it is first asked for, and brought up to date by what changed since.
-// The database says when (LISTEN); while it cannot be heard every question looks. Thread-safe.
+// The sites' graphs, each kept in memory from when it is first asked for. The database says when one changes (LISTEN),
+// and a thread brings it up to date by what changed; who asks meanwhile is answered from the version before and does
+// not wait. While the database cannot be heard every question looks. Thread-safe.
 class SiteGraphs {
  public:
   // Adds to `changed` each site whose graph is read anew, or heard of.
@@ -35,7 +36,7 @@ class SiteGraphs {
   // An earlier version: NOT_FOUND where it is none of the last few that this process has seen.
   absl::StatusOr<std::shared_ptr<const SiteGraph>> GetVersion(const CallContext& context, const SiteId& site,
                                                               std::int64_t version);
-  // The site has changed for sure: who has changed it reads what they wrote.
+  // The caller has changed the site: whoever asks from now on is answered with it.
   void MarkChanged(const SiteId& site);
 
   // Begins what the destructor waits for; streams of answers should end.
@@ -48,10 +49,13 @@ class SiteGraphs {
     std::shared_ptr<const SiteGraph> current;
     std::deque<std::shared_ptr<const SiteGraph>> recent;  // the latest first
     std::uint64_t changes = 1;                            // heard of
-    std::uint64_t changes_read = 0;                       // that `current` has
+    std::uint64_t changes_read = 0;                       // of them, those that `current` has
+    std::uint64_t changes_needed = 1;                     // those that an answer must have
   };
 
   std::shared_ptr<Entry> FindOrMake(const SiteId& site);
+  // Reads what has changed, unless somebody just did.
+  absl::StatusOr<std::shared_ptr<const SiteGraph>> BringUpToDate(const CallContext& context, const SiteId& site);
   absl::StatusOr<std::shared_ptr<const SiteGraph>> Read(const CallContext& context, const SiteId& site,
                                                         const std::shared_ptr<const SiteGraph>& old) const;
   absl::StatusOr<std::int64_t> FindLastOptimization(const CallContext& context, const SiteId& site,
@@ -59,6 +63,7 @@ class SiteGraphs {
   void Listen();
   // Until the connection is lost or the process stops.
   void Hear(GraphListener& listener);
+  void HearOf(const GraphListener::Change& change);
   void MarkAllChanged();
 
   postgres::Pool& pool_;
