@@ -98,8 +98,15 @@ absl::StatusOr<FeatureSet> ExtractFeatures(const GreyFrame& frame, const Feature
       cv::resize(grey, smaller, size, 0.0, 0.0, cv::INTER_AREA);
       grey = smaller;
     }
-    Keep(DetectSift(grey, options), options, scale, kSiftBytes, features.sift, features.sift_descriptors);
-    Keep(DetectAkaze(grey, options), options, scale, kAkazeBytes, features.akaze, features.akaze_descriptors);
+    Detected sift;
+    Detected akaze;
+    // OpenCV's pool runs both at once where it has threads; within them it starts no more.
+    cv::parallel_for_(cv::Range(0, 2), [&](const cv::Range& range) {
+      if (range.start == 0) sift = DetectSift(grey, options);
+      if (range.end == 2) akaze = DetectAkaze(grey, options);
+    });
+    Keep(sift, options, scale, kSiftBytes, features.sift, features.sift_descriptors);
+    Keep(akaze, options, scale, kAkazeBytes, features.akaze, features.akaze_descriptors);
     return features;
   });
 }

@@ -40,7 +40,7 @@ struct ImageMatchOptions {
   int min_plane_inliers = 8;  // of the second plane and those after it
   // Accepted when MORE inliers than this are found (the original's feature_matching_thr, which counted unverified
   // matches over two kinds of features, was 30) ...
-  int threshold = 14;
+  int threshold = 15;
   // ... and more than this share of the features in the part that both images show, of the image with fewer there: two
   // doors alike have much that fits, and much more that does not (Brown, Lowe 2007: n_i > alpha + beta n_f).
   double min_share = 0.04;
