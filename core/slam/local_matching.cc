@@ -19,17 +19,23 @@ constexpr double kWorthIt = 0.30;
 
 double Fit(const LocalMatch& match) { return match.agreement.matched_share - match.agreement.contradicted_share; }
 
-LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
-                       const SearchWindow& window, const PosePrior& prior, const LocalMatchOptions& options) {
-  const SearchResult found = SearchPose(fields.table, Subsampled(points, kSearchPoints), window);
+LocalMatch MatchFrom(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
+                     const Pose2& guess, const PosePrior& prior, const LocalMatchOptions& options) {
   LocalMatch result;
-  result.match.T_submap_robot = found.pose;
-  if (found.score <= 0.0) return result;
-  result.match = MatchToField(fields.field, points, found.pose, prior, options.field);
+  result.match = MatchToField(fields.field, points, guess, prior, options.field);
   result.agreement =
       MeasureAgreement(grid, fields.field, points, result.match.T_submap_robot, options.field.matched_distance);
   result.good = result.agreement.matched_share >= options.min_matched_share &&
                 result.agreement.agreement() >= options.min_agreement;
+  return result;
+}
+
+LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
+                       const SearchWindow& window, const PosePrior& prior, const LocalMatchOptions& options) {
+  const SearchResult found = SearchPose(fields.table, Subsampled(points, kSearchPoints), window);
+  if (found.score > 0.0) return MatchFrom(grid, fields, points, found.pose, prior, options);
+  LocalMatch result;
+  result.match.T_submap_robot = found.pose;
   return result;
 }
 
@@ -90,7 +96,16 @@ LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const
     if (widening > 0) window.min_score = kMinWideScore;
     const PosePrior prior{predicted, InformationOf(window.sigma_translation, window.sigma_yaw)};
     const LocalMatch match = MatchWithin(grid, fields, points, window, prior, options);
-    if (widening == 0 || (IsSure(match, options) && Fit(match) > Fit(best) + kWorthIt)) best = match;
+    if (widening == 0) {
+      best = match;
+      if (motion.by_odometry) continue;
+      // The search counts what has not been seen yet against a pose, and so for standing still; the agreement does
+      // not. Going on as before is believed where it fits the known ground as well.
+      const LocalMatch ahead = MatchFrom(grid, fields, points, predicted, prior, options);
+      if (IsSure(ahead, options) && ahead.agreement.agreement() >= best.agreement.agreement()) best = ahead;
+    } else if (IsSure(match, options) && Fit(match) > Fit(best) + kWorthIt) {
+      best = match;
+    }
   }
   if (!best.good) {
     best.match.T_submap_robot = predicted;

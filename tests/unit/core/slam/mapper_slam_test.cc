@@ -256,36 +256,72 @@ TEST(MapperBadInput, AJumpOfTheOdometryDoesNotMoveTheRobot) {
   EXPECT_LT(WorstError(MapLog(log), truth), 0.2);
 }
 
-TEST(MapperBadInput, AKidnappedRobotSaysSoAndBendsNothing) {
-  // The robot is carried from one building into another, while its wheels stand still.
-  auto walls = RingOfCorridors();
-  for (const Wall& wall : testing::WallsFromText({"##############",  //
-                                                  "#   #        #",  //
-                                                  "#       ##   #",  //
-                                                  "##           #",  //
-                                                  "#      #     #",  //
-                                                  "#  #      ####",  //
-                                                  "##############"},
-                                                 1.0)) {
-    walls.push_back({wall.a + Eigen::Vector2d(200, 0), wall.b + Eigen::Vector2d(200, 0)});
+// The robot is carried from one building into another, while its wheels stand still.
+struct Kidnapping {
+  std::vector<Pose2> before = Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 4.5}}, 0.25);
+  std::vector<Pose2> truth = before;
+  std::vector<PairedScan> log;
+
+  Kidnapping() {
+    auto walls = RingOfCorridors();
+    for (const Wall& wall : testing::WallsFromText({"##############",  //
+                                                    "#   #        #",  //
+                                                    "#       ##   #",  //
+                                                    "##           #",  //
+                                                    "#      #     #",  //
+                                                    "#  #      ####",  //
+                                                    "##############"},
+                                                   1.0)) {
+      walls.push_back({wall.a + Eigen::Vector2d(200, 0), wall.b + Eigen::Vector2d(200, 0)});
+    }
+    const auto after = Drive({{201.5, 2.5}, {206.5, 1.5}, {211.5, 2.5}, {208.5, 4.5}, {203.5, 3.5}}, 0.25);
+    truth.insert(truth.end(), after.begin(), after.end());
+    log = testing::Record(walls, truth, {}, {}, 8);
+    for (std::size_t i = before.size(); i < truth.size(); ++i) {
+      log[i].T_odom_robot = *log[before.size() - 1].T_odom_robot * Between(after[0], truth[i]);
+    }
   }
-  const auto before = Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 4.5}}, 0.25);
-  auto after = Drive({{201.5, 2.5}, {206.5, 1.5}, {211.5, 2.5}, {208.5, 4.5}, {203.5, 3.5}}, 0.25);
-  auto truth = before;
-  truth.insert(truth.end(), after.begin(), after.end());
-  auto log = testing::Record(walls, truth, {}, {}, 8);
-  for (std::size_t i = before.size(); i < truth.size(); ++i) {
-    log[i].T_odom_robot = *log[before.size() - 1].T_odom_robot * Between(after[0], truth[i]);
+};
+
+void ExpectLostAndNothingBent(const Kidnapping& kidnapping, const Mapped& mapped) {
+  EXPECT_EQ(FalseClosures(mapped.map, kidnapping.truth), 0);
+  const std::size_t at = kidnapping.before.size();
+  // As if nothing had come after.
+  const Mapped alone = MapLog({kidnapping.log.begin(), kidnapping.log.begin() + static_cast<std::ptrdiff_t>(at)});
+  const auto expected = TrajectoryOf(alone.map);
+  const auto trajectory = TrajectoryOf(mapped.map);
+  for (std::size_t i = 0; i < at; ++i) {
+    EXPECT_THAT(trajectory[i].T_map_robot, PoseNear(expected[i].T_map_robot, 0.1, 0.03)) << i;
   }
-  const Mapped mapped = MapLog(log);
-  EXPECT_EQ(FalseClosures(mapped.map, truth), 0);
-  Mapped first_building = mapped;
-  first_building.map.trajectory.resize(before.size());
-  EXPECT_LT(WorstError(first_building, before), 0.15);
   int lost = 0;
-  for (std::size_t i = before.size(); i < truth.size(); ++i) lost += mapped.reports[i].lost;
-  EXPECT_GT(lost, static_cast<int>(after.size()) * 3 / 4) << "of " << after.size() << " scans after";
-  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_FALSE(mapped.reports[i].lost) << i;
+  for (std::size_t i = at; i < kidnapping.truth.size(); ++i) lost += mapped.reports[i].lost;
+  const auto after = static_cast<int>(kidnapping.truth.size() - at);
+  EXPECT_GT(lost, after * 3 / 4) << "of " << after << " scans after";
+  for (std::size_t i = 0; i < at; ++i) EXPECT_FALSE(mapped.reports[i].lost) << i;
+}
+
+TEST(MapperBadInput, AKidnappedRobotSaysSoAndBendsNothing) {
+  const Kidnapping kidnapping;
+  const Mapped mapped = MapLog(kidnapping.log);
+  ExpectLostAndNothingBent(kidnapping, mapped);
+  Mapped first_building = mapped;
+  first_building.map.trajectory.resize(kidnapping.before.size());
+  EXPECT_LT(WorstError(first_building, kidnapping.before), 0.15);
+}
+
+TEST(MapperBadInput, AKidnappedRobotWithoutOdometrySaysSoToo) {
+  Kidnapping kidnapping;
+  kidnapping.log = WithoutOdometry(kidnapping.log);
+  ExpectLostAndNothingBent(kidnapping, MapLog(kidnapping.log));
+}
+
+// Along the bare corridors nothing but inertia tells how far the robot has come: it must not be thought to stand.
+TEST(MapperSlam, GoesOnAlongBareCorridorsWithoutOdometry) {
+  const auto truth = Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 4.5}}, 0.25);
+  for (const std::uint64_t seed : {4, 5, 6, 7, 8, 9}) {
+    const auto log = WithoutOdometry(testing::Record(RingOfCorridors(), truth, {}, {}, seed));
+    EXPECT_LT(WorstError(MapLog(log), truth), 1.0) << "seed " << seed;
+  }
 }
 
 // Two floors' worth of the same corridor, side by side and joined at one end: whatever is seen in one is seen in the
