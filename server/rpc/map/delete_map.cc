@@ -10,6 +10,7 @@ absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const 
   ENFILADE_ASSIGN_OR_RETURN(const MapName name, ParseMapName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
   ENFILADE_RETURN_IF_ERROR(services.maps.Delete(context, name.site, name.map, etag, request.force()));
+  services.graphs.MarkChanged(name.site);
   return v1::DeleteMapResponse();
 }
 

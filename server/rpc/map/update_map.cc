@@ -26,6 +26,7 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   map.outline = stored.outline;
   map.etag = etag != 0 ? etag : stored.etag;
   ENFILADE_ASSIGN_OR_RETURN(const Map updated, services.maps.Update(context, map));
+  services.graphs.MarkChanged(name.site);
   *response.mutable_map() = ToProto(updated);
   return response;
 }
