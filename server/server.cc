@@ -48,17 +48,17 @@ class Server::Impl {
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // Looks at the database once before the first call can come.
     readiness = std::make_unique<Readiness>(*pool, [this](const Readiness::State& state) { SetReady(state); });
-    services = std::make_unique<Services>(Services{options,        std::chrono::steady_clock::now(),
-                                                   executor,       *metrics,
-                                                   *readiness,     sites,
-                                                   robots,         maps,
-                                                   revisions,      sessions,
-                                                   records,        blobs,
-                                                   mappings,       closures,
-                                                   graph_store,    robot_poses,
-                                                   ingest,         mapping,
-                                                   *exports,       graphs,
-                                                   graph_optimizer});
+    services = std::make_unique<Services>(Services{options,     std::chrono::steady_clock::now(),
+                                                   executor,    *metrics,
+                                                   *readiness,  sites,
+                                                   robots,      maps,
+                                                   revisions,   sessions,
+                                                   records,     blobs,
+                                                   mappings,    closures,
+                                                   link_points, graph_store,
+                                                   robot_poses, ingest,
+                                                   mapping,     *exports,
+                                                   graphs,      graph_optimizer});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -128,6 +128,7 @@ class Server::Impl {
   const MappingStore mappings{*pool};
   const ClosureStore closures{*pool};
   const GraphStore graph_store{*pool};
+  const LinkPointStore link_points{*pool};
   const RobotPoseStore robot_poses{*pool};
   Executor executor;
   Mapping mapping;

@@ -14,6 +14,7 @@
 #include "storage/blob_store.h"
 #include "storage/closure_store.h"
 #include "storage/graph_store.h"
+#include "storage/link_point_store.h"
 #include "storage/map_store.h"
 #include "storage/mapping_store.h"
 #include "storage/record_store.h"
@@ -42,6 +43,7 @@ struct Services {
   const BlobStore& blobs;
   const MappingStore& mappings;
   const ClosureStore& closures;
+  const LinkPointStore& link_points;
   const GraphStore& graph_store;
   const RobotPoseStore& robot_poses;
 

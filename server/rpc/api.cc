@@ -2,6 +2,7 @@
 
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/ingest_service.grpc.pb.h"
+#include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
@@ -14,6 +15,8 @@
 #include "server/rpc/ingest/download_blob.h"
 #include "server/rpc/ingest/handlers.h"
 #include "server/rpc/ingest/stream_records.h"
+#include "server/rpc/link_point/attach_evidence.h"
+#include "server/rpc/link_point/handlers.h"
 #include "server/rpc/map/export_map.h"
 #include "server/rpc/map/handlers.h"
 #include "server/rpc/map/import_map.h"
@@ -121,6 +124,55 @@ class MapApi final : public v1::MapService::WithRawCallbackMethod_ExportMap<v1::
   }
   grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(Call* call, v1::ImportMapResponse* response) override {
     return server::ImportMap(services_, call, response);
+  }
+
+ private:
+  const Services& services_;
+};
+
+class LinkPointApi final : public v1::LinkPointService::CallbackService {
+ public:
+  explicit LinkPointApi(const Services& services) : services_(services) {}
+
+  grpc::ServerUnaryReactor* CreateLinkPoint(Call* call, const v1::CreateLinkPointRequest* request,
+                                            v1::CreateLinkPointResponse* response) override {
+    return RunUnary(services_, call, "CreateLinkPoint", request, response, server::CreateLinkPoint);
+  }
+  grpc::ServerUnaryReactor* AddLinkPointAnchor(Call* call, const v1::AddLinkPointAnchorRequest* request,
+                                               v1::AddLinkPointAnchorResponse* response) override {
+    return RunUnary(services_, call, "AddLinkPointAnchor", request, response, server::AddLinkPointAnchor);
+  }
+  grpc::ServerUnaryReactor* GetLinkPoint(Call* call, const v1::GetLinkPointRequest* request,
+                                         v1::GetLinkPointResponse* response) override {
+    return RunUnary(services_, call, "GetLinkPoint", request, response, server::GetLinkPoint);
+  }
+  grpc::ServerUnaryReactor* ListLinkPoints(Call* call, const v1::ListLinkPointsRequest* request,
+                                           v1::ListLinkPointsResponse* response) override {
+    return RunUnary(services_, call, "ListLinkPoints", request, response, server::ListLinkPoints);
+  }
+  grpc::ServerUnaryReactor* UpdateLinkPoint(Call* call, const v1::UpdateLinkPointRequest* request,
+                                            v1::UpdateLinkPointResponse* response) override {
+    return RunUnary(services_, call, "UpdateLinkPoint", request, response, server::UpdateLinkPoint);
+  }
+  grpc::ServerUnaryReactor* DeleteLinkPoint(Call* call, const v1::DeleteLinkPointRequest* request,
+                                            v1::DeleteLinkPointResponse* response) override {
+    return RunUnary(services_, call, "DeleteLinkPoint", request, response, server::DeleteLinkPoint);
+  }
+  grpc::ServerUnaryReactor* SuspendLinkPoint(Call* call, const v1::SuspendLinkPointRequest* request,
+                                             v1::SuspendLinkPointResponse* response) override {
+    return RunUnary(services_, call, "SuspendLinkPoint", request, response, server::SuspendLinkPoint);
+  }
+  grpc::ServerUnaryReactor* ResumeLinkPoint(Call* call, const v1::ResumeLinkPointRequest* request,
+                                            v1::ResumeLinkPointResponse* response) override {
+    return RunUnary(services_, call, "ResumeLinkPoint", request, response, server::ResumeLinkPoint);
+  }
+  grpc::ServerUnaryReactor* FindLinkPoints(Call* call, const v1::FindLinkPointsRequest* request,
+                                           v1::FindLinkPointsResponse* response) override {
+    return RunUnary(services_, call, "FindLinkPoints", request, response, server::FindLinkPoints);
+  }
+  grpc::ServerReadReactor<v1::AttachEvidenceRequest>* AttachEvidence(Call* call,
+                                                                     v1::AttachEvidenceResponse* response) override {
+    return server::AttachEvidence(services_, call, response);
   }
 
  private:
@@ -275,6 +327,7 @@ struct Api::Impl {
         robot(services),
         map(services),
         graph(services),
+        link_point(services),
         session(services),
         ingest(services),
         server(services) {}
@@ -283,6 +336,7 @@ struct Api::Impl {
   RobotApi robot;
   MapApi map;
   GraphApi graph;
+  LinkPointApi link_point;
   SessionApi session;
   IngestApi ingest;
   ServerApi server;
@@ -296,6 +350,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->robot);
   builder.RegisterService(&impl_->map);
   builder.RegisterService(&impl_->graph);
+  builder.RegisterService(&impl_->link_point);
   builder.RegisterService(&impl_->session);
   builder.RegisterService(&impl_->ingest);
   builder.RegisterService(&impl_->server);

@@ -55,6 +55,11 @@ v1::Map ToProto(const Map& map) {
   out.set_environment(map.environment == Environment::kOutdoor ? v1::Map::ENVIRONMENT_OUTDOOR
                                                                : v1::Map::ENVIRONMENT_INDOOR);
   out.set_slam_profile(map.slam_profile);
+  for (const Eigen::Vector2d& corner : map.outline) {
+    v1::Point& added = *out.mutable_outline()->add_corners();
+    added.set_x(corner.x());
+    added.set_y(corner.y());
+  }
   if (map.current_revision > 0) out.set_latest_revision(NameOf(RevisionName{map.site, map.id, map.current_revision}));
   out.set_etag(std::to_string(map.etag));
   *out.mutable_create_time() = ToTimestamp(map.create_time);
@@ -148,6 +153,7 @@ absl::StatusOr<Map> FromProto(const v1::Map& in) {
   map.level = in.level();
   map.environment = in.environment() == v1::Map::ENVIRONMENT_OUTDOOR ? Environment::kOutdoor : Environment::kIndoor;
   map.slam_profile = in.slam_profile();
+  for (const v1::Point& corner : in.outline().corners()) map.outline.emplace_back(corner.x(), corner.y());
   return map;
 }
 

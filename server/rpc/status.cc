@@ -5,6 +5,13 @@
 
 namespace enfilade::server {
 
+namespace {
+
+constexpr char kActorKey[] = "enfilade-actor";
+constexpr std::size_t kMaxActorBytes = 200;
+
+}  // namespace
+
 grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
   const auto code = status.code() == absl::StatusCode::kUnknown ? absl::StatusCode::kInternal : status.code();
@@ -19,8 +26,15 @@ CallContext ContextOf(const grpc::CallbackServerContext& call, std::chrono::dura
   // A call without deadline reports one beyond all times.
   const auto until = call.deadline();
   const auto now = system_clock::now();
-  if (until > now + std::chrono::hours(24)) return CallContext::WithTimeout(fallback);
-  return CallContext::WithTimeout(std::max<steady_clock::duration>(until - now, steady_clock::duration::zero()));
+  CallContext context =
+      until > now + std::chrono::hours(24)
+          ? CallContext::WithTimeout(fallback)
+          : CallContext::WithTimeout(std::max<steady_clock::duration>(until - now, steady_clock::duration::zero()));
+  const auto actor = call.client_metadata().find(kActorKey);
+  if (actor != call.client_metadata().end()) {
+    context.actor = std::string(actor->second.data(), std::min(actor->second.size(), kMaxActorBytes));
+  }
+  return context;
 }
 
 }  // namespace enfilade::server

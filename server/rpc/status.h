@@ -12,7 +12,8 @@ namespace enfilade::server {
 // The same code and message. UNKNOWN never leaves the server: an error that nobody has classified is INTERNAL.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
-// The call's deadline, or `otherwise` from now where the client set none.
+// The call's deadline, or `otherwise` from now where the client set none; and who calls, by the request metadata
+// `enfilade-actor`, for the audit trail.
 CallContext ContextOf(const grpc::CallbackServerContext& call, std::chrono::duration<double> otherwise);
 
 }  // namespace enfilade::server

@@ -7,7 +7,10 @@
 #include "absl/base/thread_annotations.h"
 #include "core/base/error.h"
 #include "core/base/mutex.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/geometry.h"
 #include "proto/convert/names.h"
+#include "proto/convert/record.h"
 #include "server/rpc/ingest/batch.h"
 #include "server/rpc/status.h"
 
@@ -34,6 +37,17 @@ v1::StreamRecordsResponse ToResponse(const Refusal& refusal) {
   return response;
 }
 
+// All but the robot. INVALID_ARGUMENT naming the field.
+absl::StatusOr<RobotPose> ReadPoseReport(const v1::PoseReport& report) {
+  RobotPose pose;
+  ENFILADE_ASSIGN_OR_RETURN(const MapName map, ParseMapName("pose_report.map", report.map()));
+  pose.site = map.site;
+  pose.map = map.map;
+  ENFILADE_ASSIGN_OR_RETURN(pose.T_map_robot, FromProto("pose_report.pose_map_robot", report.pose_map_robot()));
+  ENFILADE_ASSIGN_OR_RETURN(pose.time, FromTimestamp(report.time()));
+  return pose;
+}
+
 // One stream. Its life: reading -> (half-closed by the client, failed, draining) -> what is pending is answered ->
 // finished. At most one read and one write are under way. gRPC's callbacks, the executor and Ingest's writers call in;
 // nothing here blocks.
@@ -57,10 +71,12 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
         return TakeBatch();
       case v1::StreamRecordsRequest::kBlobChunk:
         return TakeChunk();
+      case v1::StreamRecordsRequest::kPoseReport:
+        return TakePose();
       case v1::StreamRecordsRequest::REQUEST_NOT_SET:
         break;
     }
-    EndReading(InvalidArgument("the message has no content: expected open, batch or blob_chunk"));
+    EndReading(InvalidArgument("the message has no content: expected open, batch, blob_chunk or pose_report"));
   }
 
   void OnWriteDone(bool ok) override {
@@ -107,6 +123,8 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     {
       MutexLock lock(mutex_);
       stream_ = std::move(stream);
+      robot_ = {name.site, session->robot};
+      session_ = name.session;
       v1::StreamRecordsResponse response;
       response.mutable_opened()->set_acknowledged_sequence(session->acknowledged_sequence);
       responses_.push_back(std::move(response));
@@ -127,6 +145,47 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     IngestBlob blob = blob_.Take();
     const std::size_t bytes = blob.data.size();
     Offer(std::move(blob), bytes);
+  }
+
+  // The newest waits for the one that is being stored, in the place of any that waited.
+  void TakePose() {
+    absl::StatusOr<RobotPose> pose = ReadPoseReport(request_.pose_report());
+    bool is_open = false;
+    {
+      MutexLock lock(mutex_);
+      is_open = stream_ != nullptr;
+      if (is_open && pose.ok() && pose->site != robot_.site)
+        pose = InvalidArgument("pose_report.map is of another site");
+      if (is_open && pose.ok()) {
+        pose->robot = robot_.robot;
+        pose->session = session_;
+        waiting_pose_ = *std::move(pose);
+        StorePose();
+      } else if (is_open) {
+        RefusePose(pose.status());
+      }
+    }
+    if (!is_open) return EndReading(InvalidArgument("the first message must be open"));
+    ReadOn();
+  }
+
+  void StorePose() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (storing_pose_ || !waiting_pose_) return;
+    storing_pose_ = services_.executor.Post([self = shared_from_this(), pose = *std::exchange(waiting_pose_, {})] {
+      const absl::Status stored = self->services_.robot_poses.Report(self->Context(), pose);
+      MutexLock lock(self->mutex_);
+      self->storing_pose_ = false;
+      if (!stored.ok()) self->RefusePose(stored);
+      self->StorePose();
+    });
+  }
+
+  void RefusePose(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (finished_) return;
+    v1::StreamRecordsResponse response;
+    response.mutable_pose_report_refused()->set_message(std::string(status.message()));
+    responses_.push_back(std::move(response));
+    WriteNext();
   }
 
   void Offer(IngestItem item, std::size_t bytes) {
@@ -223,6 +282,10 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
   Mutex mutex_;
   std::shared_ptr<Ingest::Stream> stream_ ABSL_GUARDED_BY(mutex_);
+  RobotName robot_ ABSL_GUARDED_BY(mutex_);  // whose session it is
+  SessionId session_ ABSL_GUARDED_BY(mutex_);
+  std::optional<RobotPose> waiting_pose_ ABSL_GUARDED_BY(mutex_);
+  bool storing_pose_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<v1::StreamRecordsResponse> responses_ ABSL_GUARDED_BY(mutex_);
   v1::StreamRecordsResponse response_;  // of the one write under way
   std::int64_t unanswered_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -10,7 +10,7 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   v1::UpdateMapResponse response;
   const auto& mask = request.update_mask();
   const v1::Map& wanted = request.map();
-  ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "level", "environment", "slam_profile"}));
+  ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "level", "environment", "slam_profile", "outline"}));
   ENFILADE_ASSIGN_OR_RETURN(const MapName name, ParseMapName("map.name", wanted.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(wanted.etag()));
   ENFILADE_ASSIGN_OR_RETURN(const Map stored, services.maps.Get(context, name.site, name.map));
@@ -20,10 +20,10 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   if (IsUpdated(mask, "level", wanted.level() != 0)) changed.set_level(wanted.level());
   if (IsUpdated(mask, "environment", wanted.environment() != 0)) changed.set_environment(wanted.environment());
   if (IsUpdated(mask, "slam_profile", !wanted.slam_profile().empty())) changed.set_slam_profile(wanted.slam_profile());
+  if (IsUpdated(mask, "outline", wanted.has_outline())) *changed.mutable_outline() = wanted.outline();
   ENFILADE_ASSIGN_OR_RETURN(Map map, FromProto(changed));
   map.site = name.site;
   map.id = name.map;
-  map.outline = stored.outline;
   map.etag = etag != 0 ? etag : stored.etag;
   ENFILADE_ASSIGN_OR_RETURN(const Map updated, services.maps.Update(context, map));
   services.graphs.MarkChanged(name.site);

@@ -1,0 +1,23 @@
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/link_point/convert.h"
+#include "server/rpc/link_point/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services& services, const CallContext& context,
+                                                                  const v1::AddLinkPointAnchorRequest& request) {
+  v1::AddLinkPointAnchorResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name, ParseLinkPointName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
+  ENFILADE_ASSIGN_OR_RETURN(const Anchor anchor, FromProto("anchor", name.site, request.anchor()));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const StoredLinkPoint changed,
+      services.link_points.AddAnchor(context, name.site, name.link_point, etag, anchor, request.force()));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
+  return response;
+}
+
+}  // namespace enfilade::server

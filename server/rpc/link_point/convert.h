@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "enfilade/v1/link_point_service.pb.h"
+#include "proto/convert/names.h"
+#include "server/app/services.h"
+#include "storage/link_point_store.h"
+
+namespace enfilade::server {
+
+// Stored link points as the API's resources, and the API's values as rows.
+
+v1::LinkPoint ToProto(const StoredLinkPoint& link_point);
+v1::Evidence ToProto(const SiteId& site, const Evidence& evidence);
+
+// INVALID_ARGUMENT naming the field. Name, etag and output-only fields are not read.
+absl::StatusOr<StoredLinkPoint> FromProto(const SiteId& site, const v1::LinkPoint& link_point);
+absl::StatusOr<Anchor> FromProto(const std::string& field, const SiteId& site, const v1::Anchor& anchor);
+absl::StatusOr<Evidence> FromProto(const LinkPointName& name, const v1::Evidence& evidence);
+
+// The id of a map that must be of `site`.
+absl::StatusOr<MapId> MapOfSite(const std::string& field, const SiteId& site, const std::string& map);
+// Unset for unspecified; INVALID_ARGUMENT for one that this server does not know.
+absl::StatusOr<std::optional<bool>> CandidatesOf(v1::LinkPointSubset subset);
+
+// With their evidence.
+absl::StatusOr<std::vector<v1::LinkPoint>> WithEvidence(const Services& services, const CallContext& context,
+                                                        const SiteId& site,
+                                                        const std::vector<StoredLinkPoint>& link_points);
+absl::StatusOr<v1::LinkPoint> WithEvidence(const Services& services, const CallContext& context,
+                                           const StoredLinkPoint& link_point);
+
+}  // namespace enfilade::server

@@ -1,0 +1,19 @@
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/link_point/convert.h"
+#include "server/rpc/link_point/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services, const CallContext& context,
+                                                            const v1::DeleteLinkPointRequest& request) {
+  v1::DeleteLinkPointResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name, ParseLinkPointName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
+  ENFILADE_RETURN_IF_ERROR(services.link_points.Delete(context, name.site, name.link_point, etag));
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,144 @@
+#include <cmath>
+#include <limits>
+
+#include "Eigen/Eigenvalues"
+#include "Eigen/LU"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/geometry.h"
+#include "proto/convert/names.h"
+#include "server/rpc/link_point/convert.h"
+#include "server/rpc/link_point/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr int kMaxCount = 1000;
+constexpr double kBaseRadius = 20.0;
+constexpr double kRadiusFactor = 2.0;
+// Chi-square with two degrees of freedom: 95 % lie within.
+constexpr double kGate = 5.991;
+
+struct Search {
+  std::optional<LinkPointQuery> query;  // unset: the map has no place in the world
+  std::optional<PoseWithCovariance> center;
+  bool unplaced = false;  // also what has no place
+};
+
+// map_manager's rule: base radius + factor * sqrt(5.991 lambda_max).
+absl::StatusOr<double> RadiusAround(const v1::FindLinkPointsRequest& request, const Eigen::Matrix3d& covariance) {
+  const double base = request.base_radius_m() == 0.0 ? kBaseRadius : request.base_radius_m();
+  const double factor = request.radius_factor() == 0.0 ? kRadiusFactor : request.radius_factor();
+  if (!(base > 0.0 && std::isfinite(base))) return InvalidArgument("base_radius_m is {}: expected more than 0", base);
+  if (!(factor > 0.0 && std::isfinite(factor)))
+    return InvalidArgument("radius_factor is {}: expected more than 0", factor);
+  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(position, Eigen::EigenvaluesOnly);
+  return base + factor * std::sqrt(kGate * std::max(0.0, solver.eigenvalues()(1)));
+}
+
+absl::Status SearchAroundPose(const v1::FindLinkPointsRequest& request, const PoseWithCovariance& T_world_robot,
+                              Search& search) {
+  ENFILADE_ASSIGN_OR_RETURN(const double radius, RadiusAround(request, T_world_robot.covariance));
+  search.center = T_world_robot;
+  search.query->area = LinkPointCircle{T_world_robot.pose.translation(), radius};
+  return absl::OkStatus();
+}
+
+absl::Status SearchInMap(const Services& services, const CallContext& context, const SiteId& site,
+                         const v1::FindLinkPointsRequest& request, Search& search) {
+  ENFILADE_ASSIGN_OR_RETURN(const MapId map, MapOfSite("pose_in_map.map", site, request.pose_in_map().map()));
+  ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance T_map_robot,
+                            enfilade::FromProto("pose_in_map.pose_map_robot", request.pose_in_map().pose_map_robot()));
+  ENFILADE_ASSIGN_OR_RETURN(const auto places, services.graph_store.GetPlaces(context, site, {map}));
+  if (!places.empty()) return SearchAroundPose(request, Compose(places[0].T_world_map, T_map_robot), search);
+  ENFILADE_RETURN_IF_ERROR(services.maps.Get(context, site, map).status());
+  // Nothing is known about how far anything is: all that could be there, as the predecessor did.
+  search.query.reset();
+  search.unplaced = true;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Search> SearchOf(const Services& services, const CallContext& context, const SiteId& site,
+                                const v1::FindLinkPointsRequest& request) {
+  Search search;
+  LinkPointQuery& query = search.query.emplace();
+  if (request.max_count() < 0) return InvalidArgument("max_count is {}: expected 0 or more", request.max_count());
+  query.limit = request.max_count() == 0 ? kMaxCount : std::min(request.max_count(), kMaxCount);
+  if (request.has_level()) query.level = request.level();
+  ENFILADE_ASSIGN_OR_RETURN(query.candidate, CandidatesOf(request.subset()));
+  query.with_unused = request.include_unused();
+  search.unplaced = request.include_unplaced();
+  switch (request.around_case()) {
+    case v1::FindLinkPointsRequest::kPoseInMap:
+      ENFILADE_RETURN_IF_ERROR(SearchInMap(services, context, site, request, search));
+      return search;
+    case v1::FindLinkPointsRequest::kPoseWorld: {
+      ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose, enfilade::FromProto("pose_world", request.pose_world()));
+      ENFILADE_RETURN_IF_ERROR(SearchAroundPose(request, pose, search));
+      return search;
+    }
+    case v1::FindLinkPointsRequest::kPointWorld: {
+      const v1::Point& point = request.point_world();
+      const double radius = request.has_radius_m() ? request.radius_m() : std::numeric_limits<double>::infinity();
+      query.area = LinkPointCircle{{point.x(), point.y()}, radius};
+      search.center = PoseWithCovariance{{point.x(), point.y(), 0.0}};
+      return search;
+    }
+    case v1::FindLinkPointsRequest::kPolygonWorld: {
+      std::vector<Eigen::Vector2d> corners;
+      for (const v1::Point& corner : request.polygon_world().corners()) corners.emplace_back(corner.x(), corner.y());
+      query.area = std::move(corners);
+      return search;
+    }
+    case v1::FindLinkPointsRequest::AROUND_NOT_SET:
+      break;
+  }
+  return InvalidArgument("nothing says where to look: set pose_in_map, pose_world, point_world or polygon_world");
+}
+
+v1::FoundLinkPoint Describe(const StoredLinkPoint& link_point, const std::optional<PoseWithCovariance>& center) {
+  v1::FoundLinkPoint found;
+  *found.mutable_link_point() = ToProto(link_point);
+  if (!center || !link_point.T_world_place) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    found.set_distance_m(kNone);
+    found.set_bearing_rad(kNone);
+    found.set_mahalanobis_distance(kNone);
+    return found;
+  }
+  const Eigen::Vector2d offset = link_point.T_world_place->pose.translation() - center->pose.translation();
+  const Eigen::Matrix2d covariance =
+      center->covariance.topLeftCorner<2, 2>() + link_point.T_world_place->covariance.topLeftCorner<2, 2>();
+  found.set_distance_m(offset.norm());
+  found.set_bearing_rad(WrapAngle(std::atan2(offset.y(), offset.x())));
+  const bool certain = covariance.determinant() <= 0.0;
+  found.set_mahalanobis_distance(certain ? std::numeric_limits<double>::infinity()
+                                         : std::sqrt(offset.dot(covariance.inverse() * offset)));
+  return found;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::FindLinkPointsResponse> FindLinkPoints(const Services& services, const CallContext& context,
+                                                          const v1::FindLinkPointsRequest& request) {
+  v1::FindLinkPointsResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const Search search, SearchOf(services, context, site, request));
+  if (search.query) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.Find(context, site, *search.query));
+    for (const StoredLinkPoint& link_point : found) *response.add_found() = Describe(link_point, search.center);
+    if (const auto* circle = std::get_if<LinkPointCircle>(&search.query->area)) response.set_radius_m(circle->radius);
+  }
+  if (search.center) *response.mutable_pose_world() = enfilade::ToProto(*search.center);
+  if (search.unplaced) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.ListUnplaced(context, site, kMaxCount));
+    for (const StoredLinkPoint& link_point : found) *response.add_found() = Describe(link_point, std::nullopt);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.GetVersion(context, site));
+  response.set_graph_version(version);
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,20 @@
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/link_point/convert.h"
+#include "server/rpc/link_point/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::GetLinkPointResponse> GetLinkPoint(const Services& services, const CallContext& context,
+                                                      const v1::GetLinkPointRequest& request) {
+  v1::GetLinkPointResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name, ParseLinkPointName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint stored,
+                            services.link_points.Get(context, name.site, name.link_point));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, stored));
+  return response;
+}
+
+}  // namespace enfilade::server

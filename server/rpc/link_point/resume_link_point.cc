@@ -1,0 +1,21 @@
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/link_point/convert.h"
+#include "server/rpc/link_point/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+
+absl::StatusOr<v1::ResumeLinkPointResponse> ResumeLinkPoint(const Services& services, const CallContext& context,
+                                                            const v1::ResumeLinkPointRequest& request) {
+  v1::ResumeLinkPointResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name, ParseLinkPointName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
+  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed,
+                            services.link_points.SetSuspended(context, name.site, name.link_point, etag, false));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
+  return response;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,48 @@
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "server/rpc/link_point/convert.h"
+#include "server/rpc/link_point/handlers.h"
+#include "server/rpc/resources.h"
+
+namespace enfilade::server {
+namespace {
+
+void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mask, v1::LinkPoint& to) {
+  if (IsUpdated(mask, "kind", from.kind() != 0)) to.set_kind(from.kind());
+  if (IsUpdated(mask, "tag", !from.tag().empty())) to.set_tag(from.tag());
+  if (IsUpdated(mask, "anchors", from.anchors_size() > 0)) *to.mutable_anchors() = from.anchors();
+  if (IsUpdated(mask, "direction_map", !from.direction_map().empty())) to.set_direction_map(from.direction_map());
+  if (IsUpdated(mask, "difficulty", from.difficulty() != 0)) to.set_difficulty(from.difficulty());
+  if (IsUpdated(mask, "environment", from.environment() != 0)) to.set_environment(from.environment());
+  if (IsUpdated(mask, "state", from.state() != 0)) to.set_state(from.state());
+  if (!IsUpdated(mask, "state_valid_until", from.has_state_valid_until())) return;
+  to.clear_state_valid_until();
+  if (from.has_state_valid_until()) *to.mutable_state_valid_until() = from.state_valid_until();
+}
+
+}  // namespace
+
+absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services, const CallContext& context,
+                                                            const v1::UpdateLinkPointRequest& request) {
+  v1::UpdateLinkPointResponse response;
+  const auto& mask = request.update_mask();
+  ENFILADE_RETURN_IF_ERROR(CheckMask(
+      mask, {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state", "state_valid_until"}));
+  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name,
+                            ParseLinkPointName("link_point.name", request.link_point().name()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.link_point().etag()));
+  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint stored,
+                            services.link_points.Get(context, name.site, name.link_point));
+  v1::LinkPoint wanted = ToProto(stored);
+  Overwrite(request.link_point(), mask, wanted);
+  ENFILADE_ASSIGN_OR_RETURN(StoredLinkPoint link_point, FromProto(name.site, wanted));
+  link_point.point.id = name.link_point;
+  link_point.forced = stored.forced;
+  link_point.etag = etag != 0 ? etag : stored.etag;
+  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, services.link_points.Update(context, link_point));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
+  return response;
+}
+
+}  // namespace enfilade::server
