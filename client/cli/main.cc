@@ -5,6 +5,8 @@
 #include "client/cli/commands/completion.h"
 #include "client/cli/commands/environment.h"
 #include "client/cli/commands/graph_solve.h"
+#include "client/cli/commands/import_sources.h"
+#include "client/cli/commands/linkpoint.h"
 #include "client/cli/commands/map.h"
 #include "client/cli/commands/match.h"
 #include "client/cli/commands/replay.h"
@@ -31,6 +33,8 @@ int main(int argc, char** argv) {
   AddClosure(app, globals);
   AddEnvironment(app, globals);
   AddGraph(app, globals);
+  AddImport(app, globals);
+  AddLinkPoint(app, globals);
   AddMap(app, globals);
   AddMatch(app, globals);
   AddReplay(app, globals);

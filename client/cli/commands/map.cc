@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 
+#include "client/cli/commands/map_edit.h"
 #include "client/cli/commands/map_transfer.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
@@ -127,6 +128,7 @@ void AddMap(CLI::App& app, const Globals& globals) {
   show->add_option("MAP", *name, "Its name, id or resource name")->required();
   show->footer("Example: enfilade map show \"Main hall\"");
 
+  AddMapEdit(*map, globals);
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
 

@@ -99,6 +99,12 @@ void SqliteStatement::Reset() {
 
 std::int64_t SqliteStatement::Int(int column) const { return sqlite3_column_int64(statement_.get(), column); }
 
+std::optional<double> SqliteStatement::Number(int column) const {
+  const int type = sqlite3_column_type(statement_.get(), column);
+  if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return std::nullopt;
+  return sqlite3_column_double(statement_.get(), column);
+}
+
 std::string_view SqliteStatement::Text(int column) const {
   const void* data = sqlite3_column_text(statement_.get(), column);
   return View(data, sqlite3_column_bytes(statement_.get(), column));
@@ -112,9 +118,16 @@ std::string_view SqliteStatement::Blob(int column) const {
 bool SqliteStatement::IsNull(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL; }
 
 absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::string& path) {
+  return OpenWith(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+}
+
+absl::StatusOr<SqliteDatabase> SqliteDatabase::OpenToRead(const std::string& path) {
+  return OpenWith(path, SQLITE_OPEN_READONLY);
+}
+
+absl::StatusOr<SqliteDatabase> SqliteDatabase::OpenWith(const std::string& path, int flags) {
   sqlite3* raw = nullptr;
-  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
-  const int result = sqlite3_open_v2(path.c_str(), &raw, flags, nullptr);
+  const int result = sqlite3_open_v2(path.c_str(), &raw, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, nullptr);
   SqliteDatabase database(raw);
   if (!raw) return absl::ResourceExhaustedError(path + ": out of memory");
   if (result != SQLITE_OK) return WithContext(ErrorOf(raw, result), path);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -30,6 +31,8 @@ class SqliteStatement {
   void Reset();
 
   std::int64_t Int(int column) const;
+  // Unset where the value is no number.
+  std::optional<double> Number(int column) const;
   std::string_view Text(int column) const;
   std::string_view Blob(int column) const;
   bool IsNull(int column) const;
@@ -48,6 +51,8 @@ class SqliteStatement {
 class SqliteDatabase {
  public:
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path);
+  // NOT_FOUND where there is no such file.
+  static absl::StatusOr<SqliteDatabase> OpenToRead(const std::string& path);
 
   // One or several statements without parameters and rows.
   absl::Status Execute(const std::string& sql);
@@ -63,6 +68,7 @@ class SqliteDatabase {
     void operator()(sqlite3* database) const;
   };
 
+  static absl::StatusOr<SqliteDatabase> OpenWith(const std::string& path, int flags);
   explicit SqliteDatabase(sqlite3* database) : database_(database) {}
 
   std::unique_ptr<sqlite3, Close> database_;

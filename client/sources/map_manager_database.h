@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/pose2.h"
+
+namespace enfilade {
+
+// What is in the SQLite file of cmr_localization's map_manager (tables MAPS, LINKPOINTS, LINKPOINTCANDIDATES).
+
+struct MapManagerMap {
+  std::int64_t id = 0;
+  std::string name;
+  bool indoor = true;
+};
+
+// A row of LINKPOINTS or LINKPOINTCANDIDATES.
+struct MapManagerPlace {
+  struct Anchor {
+    std::int64_t map = 0;
+    Pose2 T_map_place;  // m, rad
+  };
+  std::int64_t id = 0;
+  bool candidate = false;
+  std::string tag;
+  std::vector<Anchor> anchors;
+  std::optional<std::int64_t> direction;  // the map that was entered when it was made
+  int difficulty = 0;
+  std::optional<bool> indoor;
+  std::string front_image;  // PNG; empty where there is none
+  std::string rear_image;
+  std::string cloud;  // the bytes of its PCD file
+};
+
+// What was not taken, or not wholly.
+struct MapManagerRemark {
+  std::string row;  // "LINKPOINTS 7"
+  bool refused = false;
+  std::string why;
+};
+
+struct MapManagerContent {
+  std::vector<MapManagerMap> maps;  // by id
+  std::vector<MapManagerPlace> places;
+  std::vector<MapManagerRemark> remarks;
+};
+
+// Reads the file and the point clouds beside it, each row on its own: a broken one costs no other. NOT_FOUND where
+// there is no such file; DATA_LOSS where it is no SQLite file; INVALID_ARGUMENT where a table is missing.
+absl::StatusOr<MapManagerContent> ReadMapManagerDatabase(const std::string& path);
+
+}  // namespace enfilade
