@@ -4,11 +4,13 @@
 #include "client/cli/commands/closure.h"
 #include "client/cli/commands/completion.h"
 #include "client/cli/commands/environment.h"
+#include "client/cli/commands/graph_remote.h"
 #include "client/cli/commands/graph_solve.h"
 #include "client/cli/commands/import_sources.h"
 #include "client/cli/commands/linkpoint.h"
 #include "client/cli/commands/map.h"
 #include "client/cli/commands/match.h"
+#include "client/cli/commands/pose.h"
 #include "client/cli/commands/replay.h"
 #include "client/cli/commands/server.h"
 #include "client/cli/commands/session.h"
@@ -33,10 +35,12 @@ int main(int argc, char** argv) {
   AddClosure(app, globals);
   AddEnvironment(app, globals);
   AddGraph(app, globals);
+  AddGraphRemote(app, globals);
   AddImport(app, globals);
   AddLinkPoint(app, globals);
   AddMap(app, globals);
   AddMatch(app, globals);
+  AddPose(app, globals);
   AddReplay(app, globals);
   AddServer(app, globals);
   AddSession(app, globals);

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "CLI/CLI.hpp"
+#include "client/cli/command.h"
+
+namespace enfilade::cli {
+
+// enfilade pose global | watch, and enfilade route
+void AddPose(CLI::App& app, const Globals& globals);
+
+}  // namespace enfilade::cli
