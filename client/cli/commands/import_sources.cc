@@ -4,6 +4,8 @@
 #include <map>
 #include <memory>
 
+#include "client/cli/commands/import_building.h"
+#include "client/cli/commands/import_report.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "client/sources/map_manager_database.h"
@@ -15,42 +17,6 @@
 
 namespace enfilade::cli {
 namespace {
-
-// What became of each row of the source.
-class Report {
- public:
-  void Taken(const std::string& row, const std::string& name, const std::string& remark = "") {
-    lines_.push_back({row, "taken", name, remark});
-    ++taken_;
-  }
-  void Refused(const std::string& row, const std::string& why) {
-    lines_.push_back({row, "refused", "", why});
-    ++refused_;
-  }
-  void Remark(const std::string& row, const std::string& remark) { lines_.push_back({row, "remark", "", remark}); }
-
-  void Print(const Globals& globals) const {
-    if (globals.json) {
-      nlohmann::json rows = nlohmann::json::array();
-      for (const auto& line : lines_) {
-        rows.push_back({{"row", line[0]}, {"outcome", line[1]}, {"name", line[2]}, {"remark", line[3]}});
-      }
-      return PrintJson(std::cout, {{"taken", taken_}, {"refused", refused_}, {"rows", std::move(rows)}});
-    }
-    PrintTable(std::cout, {"ROW", "OUTCOME", "NAME", "REMARK"}, lines_);
-    std::cout << taken_ << " taken, " << refused_ << " refused\n";
-  }
-
- private:
-  std::vector<std::vector<std::string>> lines_;
-  int taken_ = 0;
-  int refused_ = 0;
-};
-
-// Whether the rest of the import would meet the same.
-bool EndsImport(const absl::Status& status) {
-  return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status) || absl::IsPermissionDenied(status);
-}
 
 std::string Message(const absl::Status& status) { return std::string(status.message()); }
 
@@ -219,6 +185,7 @@ void AddImport(CLI::App& app, const Globals& globals) {
                                      [&globals, path] { return ImportMapManager(globals, *path); });
   map_manager->add_option("DATABASE", *path, "Its linkpoints.db; point clouds are read beside it")->required();
   map_manager->footer("Example: enfilade --site campus import mapmanager ~/maps/linkpoints.db");
+  AddImportBuilding(*group, globals);
 }
 
 }  // namespace enfilade::cli

@@ -5,7 +5,7 @@
 
 namespace enfilade::cli {
 
-// enfilade import mapmanager
+// enfilade import mapmanager | building
 void AddImport(CLI::App& app, const Globals& globals);
 
 }  // namespace enfilade::cli

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "CLI/CLI.hpp"
+#include "client/cli/command.h"
+
+namespace enfilade::cli {
+
+// enfilade import building
+void AddImportBuilding(CLI::App& import, const Globals& globals);
+
+}  // namespace enfilade::cli
