@@ -17,6 +17,7 @@ absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& serv
   link_point.forced = request.force();
   ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint created,
                             services.link_points.Create(context, link_point, request.request_id()));
+  services.graphs.MarkChanged(site);
   *response.mutable_link_point() = ToProto(created);
   return response;
 }

@@ -13,6 +13,7 @@ absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& serv
   ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name, ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
   ENFILADE_RETURN_IF_ERROR(services.link_points.Delete(context, name.site, name.link_point, etag));
+  services.graphs.MarkChanged(name.site);
   return response;
 }
 

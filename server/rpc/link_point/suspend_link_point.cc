@@ -14,6 +14,7 @@ absl::StatusOr<v1::SuspendLinkPointResponse> SuspendLinkPoint(const Services& se
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
   ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed,
                             services.link_points.SetSuspended(context, name.site, name.link_point, etag, true));
+  services.graphs.MarkChanged(name.site);
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
   return response;
 }

@@ -41,6 +41,7 @@ absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& serv
   link_point.forced = stored.forced;
   link_point.etag = etag != 0 ? etag : stored.etag;
   ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, services.link_points.Update(context, link_point));
+  services.graphs.MarkChanged(name.site);
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
   return response;
 }
