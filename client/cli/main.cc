@@ -3,6 +3,7 @@
 #include "client/cli/command.h"
 #include "client/cli/commands/closure.h"
 #include "client/cli/commands/completion.h"
+#include "client/cli/commands/doors.h"
 #include "client/cli/commands/environment.h"
 #include "client/cli/commands/graph_remote.h"
 #include "client/cli/commands/graph_solve.h"
@@ -14,6 +15,7 @@
 #include "client/cli/commands/replay.h"
 #include "client/cli/commands/server.h"
 #include "client/cli/commands/session.h"
+#include "client/cli/commands/sim.h"
 #include "client/cli/commands/simulate.h"
 #include "client/cli/commands/site.h"
 #include "client/cli/commands/slam.h"
@@ -33,6 +35,7 @@ int main(int argc, char** argv) {
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
   AddClosure(app, globals);
+  AddDoors(app, globals);
   AddEnvironment(app, globals);
   AddGraph(app, globals);
   AddGraphRemote(app, globals);
@@ -44,6 +47,7 @@ int main(int argc, char** argv) {
   AddReplay(app, globals);
   AddServer(app, globals);
   AddSession(app, globals);
+  AddSim(app, globals);
   AddSimulate(app, globals);
   AddSite(app, globals);
   AddSlam(app, globals);

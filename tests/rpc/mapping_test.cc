@@ -1,4 +1,4 @@
-#include "client/simulator/drive.h"
+#include "client/simulator/simulation.h"
 #include "core/slam/log_mapper.h"
 #include "proto/convert/record.h"
 #include "tests/rpc/server_test.h"
@@ -9,12 +9,12 @@ namespace {
 class MappingTest : public ServerTest {
  protected:
   static std::vector<Record> SimulatedLog(int laps = 1) {
-    simulator::DriveOptions options;
+    simulator::SimulationOptions options = simulator::RoomsOptions();
     options.laps = laps;
-    const auto drive = simulator::SimulateDrive(simulator::EnfiladePlan(), options);
+    const auto drive = simulator::SimulateRooms(options);
     EXPECT_OK(drive);
     std::vector<Record> log;
-    for (const sources::LogEntry& entry : drive->entries) {
+    for (const simulator::SimulatedRecord& entry : drive->records) {
       Record record;
       record.sequence = static_cast<std::int64_t>(log.size()) + 1;
       std::visit([&](const auto& payload) { record.payload = payload; }, entry.payload);

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace enfilade {
+
+// Where the original's constants come from: the released Map Manager's C++ defaults and its params.yaml, which differ.
+// They are the values of the presets original-code and original-yaml; `default` uses the group `gap` instead of
+// `derivative`. docs/doors.md tells what each criterion does.
+
+// How door posts are found ahead and behind.
+enum class DoorMethod {
+  kGap = 0,         // narrow places in a local map of the last scans, crossed by the robot's path
+  kDerivative = 1,  // the original's: jumps of the range along one scan
+};
+
+// Criteria "door ahead" and "door behind" by the derivative D = (r[j + w] - r[j - w]) / 2 along one scan.
+struct DerivativeOptions {
+  double front_sector = 50.0;  // deg: ahead is |bearing| up to this
+  double back_sector = 130.0;  // deg: behind is |bearing| from this
+  double half_window = 5.0;    // deg, w above (10 beams of 0.5 deg)
+  double post_offset = 2.5;    // deg before beam j lies the beam that must be on a post (5 beams)
+  double threshold = 0.8;      // m, of |D| at a post (deriv_door_thr: yaml 0.8, code 1.0)
+  double post_min = 1.0;       // m, a post is nearer than post_max and farther than this
+  double post_max = 2.0;       // m
+  double opening_min = 20.0;   // deg between the two posts
+  double opening_max = 60.0;   // deg
+  int hits = 3;                // of the criterion, to count
+  double front_window = 3.0;   // s, in which the hits ahead must come, from the first on
+  double front_spacing = 0.5;  // s at least between hits ahead
+  double back_spacing = 0.15;  // s at least between hits behind
+  double min_distance = 1.5;   // m from the candidate's pose to where the door is behind
+  double max_distance = 5.0;   // m
+  double max_heading = 30.0;   // deg, of the heading's change in between
+  // Scanners that do not look back: the door ahead, seen again after the robot has turned round, stands for the door
+  // behind. false: the criterion is dropped.
+  bool turned_stands_for_behind = true;
+};
+
+// Criterion "environment": a box around the low-pass filtered scan changes (original), or what was seen before the door
+// is out of sight behind it (gap method).
+struct EnvironmentOptions {
+  int filter_half_width = 60;   // beams (low_pass_filter_size_env: yaml 60, code 50)
+  double change = 2.0;          // m, of half the change of a side (deriv_range_thr)
+  int sides = 2;                // that must change
+  double interval = 3.0;        // s between two boxes
+  double outdoor_guard = 10.0;  // m: outdoors a side counts only where it is or was nearer
+  bool outdoor = false;         // the guard is on
+  double settle = 1.0;          // m before and behind the door: the scans that the gap method compares
+  double hidden = 0.40;         // share of the ground out of sight, at least
+  double same = 0.15;           // hidden share below which the environment speaks against a door
+  double radius = 4.0;          // m about the door: the ground that is compared
+  double min_compared = 0.3;    // share of it in the other scan's field of view, or the criterion is dropped
+};
+
+// Criteria "door ahead" and "door behind" by narrow places.
+struct GapOptions {
+  double cell = 0.05;        // m, of the local map
+  double reach = 5.0;        // m, of beams put into it
+  double min_width = 0.6;    // m, between the posts
+  double max_width = 2.1;    // m
+  double widening = 0.25;    // m: before and behind, within `shoulder`, the way is wider by this
+  double shoulder = 1.1;     // m
+  double max_depth = 0.75;   // m along the way, of the narrow place
+  double repeated = 0.7;     // m of the way within 2.5 m about as narrow again: it is the way's usual width
+  double min_angle = 28.0;   // deg between the line from post to post and the way
+  double look_ahead = 2.2;   // m
+  int hits = 3;              // scans that see the same place ahead
+  double same_place = 0.40;  // m, between two sightings
+  double lag = 1.0;          // m driven behind the door before the decision
+  double detour = 2.0;       // m: a way round within this radius makes it no door, unless
+  double wall = 1.0;         // m of wall run on from one post, and the environment has changed (a pane beside it)
+  double spacing = 1.0;      // m to be driven between two passages
+};
+
+struct DoorOptions {
+  DoorMethod method = DoorMethod::kGap;
+  DerivativeOptions derivative;
+  GapOptions gap;
+  EnvironmentOptions environment;
+  int criteria = 2;                // of the three that must hold
+  double time_limit = 15.0;        // s from the first hit (time_limit_door_detection)
+  double candidate_spacing = 2.0;  // m at least between two candidates
+
+  // INVALID_ARGUMENT naming the option.
+  absl::Status Validate() const;
+};
+
+// "default", "original-yaml" or "original-code". INVALID_ARGUMENT naming these.
+absl::StatusOr<DoorOptions> DoorPreset(std::string_view name);
+std::vector<std::string> DoorPresetNames();
+
+// Calls visit("group.name", value) for every option; `Options` is DoorOptions, const or not.
+template <typename Options, typename Visit>
+void VisitDoorOptions(Options& o, Visit visit) {
+  visit("criteria", o.criteria);
+  visit("time_limit", o.time_limit);
+  visit("candidate_spacing", o.candidate_spacing);
+  visit("derivative.front_sector", o.derivative.front_sector);
+  visit("derivative.back_sector", o.derivative.back_sector);
+  visit("derivative.half_window", o.derivative.half_window);
+  visit("derivative.post_offset", o.derivative.post_offset);
+  visit("derivative.threshold", o.derivative.threshold);
+  visit("derivative.post_min", o.derivative.post_min);
+  visit("derivative.post_max", o.derivative.post_max);
+  visit("derivative.opening_min", o.derivative.opening_min);
+  visit("derivative.opening_max", o.derivative.opening_max);
+  visit("derivative.hits", o.derivative.hits);
+  visit("derivative.front_window", o.derivative.front_window);
+  visit("derivative.front_spacing", o.derivative.front_spacing);
+  visit("derivative.back_spacing", o.derivative.back_spacing);
+  visit("derivative.min_distance", o.derivative.min_distance);
+  visit("derivative.max_distance", o.derivative.max_distance);
+  visit("derivative.max_heading", o.derivative.max_heading);
+  visit("derivative.turned_stands_for_behind", o.derivative.turned_stands_for_behind);
+  visit("environment.filter_half_width", o.environment.filter_half_width);
+  visit("environment.change", o.environment.change);
+  visit("environment.sides", o.environment.sides);
+  visit("environment.interval", o.environment.interval);
+  visit("environment.outdoor_guard", o.environment.outdoor_guard);
+  visit("environment.outdoor", o.environment.outdoor);
+  visit("environment.settle", o.environment.settle);
+  visit("environment.hidden", o.environment.hidden);
+  visit("environment.same", o.environment.same);
+  visit("environment.radius", o.environment.radius);
+  visit("environment.min_compared", o.environment.min_compared);
+  visit("gap.cell", o.gap.cell);
+  visit("gap.reach", o.gap.reach);
+  visit("gap.min_width", o.gap.min_width);
+  visit("gap.max_width", o.gap.max_width);
+  visit("gap.widening", o.gap.widening);
+  visit("gap.shoulder", o.gap.shoulder);
+  visit("gap.max_depth", o.gap.max_depth);
+  visit("gap.repeated", o.gap.repeated);
+  visit("gap.min_angle", o.gap.min_angle);
+  visit("gap.look_ahead", o.gap.look_ahead);
+  visit("gap.hits", o.gap.hits);
+  visit("gap.same_place", o.gap.same_place);
+  visit("gap.lag", o.gap.lag);
+  visit("gap.detour", o.gap.detour);
+  visit("gap.wall", o.gap.wall);
+  visit("gap.spacing", o.gap.spacing);
+}
+
+// Options from YAML by the names above in nested maps, on top of `base`; `preset: NAME` in the file replaces the base.
+// INVALID_ARGUMENT naming key and line: a key that does not exist, a value of another type, what Validate refuses.
+absl::StatusOr<DoorOptions> ParseDoorOptions(std::string_view yaml, const DoorOptions& base);
+// All options as YAML that ParseDoorOptions reads back to the same values.
+std::string FormatDoorOptions(const DoorOptions& options);
+
+}  // namespace enfilade

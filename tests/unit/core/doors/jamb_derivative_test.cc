@@ -1,0 +1,101 @@
+#include "core/doors/jamb_derivative.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace enfilade {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+// A full turn of half-degree beams at 5 m, with posts 1.5 m away of 40 degrees on both sides of a gap of `gap` degrees
+// in direction `towards`.
+LaserScan DoorScan(double towards, double gap) {
+  LaserScan scan;
+  scan.angle_min = -M_PI;
+  scan.angle_increment = kDegree / 2.0;
+  scan.range_max = 100.0F;
+  for (int i = 0; i < 720; ++i) {
+    const double off = std::abs(WrapAngle(scan.angle(static_cast<std::size_t>(i)) - towards)) / kDegree;
+    scan.ranges.push_back(off > gap / 2.0 && off < gap / 2.0 + 40.0 ? 1.5F : 5.0F);
+  }
+  return scan;
+}
+
+TEST(JambDerivative, FindsADoorAhead) {
+  const JambSearch search = FindJambsAhead(DoorScan(0.0, 36.0), {});
+  ASSERT_TRUE(search.jambs.has_value()) << search.reason;
+  EXPECT_NEAR(search.jambs->opening / kDegree, 36.0, 10.0);
+  EXPECT_LT(search.jambs->right, 0.0);
+  EXPECT_GT(search.jambs->left, 0.0);
+  EXPECT_FALSE(FindJambsBehind(DoorScan(0.0, 36.0), {}).jambs.has_value());
+}
+
+TEST(JambDerivative, FindsADoorBehindAcrossTheScansSeam) {
+  const JambSearch search = FindJambsBehind(DoorScan(M_PI, 36.0), {});
+  ASSERT_TRUE(search.jambs.has_value()) << search.reason;
+  EXPECT_NEAR(search.jambs->opening / kDegree, 36.0, 12.0);
+  EXPECT_FALSE(FindJambsAhead(DoorScan(M_PI, 36.0), {}).jambs.has_value());
+}
+
+TEST(JambDerivative, RefusesOpeningsOutOfBounds) {
+  EXPECT_FALSE(FindJambsAhead(DoorScan(0.0, 8.0), {}).jambs.has_value());
+  EXPECT_FALSE(FindJambsAhead(DoorScan(0.0, 75.0), {}).jambs.has_value());
+  DerivativeOptions wide;
+  wide.opening_max = 120.0;
+  wide.front_sector = 80.0;
+  EXPECT_TRUE(FindJambsAhead(DoorScan(0.0, 75.0), wide).jambs.has_value());
+}
+
+TEST(JambDerivative, ReadsAClockwiseScannerAndItsMount) {
+  LaserScan scan = DoorScan(0.0, 36.0);
+  std::reverse(scan.ranges.begin(), scan.ranges.end());
+  scan.angle_min = scan.angle(719);
+  scan.angle_increment = -scan.angle_increment;
+  EXPECT_TRUE(FindJambsAhead(scan, {}).jambs.has_value());
+  LaserScan turned = DoorScan(M_PI / 2.0, 36.0);
+  turned.T_robot_laser.yaw = -M_PI / 2.0;
+  EXPECT_TRUE(FindJambsAhead(turned, {}).jambs.has_value());
+}
+
+// Regression: the original reads ten beams past both ends of the array.
+TEST(JambDerivative, ClampsItsWindowsAtTheScansEnds) {
+  for (const std::size_t beams : {1U, 2U, 5U, 9U, 19U}) {
+    LaserScan scan = DoorScan(0.0, 36.0);
+    scan.ranges.resize(beams);
+    EXPECT_EQ(ScanDerivative(scan, {}).size(), beams);
+    EXPECT_FALSE(FindJambsAhead(scan, {}).jambs.has_value());
+    EXPECT_FALSE(FindJambsBehind(scan, {}).jambs.has_value());
+  }
+}
+
+// Regression: the original subtracts infinities and keeps NaN.
+TEST(JambDerivative, InfiniteAndUnknownBeamsAreNoPosts) {
+  LaserScan scan = DoorScan(0.0, 36.0);
+  std::fill(scan.ranges.begin(), scan.ranges.end(), std::numeric_limits<float>::infinity());
+  EXPECT_FALSE(FindJambsAhead(scan, {}).jambs.has_value());
+  std::fill(scan.ranges.begin(), scan.ranges.end(), std::numeric_limits<float>::quiet_NaN());
+  EXPECT_FALSE(FindJambsAhead(scan, {}).jambs.has_value());
+  // Open ground behind a door gives no return, and is a door all the same.
+  LaserScan open = DoorScan(0.0, 36.0);
+  for (float& range : open.ranges) {
+    if (range > 4.0F) range = std::numeric_limits<float>::infinity();
+  }
+  EXPECT_TRUE(FindJambsAhead(open, {}).jambs.has_value());
+}
+
+TEST(JambDerivative, SaysWhereAScannerDoesNotLook) {
+  LaserScan front = DoorScan(0.0, 36.0);
+  front.angle_min = -M_PI / 2.0;
+  front.ranges = std::vector<float>(front.ranges.begin() + 180, front.ranges.begin() + 540);
+  EXPECT_TRUE(FindJambsAhead(front, {}).jambs.has_value());
+  const JambSearch behind = FindJambsBehind(front, {});
+  EXPECT_FALSE(behind.sector_in_view);
+  EXPECT_NE(behind.reason.find("does not look back"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace enfilade
