@@ -74,7 +74,7 @@ struct GapOptions {
   double same_place = 0.40;  // m, between two sightings
   double lag = 1.0;          // m driven behind the door before the decision
   double detour = 2.0;       // m: a way round within this radius makes it no door, unless
-  double wall = 1.0;         // m of wall run on from one post, and the environment has changed (a pane beside it)
+  double wall = 1.0;         // m of wall run on from one post: a pane beside it
   double spacing = 1.0;      // m to be driven between two passages
 };
 

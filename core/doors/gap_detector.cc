@@ -198,11 +198,12 @@ void GapDetector::Decide(const std::optional<Narrows>& behind, Track* track, dou
   const int met = (event.ahead.met() ? 1 : 0) + (event.behind.met() ? 1 : 0) + (event.environment.met() ? 1 : 0);
   const bool same = hidden >= 0.0 && hidden < options_.environment.same;
   const Eigen::Vector2d outward = (door.left - door.right).normalized();
-  const double reach = options_.gap.wall + 2.0 * options_.gap.cell;
+  const double reach = std::max(1.2, options_.gap.wall + 2.0 * options_.gap.cell);
   const double left_wall = WallBeyond(map_, door.left, outward, reach);
   const double right_wall = WallBeyond(map_, door.right, -outward, reach);
   const bool walled = std::max(left_wall, right_wall) >= options_.gap.wall;
-  const bool passage = behind && met >= options_.criteria && !same && (!round || (walled && event.environment.met()));
+  const bool passage =
+      behind && met >= options_.criteria && !same && (!round || (walled && event.environment.state != State::kOpen));
   if (track) {
     track->hits = 0;
     track->crossed_at = -1.0;
