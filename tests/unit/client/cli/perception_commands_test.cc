@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -14,6 +13,7 @@
 #include "perception/cloud/cloud_file.h"
 #include "tests/support/status_matchers.h"
 #include "tests/support/test_data.h"
+#include "tests/unit/client/cli/command_test.h"
 #include "tests/unit/perception/cloud/rooms.h"
 
 namespace enfilade::cli {
@@ -47,40 +47,23 @@ PixelImage Squares(std::uint32_t seed, int shift) {
   return image;
 }
 
-class PerceptionCommandsTest : public ::testing::Test {
+class PerceptionCommandsTest : public CommandTest {
  protected:
-  std::string File(const std::string& name, const std::string& content) {
-    const std::string path = directory_.path() / name;
-    std::ofstream(path, std::ios::binary) << content;
-    return path;
-  }
-  std::string ImageFile(const std::string& name, std::uint32_t seed, int shift) {
+  std::string ImageFile(const std::string& name, std::uint32_t seed, int shift) const {
     return File(name, EncodePng(Squares(seed, shift)).value());
   }
 
-  // Runs the tool's command in this process; what it prints as JSON goes to `document_`.
-  absl::Status Run(const std::vector<std::string>& arguments) {
-    Globals globals;
-    globals.json = true;
-    CLI::App app("enfilade");
-    AddMatch(app, globals);
-    AddEnvironment(app, globals);
-    std::stringstream printed;
-    std::streambuf* const terminal = std::cout.rdbuf(printed.rdbuf());
-    absl::Status status;
-    try {
-      app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-    } catch (const CommandFailed& failed) {
-      status = failed.status;
-    } catch (const CLI::ParseError& error) {
-      status = absl::InvalidArgumentError(error.what());
-    }
-    std::cout.rdbuf(terminal);
-    document_ = printed.str().empty() ? nlohmann::json() : nlohmann::json::parse(printed.str());
+  // What is printed goes to `document_`.
+  absl::Status Run(std::vector<std::string> arguments) {
+    const auto add = [](CLI::App& app, const Globals& globals) {
+      AddMatch(app, globals);
+      AddEnvironment(app, globals);
+    };
+    const absl::Status status = RunCommandLine(add, std::move(arguments), true);
+    document_ = printed_.empty() ? nlohmann::json() : nlohmann::json::parse(printed_);
     return status;
   }
 
-  enfilade::testing::TemporaryDirectory directory_;
   nlohmann::json document_;
 };
 

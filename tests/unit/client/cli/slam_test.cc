@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "client/sources/json_lines_writer.h"
 #include "tests/support/status_matchers.h"
 #include "tests/support/test_data.h"
+#include "tests/unit/client/cli/command_test.h"
 
 namespace enfilade::cli {
 namespace {
@@ -59,49 +58,16 @@ std::string Log(int scans, bool in_range = true) {
   return text;
 }
 
-class SlamTest : public ::testing::Test {
+class SlamTest : public CommandTest {
  protected:
-  std::string File(const std::string& name, const std::string& content) {
-    const std::string path = directory_.path() / name;
-    std::ofstream(path, std::ios::binary) << content;
-    return path;
-  }
-
-  static std::string Content(const std::filesystem::path& path) {
-    std::stringstream content;
-    content << std::ifstream(path, std::ios::binary).rdbuf();
-    return content.str();
-  }
-
-  // Runs `enfilade slam ...` in this process; what it prints goes to `printed_`.
-  absl::Status Run(const std::vector<std::string>& arguments, bool json = true) {
-    Globals globals;
-    globals.json = json;
-    globals.quiet = true;
-    CLI::App app("enfilade");
-    AddSlam(app, globals);
-    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
-    reversed.emplace_back("slam");
-    std::stringstream printed;
-    std::streambuf* const terminal = std::cout.rdbuf(printed.rdbuf());
-    absl::Status status;
-    try {
-      app.parse(reversed);
-    } catch (const CommandFailed& failed) {
-      status = failed.status;
-    } catch (const CLI::ParseError& error) {
-      status = absl::InvalidArgumentError(error.what());
-    }
-    std::cout.rdbuf(terminal);
-    printed_ = printed.str();
-    return status;
+  absl::Status Run(std::vector<std::string> arguments, bool json = true) {
+    arguments.insert(arguments.begin(), "slam");
+    return RunCommandLine(AddSlam, std::move(arguments), json);
   }
 
   nlohmann::json Report() const { return nlohmann::json::parse(printed_); }
 
-  testing::TemporaryDirectory directory_;
   const std::filesystem::path out_ = directory_.path() / "out";
-  std::string printed_;
 };
 
 TEST_F(SlamTest, WritesTheTrajectoryTheMapAndTheClosures) {

@@ -1,0 +1,93 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "client/cli/commands/doors.h"
+#include "client/cli/commands/sim.h"
+#include "core/grid/png_codec.h"
+#include "tests/support/status_matchers.h"
+#include "tests/unit/client/cli/command_test.h"
+
+namespace enfilade::cli {
+namespace {
+
+using enfilade::testing::HasStatus;
+using ::testing::HasSubstr;
+
+class SimulatorCommandsTest : public CommandTest {
+ protected:
+  absl::Status Run(std::vector<std::string> arguments) {
+    const auto add = [](CLI::App& app, const Globals& globals) {
+      AddSim(app, globals);
+      AddDoors(app, globals);
+    };
+    return RunCommandLine(add, std::move(arguments), true);
+  }
+  // Drives robot r1 through the campus "figure1".
+  absl::Status Drive(const std::filesystem::path& folder, const std::string& seed) {
+    return Run({"sim", "figure1", "-o", folder, "--robots", "r1", "--seed", seed});
+  }
+  static std::vector<nlohmann::json> Lines(const std::string& text) {
+    std::vector<nlohmann::json> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(nlohmann::json::parse(line));
+    return lines;
+  }
+
+  const std::filesystem::path out_ = directory_.path() / "campus";
+};
+
+TEST_F(SimulatorCommandsTest, SimWritesLogTruthAndPlan) {
+  ASSERT_OK(Drive(out_, "1"));
+  const nlohmann::json drives = nlohmann::json::parse(printed_)["drives"];
+  ASSERT_EQ(drives.size(), 1U);
+  EXPECT_EQ(drives[0]["robot"], "r1");
+  EXPECT_GT(drives[0]["scans"], 100);
+  EXPECT_GE(drives[0]["passages"], 5) << "the figure's five link points";
+  EXPECT_FALSE(Lines(Content(out_ / "r1/truth.jsonl")).empty());
+  EXPECT_OK(DecodePng(Content(out_ / "plan.png")).status());
+}
+
+TEST_F(SimulatorCommandsTest, SimGivesTheSameLogForTheSameSeedOnly) {
+  ASSERT_OK(Drive(out_ / "a", "1"));
+  ASSERT_OK(Drive(out_ / "b", "1"));
+  ASSERT_OK(Drive(out_ / "c", "2"));
+  const std::string log = Content(out_ / "a/r1/log.jsonl");
+  EXPECT_FALSE(log.empty());
+  EXPECT_TRUE(log == Content(out_ / "b/r1/log.jsonl"));
+  EXPECT_FALSE(log == Content(out_ / "c/r1/log.jsonl"));
+}
+
+TEST_F(SimulatorCommandsTest, SimNamesWhatItDoesNotKnow) {
+  EXPECT_THAT(Run({"sim", "figure1", "-o", out_, "--robots", "r9"}),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("r9")));
+  EXPECT_THAT(Run({"sim", File("bad.yaml", "walls: 7\n"), "-o", out_}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.yaml")));
+}
+
+TEST_F(SimulatorCommandsTest, DoorsTellsEventsAsJsonLinesAndDrawsThem) {
+  ASSERT_OK(Drive(out_, "1"));
+  const std::string plot = directory_.path() / "doors.png";
+  ASSERT_OK(Run({"doors", out_ / "r1/log.jsonl", "--plot", plot}));
+  int passages = 0;
+  for (const nlohmann::json& event : Lines(printed_)) {
+    passages += event["event"] == "passage" ? 1 : 0;
+    for (const char* criterion : {"ahead", "behind", "environment"}) EXPECT_FALSE(event[criterion]["reason"].empty());
+  }
+  EXPECT_GT(passages, 0);
+  EXPECT_OK(DecodePng(Content(plot)).status());
+}
+
+TEST_F(SimulatorCommandsTest, DoorsRefusesUnknownPresetsOptionsAndLogs) {
+  const std::string log = File("empty.jsonl", "");
+  EXPECT_THAT(Run({"doors", log, "--preset", "best"}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("best")));
+  EXPECT_THAT(Run({"doors", log, "--options", File("doors.yaml", "no_such_key: 1\n")}),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("no_such_key")));
+  EXPECT_FALSE(Run({"doors", log}).ok()) << "an empty log";
+  EXPECT_THAT(Run({"doors", "/nowhere/log.clf"}), HasStatus(absl::StatusCode::kNotFound, HasSubstr("log.clf")));
+}
+
+}  // namespace
+}  // namespace enfilade::cli
