@@ -36,7 +36,7 @@ class CommandTest : public ::testing::Test {
   absl::Status RunCommandLine(const Add& add, std::vector<std::string> arguments, bool json) {
     Globals globals;
     globals.json = json;
-    globals.quiet = true;
+    globals.quiet = json;
     CLI::App app("enfilade");
     add(app, globals);
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them

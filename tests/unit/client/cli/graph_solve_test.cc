@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -11,6 +9,7 @@
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_matchers.h"
 #include "tests/support/test_data.h"
+#include "tests/unit/client/cli/command_test.h"
 
 namespace enfilade::cli {
 namespace {
@@ -18,46 +17,14 @@ namespace {
 using testing::HasStatus;
 using ::testing::HasSubstr;
 
-class GraphSolveTest : public ::testing::Test {
+class GraphSolveTest : public CommandTest {
  protected:
-  std::string File(const std::string& name, const std::string& content) {
-    const std::string path = directory_.path() / name;
-    std::ofstream(path) << content;
-    return path;
+  absl::Status Run(std::vector<std::string> arguments, bool json = true) {
+    arguments.insert(arguments.begin(), {"graph", "solve"});
+    return RunCommandLine(AddGraph, std::move(arguments), json);
   }
 
-  static std::string Content(const std::string& path) {
-    std::stringstream content;
-    content << std::ifstream(path).rdbuf();
-    return content.str();
-  }
-
-  // Runs `enfilade graph solve ...` in this process; what it prints goes to `printed_`.
-  absl::Status Run(const std::vector<std::string>& arguments, bool json = true) {
-    Globals globals;
-    globals.json = json;
-    CLI::App app("enfilade");
-    AddGraph(app, globals);
-    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
-    reversed.insert(reversed.end(), {"solve", "graph"});
-    std::stringstream printed;
-    std::streambuf* const terminal = std::cout.rdbuf(printed.rdbuf());
-    absl::Status status;
-    try {
-      app.parse(reversed);
-    } catch (const CommandFailed& failed) {
-      status = failed.status;
-    } catch (const CLI::ParseError& error) {
-      status = absl::InvalidArgumentError(error.what());
-    }
-    std::cout.rdbuf(terminal);
-    printed_ = printed.str();
-    return status;
-  }
-
-  testing::TemporaryDirectory directory_;
   const PoseGraph graph_ = testing::MakeManhattanGraph({.nodes = 100}).graph;
-  std::string printed_;
 };
 
 TEST_F(GraphSolveTest, PrintsWhatProgramsAskFor) {

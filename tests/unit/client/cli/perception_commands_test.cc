@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -74,9 +73,7 @@ TEST_F(PerceptionCommandsTest, JudgesImagesAndDrawsTheirMatches) {
   EXPECT_EQ(document_["accepted"], true);
   EXPECT_GT(document_["inliers"], 15);
   EXPECT_GE(document_["matches"], document_["inliers"]);
-  std::stringstream bytes;
-  bytes << std::ifstream(picture, std::ios::binary).rdbuf();
-  ASSERT_OK_AND_ASSIGN(const PixelImage drawn, DecodePng(bytes.str()));
+  ASSERT_OK_AND_ASSIGN(const PixelImage drawn, DecodePng(Content(picture)));
   EXPECT_EQ(drawn.width, 440 + 8 + 440);
   ASSERT_OK(Run({"match", "images", a, ImageFile("c.png", 2, 0)}));
   EXPECT_EQ(document_["accepted"], false);
