@@ -113,6 +113,7 @@ class Server::Impl {
     grpc->Shutdown(deadline);
     grpc->Wait();
     grpc.reset();
+    executor.Stop();  // a call that has been answered may still be on its way out of its handler
   }
 
   const ServerOptions options;

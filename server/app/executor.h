@@ -16,10 +16,13 @@ namespace enfilade::server {
 class Executor {
  public:
   Executor(int threads, std::size_t max_queued);
-  // Runs what is queued, then ends.
+  // Stops.
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
+
+  // Runs what is queued and waits until that is done; nothing may be posted any more. May be repeated.
+  void Stop();
 
   // False, and the task is not run, where the queue is full.
   [[nodiscard]] bool Post(std::function<void()> task);
