@@ -1,0 +1,229 @@
+// Prints JSON: rate and latency of FindLinkPoints in a site of 100,000 link points, beside pgbench with the same SQL
+// prepared. usage: bench_link_points [--quick]
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <random>
+#include <thread>
+
+#include "enfilade/v1/link_point_service.grpc.pb.h"
+#include "fmt/format.h"
+#include "grpcpp/grpcpp.h"
+#include "nlohmann/json.hpp"
+#include "storage/postgres/link_point_search.h"
+#include "tests/bench/bench_system.h"
+#include "tests/bench/load_generator.h"
+#include "tests/support/command.h"
+
+namespace {
+
+using namespace enfilade;
+using namespace enfilade::bench;
+using Clock = std::chrono::steady_clock;
+using testing::RunCommand;
+
+constexpr double kRadius = 20.0;  // m
+// Of the square campus, m: ten of 100,000 link points lie within a circle of 20 m.
+const double kSide = std::sqrt(100'000 * M_PI * kRadius * kRadius / 10);
+
+// A grid of 50 x 50 maps; each link point joins the map that it lies in with the next one. What the triggers would
+// write for each anchor is written at once; foreign keys and constraints hold as ever.
+constexpr char kPopulate[] = R"(
+BEGIN;
+ALTER TABLE enfilade.link_points DISABLE TRIGGER USER;
+ALTER TABLE enfilade.link_point_anchors DISABLE TRIGGER USER;
+SELECT setseed(0.5);
+INSERT INTO enfilade.maps (site_id, map_id, display_name, environment)
+  SELECT 'bench', 'room-' || i, 'room ' || i, 1 FROM generate_series(0, 2499) i;
+CREATE TEMP TABLE rooms AS SELECT i, 'room-' || i AS id, i % 50 * :side / 50 AS x, i / 50 * :side / 50 AS y
+  FROM generate_series(0, 2499) i;
+UPDATE enfilade.graph_maps m SET x = r.x, y = r.y, yaw = 0, covariance = array_fill(0::float8, '{9}')
+  FROM rooms r WHERE m.site_id = 'bench' AND m.map_id = r.id;
+CREATE TEMP TABLE doors AS SELECT i, x, y, floor(x / :side * 50)::int + 50 * floor(y / :side * 50)::int AS room
+  FROM (SELECT i, random() * :side AS x, random() * :side AS y FROM generate_series(1, 100000) i) p;
+INSERT INTO enfilade.link_points (site_id, link_point_id, kind, anchor_count, levels, position, yaw, world_covariance,
+    changed_version)
+  SELECT 'bench', 'door-' || i, 1, 2, '{[0,0]}', ST_MakePoint(x, y), 0, '{0.01,0,0,0,0.01,0,0,0,0.01}', 1 FROM doors;
+INSERT INTO enfilade.link_point_anchors (site_id, link_point_id, map_id, ordinal, x, y, yaw, covariance)
+  SELECT 'bench', 'door-' || d.i, r.id, n, d.x - r.x, d.y - r.y, 0, '{0.003,0,0,0,0.003,0,0,0,0.003}'
+  FROM doors d CROSS JOIN (VALUES (1), (2)) o (n) JOIN rooms r ON r.i = (d.room + n - 1) % 2500;
+ALTER TABLE enfilade.link_points ENABLE TRIGGER USER;
+ALTER TABLE enfilade.link_point_anchors ENABLE TRIGGER USER;
+COMMIT;
+VACUUM ANALYZE;
+)";
+
+std::string Run(const std::vector<std::string>& command) {
+  auto result = RunCommand(command);
+  if (result.exit_code != 0) throw std::runtime_error(result.output);
+  return std::move(result.output);
+}
+
+void Populate(BenchSystem& system) {
+  const std::string file = (system.directory() / "populate.sql").string();
+  std::ofstream(file) << kPopulate;
+  // The server is away meanwhile: it need not solve a graph whose maps have their places.
+  system.server().Kill();
+  Run({"psql", system.database_url(), "-Xqv", "ON_ERROR_STOP=1", "-v", fmt::format("side={}", kSide), "-f", file});
+  system.server().StartAndWait();
+}
+
+// The statement of the server, its parameters as pgbench's variables.
+std::string WriteScript(const BenchSystem& system) {
+  constexpr const char* kNames[] = {"site", "min_anchors", "max_anchors", "max_use", "limit", "x", "y", "radius"};
+  std::string sql = postgres::kFindWithin.sql;
+  for (int i = 0; i < 8; ++i) {
+    const std::string number = fmt::format("${}", i + 1);
+    for (auto at = sql.find(number); at != std::string::npos; at = sql.find(number)) {
+      sql.replace(at, number.size(), fmt::format(":{}", kNames[i]));
+    }
+  }
+  const std::string file = (system.directory() / "find.sql").string();
+  std::ofstream(file) << fmt::format("\\set x random(0, 1000000) / 1000000.0 * {0}\n", kSide)
+                      << fmt::format("\\set y random(0, 1000000) / 1000000.0 * {0}\n", kSide) << sql << ";\n";
+  return file;
+}
+
+double PgbenchRate(const BenchSystem& system, const std::string& script, int clients, int seconds) {
+  const std::string count = std::to_string(clients);
+  const std::string output = Run({"pgbench",
+                                  "-n",
+                                  "-M",
+                                  "prepared",
+                                  "-f",
+                                  script,
+                                  "-c",
+                                  count,
+                                  "-j",
+                                  count,
+                                  "-T",
+                                  std::to_string(seconds),
+                                  "-D",
+                                  "site=bench",
+                                  "-D",
+                                  "min_anchors=1",
+                                  "-D",
+                                  "max_anchors=2147483647",
+                                  "-D",
+                                  "max_use=1",
+                                  "-D",
+                                  "limit=1000",
+                                  "-D",
+                                  fmt::format("radius={}", kRadius),
+                                  system.database_url()});
+  const auto at = output.find("tps = ");
+  if (at == std::string::npos) throw std::runtime_error(output);
+  return std::stod(output.substr(at + 6));
+}
+
+struct Load {
+  double rate = 0.0;               // calls per second
+  std::vector<double> latency_ms;  // of each call
+  std::int64_t found = 0;          // link points, over all calls
+};
+
+// One client, with a connection of its own.
+Load Ask(const std::string& address, unsigned seed, Clock::time_point until) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  const auto stub =
+      v1::LinkPointService::NewStub(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> anywhere(0.0, kSide);
+  v1::FindLinkPointsRequest request;
+  request.set_parent("sites/bench");
+  request.set_radius_m(kRadius);
+  v1::FindLinkPointsResponse response;
+  Load load;
+  while (Clock::now() < until) {
+    request.mutable_point_world()->set_x(anywhere(random));
+    request.mutable_point_world()->set_y(anywhere(random));
+    grpc::ClientContext context;
+    const Clock::time_point begin = Clock::now();
+    const grpc::Status status = stub->FindLinkPoints(&context, request, &response);
+    if (!status.ok()) throw std::runtime_error(status.error_message());
+    load.latency_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    load.found += response.found_size();
+  }
+  return load;
+}
+
+Load AskAll(const std::string& address, int clients, int seconds, unsigned seed) {
+  const Clock::time_point until = Clock::now() + std::chrono::seconds(seconds);
+  std::vector<Load> loads(static_cast<std::size_t>(clients));
+  std::vector<std::string> errors(loads.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    threads.emplace_back([&, i] {
+      try {
+        loads[i] = Ask(address, seed * 100 + static_cast<unsigned>(i), until);
+      } catch (const std::exception& failure) {
+        errors[i] = failure.what();
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& error : errors) {
+    if (!error.empty()) throw std::runtime_error("a call failed: " + error);
+  }
+  Load all;
+  for (const Load& load : loads) {
+    all.latency_ms.insert(all.latency_ms.end(), load.latency_ms.begin(), load.latency_ms.end());
+    all.found += load.found;
+  }
+  all.rate = static_cast<double>(all.latency_ms.size()) / seconds;
+  return all;
+}
+
+nlohmann::json Measure(BenchSystem& system, const std::string& script, int clients, int rounds, int seconds) {
+  const std::string& address = system.server().address();
+  AskAll(address, clients, 1, 0);
+  PgbenchRate(system, script, clients, 1);
+  std::vector<double> served;
+  std::vector<double> queried;
+  std::vector<double> ratios;
+  std::vector<double> latencies;
+  std::int64_t found = 0;
+  for (int i = 0; i < rounds; ++i) {
+    const double before = PgbenchRate(system, script, clients, seconds);
+    const Load load = AskAll(address, clients, 2 * seconds, static_cast<unsigned>(i + 1));
+    queried.push_back((before + PgbenchRate(system, script, clients, seconds)) / 2.0);
+    served.push_back(load.rate);
+    ratios.push_back(served.back() / queried.back());
+    latencies.insert(latencies.end(), load.latency_ms.begin(), load.latency_ms.end());
+    found += load.found;
+    std::cerr << clients << " clients: " << served.back() << " / s, pgbench " << queried.back() << " / s\n";
+  }
+  const auto calls = static_cast<double>(latencies.size());
+  return {{"clients", clients},
+          {"rounds", rounds},
+          {"calls", latencies.size()},
+          {"found_per_call", static_cast<double>(found) / calls},
+          {"rate", Percentile(served, 0.5)},
+          {"pgbench_rate", Percentile(queried, 0.5)},
+          {"ratio", Percentile(ratios, 0.5)},
+          {"ratio_min", Percentile(ratios, 0.0)},
+          {"ratio_max", Percentile(ratios, 1.0)},
+          {"p50_ms", Percentile(latencies, 0.5)},
+          {"p99_ms", Percentile(latencies, 0.99)}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const bool quick = argc == 2 && std::string(argv[1]) == "--quick";
+    BenchSystem system({"mapping.workers=0"});
+    Populate(system);
+    const std::string script = WriteScript(system);
+    nlohmann::json document = {{"benchmark", "link points"}, {"link_points", 100'000}, {"radius_m", kRadius}};
+    for (const int clients : {1, 4}) {
+      document["search"].push_back(Measure(system, script, clients, quick ? 3 : 7, quick ? 1 : 3));
+    }
+    std::cout << document.dump(2) << '\n';
+  } catch (const std::exception& failure) {
+    std::cerr << "bench_link_points: " << failure.what() << '\n';
+    return 1;
+  }
+}
