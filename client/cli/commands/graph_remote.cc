@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "client/cli/commands/graph_plot.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "core/base/error.h"
@@ -228,6 +229,7 @@ void AddGraphRemote(CLI::App& app, const Globals& globals) {
       AddCommand(graph, "export", "Write the graph as GeoJSON", [&globals, path] { return Export(globals, *path); });
   output->add_option("-o,--output", *path, "The file")->capture_default_str();
   output->footer("Example: enfilade graph export -o campus.geojson");
+  AddGraphPlot(graph, globals);
 }
 
 }  // namespace enfilade::cli

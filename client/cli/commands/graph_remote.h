@@ -5,7 +5,7 @@
 
 namespace enfilade::cli {
 
-// enfilade graph show | versions | optimize | export, below the command "graph" that is there already.
+// enfilade graph show | versions | optimize | export | plot, below the command "graph" that is there already.
 void AddGraphRemote(CLI::App& app, const Globals& globals);
 
 }  // namespace enfilade::cli

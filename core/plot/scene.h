@@ -1,0 +1,92 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/pose2.h"
+#include "core/grid/occupancy_grid.h"
+#include "core/grid/rgb_image.h"
+
+namespace enfilade {
+
+// What a plot shows, in one frame ("the scene's", m, y upwards). What comes later lies above; rasters lie below all
+// else and are multiplied with what they cover, so that maps that overlap all stay visible.
+
+// Free cells pale, occupied ones dark in `color`; unknown ones are transparent.
+struct SceneRaster {
+  OccupancyGrid grid;
+  Pose2 T_scene_map;
+  Rgb color{};
+};
+
+struct SceneLine {
+  std::vector<Eigen::Vector2d> points;
+  Rgb color{};
+  int width_px = 1;
+};
+
+// A circle where both semi-axes are the same.
+struct SceneEllipse {
+  Eigen::Vector2d center;
+  double semi_major_m = 0.0;
+  double semi_minor_m = 0.0;
+  double angle = 0.0;  // of the larger axis to the x axis, rad
+  Rgb color{};
+};
+
+struct SceneMarker {
+  enum class Shape : std::uint8_t { kDot, kRing, kCross };
+  Eigen::Vector2d at;
+  Shape shape = Shape::kDot;
+  Rgb color{};
+};
+
+// To the right of its point. In SVG only.
+struct SceneLabel {
+  Eigen::Vector2d at;
+  std::string text;  // UTF-8
+  Rgb color{};
+};
+
+struct Scene {
+  std::vector<SceneRaster> rasters{};
+  std::vector<SceneLine> lines{};
+  std::vector<SceneEllipse> ellipses{};
+  std::vector<SceneMarker> markers{};
+  std::vector<SceneLabel> labels{};
+};
+
+// From the scene to a picture's pixels: (0, 0) is its upper left corner, y downwards.
+struct SceneView {
+  Eigen::Vector2d upper_left;  // in the scene
+  double px_per_m = 1.0;
+  int width = 0;
+  int height = 0;
+
+  Eigen::Vector2d ToPixel(const Eigen::Vector2d& p) const {
+    return {(p.x() - upper_left.x()) * px_per_m, (upper_left.y() - p.y()) * px_per_m};
+  }
+  Eigen::Vector2d ToScene(const Eigen::Vector2d& pixel) const {
+    return {upper_left.x() + pixel.x() / px_per_m, upper_left.y() - pixel.y() / px_per_m};
+  }
+};
+
+// All of the scene with a margin; its longer side is `longer_side_px`. INVALID_ARGUMENT where there is nothing to see,
+// or what there is lies nowhere (not finite), or the side is below 64 or above 16384.
+absl::StatusOr<SceneView> ViewOf(const Scene& scene, int longer_side_px);
+
+// 72 points around the ellipse, the first repeated at the end.
+std::vector<Eigen::Vector2d> Outline(const SceneEllipse& ellipse);
+
+// A cell's colour as SceneRaster says. `cell` is known.
+Rgb ColorOfCell(std::uint8_t cell, Rgb color);
+
+RgbImage DrawScene(const Scene& scene, const SceneView& view);
+
+// SVG 1.1 with the grids as embedded PNG.
+absl::StatusOr<std::string> WriteSvg(const Scene& scene, const SceneView& view);
+
+}  // namespace enfilade
