@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "core/base/time.h"
+#include "core/sensor/session_entry.h"
 #include "storage/call_context.h"
 
 namespace enfilade {
@@ -30,6 +31,7 @@ struct RecordCounts {
   std::int64_t images = 0;
   std::int64_t point_clouds = 0;
   std::int64_t withheld = 0;
+  std::int64_t door_reports = 0;
 
   friend bool operator==(const RecordCounts&, const RecordCounts&) = default;
 };
@@ -50,7 +52,8 @@ struct Session {
   SiteId site;
   SessionId id;
   RobotId robot;
-  std::optional<MapId> map;  // unset: only recorded
+  std::optional<MapId> map;  // unset: only recorded, or entry.previous is not judged yet
+  SessionEntry entry;
   // Set by the store.
   SessionState state = SessionState::kRecording;
   std::int64_t acknowledged_sequence = 0;  // all records up to it are stored
@@ -85,8 +88,8 @@ class SessionStore {
  public:
   explicit SessionStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // Uses site, id, robot and map. NOT_FOUND naming the site, robot or map that is missing; ALREADY_EXISTS where the id
-  // is taken, also by a deleted session. `request_id` as in SiteStore.
+  // Uses site, id, robot, map and entry. NOT_FOUND naming the site, robot, map or previous session that is missing;
+  // ALREADY_EXISTS where the id is taken, also by a deleted session. `request_id` as in SiteStore.
   absl::StatusOr<Session> Create(const CallContext& context, const Session& session,
                                  const std::string& request_id) const;
   // NOT_FOUND, also for deleted sessions.

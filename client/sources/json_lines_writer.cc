@@ -81,6 +81,11 @@ struct LineOf {
                        encoding, Quoted(entry.content));
   }
 
+  absl::StatusOr<std::string> operator()(const DoorReport& report) const {
+    return InvalidArgument("the door report at {} ns has no place in a log file: doors are found in it again",
+                           report.time);
+  }
+
   absl::StatusOr<std::string> operator()(const Withheld& withheld) const {
     return InvalidArgument("a withheld record (\"{}\") has no place in a log file", withheld.reason);
   }

@@ -9,11 +9,11 @@
 #include "core/base/ids.h"
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
+#include "core/graph/link_point_kind.h"
 
 namespace enfilade {
 
 // The numbers of these enums are in the database: never reuse one.
-enum class LinkPointKind : std::int16_t { kDoor = 1, kLift = 2, kStairs = 3, kRamp = 4, kOpening = 5 };
 // Whether a robot gets through. Poses are chained through a place in any state.
 enum class PassageState : std::int16_t { kOpen = 1, kClosed = 2, kBlocked = 3 };
 // What the graph makes of a link point.

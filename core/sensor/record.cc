@@ -7,6 +7,11 @@ namespace {
 
 constexpr std::size_t kMaxReasonBytes = 4096;
 
+absl::Status ValidateReason(std::string_view field, std::string_view reason) {
+  if (reason.size() <= kMaxReasonBytes) return absl::OkStatus();
+  return InvalidArgument("{} has {} bytes, more than {}", field, reason.size(), kMaxReasonBytes);
+}
+
 absl::Status ValidateTime(TimeNs time) {
   constexpr TimeNs kYear2200 = 7'258'118'400LL * kNsPerSecond;
   if (time >= 0 && time < kYear2200) return absl::OkStatus();
@@ -32,9 +37,17 @@ struct PayloadCheck {
   }
   absl::Status operator()(const Image& image) const { return ValidateBlob(image.content); }
   absl::Status operator()(const PointCloud& cloud) const { return ValidateBlob(cloud.content); }
-  absl::Status operator()(const Withheld& withheld) const {
-    if (withheld.reason.size() <= kMaxReasonBytes) return absl::OkStatus();
-    return InvalidArgument("withheld.reason has {} bytes, more than {}", withheld.reason.size(), kMaxReasonBytes);
+  absl::Status operator()(const Withheld& withheld) const { return ValidateReason("withheld.reason", withheld.reason); }
+  absl::Status operator()(const DoorReport& report) const {
+    if (absl::Status status = ValidateTime(report.door_time); !status.ok()) return status;
+    if (report.door_time > report.time) {
+      return InvalidArgument("door_report.door_time is {} s after its time", ToSeconds(report.door_time - report.time));
+    }
+    if (!IsFinite(report.T_odom_door)) return InvalidArgument("door_report.pose_odom_door is not finite");
+    if (!(report.width >= 0.0 && report.width < 1000.0)) {
+      return InvalidArgument("door_report.width_m is {}: expected 0 to 1000", report.width);
+    }
+    return ValidateReason("door_report.reason", report.reason);
   }
 };
 

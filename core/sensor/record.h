@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "absl/status/status.h"
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
+#include "core/graph/link_point_kind.h"
+#include "core/sensor/environment_choice.h"
 #include "core/sensor/laser_scan.h"
 
 namespace enfilade {
@@ -52,6 +55,29 @@ struct PointCloud {
   friend bool operator==(const PointCloud&, const PointCloud&) = default;
 };
 
+// What a robot has found about a door (core/doors): seen ahead and not driven through, or driven through. Images and
+// clouds that the session recorded about `door_time` (and up to `time`) are the evidence.
+struct DoorReport {
+  enum class Kind : std::uint8_t {
+    kCandidate = 1,  // the door lies ahead of the robot at `door_time`
+    kPassage = 2,    // the robot has left the session's map: the session's last door, and its end
+  };
+
+  TimeNs time = 0;  // when it was settled
+  Kind kind = Kind::kCandidate;
+  LinkPointKind place = LinkPointKind::kDoor;
+  TimeNs door_time = 0;  // when the robot was at T_odom_door
+  Pose2 T_odom_door;     // the robot's pose at the door, looking along the way through
+  double width = 0.0;    // m; 0: unknown
+  // Of kPassage: what the robot finds behind the door, for a new map.
+  std::optional<Surroundings> entered_surroundings;
+  std::optional<std::int32_t> entered_level;  // unset: the same as before
+  bool by_hand = false;                       // a person's word, not the detector's
+  std::string reason;                         // for people
+
+  friend bool operator==(const DoorReport&, const DoorReport&) = default;
+};
+
 // Stands in the log where the robot keeps a record back that the server refused, so that the sequence stays without
 // holes and the loss is on record.
 struct Withheld {
@@ -63,13 +89,20 @@ struct Withheld {
 // One entry of a session's log. Sequences start at 1 and have no holes.
 struct Record {
   std::int64_t sequence = 0;
-  std::variant<LaserScan, Odometry, Image, PointCloud, Withheld> payload;
+  std::variant<LaserScan, Odometry, Image, PointCloud, Withheld, DoorReport> payload;
 
   friend bool operator==(const Record&, const Record&) = default;
 };
 
 // What is stored beside the payload to select by; the numbers are in the database and in spools: never reuse one.
-enum class RecordKind : std::int16_t { kLaserScan = 1, kOdometry = 2, kImage = 3, kPointCloud = 4, kWithheld = 5 };
+enum class RecordKind : std::int16_t {
+  kLaserScan = 1,
+  kOdometry = 2,
+  kImage = 3,
+  kPointCloud = 4,
+  kWithheld = 5,
+  kDoorReport = 6
+};
 
 RecordKind KindOf(const Record& record);
 // The payload's time; 0 for Withheld.

@@ -47,6 +47,19 @@ struct PayloadWriter {
     Put(cloud.content);
   }
   void operator()(const Withheld& withheld) const { writer.PutString(withheld.reason); }
+  void operator()(const DoorReport& report) const {
+    writer.Put(report.time);
+    writer.Put(report.kind);
+    writer.Put(report.place);
+    writer.Put(report.door_time);
+    Put(report.T_odom_door);
+    writer.Put(report.width);
+    writer.Put(report.entered_surroundings.value_or(Surroundings{}));
+    writer.Put(report.entered_level.has_value());
+    writer.Put(report.entered_level.value_or(0));
+    writer.Put(report.by_hand);
+    writer.PutString(report.reason);
+  }
 };
 
 Pose2 ReadPose(BinaryReader& reader) {
@@ -101,6 +114,23 @@ PointCloud ReadPointCloud(BinaryReader& reader) {
   return cloud;
 }
 
+DoorReport ReadDoorReport(BinaryReader& reader) {
+  DoorReport report;
+  report.time = reader.Get<TimeNs>();
+  report.kind = reader.Get<DoorReport::Kind>();
+  report.place = reader.Get<LinkPointKind>();
+  report.door_time = reader.Get<TimeNs>();
+  report.T_odom_door = ReadPose(reader);
+  report.width = reader.Get<double>();
+  if (const auto entered = reader.Get<Surroundings>(); entered != Surroundings{}) report.entered_surroundings = entered;
+  const auto has_level = reader.Get<bool>();
+  const auto level = reader.Get<std::int32_t>();
+  if (has_level) report.entered_level = level;
+  report.by_hand = reader.Get<bool>();
+  report.reason = std::string(reader.GetString());
+  return report;
+}
+
 }  // namespace
 
 void AppendPayload(const Record& record, std::string& out) {
@@ -137,6 +167,9 @@ absl::StatusOr<Record> DecodePayload(std::int64_t sequence, RecordKind kind, std
       break;
     case RecordKind::kWithheld:
       record.payload = Withheld{std::string(reader.GetString())};
+      break;
+    case RecordKind::kDoorReport:
+      record.payload = ReadDoorReport(reader);
       break;
     default:
       return DataLoss("record {}: kind {} is unknown to this program", sequence, static_cast<int>(kind));

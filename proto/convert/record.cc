@@ -35,12 +35,29 @@ struct PayloadToProto {
     *out.mutable_point_cloud()->mutable_content() = BlobToProto(cloud.content);
   }
   void operator()(const Withheld& withheld) const { out.mutable_withheld()->set_reason(withheld.reason); }
+  void operator()(const DoorReport& report) const {
+    v1::DoorReport& door = *out.mutable_door_report();
+    *door.mutable_time() = ToTimestamp(report.time);
+    door.set_kind(static_cast<v1::DoorReport::Kind>(report.kind));
+    door.set_place(static_cast<v1::DoorReport::Place>(report.place));
+    *door.mutable_door_time() = ToTimestamp(report.door_time);
+    *door.mutable_pose_odom_door() = enfilade::ToProto(report.T_odom_door);
+    door.set_width_m(report.width);
+    door.set_entered_surroundings(
+        static_cast<v1::DoorReport::Surroundings>(report.entered_surroundings.value_or(Surroundings{})));
+    if (report.entered_level) door.set_entered_level(*report.entered_level);
+    door.set_by_hand(report.by_hand);
+    door.set_reason(report.reason);
+  }
 };
 
 // The core enums number their values as the wire does.
 static_assert(static_cast<int>(Camera::kRear) == v1::Image::CAMERA_REAR);
 static_assert(static_cast<int>(ImageEncoding::kDepthPng16) == v1::Image::ENCODING_DEPTH_PNG16);
 static_assert(static_cast<int>(CloudEncoding::kXyz32) == v1::PointCloud::ENCODING_XYZ32);
+static_assert(static_cast<int>(DoorReport::Kind::kPassage) == v1::DoorReport::KIND_PASSAGE);
+static_assert(static_cast<int>(LinkPointKind::kOpening) == v1::DoorReport::PLACE_OPENING);
+static_assert(static_cast<int>(Surroundings::kOutdoor) == v1::DoorReport::SURROUNDINGS_OUTDOOR);
 
 // A value that this program knows, and not the unspecified one; `known` is the generated _IsValid.
 template <typename Core, typename Wire>
@@ -90,6 +107,30 @@ absl::StatusOr<PointCloud> CloudFromProto(const v1::PointCloud& in) {
   return cloud;
 }
 
+absl::StatusOr<DoorReport> DoorReportFromProto(const v1::DoorReport& in) {
+  DoorReport report;
+  if (!in.has_pose_odom_door()) return InvalidArgument("door_report.pose_odom_door is not set");
+  ENFILADE_ASSIGN_OR_RETURN(report.time, FromTimestamp(in.time()));
+  ENFILADE_ASSIGN_OR_RETURN(report.kind,
+                            FromEnum<DoorReport::Kind>("door_report.kind", in.kind(), v1::DoorReport::Kind_IsValid));
+  if (in.place() != v1::DoorReport::PLACE_UNSPECIFIED) {
+    ENFILADE_ASSIGN_OR_RETURN(report.place,
+                              FromEnum<LinkPointKind>("door_report.place", in.place(), v1::DoorReport::Place_IsValid));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(report.door_time, FromTimestamp(in.door_time()));
+  report.T_odom_door = FromProto(in.pose_odom_door());
+  report.width = in.width_m();
+  if (in.entered_surroundings() != v1::DoorReport::SURROUNDINGS_UNSPECIFIED) {
+    ENFILADE_ASSIGN_OR_RETURN(report.entered_surroundings,
+                              FromEnum<Surroundings>("door_report.entered_surroundings", in.entered_surroundings(),
+                                                     v1::DoorReport::Surroundings_IsValid));
+  }
+  if (in.has_entered_level()) report.entered_level = in.entered_level();
+  report.by_hand = in.by_hand();
+  report.reason = in.reason();
+  return report;
+}
+
 absl::StatusOr<Record> PayloadFromProto(const v1::Record& in) {
   Record record;
   record.sequence = in.sequence();
@@ -113,6 +154,10 @@ absl::StatusOr<Record> PayloadFromProto(const v1::Record& in) {
     case v1::Record::kWithheld:
       record.payload = Withheld{in.withheld().reason()};
       return record;
+    case v1::Record::kDoorReport: {
+      ENFILADE_ASSIGN_OR_RETURN(record.payload, DoorReportFromProto(in.door_report()));
+      return record;
+    }
     case v1::Record::PAYLOAD_NOT_SET:
       break;
   }

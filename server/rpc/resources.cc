@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
+#include "proto/convert/geometry.h"
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
 
@@ -96,6 +97,7 @@ v1::Session ToProto(const Session& session) {
   records.set_images(session.record_counts.images);
   records.set_point_clouds(session.record_counts.point_clouds);
   records.set_withheld(session.record_counts.withheld);
+  records.set_door_reports(session.record_counts.door_reports);
   v1::MappingCounts& mapping = *out.mutable_mapping_counts();
   mapping.set_paired(session.mapping_counts.paired);
   mapping.set_unpaired(session.mapping_counts.unpaired);
@@ -106,6 +108,12 @@ v1::Session ToProto(const Session& session) {
   out.set_error(session.error);
   *out.mutable_create_time() = ToTimestamp(session.create_time);
   if (session.finish_time) *out.mutable_finish_time() = ToTimestamp(*session.finish_time);
+  const SessionEntry& entry = session.entry;
+  if (entry.previous) {
+    out.mutable_entry()->set_previous_session(NameOf(SessionName{session.site, *entry.previous}));
+  }
+  if (entry.T_map_robot) *out.mutable_entry()->mutable_pose_map_robot() = enfilade::ToProto(*entry.T_map_robot);
+  if (entry.T_odom_robot) *out.mutable_entry()->mutable_pose_odom_robot() = enfilade::ToProto(*entry.T_odom_robot);
   return out;
 }
 

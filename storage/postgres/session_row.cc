@@ -1,6 +1,32 @@
 #include "storage/postgres/session_row.h"
 
+#include <vector>
+
+#include "storage/postgres/link_point_rows.h"
+
 namespace enfilade::postgres {
+
+namespace {
+
+std::optional<Pose2> ReadOptionalPose(Row& row) {
+  const auto x = row.OptionalDouble();
+  const auto y = row.OptionalDouble();
+  const auto yaw = row.OptionalDouble();
+  if (!x || !y || !yaw) return std::nullopt;
+  return Pose2{*x, *y, *yaw};
+}
+
+SessionEntry ReadEntry(Row& row) {
+  SessionEntry entry;
+  if (const auto previous = row.OptionalText()) entry.previous = SessionId(std::string(*previous));
+  const auto initial = ReadOptionalPose(row);
+  const std::vector<double> covariance = row.Doubles();
+  if (initial) entry.T_map_robot = PoseWithCovariance{*initial, ToCovariance(covariance)};
+  entry.T_odom_robot = ReadOptionalPose(row);
+  return entry;
+}
+
+}  // namespace
 
 Session ReadSession(Row& row) {
   Session session;
@@ -14,9 +40,10 @@ Session ReadSession(Row& row) {
   session.mapped_sequence = row.Int64();
   for (std::int64_t* count :
        {&session.record_counts.laser_scans, &session.record_counts.odometry, &session.record_counts.images,
-        &session.record_counts.point_clouds, &session.record_counts.withheld, &session.mapping_counts.paired,
-        &session.mapping_counts.unpaired, &session.mapping_counts.time_reversed, &session.mapping_counts.used,
-        &session.mapping_counts.keyframes, &session.mapping_counts.lost, &session.payload_bytes}) {
+        &session.record_counts.point_clouds, &session.record_counts.withheld, &session.record_counts.door_reports,
+        &session.mapping_counts.paired, &session.mapping_counts.unpaired, &session.mapping_counts.time_reversed,
+        &session.mapping_counts.used, &session.mapping_counts.keyframes, &session.mapping_counts.lost,
+        &session.payload_bytes}) {
     *count = row.Int64();
   }
   session.first_time = row.OptionalInt64();
@@ -25,6 +52,7 @@ Session ReadSession(Row& row) {
   session.records_deleted = row.Bool();
   session.create_time = row.Time();
   session.finish_time = row.OptionalTime();
+  session.entry = ReadEntry(row);
   return session;
 }
 

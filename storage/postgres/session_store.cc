@@ -1,5 +1,6 @@
 #include "storage/session_store.h"
 
+#include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_deletion.h"
@@ -17,8 +18,10 @@ using postgres::Statement;
 using postgres::Transaction;
 
 constexpr Statement kInsert{"creating the session",
-                            "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id)"
-                            " VALUES ($1, $2, $3, $4, $5)"};
+                            "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id,"
+                            " previous_session_id, initial_x, initial_y, initial_yaw, initial_covariance,"
+                            " initial_odom_x, initial_odom_y, initial_odom_yaw)"
+                            " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)"};
 constexpr Statement kFindRequest{"looking for an earlier request",
                                  "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
                                  " WHERE s.site_id = $1 AND s.request_id = $2 AND s.delete_time IS NULL"};
@@ -35,9 +38,10 @@ constexpr Statement kLock{"locking the session",
                           "SELECT acknowledged_sequence, highest_sequence, finish_time FROM enfilade.sessions"
                           " WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL FOR NO KEY UPDATE"};
 // Of a session whose mapping has failed the state stays.
-constexpr Statement kFinish{"finishing the session",
-                            "UPDATE enfilade.sessions SET finish_time = now(), state = CASE WHEN state = 4 THEN 4"
-                            " WHEN map_id IS NULL THEN 3 ELSE 2 END WHERE site_id = $1 AND session_id = $2"};
+constexpr Statement kFinish{
+    "finishing the session",
+    "UPDATE enfilade.sessions SET finish_time = now(), state = CASE WHEN state = 4 THEN 4"
+    " WHEN map_id IS NULL AND previous_session_id IS NULL THEN 3 ELSE 2 END WHERE site_id = $1 AND session_id = $2"};
 
 absl::Status Explain(const absl::Status& status, const Session& session) {
   if (absl::IsAlreadyExists(status)) {
@@ -51,6 +55,9 @@ absl::Status Explain(const absl::Status& status, const Session& session) {
   if (constraint == "sessions_site_id_map_id_fkey") {
     return NotFound("{} does not exist", NameOf(session.site, *session.map));
   }
+  if (constraint == "sessions_site_id_previous_session_id_fkey") {
+    return NotFound("{} does not exist", NameOf(session.site, *session.entry.previous));
+  }
   return WithContext(status, NameOf(session.site, session.id));
 }
 
@@ -58,9 +65,26 @@ absl::Status Explain(const absl::Status& status, const Session& session) {
 
 absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const Session& session,
                                              const std::string& request_id) const {
+  const SessionEntry& entry = session.entry;
+  std::optional<double> x, y, yaw, odom_x, odom_y, odom_yaw;
+  std::optional<std::vector<double>> covariance;
+  if (entry.T_map_robot) {
+    ENFILADE_RETURN_IF_ERROR(
+        postgres::ValidateCovariance("entry.pose_map_robot.covariance", entry.T_map_robot->covariance));
+    x = entry.T_map_robot->pose.x;
+    y = entry.T_map_robot->pose.y;
+    yaw = entry.T_map_robot->pose.yaw;
+    covariance = postgres::ToRow(entry.T_map_robot->covariance);
+  }
+  if (entry.T_odom_robot) {
+    odom_x = entry.T_odom_robot->x;
+    odom_y = entry.T_odom_robot->y;
+    odom_yaw = entry.T_odom_robot->yaw;
+  }
   const auto inserted =
       ExecuteAlone(pool_, context, kInsert,
-                   Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id)));
+                   Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id),
+                          entry.previous, x, y, yaw, covariance, odom_x, odom_y, odom_yaw));
   if (inserted.ok()) return Get(context, session.site, session.id);
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,

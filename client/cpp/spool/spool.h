@@ -18,6 +18,7 @@
 #include "core/base/ids.h"
 #include "core/base/mutex.h"
 #include "core/sensor/record.h"
+#include "core/sensor/session_entry.h"
 
 namespace enfilade::client {
 
@@ -32,7 +33,8 @@ struct SpoolSession {
   SiteId site;
   SessionId id;
   RobotId robot;
-  std::string map;         // by display name or id; empty: the session is only recorded
+  std::string map;  // by display name or id; empty: only recorded, or the map follows from entry.previous
+  SessionEntry entry;
   std::string request_id;  // of CreateSession: the same after a restart, so that the session is created once
   std::string source;      // what is recorded (a log's hash, a driver's name): the owner's, to tell whether to go on
   // Set by the spool.

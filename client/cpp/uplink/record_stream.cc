@@ -163,6 +163,9 @@ void RecordStream::Receive(const v1::StreamRecordsResponse& response) {
       return Acknowledged(response.acknowledgement().acknowledged_sequence());
     case v1::StreamRecordsResponse::kRefused:
       return Refused(response.refused());
+    case v1::StreamRecordsResponse::kMapEntered:
+      if (listener_.on_map_entered) listener_.on_map_entered(response.map_entered());
+      return;
     case v1::StreamRecordsResponse::kPoseReportRefused:  // the uplink reports none
     case v1::StreamRecordsResponse::RESPONSE_NOT_SET:
       break;  // of a newer server

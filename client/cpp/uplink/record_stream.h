@@ -33,6 +33,7 @@ class RecordStream {
     std::function<void(std::int64_t acknowledged_sequence)> on_acknowledged;  // also on `opened`
     std::function<void(std::int64_t sequence)> on_sent;                       // of the last record sent
     std::function<void(std::int64_t sequence, const std::string& reason)> on_quarantined;
+    std::function<void(const v1::MapEntered& entered)> on_map_entered;  // may be unset
   };
   enum class End {
     kComplete,   // the session is finished and all of it is acknowledged

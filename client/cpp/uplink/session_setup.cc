@@ -5,7 +5,9 @@
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
+#include "proto/convert/geometry.h"
 #include "proto/convert/names.h"
+#include "proto/convert/record.h"
 
 namespace enfilade {
 namespace {
@@ -48,6 +50,16 @@ absl::StatusOr<v1::Session> Create(const Connection& connection, const SpoolSess
   request.set_request_id(session.request_id);
   request.mutable_session()->set_robot(NameOf(RobotName{session.site, session.robot}));
   request.mutable_session()->set_map(map);
+  if (session.entry.previous) {
+    request.mutable_session()->mutable_entry()->set_previous_session(
+        NameOf(SessionName{session.site, *session.entry.previous}));
+  }
+  if (session.entry.T_map_robot) {
+    *request.mutable_session()->mutable_entry()->mutable_pose_map_robot() = ToProto(*session.entry.T_map_robot);
+  }
+  if (session.entry.T_odom_robot) {
+    *request.mutable_session()->mutable_entry()->mutable_pose_odom_robot() = ToProto(*session.entry.T_odom_robot);
+  }
   ENFILADE_ASSIGN_OR_RETURN(const v1::CreateSessionResponse response,
                             connection.Call(&v1::SessionService::Stub::CreateSession, request));
   return response.session();

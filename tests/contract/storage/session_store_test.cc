@@ -47,6 +47,33 @@ TEST_F(SessionStoreTest, SaysWhatIsMissing) {
               HasStatus(absl::StatusCode::kNotFound, HasSubstr("maps/m9 does not")));
 }
 
+TEST_F(SessionStoreTest, KeepsHowTheRobotCameIntoTheMap) {
+  const SessionId first = NewSession("s1");
+  Session after_a_door = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+  after_a_door.entry.previous = first;
+  ASSERT_OK_AND_ASSIGN(const Session waiting, sessions_.Create(Soon(), after_a_door, ""));
+  EXPECT_EQ(waiting.entry.previous, first);
+  EXPECT_EQ(waiting.map, std::nullopt);
+  // Nothing is mapped yet, as its map is not known.
+  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, waiting.id, 0));
+  EXPECT_EQ(finished.state, SessionState::kFinished);
+
+  Session placed = MakeSession(site_, SessionId("s3"), robot_, map_);
+  placed.entry.T_map_robot = PoseWithCovariance{{1.0, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
+  placed.entry.T_odom_robot = Pose2{-1.0, 0.0, 3.0};
+  ASSERT_OK(sessions_.Create(Soon(), placed, ""));
+  const Session stored = Get(placed.id);
+  ASSERT_TRUE(stored.entry.T_map_robot.has_value());
+  EXPECT_EQ(stored.entry.T_map_robot->pose, placed.entry.T_map_robot->pose);
+  EXPECT_EQ(stored.entry.T_map_robot->covariance, placed.entry.T_map_robot->covariance);
+  EXPECT_EQ(stored.entry.T_odom_robot, placed.entry.T_odom_robot);
+
+  placed.id = SessionId("s4");
+  placed.entry.previous = SessionId("nowhere");
+  EXPECT_THAT(sessions_.Create(Soon(), placed, ""),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sessions/nowhere does not")));
+}
+
 TEST_F(SessionStoreTest, ManyRepeatedCreationsMakeOneSession) {
   for (int i = 0; i < 50; ++i) {
     ASSERT_OK_AND_ASSIGN(const Session session,

@@ -28,7 +28,18 @@ TEST(ConvertRecord, RoundTripsEveryKindExactly) {
   const BlobRef blob{std::string(32, '\x01'), 5};
   for (const Record& record : {ScanRecord(), Record{2, Odometry{5, {1.0 / 3.0, 2.0, M_PI}}},
                                Record{3, Image{7, Camera::kRear, ImageEncoding::kJpeg, blob}},
-                               Record{4, PointCloud{9, CloudEncoding::kXyz32, blob}}, Record{5, Withheld{"why"}}}) {
+                               Record{4, PointCloud{9, CloudEncoding::kXyz32, blob}}, Record{5, Withheld{"why"}},
+                               Record{6, DoorReport{9,
+                                                    DoorReport::Kind::kPassage,
+                                                    LinkPointKind::kLift,
+                                                    7,
+                                                    {1, -2, 0.5},
+                                                    0.9,
+                                                    Surroundings::kOutdoor,
+                                                    -1,
+                                                    true,
+                                                    "by hand"}},
+                               Record{7, DoorReport{.time = 9, .door_time = 9}}}) {
     v1::Record received;
     ASSERT_TRUE(received.ParseFromString(ToProto(record).SerializeAsString()));
     ASSERT_OK_AND_ASSIGN(const Record converted, FromProto(received));
@@ -54,6 +65,21 @@ TEST(ConvertRecord, RefusesWhatIsUnsetOrUnknownNamingTheField) {
   ExpectRefused([](v1::Record& r) { r.mutable_odometry(); }, "pose_odom_robot is not set");
   ExpectRefused([](v1::Record& r) { r.mutable_odometry()->mutable_pose_odom_robot()->set_x(NAN); }, "odometry.pose");
   ExpectRefused([](v1::Record& r) { r.mutable_laser_scan(); }, "ranges is empty");
+}
+
+TEST(ConvertRecord, RefusesBadDoorReportsNamingTheField) {
+  const auto expect_refused = [](void (*change)(v1::DoorReport&), const char* field) {
+    v1::Record record = ToProto(Record{1, DoorReport{.time = 9, .door_time = 9}});
+    change(*record.mutable_door_report());
+    EXPECT_THAT(FromProto(record), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(field)));
+  };
+  expect_refused([](v1::DoorReport& r) { r.clear_kind(); }, "door_report.kind is not set");
+  expect_refused([](v1::DoorReport& r) { r.set_place(static_cast<v1::DoorReport::Place>(9)); }, "door_report.place");
+  expect_refused([](v1::DoorReport& r) { r.clear_pose_odom_door(); }, "pose_odom_door is not set");
+  expect_refused([](v1::DoorReport& r) { r.mutable_pose_odom_door()->set_yaw(NAN); }, "pose_odom_door is not finite");
+  expect_refused([](v1::DoorReport& r) { r.mutable_door_time()->set_nanos(10); }, "door_time");
+  expect_refused([](v1::DoorReport& r) { r.set_width_m(-1.0); }, "width_m");
+  expect_refused([](v1::DoorReport& r) { r.set_reason(std::string(5000, 'x')); }, "reason");
 }
 
 TEST(ConvertRecord, TakesARecordOfAKindFromTheFutureAsUnset) {

@@ -61,6 +61,36 @@ TEST_F(SpoolFile, RefusesANewerLayout) {
   EXPECT_THAT(Spool::Open(path()), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("layout 99")));
 }
 
+TEST_F(SpoolFile, BringsTheFirstLayoutUpToThisOne) {
+  Fill(3);
+  Execute("ALTER TABLE sessions DROP COLUMN entry; PRAGMA user_version = 1");
+  ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
+  const auto session = spool->FindSession(kRun);
+  ASSERT_TRUE(session.has_value());
+  EXPECT_EQ(session->last_sequence, 3);
+  EXPECT_EQ(session->entry.previous, std::nullopt);
+}
+
+TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
+  SpoolSession after_a_door = SampleSession("run-2");
+  after_a_door.entry.previous = kRun;
+  SpoolSession on_an_old_map = SampleSession("run-3");
+  on_an_old_map.entry.T_map_robot = PoseWithCovariance{{1.0, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
+  on_an_old_map.entry.T_odom_robot = Pose2{-1.0, 0.0, 3.0};
+  {
+    ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
+    ASSERT_OK(spool->CreateSession(after_a_door));
+    ASSERT_OK(spool->CreateSession(on_an_old_map));
+  }
+  ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
+  EXPECT_EQ(spool->FindSession(after_a_door.id)->entry.previous, kRun);
+  const SessionEntry entry = spool->FindSession(on_an_old_map.id)->entry;
+  ASSERT_TRUE(entry.T_map_robot.has_value());
+  EXPECT_EQ(entry.T_map_robot->pose, on_an_old_map.entry.T_map_robot->pose);
+  EXPECT_EQ(entry.T_map_robot->covariance, on_an_old_map.entry.T_map_robot->covariance);
+  EXPECT_EQ(entry.T_odom_robot, on_an_old_map.entry.T_odom_robot);
+}
+
 TEST_F(SpoolFile, TellsOfDamage) {
   Fill(200);
   const auto size = std::filesystem::file_size(path());

@@ -25,7 +25,18 @@ std::vector<Record> OneOfEachKind() {
           {2, Odometry{5, {1.0 / 3.0, -0.0, M_PI}}},
           {3, Image{7, Camera::kRear, ImageEncoding::kJpeg, {std::string(32, '\xff'), 12}}},
           {4, PointCloud{9, CloudEncoding::kXyz32, {std::string(32, '\0'), 64 << 20}}},
-          {5, Withheld{"the server refused it"}}};
+          {5, Withheld{"the server refused it"}},
+          {6, DoorReport{9,
+                         DoorReport::Kind::kPassage,
+                         LinkPointKind::kLift,
+                         7,
+                         {1.0, -2.0, 0.5},
+                         0.9,
+                         Surroundings::kOutdoor,
+                         -1,
+                         true,
+                         "by hand"}},
+          {7, DoorReport{.time = 9, .door_time = 9}}};
 }
 
 TEST(RecordCodec, RoundTripsEveryKindExactly) {

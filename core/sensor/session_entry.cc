@@ -1,0 +1,63 @@
+#include "core/sensor/session_entry.h"
+
+#include "core/base/binary.h"
+#include "core/base/error.h"
+
+namespace enfilade {
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+
+void Put(const Pose2& pose, BinaryWriter& writer) {
+  writer.Put(pose.x);
+  writer.Put(pose.y);
+  writer.Put(pose.yaw);
+}
+
+Pose2 GetPose(BinaryReader& reader) {
+  const auto x = reader.Get<double>();
+  const auto y = reader.Get<double>();
+  const auto yaw = reader.Get<double>();
+  return {x, y, yaw};
+}
+
+}  // namespace
+
+std::string Encode(const SessionEntry& entry) {
+  std::string bytes;
+  if (!entry.previous && !entry.T_map_robot && !entry.T_odom_robot) return bytes;
+  BinaryWriter writer(bytes);
+  writer.Put(kVersion);
+  writer.PutString(entry.previous ? entry.previous->value() : "");
+  writer.Put(entry.T_map_robot.has_value());
+  if (entry.T_map_robot) {
+    Put(entry.T_map_robot->pose, writer);
+    for (const double value : entry.T_map_robot->covariance.reshaped()) writer.Put(value);
+  }
+  writer.Put(entry.T_odom_robot.has_value());
+  if (entry.T_odom_robot) Put(*entry.T_odom_robot, writer);
+  return bytes;
+}
+
+absl::StatusOr<SessionEntry> DecodeSessionEntry(std::string_view bytes) {
+  SessionEntry entry;
+  if (bytes.empty()) return entry;
+  BinaryReader reader(bytes);
+  if (const auto version = reader.Get<std::uint8_t>(); version != kVersion) {
+    return DataLoss("the session's entry: version {} is unknown to this program", version);
+  }
+  if (const std::string_view previous = reader.GetString(); !previous.empty()) {
+    entry.previous = SessionId(std::string(previous));
+  }
+  if (reader.Get<bool>()) {
+    PoseWithCovariance initial;
+    initial.pose = GetPose(reader);
+    for (double& value : initial.covariance.reshaped()) value = reader.Get<double>();
+    entry.T_map_robot = initial;
+  }
+  if (reader.Get<bool>()) entry.T_odom_robot = GetPose(reader);
+  if (!reader.at_end()) return DataLoss("the session's entry is truncated or has trailing bytes");
+  return entry;
+}
+
+}  // namespace enfilade

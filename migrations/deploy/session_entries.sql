@@ -1,0 +1,32 @@
+-- How a session's robot came into its map, and the doors that it reports.
+BEGIN;
+
+ALTER TABLE enfilade.sessions
+  -- Out of which the robot came by a passage. map_id is NULL then until the passage is judged.
+  ADD COLUMN previous_session_id enfilade.resource_id,
+  ADD COLUMN initial_covariance double precision[],  -- of initial_x, _y, _yaw; 9 numbers, row by row
+  ADD COLUMN initial_odom_x double precision,  -- T_odom_robot at the initial pose: m, m, rad; NULL: of the first scan
+  ADD COLUMN initial_odom_y double precision,
+  ADD COLUMN initial_odom_yaw double precision,
+  ADD COLUMN door_reports bigint NOT NULL DEFAULT 0,
+  ADD FOREIGN KEY (site_id, previous_session_id) REFERENCES enfilade.sessions,
+  ADD CONSTRAINT sessions_initial_covariance_check CHECK (
+    (initial_covariance IS NULL) = (initial_x IS NULL) AND cardinality(initial_covariance) = 9),
+  ADD CONSTRAINT sessions_initial_odom_check CHECK (
+    num_nulls(initial_odom_x, initial_odom_y, initial_odom_yaw) IN (0, 3)
+    AND initial_odom_x > '-Infinity' AND initial_odom_x < 'Infinity'
+    AND initial_odom_y > '-Infinity' AND initial_odom_y < 'Infinity'
+    AND initial_odom_yaw > '-Infinity' AND initial_odom_yaw < 'Infinity'),
+  DROP CONSTRAINT sessions_count_check,
+  ADD CONSTRAINT sessions_count_check CHECK (
+    laser_scans >= 0 AND odometry >= 0 AND images >= 0 AND point_clouds >= 0 AND withheld >= 0 AND door_reports >= 0
+    AND payload_bytes >= 0
+    AND laser_scans + odometry + images + point_clouds + withheld + door_reports
+        BETWEEN acknowledged_sequence AND highest_sequence);
+
+CREATE INDEX sessions_previous_idx ON enfilade.sessions (site_id, previous_session_id)
+  WHERE previous_session_id IS NOT NULL;
+-- The few door reports among a session's many records.
+CREATE INDEX session_records_doors_idx ON enfilade.session_records (site_id, session_id, sequence) WHERE kind = 6;
+
+COMMIT;

@@ -1,0 +1,16 @@
+BEGIN;
+
+DROP INDEX enfilade.session_records_doors_idx;
+ALTER TABLE enfilade.sessions
+  DROP CONSTRAINT sessions_count_check,
+  DROP COLUMN previous_session_id,
+  DROP COLUMN initial_covariance,
+  DROP COLUMN initial_odom_x,
+  DROP COLUMN initial_odom_y,
+  DROP COLUMN initial_odom_yaw,
+  DROP COLUMN door_reports,
+  ADD CONSTRAINT sessions_count_check CHECK (
+    laser_scans >= 0 AND odometry >= 0 AND images >= 0 AND point_clouds >= 0 AND withheld >= 0 AND payload_bytes >= 0
+    AND laser_scans + odometry + images + point_clouds + withheld BETWEEN acknowledged_sequence AND highest_sequence);
+
+COMMIT;
