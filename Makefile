@@ -4,12 +4,12 @@ BIN := build/$(PRESET)/bin
 JOBS ?= $(shell nproc)
 # Further lists of deploy/packages that a target needs.
 PACKAGES ?=
-.PHONY: help demo stop test build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean
+.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
 
-demo: build ## map a recorded drive (LOG=FILE) end to end with a private server and database in ./var
+demo: programs ## map a recorded drive (LOG=FILE) end to end with a private server and database in ./var
 	@deploy/demo $(BIN) $(LOG)
 
 stop: ## stop what `make demo` started
@@ -17,6 +17,9 @@ stop: ## stop what `make demo` started
 
 test: build ## build and run all tests
 	@ctest --preset $(PRESET) -j $(JOBS)
+
+programs: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server
 
 build: configure ## build everything into build/PRESET/bin (PRESET=release, dev, asan, tsan, coverage, tidy)
 	@cmake --build --preset $(PRESET) -j $(JOBS)

@@ -21,6 +21,9 @@ if(ENFILADE_COVERAGE)
   add_link_options(--coverage)
 endif()
 
+# For code that runs once per command or test: a third less time to compile it, and it is half of all code.
+set(ENFILADE_COMPILE_FAST $<$<CONFIG:Release>:-O1>)
+
 # Every target of ours links this; generated code does not.
 add_library(enfilade_warnings INTERFACE)
 target_compile_options(enfilade_warnings INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
