@@ -48,17 +48,18 @@ class Server::Impl {
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // Looks at the database once before the first call can come.
     readiness = std::make_unique<Readiness>(*pool, [this](const Readiness::State& state) { SetReady(state); });
-    services = std::make_unique<Services>(Services{options,     std::chrono::steady_clock::now(),
-                                                   executor,    *metrics,
-                                                   *readiness,  sites,
-                                                   robots,      maps,
-                                                   revisions,   sessions,
-                                                   records,     blobs,
-                                                   mappings,    closures,
-                                                   link_points, graph_store,
-                                                   robot_poses, ingest,
-                                                   mapping,     *exports,
-                                                   graphs,      graph_optimizer});
+    services = std::make_unique<Services>(Services{options,        std::chrono::steady_clock::now(),
+                                                   executor,       *metrics,
+                                                   *readiness,     sites,
+                                                   robots,         maps,
+                                                   revisions,      sessions,
+                                                   records,        blobs,
+                                                   mappings,       closures,
+                                                   link_points,    graph_store,
+                                                   robot_poses,    audit,
+                                                   ingest,         mapping,
+                                                   *exports,       graphs,
+                                                   graph_optimizer});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -131,6 +132,7 @@ class Server::Impl {
   const GraphStore graph_store{*pool};
   const LinkPointStore link_points{*pool};
   const RobotPoseStore robot_poses{*pool};
+  const AuditStore audit{*pool};
   Executor executor;
   Mapping mapping;
   Ingest ingest;

@@ -33,9 +33,9 @@ class AuditStore {
  public:
   explicit AuditStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // The newest first, those before `before` (0: from the newest), of resources that begin with `prefix`.
+  // The newest first, those before `before` (0: from the newest), of `resource` and what is below it (empty: of all).
   absl::StatusOr<std::vector<AuditEntry>> List(const CallContext& context, const SiteId& site,
-                                               const std::string& prefix, std::int64_t before, int limit) const;
+                                               const std::string& resource, std::int64_t before, int limit) const;
 
  private:
   postgres::Pool& pool_;

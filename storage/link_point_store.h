@@ -68,6 +68,11 @@ struct LinkPointQuery {
   int limit = 1000;                                                  // the nearest first; of a polygon the first by id
 };
 
+struct FoundLinkPoints {
+  std::vector<StoredLinkPoint> link_points;
+  std::int64_t graph_version = 0;  // that they are of
+};
+
 // Link points, candidates and what was seen of them. Every change raises the site's graph version, and changes of one
 // site follow one another. Thread-safe; errors common to all stores: see SiteStore.
 class LinkPointStore {
@@ -99,8 +104,8 @@ class LinkPointStore {
   absl::Status Delete(const CallContext& context, const SiteId& site, const LinkPointId& id, std::int64_t etag) const;
 
   // One indexed query. Distances are those of the positions as the graph was last solved.
-  absl::StatusOr<std::vector<StoredLinkPoint>> Find(const CallContext& context, const SiteId& site,
-                                                    const LinkPointQuery& query) const;
+  absl::StatusOr<FoundLinkPoints> Find(const CallContext& context, const SiteId& site,
+                                       const LinkPointQuery& query) const;
   // Those that have no place in the world yet, by id.
   absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplaced(const CallContext& context, const SiteId& site,
                                                             int limit) const;

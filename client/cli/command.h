@@ -15,6 +15,7 @@ struct Globals {
   std::string server = "localhost:50051";  // host:port or unix:/path
   double timeout_s = 30.0;                 // deadline of unary calls
   std::string site = "default";
+  std::string actor;  // who calls, for the audit trail
 };
 
 // Adds the subcommand `name` to `parent` and returns it, for options to be added. `run` is called when the command

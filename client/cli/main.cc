@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <iostream>
 
 #include "client/cli/command.h"
@@ -34,6 +35,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call in seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
+  if (const char* user = std::getenv("USER")) globals.actor = user;
+  app.add_option("--actor", globals.actor, "Who you are, for the audit trail (default: $USER)")
+      ->envname("ENFILADE_ACTOR");
   AddClosure(app, globals);
   AddDoors(app, globals);
   AddEnvironment(app, globals);

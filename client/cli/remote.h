@@ -15,7 +15,7 @@ namespace enfilade::cli {
 // What commands that talk to a server share.
 
 inline Connection ConnectionOf(const Globals& globals) {
-  return {globals.server, std::chrono::duration<double>(globals.timeout_s)};
+  return {globals.server, std::chrono::duration<double>(globals.timeout_s), globals.actor};
 }
 
 // sites/{--site}

@@ -1,5 +1,7 @@
 #include "client/cpp/connection.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "grpcpp/create_channel.h"
 #include "grpcpp/security/credentials.h"
@@ -17,6 +19,13 @@ std::shared_ptr<grpc::Channel> Connect(const std::string& address) {
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+Connection::Connection(std::string address, std::chrono::duration<double> timeout, const std::string& actor)
+    : address_(std::move(address)), timeout_(timeout), actor_(actor), channel_(Connect(address_)) {
+  // What gRPC allows in a metadata value.
+  std::replace_if(
+      actor_.begin(), actor_.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
 }
 
 absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& address) {

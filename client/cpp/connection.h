@@ -20,11 +20,12 @@ std::shared_ptr<grpc::Channel> Connect(const std::string& address);
 // The same code and message; where the server could not be reached the message names `address`.
 absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& address = "");
 
-// Calls of one client: its channel and how long a unary call may take. Copyable, thread-safe.
+// Calls of one client: its channel, how long a unary call may take, and in whose name it is made. Copyable,
+// thread-safe.
 class Connection {
  public:
-  Connection(std::string address, std::chrono::duration<double> timeout)
-      : address_(std::move(address)), timeout_(timeout), channel_(Connect(address_)) {}
+  // `actor`: for the audit trail; anything but printable ASCII in it is sent as "?".
+  Connection(std::string address, std::chrono::duration<double> timeout, const std::string& actor = "");
 
   const std::string& address() const { return address_; }
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
@@ -36,6 +37,7 @@ class Connection {
     Service stub(channel_);
     grpc::ClientContext context;
     SetDeadline(context);
+    SetActor(context);
     Response response;
     const grpc::Status status = (stub.*method)(&context, request, &response);
     if (!status.ok()) return FromGrpcStatus(status, address_);
@@ -47,9 +49,15 @@ class Connection {
                          std::chrono::duration_cast<std::chrono::system_clock::duration>(timeout_));
   }
 
+  // Call does both; streams decide for themselves.
+  void SetActor(grpc::ClientContext& context) const {
+    if (!actor_.empty()) context.AddMetadata("enfilade-actor", actor_);
+  }
+
  private:
   std::string address_;
   std::chrono::duration<double> timeout_;
+  std::string actor_;
   std::shared_ptr<grpc::Channel> channel_;
 };
 

@@ -11,6 +11,7 @@
 #include "server/app/metrics.h"
 #include "server/app/readiness.h"
 #include "server/config/server_options.h"
+#include "storage/audit_store.h"
 #include "storage/blob_store.h"
 #include "storage/closure_store.h"
 #include "storage/graph_store.h"
@@ -46,6 +47,7 @@ struct Services {
   const LinkPointStore& link_points;
   const GraphStore& graph_store;
   const RobotPoseStore& robot_poses;
+  const AuditStore& audit;
 
   Ingest& ingest;
   Mapping& mapping;

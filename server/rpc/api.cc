@@ -57,6 +57,10 @@ class SiteApi final : public v1::SiteService::CallbackService {
                                        v1::DeleteSiteResponse* response) override {
     return RunUnary(services_, call, "DeleteSite", request, response, server::DeleteSite);
   }
+  grpc::ServerUnaryReactor* ListAuditEntries(Call* call, const v1::ListAuditEntriesRequest* request,
+                                             v1::ListAuditEntriesResponse* response) override {
+    return RunUnary(services_, call, "ListAuditEntries", request, response, server::ListAuditEntries);
+  }
 
  private:
   const Services& services_;

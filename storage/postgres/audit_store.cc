@@ -10,10 +10,11 @@ using postgres::Params;
 using postgres::Row;
 using postgres::Statement;
 
-constexpr Statement kList{"reading the audit trail",
-                          "SELECT audit_id, time, actor, action, resource, before::text, after::text"
-                          " FROM enfilade.audit_log WHERE site_id = $1 AND ($3 = 0 OR audit_id < $3)"
-                          " AND starts_with(resource, $2) ORDER BY audit_id DESC LIMIT $4"};
+constexpr Statement kList{
+    "reading the audit trail",
+    "SELECT audit_id, time, actor, action, resource, before::text, after::text"
+    " FROM enfilade.audit_log WHERE site_id = $1 AND ($3 = 0 OR audit_id < $3)"
+    " AND ($2 = '' OR resource = $2 OR starts_with(resource, $2 || '/')) ORDER BY audit_id DESC LIMIT $4"};
 
 AuditEntry ReadEntry(Row& row) {
   AuditEntry entry;
@@ -30,10 +31,10 @@ AuditEntry ReadEntry(Row& row) {
 }  // namespace
 
 absl::StatusOr<std::vector<AuditEntry>> AuditStore::List(const CallContext& context, const SiteId& site,
-                                                         const std::string& prefix, std::int64_t before,
+                                                         const std::string& resource, std::int64_t before,
                                                          int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kList, Params(site, prefix, before, std::int64_t{limit})));
+                            ExecuteAlone(pool_, context, kList, Params(site, resource, before, std::int64_t{limit})));
   return ReadRows(result, ReadEntry);
 }
 

@@ -23,6 +23,12 @@ constexpr std::int16_t kRemovedLinkPoint = 2;
 
 }  // namespace
 
+absl::StatusOr<std::int64_t> ReadGraphVersion(const Result& result) {
+  if (result.rows() == 0) return 0;
+  return ReadOne(
+      result, [](Row& row) { return row.Int64(); }, "the graph");
+}
+
 void QueueGraphLock(Transaction& transaction, const SiteId& site) { transaction.Queue(kLock, Params(site)); }
 
 absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const SiteId& site, GraphCause cause,

@@ -10,6 +10,11 @@
 
 namespace enfilade::postgres {
 
+constexpr Statement kSelectGraphVersion{"reading the graph's version",
+                                        "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1"};
+// 0 where the site has no maps.
+absl::StatusOr<std::int64_t> ReadGraphVersion(const Result& result);
+
 // Every writer of a site's graph begins with one of these, so that writers of one site follow one another: locks are
 // taken in the order site's graph, lease, map, session.
 

@@ -16,8 +16,6 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr Statement kSelectVersion{"reading the graph's version",
-                                   "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1"};
 constexpr Statement kLockAt{"locking the graph",
                             "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR UPDATE"};
 constexpr Statement kUseLinkPoints{"switching link points",
@@ -90,10 +88,9 @@ GraphVersion ReadVersion(Row& row) {
 }  // namespace
 
 absl::StatusOr<std::int64_t> GraphStore::GetVersion(const CallContext& context, const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectVersion, Params(site)));
-  if (result.rows() == 0) return 0;
-  return ReadOne(
-      result, [](Row& row) { return row.Int64(); }, NameOf(site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
+  return postgres::ReadGraphVersion(result);
 }
 
 absl::StatusOr<std::int64_t> GraphStore::Apply(const CallContext& context, const SiteId& site, std::int64_t version,

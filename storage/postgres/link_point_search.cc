@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "storage/link_point_store.h"
-#include "storage/postgres/names.h"
+#include "storage/postgres/graph_change.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/wkb.h"
 
@@ -15,6 +15,7 @@ namespace {
 
 using postgres::Bytes;
 using postgres::ExecuteAlone;
+using postgres::ExecuteTogether;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;
@@ -75,8 +76,11 @@ struct Subset {
   std::int64_t limit;
 };
 
-absl::StatusOr<postgres::Result> FindInCircle(postgres::Pool& pool, const CallContext& context, const SiteId& site,
-                                              const LinkPointQuery& query, const LinkPointCircle& circle) {
+// What was found, and the graph's version.
+using Answer = absl::StatusOr<std::vector<postgres::Result>>;
+
+Answer FindInCircle(postgres::Pool& pool, const CallContext& context, const SiteId& site, const LinkPointQuery& query,
+                    const LinkPointCircle& circle) {
   if (!circle.center.allFinite()) return InvalidArgument("the center is not finite");
   if (!(circle.radius >= 0.0)) return InvalidArgument("the radius is {}: expected 0 or more", circle.radius);
   const Subset subset(query);
@@ -87,12 +91,11 @@ absl::StatusOr<postgres::Result> FindInCircle(postgres::Pool& pool, const CallCo
   if (query.level) params.Add(std::int32_t{*query.level});
   const Statement& statement = nearest ? (query.level ? postgres::kFindNearestOnLevel : postgres::kFindNearest)
                                        : (query.level ? postgres::kFindWithinOnLevel : postgres::kFindWithin);
-  return ExecuteAlone(pool, context, statement, params);
+  return ExecuteTogether(pool, context, {{statement, params}, {postgres::kSelectGraphVersion, Params(site)}});
 }
 
-absl::StatusOr<postgres::Result> FindInPolygon(postgres::Pool& pool, const CallContext& context, const SiteId& site,
-                                               const LinkPointQuery& query,
-                                               const std::vector<Eigen::Vector2d>& polygon) {
+Answer FindInPolygon(postgres::Pool& pool, const CallContext& context, const SiteId& site, const LinkPointQuery& query,
+                     const std::vector<Eigen::Vector2d>& polygon) {
   if (polygon.size() < 3) return InvalidArgument("the polygon has {} corners: at least 3 are needed", polygon.size());
   for (const Eigen::Vector2d& corner : polygon) {
     if (!corner.allFinite()) return InvalidArgument("the polygon has a corner that is not finite");
@@ -101,19 +104,24 @@ absl::StatusOr<postgres::Result> FindInPolygon(postgres::Pool& pool, const CallC
   const std::string wkb = postgres::EncodePolygon(polygon);
   Params params(site, subset.min_anchors, subset.max_anchors, subset.max_use, subset.limit, Bytes{wkb});
   if (query.level) params.Add(std::int32_t{*query.level});
-  return ExecuteAlone(pool, context, query.level ? kFindInPolygonOnLevel : kFindInPolygon, params);
+  return ExecuteTogether(
+      pool, context,
+      {{query.level ? kFindInPolygonOnLevel : kFindInPolygon, params}, {postgres::kSelectGraphVersion, Params(site)}});
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<StoredLinkPoint>> LinkPointStore::Find(const CallContext& context, const SiteId& site,
-                                                                  const LinkPointQuery& query) const {
+absl::StatusOr<FoundLinkPoints> LinkPointStore::Find(const CallContext& context, const SiteId& site,
+                                                     const LinkPointQuery& query) const {
   const auto* circle = std::get_if<LinkPointCircle>(&query.area);
   ENFILADE_ASSIGN_OR_RETURN(
-      const postgres::Result result,
+      const std::vector<postgres::Result> results,
       circle ? FindInCircle(pool_, context, site, query, *circle)
              : FindInPolygon(pool_, context, site, query, std::get<std::vector<Eigen::Vector2d>>(query.area)));
-  return postgres::ReadLinkPoints(result);
+  FoundLinkPoints found;
+  ENFILADE_ASSIGN_OR_RETURN(found.graph_version, postgres::ReadGraphVersion(results[1]));
+  ENFILADE_ASSIGN_OR_RETURN(found.link_points, postgres::ReadLinkPoints(results[0]));
+  return found;
 }
 
 absl::StatusOr<std::vector<StoredLinkPoint>> LinkPointStore::ListUnplaced(const CallContext& context,

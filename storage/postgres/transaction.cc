@@ -90,12 +90,19 @@ absl::StatusOr<std::vector<Result>> Transaction::FlushAndCommit() {
 
 absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
                                     const Params& params) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, ExecuteTogether(pool, context, {{statement, params}}));
+  return std::move(results.back());
+}
+
+absl::StatusOr<std::vector<Result>> ExecuteTogether(Pool& pool, const CallContext& context,
+                                                    std::initializer_list<BoundStatement> statements) {
   ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
   lease->Queue(kSetTimeout, Params(RemainingMs(context.deadline)));
   if (!context.actor.empty()) lease->Queue(kSetActor, Params(context.actor));
-  lease->Queue(statement, params);
+  for (const BoundStatement& bound : statements) lease->Queue(bound.statement, bound.params);
   ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, lease->Flush(context.deadline));
-  return std::move(results.back());
+  results.erase(results.begin(), results.end() - static_cast<std::ptrdiff_t>(statements.size()));
+  return results;
 }
 
 }  // namespace enfilade::postgres

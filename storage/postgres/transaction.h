@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -49,5 +50,14 @@ class Transaction {
 // statements that write: UNAVAILABLE means that nobody knows whether it was committed.
 absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
                                     const Params& params);
+
+struct BoundStatement {
+  const Statement& statement;
+  const Params& params;
+};
+
+// The same with several: one transaction, one round trip; the rows of each in that order.
+absl::StatusOr<std::vector<Result>> ExecuteTogether(Pool& pool, const CallContext& context,
+                                                    std::initializer_list<BoundStatement> statements);
 
 }  // namespace enfilade::postgres

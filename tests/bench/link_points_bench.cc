@@ -1,5 +1,6 @@
-// Prints JSON: rate and latency of FindLinkPoints in a site of 100,000 link points, beside pgbench with the same SQL
-// prepared. usage: bench_link_points [--quick]
+// Prints JSON: rate and latency of FindLinkPoints in a site of 10,000 maps and 100,000 link points, beside pgbench with
+// the same SQL prepared; and how long a global pose takes after a link point was changed. usage: bench_link_points
+// [--quick]
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -7,6 +8,7 @@
 #include <random>
 #include <thread>
 
+#include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "fmt/format.h"
 #include "grpcpp/grpcpp.h"
@@ -27,7 +29,7 @@ constexpr double kRadius = 20.0;  // m
 // Of the square campus, m: ten of 100,000 link points lie within a circle of 20 m.
 const double kSide = std::sqrt(100'000 * M_PI * kRadius * kRadius / 10);
 
-// A grid of 50 x 50 maps; each link point joins the map that it lies in with the next one. What the triggers would
+// A grid of 100 x 100 maps; each link point joins the map that it lies in with the next one. What the triggers would
 // write for each anchor is written at once; foreign keys and constraints hold as ever.
 constexpr char kPopulate[] = R"(
 BEGIN;
@@ -35,19 +37,19 @@ ALTER TABLE enfilade.link_points DISABLE TRIGGER USER;
 ALTER TABLE enfilade.link_point_anchors DISABLE TRIGGER USER;
 SELECT setseed(0.5);
 INSERT INTO enfilade.maps (site_id, map_id, display_name, environment)
-  SELECT 'bench', 'room-' || i, 'room ' || i, 1 FROM generate_series(0, 2499) i;
-CREATE TEMP TABLE rooms AS SELECT i, 'room-' || i AS id, i % 50 * :side / 50 AS x, i / 50 * :side / 50 AS y
-  FROM generate_series(0, 2499) i;
+  SELECT 'bench', 'room-' || i, 'room ' || i, 1 FROM generate_series(0, 9999) i;
+CREATE TEMP TABLE rooms AS SELECT i, 'room-' || i AS id, i % 100 * :side / 100 AS x, i / 100 * :side / 100 AS y
+  FROM generate_series(0, 9999) i;
 UPDATE enfilade.graph_maps m SET x = r.x, y = r.y, yaw = 0, covariance = array_fill(0::float8, '{9}')
   FROM rooms r WHERE m.site_id = 'bench' AND m.map_id = r.id;
-CREATE TEMP TABLE doors AS SELECT i, x, y, floor(x / :side * 50)::int + 50 * floor(y / :side * 50)::int AS room
+CREATE TEMP TABLE doors AS SELECT i, x, y, floor(x / :side * 100)::int + 100 * floor(y / :side * 100)::int AS room
   FROM (SELECT i, random() * :side AS x, random() * :side AS y FROM generate_series(1, 100000) i) p;
 INSERT INTO enfilade.link_points (site_id, link_point_id, kind, anchor_count, levels, position, yaw, world_covariance,
     changed_version)
   SELECT 'bench', 'door-' || i, 1, 2, '{[0,0]}', ST_MakePoint(x, y), 0, '{0.01,0,0,0,0.01,0,0,0,0.01}', 1 FROM doors;
 INSERT INTO enfilade.link_point_anchors (site_id, link_point_id, map_id, ordinal, x, y, yaw, covariance)
   SELECT 'bench', 'door-' || d.i, r.id, n, d.x - r.x, d.y - r.y, 0, '{0.003,0,0,0,0.003,0,0,0,0.003}'
-  FROM doors d CROSS JOIN (VALUES (1), (2)) o (n) JOIN rooms r ON r.i = (d.room + n - 1) % 2500;
+  FROM doors d CROSS JOIN (VALUES (1), (2)) o (n) JOIN rooms r ON r.i = (d.room + n - 1) % 10000;
 ALTER TABLE enfilade.link_points ENABLE TRIGGER USER;
 ALTER TABLE enfilade.link_point_anchors ENABLE TRIGGER USER;
 COMMIT;
@@ -209,6 +211,48 @@ nlohmann::json Measure(BenchSystem& system, const std::string& script, int clien
           {"p99_ms", Percentile(latencies, 0.99)}};
 }
 
+template <typename Service, typename Request, typename Response>
+Response Must(const Connection& connection,
+              grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
+              const Request& request) {
+  auto response = connection.Call(method, request);
+  if (!response.ok()) throw std::runtime_error(response.status().ToString());
+  return *std::move(response);
+}
+
+// A link point is moved, then a pose is asked for at the other end of the campus.
+nlohmann::json MeasureChanges(BenchSystem& system, int rounds) {
+  using Points = v1::LinkPointService::Stub;
+  const Connection connection = system.server().Connect();
+  v1::GetGlobalPoseRequest ask;
+  ask.mutable_map_pose()->set_map("sites/bench/maps/room-9999");
+  ask.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose();
+  Must(connection, &v1::GraphService::Stub::GetGlobalPose, ask);
+  std::vector<double> changed;
+  std::vector<double> answered;
+  for (int i = 0; i < rounds; ++i) {
+    v1::GetLinkPointRequest get;
+    get.set_name(fmt::format("sites/bench/linkPoints/door-{}", 1 + i * 3001));
+    v1::UpdateLinkPointRequest update;
+    *update.mutable_link_point() = Must(connection, &Points::GetLinkPoint, get).link_point();
+    v1::Pose2& pose = *update.mutable_link_point()->mutable_anchors(0)->mutable_pose_map_place()->mutable_pose();
+    pose.set_x(pose.x() + 0.001);
+    update.mutable_update_mask()->add_paths("anchors");
+    const Clock::time_point begin = Clock::now();
+    const std::int64_t version = Must(connection, &Points::UpdateLinkPoint, update).link_point().graph_version();
+    const Clock::time_point done = Clock::now();
+    while (Must(connection, &v1::GraphService::Stub::GetGlobalPose, ask).global_pose().graph_version() < version) {
+    }
+    changed.push_back(std::chrono::duration<double, std::milli>(done - begin).count());
+    answered.push_back(std::chrono::duration<double, std::milli>(Clock::now() - done).count());
+  }
+  return {{"rounds", rounds},
+          {"change_p50_ms", Percentile(changed, 0.5)},
+          {"change_max_ms", Percentile(changed, 1.0)},
+          {"answer_p50_ms", Percentile(answered, 0.5)},
+          {"answer_max_ms", Percentile(answered, 1.0)}};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -217,10 +261,12 @@ int main(int argc, char** argv) {
     BenchSystem system({"mapping.workers=0"});
     Populate(system);
     const std::string script = WriteScript(system);
-    nlohmann::json document = {{"benchmark", "link points"}, {"link_points", 100'000}, {"radius_m", kRadius}};
+    nlohmann::json document = {
+        {"benchmark", "link points"}, {"maps", 10'000}, {"link_points", 100'000}, {"radius_m", kRadius}};
     for (const int clients : {1, 4}) {
       document["search"].push_back(Measure(system, script, clients, quick ? 3 : 7, quick ? 1 : 3));
     }
+    document["pose_after_change"] = MeasureChanges(system, quick ? 10 : 30);
     std::cout << document.dump(2) << '\n';
   } catch (const std::exception& failure) {
     std::cerr << "bench_link_points: " << failure.what() << '\n';

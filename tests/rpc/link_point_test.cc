@@ -329,8 +329,26 @@ TEST_F(LinkPointTest, TheAuditTrailNamesTheActor) {
   context.AddMetadata("enfilade-actor", "ann@example.org");
   v1::CreateLinkPointResponse response;
   ASSERT_OK(FromGrpcStatus(stub->CreateLinkPoint(&context, MakeRequest("door", {MakeAnchor("m", {})}), &response)));
-  EXPECT_EQ(database_.SqlValue("SELECT actor FROM enfilade.audit_log WHERE resource = 'linkPoints/door'"),
-            "ann@example.org");
+  ASSERT_OK(Create("door-2", {MakeAnchor("lab", {})}));
+  v1::ListAuditEntriesRequest request;
+  request.set_parent("sites/s");
+  request.set_resource("sites/s/linkPoints/door");
+  request.set_page_size(1);
+  std::vector<std::string> resources;
+  do {
+    ASSERT_OK_AND_ASSIGN(const auto page, Call(&v1::SiteService::Stub::ListAuditEntries, request));
+    ASSERT_EQ(page.entries_size(), 1);
+    const v1::AuditEntry& entry = page.entries(0);
+    resources.push_back(entry.resource());
+    EXPECT_EQ(entry.actor(), "ann@example.org");
+    EXPECT_EQ(entry.action(), v1::AuditEntry::ACTION_CREATED);
+    EXPECT_EQ(entry.before(), "");
+    EXPECT_THAT(entry.after(), HasSubstr("door"));
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  EXPECT_THAT(resources, ElementsAre("sites/s/linkPoints/door/anchors/m", "sites/s/linkPoints/door"));
+  request.set_resource("sites/other/maps/m");
+  EXPECT_THAT(Call(&v1::SiteService::Stub::ListAuditEntries, request), HasCode(absl::StatusCode::kInvalidArgument));
 }
 
 TEST_F(LinkPointTest, MapsHaveOutlinesThatAreKeptAndChecked) {

@@ -101,7 +101,23 @@ void AddAxes(const Pose2& T_scene_map, Scene& scene) {
   scene.lines.push_back({{origin, T_scene_map * Eigen::Vector2d(0.0, 1.0)}, kGreen, 2});
 }
 
+// The area that people have drawn around the map.
+absl::Status AddOutline(const Connection& connection, const PlottedMap& map, Scene& scene) {
+  v1::GetMapRequest request;
+  request.set_name(map.name);
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::MapService::Stub::GetMap, request));
+  std::vector<Eigen::Vector2d> corners;
+  for (const v1::Point& corner : response.map().outline().corners()) {
+    corners.push_back(map.T_scene_map * Eigen::Vector2d(corner.x(), corner.y()));
+  }
+  if (corners.empty()) return absl::OkStatus();
+  corners.push_back(corners.front());
+  scene.lines.push_back({std::move(corners), map.color, 1});
+  return absl::OkStatus();
+}
+
 absl::Status AddMap(const Connection& connection, const PlottedMap& map, Scene& scene) {
+  ENFILADE_RETURN_IF_ERROR(AddOutline(connection, map, scene));
   ENFILADE_ASSIGN_OR_RETURN(auto grid, FetchGrid(connection, map.name));
   if (grid) scene.rasters.push_back({*std::move(grid), map.T_scene_map, map.color});
   AddAxes(map.T_scene_map, scene);

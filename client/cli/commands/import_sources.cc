@@ -34,6 +34,7 @@ absl::Status Attach(const Connection& connection, const std::string& link_point,
       content;
   const auto stub = v1::LinkPointService::NewStub(connection.channel());
   grpc::ClientContext context;
+  connection.SetActor(context);
   connection.SetDeadline(context);
   v1::AttachEvidenceResponse response;
   const auto writer = stub->AttachEvidence(&context, &response);

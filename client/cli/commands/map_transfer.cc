@@ -212,6 +212,7 @@ absl::Status Import(const Globals& globals, const ImportOptions& options) {
   ProgressBar progress(globals, "uploading", total, "B");
   v1::MapService::Stub stub(connection.channel());
   grpc::ClientContext context;
+  connection.SetActor(context);
   v1::ImportMapResponse response;
   const auto writer = stub.ImportMap(&context, &response);
   Send(*writer, map, options, files, progress);

@@ -11,6 +11,19 @@
 namespace enfilade::cli {
 namespace {
 
+const char* ActionInWords(v1::AuditEntry::Action action) {
+  switch (action) {
+    case v1::AuditEntry::ACTION_CREATED:
+      return "created";
+    case v1::AuditEntry::ACTION_UPDATED:
+      return "updated";
+    case v1::AuditEntry::ACTION_DELETED:
+      return "deleted";
+    default:
+      return "unknown";
+  }
+}
+
 nlohmann::json ToJson(const v1::Site& site) {
   nlohmann::json json{{"name", site.name()},
                       {"display_name", site.display_name()},
@@ -67,6 +80,45 @@ absl::Status List(const Globals& globals) {
   return absl::OkStatus();
 }
 
+struct AuditOptions {
+  std::string resource;
+  int count = 50;
+};
+
+nlohmann::json ToJson(const v1::AuditEntry& entry) {
+  nlohmann::json json{{"time", TimeInWords(entry.time())},
+                      {"actor", entry.actor()},
+                      {"action", ActionInWords(entry.action())},
+                      {"resource", entry.resource()}};
+  if (!entry.before().empty()) json["before"] = nlohmann::json::parse(entry.before(), nullptr, false);
+  if (!entry.after().empty()) json["after"] = nlohmann::json::parse(entry.after(), nullptr, false);
+  return json;
+}
+
+absl::Status Audit(const Globals& globals, const AuditOptions& options) {
+  const Connection connection = ConnectionOf(globals);
+  const std::string site = SiteNameOf(globals);
+  v1::ListAuditEntriesRequest request;
+  request.set_parent(site);
+  if (!options.resource.empty()) request.set_resource(site + "/" + options.resource);
+  request.set_page_size(options.count);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::ListAuditEntriesResponse page,
+                            connection.Call(&v1::SiteService::Stub::ListAuditEntries, request));
+  nlohmann::json documents = nlohmann::json::array();
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::AuditEntry& entry : page.entries()) {
+    documents.push_back(ToJson(entry));
+    rows.push_back({TimeInWords(entry.time()), entry.actor().empty() ? "-" : entry.actor(),
+                    ActionInWords(entry.action()), entry.resource().substr(site.size() + 1)});
+  }
+  if (globals.json) {
+    PrintJson(std::cout, documents);
+  } else {
+    PrintTable(std::cout, {"TIME (UTC)", "WHO", "DID", "RESOURCE"}, rows);
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddSite(CLI::App& app, const Globals& globals) {
@@ -81,6 +133,12 @@ void AddSite(CLI::App& app, const Globals& globals) {
                      "Delete raw records so long after mapping (default: never)");
   create->footer("Example: enfilade site create campus --name \"North campus\"");
   AddCommand(*site, "list", "List the sites", [&globals] { return List(globals); });
+  auto audit_options = std::make_shared<AuditOptions>();
+  CLI::App* audit = AddCommand(*site, "audit", "Who changed which map or link point when, the newest first",
+                               [&globals, audit_options] { return Audit(globals, *audit_options); });
+  audit->add_option("RESOURCE", audit_options->resource, "Only this one and what is below it: maps/ID, linkPoints/ID");
+  audit->add_option("-n,--count", audit_options->count, "How many")->capture_default_str()->check(CLI::Range(1, 1000));
+  audit->footer("Example: enfilade site audit linkPoints/door-1 --json");
 }
 
 }  // namespace enfilade::cli

@@ -1,10 +1,9 @@
 #include <cmath>
 #include <limits>
 
-#include "Eigen/Eigenvalues"
-#include "Eigen/LU"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/graph/search_radius.h"
 #include "proto/convert/geometry.h"
 #include "proto/convert/names.h"
 #include "server/rpc/link_point/convert.h"
@@ -15,27 +14,23 @@ namespace enfilade::server {
 namespace {
 
 constexpr int kMaxCount = 1000;
-constexpr double kBaseRadius = 20.0;
-constexpr double kRadiusFactor = 2.0;
-// Chi-square with two degrees of freedom: 95 % lie within.
-constexpr double kGate = 5.991;
-
 struct Search {
   std::optional<LinkPointQuery> query;  // unset: the map has no place in the world
   std::optional<PoseWithCovariance> center;
   bool unplaced = false;  // also what has no place
 };
 
-// map_manager's rule: base radius + factor * sqrt(5.991 lambda_max).
 absl::StatusOr<double> RadiusAround(const v1::FindLinkPointsRequest& request, const Eigen::Matrix3d& covariance) {
-  const double base = request.base_radius_m() == 0.0 ? kBaseRadius : request.base_radius_m();
-  const double factor = request.radius_factor() == 0.0 ? kRadiusFactor : request.radius_factor();
-  if (!(base > 0.0 && std::isfinite(base))) return InvalidArgument("base_radius_m is {}: expected more than 0", base);
-  if (!(factor > 0.0 && std::isfinite(factor)))
-    return InvalidArgument("radius_factor is {}: expected more than 0", factor);
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(position, Eigen::EigenvaluesOnly);
-  return base + factor * std::sqrt(kGate * std::max(0.0, solver.eigenvalues()(1)));
+  SearchRadiusOptions options;
+  if (request.base_radius_m() != 0.0) options.base_m = request.base_radius_m();
+  if (request.radius_factor() != 0.0) options.factor = request.radius_factor();
+  if (!(options.base_m > 0.0 && std::isfinite(options.base_m))) {
+    return InvalidArgument("base_radius_m is {}: expected more than 0", options.base_m);
+  }
+  if (!(options.factor > 0.0 && std::isfinite(options.factor))) {
+    return InvalidArgument("radius_factor is {}: expected more than 0", options.factor);
+  }
+  return SearchRadius(covariance, options);
 }
 
 absl::Status SearchAroundPose(const v1::FindLinkPointsRequest& request, const PoseWithCovariance& T_world_robot,
@@ -108,14 +103,12 @@ v1::FoundLinkPoint Describe(const StoredLinkPoint& link_point, const std::option
     found.set_mahalanobis_distance(kNone);
     return found;
   }
-  const Eigen::Vector2d offset = link_point.T_world_place->pose.translation() - center->pose.translation();
-  const Eigen::Matrix2d covariance =
-      center->covariance.topLeftCorner<2, 2>() + link_point.T_world_place->covariance.topLeftCorner<2, 2>();
-  found.set_distance_m(offset.norm());
-  found.set_bearing_rad(WrapAngle(std::atan2(offset.y(), offset.x())));
-  const bool certain = covariance.determinant() <= 0.0;
-  found.set_mahalanobis_distance(certain ? std::numeric_limits<double>::infinity()
-                                         : std::sqrt(offset.dot(covariance.inverse() * offset)));
+  const Eigen::Vector2d place = link_point.T_world_place->pose.translation();
+  const Pose2 world_axes_at_center = {center->pose.x, center->pose.y, 0.0};
+  found.set_distance_m((place - center->pose.translation()).norm());
+  found.set_bearing_rad(Bearing(world_axes_at_center, place));
+  found.set_mahalanobis_distance(
+      MahalanobisDistance(*center, *link_point.T_world_place).value_or(std::numeric_limits<double>::infinity()));
   return found;
 }
 
@@ -128,7 +121,10 @@ absl::StatusOr<v1::FindLinkPointsResponse> FindLinkPoints(const Services& servic
   ENFILADE_ASSIGN_OR_RETURN(const Search search, SearchOf(services, context, site, request));
   if (search.query) {
     ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.Find(context, site, *search.query));
-    for (const StoredLinkPoint& link_point : found) *response.add_found() = Describe(link_point, search.center);
+    for (const StoredLinkPoint& link_point : found.link_points) {
+      *response.add_found() = Describe(link_point, search.center);
+    }
+    response.set_graph_version(found.graph_version);
     if (const auto* circle = std::get_if<LinkPointCircle>(&search.query->area)) response.set_radius_m(circle->radius);
   }
   if (search.center) *response.mutable_pose_world() = enfilade::ToProto(*search.center);
@@ -136,8 +132,10 @@ absl::StatusOr<v1::FindLinkPointsResponse> FindLinkPoints(const Services& servic
     ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.ListUnplaced(context, site, kMaxCount));
     for (const StoredLinkPoint& link_point : found) *response.add_found() = Describe(link_point, std::nullopt);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.GetVersion(context, site));
-  response.set_graph_version(version);
+  if (!search.query) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.GetVersion(context, site));
+    response.set_graph_version(version);
+  }
   return response;
 }
 

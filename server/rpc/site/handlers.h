@@ -20,4 +20,7 @@ absl::StatusOr<v1::UpdateSiteResponse> UpdateSite(const Services& services, cons
 absl::StatusOr<v1::DeleteSiteResponse> DeleteSite(const Services& services, const CallContext& context,
                                                   const v1::DeleteSiteRequest& request);
 
+absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services, const CallContext& context,
+                                                              const v1::ListAuditEntriesRequest& request);
+
 }  // namespace enfilade::server

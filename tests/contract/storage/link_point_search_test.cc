@@ -33,7 +33,7 @@ class LinkPointSearchTest : public StoreTest {
     const auto found = link_points_.Find(Soon(), site_, query);
     EXPECT_OK(found);
     std::vector<std::string> ids;
-    for (const auto& link_point : *found) ids.push_back(link_point.point.id.value());
+    for (const auto& link_point : found->link_points) ids.push_back(link_point.point.id.value());
     return ids;
   }
   static LinkPointQuery Around(double x, double y, double radius) {

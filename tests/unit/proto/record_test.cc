@@ -39,7 +39,7 @@ TEST(ConvertRecord, RoundTripsEveryKindExactly) {
                                                     -1,
                                                     true,
                                                     "by hand"}},
-                               Record{7, DoorReport{.time = 9, .door_time = 9}}}) {
+                               Record{7, DoorReport()}}) {
     v1::Record received;
     ASSERT_TRUE(received.ParseFromString(ToProto(record).SerializeAsString()));
     ASSERT_OK_AND_ASSIGN(const Record converted, FromProto(received));
@@ -69,7 +69,7 @@ TEST(ConvertRecord, RefusesWhatIsUnsetOrUnknownNamingTheField) {
 
 TEST(ConvertRecord, RefusesBadDoorReportsNamingTheField) {
   const auto expect_refused = [](void (*change)(v1::DoorReport&), const char* field) {
-    v1::Record record = ToProto(Record{1, DoorReport{.time = 9, .door_time = 9}});
+    v1::Record record = ToProto(Record{1, DoorReport()});
     change(*record.mutable_door_report());
     EXPECT_THAT(FromProto(record), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(field)));
   };

@@ -36,7 +36,7 @@ std::vector<Record> OneOfEachKind() {
                          -1,
                          true,
                          "by hand"}},
-          {7, DoorReport{.time = 9, .door_time = 9}}};
+          {7, DoorReport()}};
 }
 
 TEST(RecordCodec, RoundTripsEveryKindExactly) {

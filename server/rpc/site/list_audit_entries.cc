@@ -1,0 +1,43 @@
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "proto/convert/names.h"
+#include "proto/convert/record.h"
+#include "server/rpc/paging.h"
+#include "server/rpc/site/handlers.h"
+
+namespace enfilade::server {
+namespace {
+
+v1::AuditEntry ToProto(const std::string& site_name, const AuditEntry& entry) {
+  v1::AuditEntry out;
+  *out.mutable_time() = ToTimestamp(entry.time);
+  out.set_actor(entry.actor);
+  static_assert(static_cast<int>(AuditAction::kDeleted) == v1::AuditEntry::ACTION_DELETED);
+  out.set_action(static_cast<v1::AuditEntry::Action>(entry.action));
+  out.set_resource(site_name + "/" + entry.resource);
+  out.set_before(entry.before);
+  out.set_after(entry.after);
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services, const CallContext& context,
+                                                              const v1::ListAuditEntriesRequest& request) {
+  v1::ListAuditEntriesResponse response;
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
+  const std::string within = NameOf(site) + "/";
+  if (!request.resource().empty() && !request.resource().starts_with(within)) {
+    return InvalidArgument("resource is \"{}\": expected one of {}", request.resource(), NameOf(site));
+  }
+  const std::string resource = request.resource().empty() ? "" : request.resource().substr(within.size());
+  ENFILADE_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t before, FromNumericPageToken(request.page_token(), 0));
+  ENFILADE_RETURN_IF_ERROR(services.sites.Get(context, site).status());
+  ENFILADE_ASSIGN_OR_RETURN(auto entries, services.audit.List(context, site, resource, before, size + 1));
+  if (CutToPage(entries, size)) response.set_next_page_token(ToPageToken(std::to_string(entries.back().id)));
+  for (const AuditEntry& entry : entries) *response.add_entries() = ToProto(NameOf(site), entry);
+  return response;
+}
+
+}  // namespace enfilade::server
