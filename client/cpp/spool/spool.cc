@@ -136,8 +136,11 @@ std::optional<SpoolSession> Spool::FindSession(const SessionId& id) {
 
 std::vector<SpoolSession> Spool::ListSessions() {
   MutexLock writing(writer_mutex_);
+  std::vector<const SessionRow*> rows;
+  for (const auto& [id, row] : sessions_) rows.push_back(&row);
+  std::sort(rows.begin(), rows.end(), [](const SessionRow* a, const SessionRow* b) { return a->key < b->key; });
   std::vector<SpoolSession> sessions;
-  for (const auto& [id, row] : sessions_) sessions.push_back(row.session);
+  for (const SessionRow* row : rows) sessions.push_back(row->session);
   return sessions;
 }
 

@@ -84,6 +84,7 @@ class Spool {
   // ALREADY_EXISTS.
   absl::Status CreateSession(const SpoolSession& session);
   std::optional<SpoolSession> FindSession(const SessionId& id);
+  // In the order in which they were created.
   std::vector<SpoolSession> ListSessions();
   // Drops a session with all that the spool holds of it, quarantined records included. NOT_FOUND.
   absl::Status RemoveSession(const SessionId& id);

@@ -82,6 +82,7 @@ bool RecordStream::SendAll(Stream& stream) {
       after_sequence = sent_sequence_;
       room = in_flight_.size() < static_cast<std::size_t>(options_.max_batches_in_flight);
     }
+    if (!SendPoseReport(stream)) return false;
     const client::SpoolSession session = Session();
     if (session.finished && session.pending() == 0) return true;
     if (!room || (session.finished && after_sequence >= session.last_sequence)) {
@@ -130,6 +131,14 @@ bool RecordStream::SendNext(Stream& stream, std::int64_t after_sequence) {
   return true;
 }
 
+bool RecordStream::SendPoseReport(Stream& stream) {
+  std::optional<v1::PoseReport> report = listener_.take_pose_report();
+  if (!report) return true;
+  v1::StreamRecordsRequest request;
+  *request.mutable_pose_report() = *std::move(report);
+  return stream.Write(request);
+}
+
 bool RecordStream::SendBlob(Stream& stream, const BlobRef& blob, const std::string& content) {
   for (std::size_t offset = 0; offset < content.size(); offset += kChunkBytes) {
     v1::StreamRecordsRequest request;
@@ -163,10 +172,10 @@ void RecordStream::Receive(const v1::StreamRecordsResponse& response) {
       return Acknowledged(response.acknowledgement().acknowledged_sequence());
     case v1::StreamRecordsResponse::kRefused:
       return Refused(response.refused());
+    case v1::StreamRecordsResponse::kPoseReportRefused:
+      return listener_.on_pose_report_refused(response.pose_report_refused().message());
     case v1::StreamRecordsResponse::kMapEntered:
-      if (listener_.on_map_entered) listener_.on_map_entered(response.map_entered());
-      return;
-    case v1::StreamRecordsResponse::kPoseReportRefused:  // the uplink reports none
+      return listener_.on_map_entered(response.map_entered());
     case v1::StreamRecordsResponse::RESPONSE_NOT_SET:
       break;  // of a newer server
   }

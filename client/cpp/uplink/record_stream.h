@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -33,7 +34,10 @@ class RecordStream {
     std::function<void(std::int64_t acknowledged_sequence)> on_acknowledged;  // also on `opened`
     std::function<void(std::int64_t sequence)> on_sent;                       // of the last record sent
     std::function<void(std::int64_t sequence, const std::string& reason)> on_quarantined;
-    std::function<void(const v1::MapEntered& entered)> on_map_entered;  // may be unset
+    std::function<void(const v1::MapEntered&)> on_map_entered;  // which map the session is mapped into
+    // The pose to be reported next, once; the sender asks at least every 200 ms.
+    std::function<std::optional<v1::PoseReport>()> take_pose_report;
+    std::function<void(const std::string& message)> on_pose_report_refused;
   };
   enum class End {
     kComplete,   // the session is finished and all of it is acknowledged
@@ -62,6 +66,7 @@ class RecordStream {
   // Until there is nothing more to be sent on this stream; false when it is broken.
   bool SendAll(Stream& stream);
   bool SendNext(Stream& stream, std::int64_t after_sequence);
+  bool SendPoseReport(Stream& stream);
   bool SendBlob(Stream& stream, const BlobRef& blob, const std::string& content);
   void ReceiveAll(Stream& stream);
   void Receive(const v1::StreamRecordsResponse& response);

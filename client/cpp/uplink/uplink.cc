@@ -7,6 +7,8 @@
 #include "client/cpp/uplink/backoff.h"
 #include "client/cpp/uplink/session_setup.h"
 #include "core/base/error.h"
+#include "proto/convert/geometry.h"
+#include "proto/convert/record.h"
 
 namespace enfilade {
 namespace {
@@ -54,6 +56,18 @@ std::optional<absl::Status> Uplink::WaitFor(std::chrono::steady_clock::duration 
 UplinkProgress Uplink::progress() {
   MutexLock lock(mutex_);
   return progress_;
+}
+
+void Uplink::ReportPose(const std::string& map, const PoseWithCovariance& T_map_robot, TimeNs time) {
+  v1::PoseReport report;
+  report.set_map(map);
+  *report.mutable_pose_map_robot() = ToProto(T_map_robot);
+  *report.mutable_time() = ToTimestamp(time);
+  {
+    MutexLock lock(mutex_);
+    pose_report_ = std::move(report);
+  }
+  spool_.NotifyWaiters();
 }
 
 void Uplink::Run() {
@@ -138,6 +152,18 @@ RecordStream::Listener Uplink::MakeListener() {
   listener.on_quarantined = [this](std::int64_t, const std::string&) {
     MutexLock lock(mutex_);
     ++progress_.quarantined;
+  };
+  listener.on_map_entered = [this](const v1::MapEntered& entered) {
+    if (options_.on_map_entered) options_.on_map_entered(entered);
+  };
+  listener.take_pose_report = [this] {
+    MutexLock lock(mutex_);
+    return std::exchange(pose_report_, std::nullopt);
+  };
+  listener.on_pose_report_refused = [this](const std::string& message) {
+    MutexLock lock(mutex_);
+    ++progress_.poses_refused;
+    progress_.pose_error = message;
   };
   return listener;
 }

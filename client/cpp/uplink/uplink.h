@@ -14,6 +14,8 @@
 #include "client/cpp/spool/spool.h"
 #include "client/cpp/uplink/record_stream.h"
 #include "core/base/mutex.h"
+#include "core/base/time.h"
+#include "core/geometry/pose2.h"
 
 namespace enfilade {
 
@@ -23,6 +25,8 @@ struct UplinkOptions {
   double max_backoff_s = 30.0;
   // A robot or a map that the server does not know yet is created.
   bool create_missing = true;
+  // Called from a thread of the uplink's, again on every connection: which map the session is mapped into.
+  std::function<void(const v1::MapEntered&)> on_map_entered;
 };
 
 struct UplinkProgress {
@@ -31,6 +35,8 @@ struct UplinkProgress {
   std::int64_t sent_sequence = 0;  // on the present stream
   std::int64_t connections = 0;    // streams opened so far
   std::int64_t quarantined = 0;
+  std::int64_t poses_refused = 0;
+  std::string pose_error;  // why the server refused the last of them
   std::string last_error;  // why the last try failed; empty while all is well
 };
 
@@ -63,6 +69,10 @@ class Uplink {
 
   UplinkProgress progress();
 
+  // Reports where the robot is now, by a localisation of its own: sent when a stream is open, not kept on disk, and the
+  // newest takes the place of one that is not sent yet. `map`: sites/{site}/maps/{map}.
+  void ReportPose(const std::string& map, const PoseWithCovariance& T_map_robot, TimeNs time);
+
  private:
   void Run();
   // One try. kComplete: the session is closed.
@@ -85,6 +95,7 @@ class Uplink {
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   RecordStream* stream_ ABSL_GUARDED_BY(mutex_) = nullptr;  // while one is running
   std::optional<absl::Status> result_ ABSL_GUARDED_BY(mutex_);
+  std::optional<v1::PoseReport> pose_report_ ABSL_GUARDED_BY(mutex_);  // not sent yet
 };
 
 }  // namespace enfilade
