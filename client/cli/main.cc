@@ -14,6 +14,7 @@
 #include "client/cli/commands/match.h"
 #include "client/cli/commands/pose.h"
 #include "client/cli/commands/replay.h"
+#include "client/cli/commands/robot.h"
 #include "client/cli/commands/server.h"
 #include "client/cli/commands/session.h"
 #include "client/cli/commands/sim.h"
@@ -49,6 +50,7 @@ int main(int argc, char** argv) {
   AddMatch(app, globals);
   AddPose(app, globals);
   AddReplay(app, globals);
+  AddRobot(app, globals);
   AddServer(app, globals);
   AddSession(app, globals);
   AddSim(app, globals);

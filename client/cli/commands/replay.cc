@@ -176,7 +176,7 @@ absl::Status Run(const Globals& globals, ReplayOptions options) {
   const bool own_file = options.spool.empty();
   if (own_file) {
     if (options.session.empty()) options.session = NewUuid();
-    ENFILADE_ASSIGN_OR_RETURN(options.spool, DefaultSpoolPath(SessionId(options.session)));
+    ENFILADE_ASSIGN_OR_RETURN(options.spool, DefaultSpoolPath("replay-" + options.session));
   }
   client::SpoolOptions spool_options;
   spool_options.max_bytes = std::llround(options.spool_mib * 1024.0 * 1024.0);

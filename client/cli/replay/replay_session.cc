@@ -58,7 +58,7 @@ absl::StatusOr<CheckedLog> CheckLog(const fs::path& log, const sources::LogOptio
   return checked;
 }
 
-absl::StatusOr<std::string> DefaultSpoolPath(const SessionId& session) {
+absl::StatusOr<std::string> DefaultSpoolPath(const std::string& name) {
   const char* state = std::getenv("XDG_STATE_HOME");
   const char* home = std::getenv("HOME");
   fs::path folder;
@@ -76,7 +76,7 @@ absl::StatusOr<std::string> DefaultSpoolPath(const SessionId& session) {
     return FailedPrecondition("{}: cannot be created ({}): say with --spool where to keep the spool", folder.string(),
                               error.message());
   }
-  return (folder / ("replay-" + session.value() + ".spool")).string();
+  return (folder / (name + ".spool")).string();
 }
 
 absl::StatusOr<FoundSession> FindOrCreateSession(client::Spool& spool, const client::SpoolSession& wanted) {

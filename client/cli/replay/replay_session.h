@@ -24,9 +24,9 @@ struct CheckedLog {
 absl::StatusOr<CheckedLog> CheckLog(const std::filesystem::path& log, const sources::LogOptions& options,
                                     const std::function<void(std::int64_t)>& on_progress);
 
-// Where the spool of a session lies if nothing else is said: in $XDG_STATE_HOME/enfilade, or ~/.local/state/enfilade.
-// Creates the folder.
-absl::StatusOr<std::string> DefaultSpoolPath(const SessionId& session);
+// Where NAME.spool lies if nothing else is said: in $XDG_STATE_HOME/enfilade, or ~/.local/state/enfilade. Creates the
+// folder.
+absl::StatusOr<std::string> DefaultSpoolPath(const std::string& name);
 
 struct FoundSession {
   SessionId id;

@@ -203,12 +203,12 @@ TEST_F(ReplayTest, FindsTheSessionToGoOnWith) {
 
 TEST_F(ReplayTest, KeepsItsSpoolInTheStateFolder) {
   setenv("XDG_STATE_HOME", files_.path().c_str(), 1);
-  ASSERT_OK_AND_ASSIGN(const std::string path, DefaultSpoolPath(kRun));
+  ASSERT_OK_AND_ASSIGN(const std::string path, DefaultSpoolPath("replay-run-1"));
   EXPECT_EQ(path, (files_.path() / "enfilade/replay-run-1.spool").string());
   EXPECT_TRUE(std::filesystem::is_directory(files_.path() / "enfilade"));
   files_.Write("file", "");
   setenv("XDG_STATE_HOME", (files_.path() / "file").c_str(), 1);
-  EXPECT_THAT(DefaultSpoolPath(kRun), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("--spool")));
+  EXPECT_THAT(DefaultSpoolPath("replay-run-1"), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("--spool")));
   unsetenv("XDG_STATE_HOME");
 }
 

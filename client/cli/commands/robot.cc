@@ -1,0 +1,253 @@
+#include "client/cli/commands/robot.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "client/cli/interrupt.h"
+#include "client/cli/place.h"
+#include "client/cli/remote.h"
+#include "client/cli/replay/replay_session.h"
+#include "client/cli/whole_file.h"
+#include "client/robot/commands.h"
+#include "client/robot/run.h"
+#include "core/base/error.h"
+#include "core/base/mutex.h"
+#include "core/base/status_macros.h"
+#include "fmt/chrono.h"
+
+namespace enfilade::cli {
+namespace {
+
+struct Options {
+  std::string source;
+  std::string campus;
+  std::string robot = "robot";
+  std::string map;
+  std::string on_old_map;
+  bool hand = false;
+  std::string preset = "default";
+  std::string options_file;
+  bool print_options = false;
+  std::string spool;
+  std::string rate = "max";
+  std::string commands;
+  bool wait = false;
+  bool skip_bad_lines = false;
+  std::string truth;
+  int laps = 0;
+  simulator::SimulationOptions simulation;
+};
+
+absl::StatusOr<std::optional<double>> RateOf(const std::string& text) {
+  if (text == "max") return std::nullopt;
+  if (text == "real") return 1.0;
+  char* end = nullptr;
+  const double rate = std::strtod(text.c_str(), &end);
+  if (end != text.c_str() && *end == '\0' && std::isfinite(rate) && rate > 0.0) return rate;
+  return InvalidArgument("--rate is \"{}\": expected max, real or a factor such as 2.5", text);
+}
+
+absl::StatusOr<robot::RobotOptions> LoadOptions(const Options& options) {
+  ENFILADE_ASSIGN_OR_RETURN(robot::RobotOptions loaded, robot::RobotPreset(options.preset));
+  if (!options.options_file.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadWholeFile(options.options_file));
+    absl::StatusOr<robot::RobotOptions> parsed = robot::ParseRobotOptions(text, loaded);
+    if (!parsed.ok()) return WithContext(parsed.status(), options.options_file);
+    loaded = *std::move(parsed);
+  }
+  if (options.hand) loaded.automatic = false;
+  return loaded;
+}
+
+absl::Status Check(const Options& options) {
+  if (options.source.empty() == options.campus.empty()) {
+    return InvalidArgument("say what the robot's sensors see: a LOG, - for JSON lines on standard input, or --campus");
+  }
+  if (!IsValidResourceId(options.robot)) {
+    return InvalidArgument("--robot is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\"", options.robot);
+  }
+  if (!options.map.empty() && !options.on_old_map.empty()) {
+    return InvalidArgument("--map begins a new map, --on-old-map goes on with one: not both");
+  }
+  return absl::OkStatus();
+}
+
+// Where the robot is put: MAP,X,Y,YAW.
+absl::StatusOr<std::variant<robot::RecordNewMap, robot::MapOnOldMap>> StartOf(const Options& options,
+                                                                              const Eigen::Matrix3d& covariance) {
+  if (options.on_old_map.empty()) return robot::RecordNewMap{options.map};
+  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.on_old_map));
+  return robot::MapOnOldMap{place.map, {place.pose, covariance}};
+}
+
+absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const Options& options,
+                                                          const robot::RobotOptions& robot_options,
+                                                          const Eigen::Matrix3d& covariance) {
+  if (options.source == "-") return robot::OpenLines(STDIN_FILENO, std::filesystem::current_path(), covariance);
+  if (!options.source.empty()) {
+    sources::LogOptions log;
+    log.skip_bad_lines = options.skip_bad_lines;
+    return robot::OpenLog(options.source, log);
+  }
+  simulator::SimulationOptions simulation = options.simulation;
+  if (options.laps > 0) simulation.laps = options.laps;
+  const bool by_depth = robot_options.choice.criterion == 1 || robot_options.choice.criterion == 2;
+  if (by_depth && simulation.depth_hz == 0.0) simulation.depth_hz = 2.0;
+  return robot::OpenSimulation(options.campus, options.robot, simulation, options.truth);
+}
+
+absl::StatusOr<std::string> SpoolPathOf(const Options& options) {
+  if (!options.spool.empty()) return options.spool;
+  return DefaultSpoolPath("robot-" + options.robot);
+}
+
+// What happens, on standard output: lines for people, or JSON objects.
+class Console {
+ public:
+  explicit Console(const Globals& globals) : json_(globals.json), quiet_(globals.quiet) {}
+
+  void Show(const robot::News& news) {
+    MutexLock lock(mutex_);
+    if (json_) {
+      nlohmann::json line = news.fields.is_object() ? news.fields : nlohmann::json::object();
+      line["event"] = news.event;
+      std::cout << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+    } else if (!quiet_ && !news.text.empty()) {
+      const std::time_t now = std::time(nullptr);
+      std::tm local{};
+      localtime_r(&now, &local);
+      std::cout << fmt::format("{:%H:%M:%S} {}", local, news.text) << std::endl;
+    }
+  }
+
+ private:
+  const bool json_;
+  const bool quiet_;
+  Mutex mutex_;
+};
+
+robot::News Summary(const robot::Agent& agent, const absl::Status& status) {
+  const robot::AgentCounts& counts = agent.counts();
+  return {
+      "end",
+      fmt::format("{} sessions, {} candidates, {} passages; {} records, {} of them images and clouds; {} refused, {} "
+                  "invalid",
+                  counts.sessions, counts.candidates, counts.passages, counts.records, counts.evidence, counts.refused,
+                  counts.invalid),
+      {{"sessions", counts.sessions},
+       {"candidates", counts.candidates},
+       {"passages", counts.passages},
+       {"records", counts.records},
+       {"evidence", counts.evidence},
+       {"refused", counts.refused},
+       {"invalid", counts.invalid},
+       {"ok", status.ok()}}};
+}
+
+absl::Status RunRobot(const Globals& globals, const Options& options) {
+  ENFILADE_ASSIGN_OR_RETURN(robot::RobotOptions robot_options, LoadOptions(options));
+  if (options.print_options) {
+    std::cout << robot::FormatRobotOptions(robot_options);
+    return absl::OkStatus();
+  }
+  ENFILADE_RETURN_IF_ERROR(Check(options));
+  robot::RunOptions run;
+  ENFILADE_ASSIGN_OR_RETURN(run.rate, RateOf(options.rate));
+  run.live = options.source == "-";
+  run.wait = options.wait;
+  run.pose_covariance = Eigen::Vector3d(robot_options.initial_variance_x, robot_options.initial_variance_y,
+                                        robot_options.initial_variance_theta)
+                            .asDiagonal();
+  if (run.live || run.rate) robot_options.spool.wait_when_full = false;
+
+  robot::AgentSetup setup;
+  setup.site = SiteId(globals.site);
+  setup.robot = RobotId(options.robot);
+  setup.source = options.campus.empty() ? options.source : "simulator " + options.campus;
+  setup.options = robot_options;
+  ENFILADE_ASSIGN_OR_RETURN(setup.start, StartOf(options, run.pose_covariance));
+  ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<robot::Source> source,
+                            OpenSource(options, robot_options, run.pose_covariance));
+  std::optional<robot::LineInput> commands;
+  if (!run.live && (isatty(STDIN_FILENO) || options.commands == "-")) commands.emplace(STDIN_FILENO);
+
+  ENFILADE_ASSIGN_OR_RETURN(const std::string spool_path, SpoolPathOf(options));
+  client::SpoolOptions spool_options;
+  spool_options.max_bytes = std::llround(robot_options.spool.max_mib * 1024.0 * 1024.0);
+  ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<client::Spool> spool, client::Spool::Open(spool_path, spool_options));
+  Console console(globals);
+  const robot::NewsListener listener = [&console](const robot::News& news) { console.Show(news); };
+  const Connection connection = ConnectionOf(globals);
+  const InterruptGuard interrupt;
+  const std::function<bool()> interrupted = [&interrupt] { return interrupt.interrupted(); };
+  robot::UploaderOptions uploader_options;
+  uploader_options.global_pose = robot_options.use_global_tracker;
+  robot::Uploader uploader(connection, *spool, {setup.site, setup.robot}, listener, uploader_options);
+  ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<robot::Agent> agent,
+                            robot::Agent::Make(std::move(setup), connection, *spool, uploader, listener, interrupted));
+  uploader.Start();
+  const absl::Status status =
+      robot::Run(*agent, uploader, *source, commands ? &*commands : nullptr, run, interrupted, listener);
+  uploader.Stop();
+  console.Show(Summary(*agent, status));
+  if (status.ok() || spool->usage().records == 0) return status;
+  return absl::Status(status.code(), std::string(status.message()) +
+                                         fmt::format("; {} records wait in {} and go to the server with the next run",
+                                                     spool->usage().records, spool_path));
+}
+
+void AddSimulation(CLI::App* command, const std::shared_ptr<Options>& options) {
+  simulator::SimulationOptions& simulation = options->simulation;
+  simulation.image_hz = 2.0;
+  simulation.cloud_hz = 1.0;
+  simulation.near_doors = 4.5;
+  command->add_option("--campus", options->campus, "Drive through a simulated campus: as in `enfilade sim`");
+  command->add_option("--seed", simulation.seed, "Campus: of all noise")->capture_default_str();
+  command->add_option("--laps", options->laps, "Campus: rounds of the route, instead of the campus's");
+  command->add_option("--image-hz", simulation.image_hz, "Campus: images")->capture_default_str();
+  command->add_option("--cloud-hz", simulation.cloud_hz, "Campus: point clouds")->capture_default_str();
+  command->add_option("--depth-hz", simulation.depth_hz, "Campus: depth images; 2 where config_criterion needs them");
+  command->add_option("--near-doors", simulation.near_doors, "Campus: images and clouds only this near to a door, m")
+      ->capture_default_str();
+  command->add_option("--truth", options->truth, "Campus: write the ground truth into this file");
+}
+
+}  // namespace
+
+void AddRobot(CLI::App& app, const Globals& globals) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = AddCommand(app, "robot", "Map a campus as a robot does: doors, sessions, maps (docs/robot.md)",
+                                 [&globals, options] { return RunRobot(globals, *options); });
+  command->add_option("SOURCE", options->source, "A recorded log, or - for JSON lines on standard input");
+  AddSimulation(command, options);
+  command->add_option("--robot", options->robot, "Its id; created where missing. Campus: the robot that drives")
+      ->capture_default_str();
+  command->add_option("--map", options->map, "The name of the map to begin with; default: made up");
+  command->add_option("--on-old-map", options->on_old_map, "Begin in a map that is there: MAP,X,Y,YAW (m, rad)");
+  command->add_flag("--hand", options->hand,
+                    "No detectors: commands say where doors are, beginning with the main menu");
+  command->add_option("--preset", options->preset, "default, original-yaml or original-code")->capture_default_str();
+  command->add_option("--options", options->options_file, "A YAML file with options over the preset");
+  command->add_flag("--print-options", options->print_options, "Print all options as YAML and stop");
+  command->add_option("--spool", options->spool, "The file that keeps what the server does not have yet");
+  command->add_option("--rate", options->rate, "max, real (as recorded) or a factor such as 2.5")
+      ->capture_default_str();
+  command->add_option("--commands", options->commands, "-: read commands from standard input though it is no terminal")
+      ->check(CLI::IsMember({"-"}));
+  command->add_flag("--wait", options->wait, "At the end, until the server has mapped and judged everything");
+  command->add_flag("--skip-bad-lines", options->skip_bad_lines, "Log: count lines that cannot be read and go on");
+  command->footer("Commands, on the terminal:\n" + robot::CommandHelp() +
+                  "Examples:\n"
+                  "  enfilade robot --campus figure1 --robot r1 --map Hall --wait\n"
+                  "  enfilade robot drive.jsonl --robot r7 --rate real --hand\n"
+                  "  my-driver | enfilade --json robot - --robot r7 --options robot.yaml");
+}
+
+}  // namespace enfilade::cli

@@ -1,0 +1,436 @@
+#include "client/robot/agent.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/cpp/uplink/session_setup.h"
+#include "client/robot/campus_edits.h"
+#include "client/sources/content.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/base/uuid.h"
+
+namespace enfilade::robot {
+namespace {
+
+using client::SpoolItem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMaxGathered = 256;
+constexpr std::int64_t kMaxGatheredBytes = 4LL << 20;
+constexpr auto kMaxGatherTime = std::chrono::milliseconds(200);
+constexpr auto kLookRound = std::chrono::milliseconds(100);
+// Kept free for door reports while what the sensors deliver is refused.
+constexpr std::int64_t kReserveBytes = 16LL << 20;
+constexpr std::size_t kMaxKeptDoors = 16;
+
+StateMachineOptions MachineOptionsOf(const AgentSetup& setup) {
+  StateMachineOptions options;
+  options.automatic = setup.options.automatic;
+  options.start = setup.start;
+  options.report_behind = setup.options.evidence.report_behind;
+  options.report_after = setup.options.evidence.report_after;
+  return options;
+}
+
+// What of one kind is thinned and recorded apart from the others.
+int SeriesOf(const SpoolItem& item) {
+  const auto* image = std::get_if<Image>(&item.payload);
+  if (!image) return 0;
+  return 1 + 2 * static_cast<int>(image->camera) + (image->encoding == ImageEncoding::kDepthPng16 ? 1 : 0);
+}
+
+TimeNs TimeOf(const SpoolItem& item) { return enfilade::TimeOf(Record{1, item.payload}); }
+
+std::int64_t BytesOf(const SpoolItem& item) {
+  const auto* scan = std::get_if<LaserScan>(&item.payload);
+  return static_cast<std::int64_t>(item.content.size() + (scan ? scan->ranges.size() * sizeof(float) : 0)) + 256;
+}
+
+std::string MadeUpName(const RobotId& robot) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M:%S", &utc);
+  return robot.value() + " " + text;
+}
+
+nlohmann::json ToJson(const Pose2& pose) { return {{"x_m", pose.x}, {"y_m", pose.y}, {"yaw_rad", pose.yaw}}; }
+
+}  // namespace
+
+Agent::Agent(AgentSetup setup, const Connection& connection, client::Spool& spool, Uploader& uploader,
+             NewsListener listener, std::function<bool()> interrupted, SurroundingsChoice choice)
+    : setup_(std::move(setup)),
+      connection_(connection),
+      spool_(spool),
+      uploader_(uploader),
+      listener_(std::move(listener)),
+      interrupted_(std::move(interrupted)),
+      machine_(MachineOptionsOf(setup_)),
+      pairing_(ScanPairingOptions{}),
+      detector_(setup_.options.doors),
+      evidence_(setup_.options.evidence),
+      choice_(std::move(choice)),
+      last_write_(Clock::now()) {}
+
+absl::StatusOr<std::unique_ptr<Agent>> Agent::Make(AgentSetup setup, const Connection& connection, client::Spool& spool,
+                                                   Uploader& uploader, NewsListener listener,
+                                                   std::function<bool()> interrupted) {
+  ENFILADE_RETURN_IF_ERROR(setup.options.Validate());
+  ENFILADE_ASSIGN_OR_RETURN(SurroundingsChoice choice, SurroundingsChoice::Make(setup.options.choice));
+  for (const client::SpoolSession& session : spool.ListSessions()) {
+    if (session.site == setup.site && session.robot == setup.robot) continue;
+    return FailedPrecondition(
+        "{}: the spool holds a session of robot \"{}\" at site \"{}\": each robot needs a spool of "
+        "its own",
+        spool.path(), session.robot.value(), session.site.value());
+  }
+  return std::unique_ptr<Agent>(new Agent(std::move(setup), connection, spool, uploader, std::move(listener),
+                                          std::move(interrupted), std::move(choice)));
+}
+
+absl::Status Agent::Start() {
+  Say("state", "", {{"state", NameOf(machine_.state())}});
+  ENFILADE_RETURN_IF_ERROR(FinishLeftovers());
+  return Handle(Ready{});
+}
+
+absl::Status Agent::FinishLeftovers() {
+  for (const client::SpoolSession& session : spool_.ListSessions()) {
+    if (session.closed) continue;
+    const std::int64_t pending = session.pending();
+    Say("leftover",
+        fmt::format("session {} of an earlier run: {} records wait for the server{}", session.id.value(), pending,
+                    session.finished ? "" : "; it was left open and is finished now"),
+        {{"session", session.id.value()}, {"pending", pending}, {"left_open", !session.finished}});
+    if (!session.finished) ENFILADE_RETURN_IF_ERROR(spool_.MarkFinished(session.id));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Handle(const Event& event) {
+  const State before = machine_.state();
+  const std::vector<Action> actions = machine_.Handle(event);
+  if (machine_.state() != before) {
+    const std::string name = NameOf(machine_.state());
+    Say("state", fmt::format("[{}]", name), {{"state", name}});
+  }
+  for (const Action& action : actions) {
+    ENFILADE_RETURN_IF_ERROR(std::visit([this](const auto& one) { return Act(one); }, action));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Add(const SpoolItem& item) {
+  if (const absl::Status valid = Validate(Record{1, item.payload}); !valid.ok()) {
+    ++counts_.invalid;
+    Say("bad_input", std::string(valid.message()), {{"error", std::string(valid.message())}});
+    return absl::OkStatus();
+  }
+  if (std::holds_alternative<LaserScan>(item.payload)) return AddScan(item);
+  if (std::holds_alternative<Odometry>(item.payload)) return AddOdometry(item);
+  if (std::holds_alternative<Image>(item.payload) || std::holds_alternative<PointCloud>(item.payload)) {
+    return AddPicture(item);
+  }
+  ++counts_.invalid;  // reports and withheld records are not for sources
+  return absl::OkStatus();
+}
+
+absl::Status Agent::AddScan(const SpoolItem& item) {
+  if (!recording()) {
+    ++counts_.ignored;
+    return absl::OkStatus();
+  }
+  ENFILADE_RETURN_IF_ERROR(Gather(item));
+  std::vector<PairedScan> settled;
+  pairing_.Add(1, std::get<LaserScan>(item.payload), settled);
+  return AddSettled(settled);
+}
+
+absl::Status Agent::AddOdometry(const SpoolItem& item) {
+  odometry_ = std::get<Odometry>(item.payload);
+  if (!recording()) {
+    ++counts_.ignored;
+    return absl::OkStatus();
+  }
+  ENFILADE_RETURN_IF_ERROR(Gather(item));
+  std::vector<PairedScan> settled;
+  pairing_.Add(*odometry_, settled);
+  return AddSettled(settled);
+}
+
+absl::Status Agent::AddSettled(std::vector<PairedScan>& settled) {
+  for (const PairedScan& scan : settled) {
+    if (!scan.T_odom_robot) continue;
+    choice_.Add(scan.scan);
+    ENFILADE_RETURN_IF_ERROR(Handle(Moved{scan.scan.time, *scan.T_odom_robot}));
+    if (!setup_.options.automatic) continue;
+    for (const DoorEvent& event : detector_.Add(scan.scan, *scan.T_odom_robot)) {
+      ENFILADE_RETURN_IF_ERROR(Handle(DoorSeen{event}));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Agent::AddPicture(const SpoolItem& item) {
+  if (sources::RefOf(item.content) != *FindBlob(Record{1, item.payload})) {
+    ++counts_.invalid;
+    Say("bad_input", "an image or cloud came with other bytes than its record says", {{"time_ns", TimeOf(item)}});
+    return absl::OkStatus();
+  }
+  if (odometry_) evidence_.Add(item, odometry_->T_odom_robot);
+  choice_.Add(item);
+  const double hz = setup_.options.evidence.all_hz;
+  if (!recording() || hz <= 0.0) return absl::OkStatus();
+  const TimeNs time = TimeOf(item);
+  TimeNs& next = next_picture_[SeriesOf(item)];
+  if (time < next || !NewPicture(item)) return absl::OkStatus();
+  const auto period = static_cast<DurationNs>(static_cast<double>(kNsPerSecond) / hz);
+  // In step with the wanted rate as long as the source keeps up with it.
+  next = std::max(next + period, time - period / 2 + period);
+  ++counts_.evidence;
+  return Gather(item);
+}
+
+void Agent::ReportPose(const OwnPose& pose) {
+  const Uploader::Progress progress = uploader_.progress();
+  std::string map = pose.map;
+  if (!progress.map.empty() && map == progress.map) {
+    map = progress.map_name;
+  } else if (IsValidResourceId(map)) {
+    map = NameOf(MapName{setup_.site, MapId(map)});
+  }
+  uploader_.ReportPose(map, pose.T_map_robot, pose.time);
+}
+
+absl::Status Agent::Finish() {
+  std::vector<PairedScan> settled;
+  pairing_.Flush(settled);
+  ENFILADE_RETURN_IF_ERROR(AddSettled(settled));
+  if (setup_.options.automatic && recording()) {
+    for (const DoorEvent& event : detector_.Finish()) ENFILADE_RETURN_IF_ERROR(Handle(DoorSeen{event}));
+  }
+  return Handle(SourceEnded{});
+}
+
+absl::Status Agent::Act(const BeginSession& action) {
+  client::SpoolSession session;
+  session.site = setup_.site;
+  session.robot = setup_.robot;
+  session.id = SessionId(NewUuid());
+  session.request_id = NewUuid();
+  session.source = setup_.source;
+  if (action.after_passage) {
+    session.entry.previous = session_;
+  } else {
+    session.map = action.map.empty() ? MadeUpName(setup_.robot) : action.map;
+    session.entry.T_map_robot = action.T_map_robot;
+    // Elsewhere than before, perhaps.
+    detector_ = DoorDetector(setup_.options.doors);
+    pairing_ = ScanPairing(ScanPairingOptions{});
+    kept_.clear();
+  }
+  ENFILADE_RETURN_IF_ERROR(spool_.CreateSession(session));
+  session_ = session.id;
+  reports_ = 0;
+  pictures_.clear();
+  next_picture_.clear();
+  ++counts_.sessions;
+  Say("session",
+      action.after_passage
+          ? fmt::format("session {}: behind the door; the server will say into which map", session.id.value())
+          : fmt::format("session {}: into \"{}\"", session.id.value(), session.map),
+      {{"session", session.id.value()},
+       {"map", session.map},
+       {"previous", session.entry.previous ? nlohmann::json(session.entry.previous->value()) : nlohmann::json()}});
+  // So that the first scan has odometry on both sides.
+  if (odometry_ && action.after_passage) ENFILADE_RETURN_IF_ERROR(Gather({*odometry_, {}}));
+  return Handle(SessionBegun{});
+}
+
+absl::Status Agent::Act(const FinishSession&) {
+  ENFILADE_RETURN_IF_ERROR(WriteGathered(false));
+  if (session_) ENFILADE_RETURN_IF_ERROR(spool_.MarkFinished(*session_));
+  return Handle(SessionFinished{});
+}
+
+absl::Status Agent::Act(const KeepEvidence& action) {
+  if (!setup_.options.record_imgs_and_pc) return absl::OkStatus();
+  kept_[action.door] = evidence_.At(action.time);
+  // The detector numbers doors upwards: the oldest of many is one that it has forgotten.
+  while (kept_.size() > kMaxKeptDoors) kept_.erase(kept_.begin());
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Act(const WriteReport& action) {
+  DoorReport report = action.report;
+  const bool passage = report.kind == DoorReport::Kind::kPassage;
+  std::vector<SpoolItem> seen;
+  if (const auto kept = kept_.find(action.door); kept != kept_.end()) {
+    seen = std::move(kept->second);
+    kept_.erase(kept);
+  }
+  if (setup_.options.record_imgs_and_pc && passage) seen = Joined(std::move(seen), evidence_.Behind(report));
+  ENFILADE_RETURN_IF_ERROR(WriteGathered(false));
+  std::int64_t written = 0;
+  for (SpoolItem& item : seen) {
+    if (!NewPicture(item)) continue;
+    ++written;
+    gathered_bytes_ += BytesOf(item);
+    gathered_.push_back(std::move(item));
+  }
+  std::string surroundings;
+  if (passage) {
+    const SurroundingsChoice::Verdict verdict = choice_.Choose(report.door_time);
+    report.entered_surroundings = verdict.surroundings;
+    surroundings = "; " + verdict.reason;
+  }
+  gathered_.push_back({report, {}});
+  ENFILADE_RETURN_IF_ERROR(WriteGathered(true));
+  counts_.evidence += written;
+  ++(passage ? counts_.passages : counts_.candidates);
+  uploader_.Expect(*session_, ++reports_);
+  Say("report",
+      fmt::format("{} reported with {} images and clouds{}", passage ? "passage" : "candidate", written, surroundings),
+      {{"session", session_->value()},
+       {"kind", passage ? "passage" : "candidate"},
+       {"door_time_ns", report.door_time},
+       {"time_ns", report.time},
+       {"pose_odom_door", ToJson(report.T_odom_door)},
+       {"width_m", report.width},
+       {"by_hand", report.by_hand},
+       {"evidence", written},
+       {"surroundings",
+        report.entered_surroundings ? nlohmann::json(ToString(*report.entered_surroundings)) : nlohmann::json()},
+       {"reason", report.reason}});
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Act(const ShowMenu&) {
+  Say("menu",
+      "Main menu:\n"
+      "  new [NAME]                   record a new map\n"
+      "  old MAP X Y YAW              map on an old map: where the robot is in it, m and degrees\n"
+      "  delete-map MAP\n"
+      "  delete-link-point LINK_POINT\n"
+      "  abort");
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Act(const ShowStatus&) {
+  const client::SpoolUsage usage = spool_.usage();
+  const Uploader::Progress progress = uploader_.progress();
+  Say("status",
+      fmt::format("{}; map {}; {} sessions, {} candidates, {} passages; {} records, {} refused; spool {:.1f} of {:.0f} "
+                  "MiB, {} records and {} sessions wait for the server{}",
+                  NameOf(machine_.state()), progress.map.empty() ? "not known yet" : "\"" + progress.map + "\"",
+                  counts_.sessions, counts_.candidates, counts_.passages, counts_.records, counts_.refused,
+                  static_cast<double>(usage.bytes) / (1 << 20), static_cast<double>(usage.max_bytes) / (1 << 20),
+                  usage.records, progress.waiting, progress.blocked.empty() ? "" : "; blocked: " + progress.blocked),
+      {{"state", NameOf(machine_.state())},
+       {"session", session_ ? nlohmann::json(session_->value()) : nlohmann::json()},
+       {"map", progress.map_name},
+       {"sessions", counts_.sessions},
+       {"candidates", counts_.candidates},
+       {"passages", counts_.passages},
+       {"records", counts_.records},
+       {"evidence", counts_.evidence},
+       {"refused", counts_.refused},
+       {"invalid", counts_.invalid},
+       {"spool", {{"bytes", usage.bytes}, {"max_bytes", usage.max_bytes}, {"records", usage.records}}},
+       {"sessions_waiting", progress.waiting},
+       {"connected", progress.uplink.connected},
+       {"blocked", progress.blocked}});
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Act(const Tell& action) {
+  Say("tell", action.text, {{"text", action.text}});
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Act(const RemoveMap& action) {
+  const absl::Status status = DeleteMapOnServer(connection_, setup_.site, action.map);
+  const std::string message = status.ok() ? "deleted" : std::string(status.message());
+  Say("deleted", fmt::format("map {}: {}", action.map, message), {{"map", action.map}, {"ok", status.ok()}});
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Act(const RemoveLinkPoint& action) {
+  const absl::Status status = DeleteLinkPointOnServer(connection_, setup_.site, action.link_point);
+  const std::string message = status.ok() ? "deleted" : std::string(status.message());
+  Say("deleted", fmt::format("link point {}: {}", action.link_point, message),
+      {{"link_point", action.link_point}, {"ok", status.ok()}});
+  return absl::OkStatus();
+}
+
+bool Agent::NewPicture(const SpoolItem& item) { return pictures_.emplace(SeriesOf(item), TimeOf(item)).second; }
+
+absl::Status Agent::Gather(SpoolItem item) {
+  gathered_bytes_ += BytesOf(item);
+  gathered_.push_back(std::move(item));
+  const std::int64_t enough = std::min(kMaxGatheredBytes, spool_.usage().max_bytes / 8);
+  const bool due =
+      gathered_.size() >= kMaxGathered || gathered_bytes_ >= enough || Clock::now() - last_write_ >= kMaxGatherTime;
+  return due ? WriteGathered(false) : absl::OkStatus();
+}
+
+absl::Status Agent::Flush() {
+  return Clock::now() - last_write_ >= kMaxGatherTime ? WriteGathered(false) : absl::OkStatus();
+}
+
+absl::Status Agent::WriteGathered(bool essential) {
+  last_write_ = Clock::now();
+  if (gathered_.empty()) return absl::OkStatus();
+  const client::SpoolUsage usage = spool_.usage();
+  const std::int64_t reserve = std::min(kReserveBytes, usage.max_bytes / 8);
+  if (!essential && !setup_.options.spool.wait_when_full) Refuse(usage, reserve);
+  if (gathered_.empty()) return absl::OkStatus();
+  while (true) {
+    const absl::StatusOr<std::int64_t> last = spool_.Append(*session_, gathered_);
+    if (last.ok()) break;
+    if (!absl::IsResourceExhausted(last.status()) || spool_.usage().records == 0) return last.status();
+    ENFILADE_RETURN_IF_ERROR(HoldUp(gathered_bytes_));
+  }
+  if (held_up_ && usage.bytes < usage.max_bytes / 2) {
+    held_up_ = false;
+    Say("spool_room", "the spool has room again", {{"refused", counts_.refused}});
+  }
+  counts_.records += static_cast<std::int64_t>(gathered_.size());
+  gathered_.clear();
+  gathered_bytes_ = 0;
+  return absl::OkStatus();
+}
+
+void Agent::Refuse(const client::SpoolUsage& usage, std::int64_t reserve) {
+  const std::int64_t free = usage.max_bytes - usage.bytes - gathered_bytes_;
+  if (free >= reserve) return;
+  const std::size_t before = gathered_.size();
+  std::erase_if(gathered_, [&](const SpoolItem& item) {
+    // A way without scans is still a way: odometry may have half of what is kept free for reports.
+    const bool refused = !std::holds_alternative<Odometry>(item.payload) || free < reserve / 2;
+    if (refused) gathered_bytes_ -= BytesOf(item);
+    return refused;
+  });
+  counts_.refused += static_cast<std::int64_t>(before - gathered_.size());
+  if (std::exchange(held_up_, true)) return;
+  Say("spool_full", "the spool is full: what the sensors deliver is refused until the server takes some of it",
+      {{"refused", counts_.refused}});
+}
+
+absl::Status Agent::HoldUp(std::int64_t bytes) {
+  if (!std::exchange(held_up_, true)) {
+    Say("spool_full", "the spool is full: the source waits until the server takes some of it");
+  }
+  if (interrupted_()) return absl::CancelledError("interrupted while the spool was full");
+  spool_.WaitForSpace(bytes, Clock::now() + kLookRound);
+  return absl::OkStatus();
+}
+
+void Agent::Say(std::string event, std::string text, nlohmann::json fields) {
+  listener_({std::move(event), std::move(text), std::move(fields)});
+}
+
+}  // namespace enfilade::robot

@@ -1,0 +1,101 @@
+#include "client/robot/surroundings_choice.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/simulator/sensors.h"
+#include "client/sources/content.h"
+#include "tests/support/status_matchers.h"
+
+namespace enfilade::robot {
+namespace {
+
+using testing::HasStatus;
+using ::testing::HasSubstr;
+
+LaserScan RoundScan(float range) {
+  LaserScan scan;
+  scan.time = 1;
+  scan.angle_min = -M_PI;
+  scan.angle_increment = 2.0 * M_PI / 360.0;
+  scan.range_min = 0.1F;
+  scan.range_max = 100.0F;
+  scan.ranges.assign(360, range);
+  return scan;
+}
+
+// A depth image of a slope, with a stripe that moves by `shift`.
+client::SpoolItem DepthAt(double seconds, int shift, Camera camera = Camera::kFront) {
+  simulator::CameraFrame frame;
+  frame.width = 64;
+  frame.height = 48;
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      const bool stripe = (x + shift) / 4 % 2 == 0;
+      frame.depth.push_back(static_cast<std::uint16_t>(stripe ? 1000 + 20 * y : 9000));
+    }
+  }
+  std::string png = *frame.DepthPng();
+  return {Image{static_cast<TimeNs>(seconds * 1e9), camera, ImageEncoding::kDepthPng16, sources::RefOf(png)}, png};
+}
+
+SurroundingsChoice Made(int criterion) {
+  ChoiceOptions options;
+  options.criterion = criterion;
+  options.psnr_thr = 20.0;
+  return *SurroundingsChoice::Make(options);
+}
+
+TEST(SurroundingsChoice, ByRange) {
+  SurroundingsChoice choice = Made(0);
+  EXPECT_EQ(choice.Choose(0).surroundings, std::nullopt);
+  EXPECT_THAT(choice.Choose(0).reason, HasSubstr("no scan"));
+  choice.Add(RoundScan(5.0F));
+  EXPECT_EQ(choice.Choose(0).surroundings, Surroundings::kIndoor);
+  choice.Add(RoundScan(40.0F));
+  EXPECT_EQ(choice.Choose(0).surroundings, Surroundings::kOutdoor);
+  choice.Add(RoundScan(100.0F));
+  EXPECT_EQ(choice.Choose(0).surroundings, std::nullopt) << "no hit";
+}
+
+TEST(SurroundingsChoice, BySimilarityOfDepthImages) {
+  for (const int criterion : {1, 2}) {
+    SurroundingsChoice still = Made(criterion);
+    SurroundingsChoice restless = Made(criterion);
+    for (int i = 0; i < 5; ++i) {
+      still.Add(DepthAt(i, 0));
+      restless.Add(DepthAt(i, 4 * i));
+    }
+    EXPECT_EQ(still.Choose(0).surroundings, Surroundings::kIndoor) << still.Choose(0).reason;
+    EXPECT_EQ(restless.Choose(0).surroundings, Surroundings::kOutdoor) << restless.Choose(0).reason;
+  }
+}
+
+TEST(SurroundingsChoice, LooksOnlyAtWhatCameSinceTheDoor) {
+  SurroundingsChoice choice = Made(1);
+  for (int i = 0; i < 4; ++i) choice.Add(DepthAt(i, 4 * i));
+  for (int i = 4; i < 8; ++i) choice.Add(DepthAt(i, 0));
+  EXPECT_EQ(choice.Choose(4 * kNsPerSecond).surroundings, Surroundings::kIndoor);
+}
+
+TEST(SurroundingsChoice, FallsBackOnTheRangeAndSaysSo) {
+  SurroundingsChoice choice = Made(1);
+  choice.Add(RoundScan(40.0F));
+  choice.Add(DepthAt(1.0, 0));
+  choice.Add(DepthAt(2.0, 0, Camera::kRear));
+  const SurroundingsChoice::Verdict verdict = choice.Choose(0);
+  EXPECT_EQ(verdict.surroundings, Surroundings::kOutdoor);
+  EXPECT_THAT(verdict.reason, HasSubstr("config_criterion 1 cannot tell"));
+}
+
+TEST(SurroundingsChoice, AMissingModelIsAnError) {
+  ChoiceOptions options;
+  options.criterion = 3;
+  options.scene_model = "missing.onnx";
+  options.scene_labels = "missing.txt";
+  options.scene_mapping = "missing.txt";
+  EXPECT_THAT(SurroundingsChoice::Make(options).status(), HasStatus(absl::StatusCode::kNotFound, HasSubstr("missing")));
+}
+
+}  // namespace
+}  // namespace enfilade::robot
