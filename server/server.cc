@@ -9,6 +9,7 @@
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
 #include "grpcpp/grpcpp.h"
 #include "grpcpp/health_check_service_interface.h"
+#include "server/app/closure/door_closures.h"
 #include "server/app/maintenance_loop.h"
 #include "server/app/services.h"
 #include "server/rpc/api.h"
@@ -39,7 +40,7 @@ class Server::Impl {
         pool(std::move(given_pool)),
         metrics(std::move(given_metrics)),
         executor(options.listen.workers, kMaxQueuedCalls),
-        mapping(options.mapping, slam, {mappings, records, sessions, blobs}, *metrics),
+        mapping(options.mapping, slam, {mappings, records, sessions, blobs}, *metrics, [this] { doors_wake.Wake(); }),
         ingest(options.ingest, records, blobs, *metrics, [this] { mapping.Wake(); }) {}
 
   absl::Status Start() {
@@ -48,18 +49,19 @@ class Server::Impl {
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // Looks at the database once before the first call can come.
     readiness = std::make_unique<Readiness>(*pool, [this](const Readiness::State& state) { SetReady(state); });
-    services = std::make_unique<Services>(Services{options,        std::chrono::steady_clock::now(),
-                                                   executor,       *metrics,
-                                                   *readiness,     sites,
-                                                   robots,         maps,
-                                                   revisions,      sessions,
-                                                   records,        blobs,
-                                                   mappings,       closures,
-                                                   link_points,    graph_store,
-                                                   robot_poses,    audit,
-                                                   ingest,         mapping,
-                                                   *exports,       graphs,
-                                                   graph_optimizer});
+    services = std::make_unique<Services>(Services{options,       std::chrono::steady_clock::now(),
+                                                   executor,      *metrics,
+                                                   *readiness,    sites,
+                                                   robots,        maps,
+                                                   revisions,     sessions,
+                                                   records,       blobs,
+                                                   mappings,      closures,
+                                                   link_points,   graph_store,
+                                                   robot_poses,   audit,
+                                                   door_verdicts, ingest,
+                                                   mapping,       *exports,
+                                                   graphs,        graph_optimizer,
+                                                   map_entries});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -109,6 +111,7 @@ class Server::Impl {
     if (readiness) readiness->Drain();
     mapping.Stop();
     ingest.Drain();
+    door_closures.Stop();
     graph_optimizer.Stop();
     graphs.Stop();
     grpc->Shutdown(deadline);
@@ -133,12 +136,26 @@ class Server::Impl {
   const LinkPointStore link_points{*pool};
   const RobotPoseStore robot_poses{*pool};
   const AuditStore audit{*pool};
+  const DoorVerdictStore door_verdicts{*pool};
+  const SiteLeaseStore site_leases{*pool};
+  const FeatureStore features{*pool};
+  WakeSignal doors_wake;
   Executor executor;
   Mapping mapping;
   Ingest ingest;
   ChangedSites changed_sites;
   SiteGraphs graphs{*pool, graph_store, changed_sites};
-  GraphOptimizer graph_optimizer{graph_store, graphs, changed_sites};
+  GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};
+  MapEntries map_entries{sessions, maps, door_verdicts};
+  DoorClosures door_closures{
+      options.closure,
+      {sessions, records, mappings, blobs, features, maps, link_points, door_verdicts, site_leases},
+      graphs,
+      doors_wake,
+      [this] {
+        mapping.Wake();
+        map_entries.Wake();
+      }};
   std::unique_ptr<MapExports> exports;
   std::unique_ptr<Readiness> readiness;
   std::unique_ptr<Services> services;

@@ -32,6 +32,8 @@ struct Evidence {
   std::int16_t encoding = 0;  // ImageEncoding or CloudEncoding, by `kind`
   BlobRef content;
   TimeNs time = 0;  // when it was recorded
+  // Where the robot was in `map` then; unset: not known, as near to the place as anybody knows.
+  std::optional<Pose2> T_map_robot = {};
 };
 
 struct StoredLinkPoint {
@@ -113,7 +115,7 @@ class LinkPointStore {
   // Takes the place of what the anchor had of this kind. The blob must be stored: INVALID_ARGUMENT otherwise;
   // NOT_FOUND where the link point has no anchor in that map.
   absl::Status PutEvidence(const CallContext& context, const SiteId& site, const Evidence& evidence) const;
-  // Of those link points, by link point, map and kind.
+  // Of those link points, by link point, map and kind; of one kind the nearest to the door's moment first.
   absl::StatusOr<std::vector<Evidence>> ListEvidence(const CallContext& context, const SiteId& site,
                                                      const std::vector<LinkPointId>& link_points) const;
 

@@ -89,6 +89,10 @@ class MappingStore {
   absl::StatusOr<Trajectory> ReadTrajectory(const CallContext& context, const SiteId& site,
                                             const SessionId& session) const;
 
+  // The keyframe nearest in time; unset where there is none.
+  absl::StatusOr<std::optional<PoseWithCovariance>> FindKeyframe(const CallContext& context, const SiteId& site,
+                                                                 const SessionId& session, TimeNs time) const;
+
  private:
   postgres::Pool& pool_;
 };

@@ -26,6 +26,15 @@ struct RecordBatch {
   absl::Span<const BlobView> blobs;
 };
 
+// Some records of a log: all of this must hold.
+struct RecordSelection {
+  std::vector<RecordKind> kinds;
+  TimeNs from_time = 0;  // both included
+  TimeNs to_time = 0;
+  std::int64_t first_sequence = 0;  // both included; few thousands apart, as all between are looked at
+  std::int64_t last_sequence = 0;
+};
+
 struct AppendResult {
   std::int64_t acknowledged_sequence = 0;  // all records up to it are stored
   std::int64_t inserted = 0;
@@ -61,6 +70,10 @@ class RecordStore {
   // deleted the session's records; DATA_LOSS where a payload does not decode.
   absl::StatusOr<std::vector<Record>> Read(const CallContext& context, const SiteId& site, const SessionId& session,
                                            std::int64_t from_sequence, std::int64_t max_bytes) const;
+
+  // Those of `selection`, in the order of the log; none where retention has deleted them. DATA_LOSS as in Read.
+  absl::StatusOr<std::vector<Record>> ReadSelected(const CallContext& context, const SiteId& site,
+                                                   const SessionId& session, const RecordSelection& selection) const;
 
  private:
   postgres::Pool& pool_;

@@ -42,11 +42,12 @@ struct Mapping::Turn {
 };
 
 Mapping::Mapping(const ServerOptions::Mapping& options, const SlamOptions& slam, const SessionMappingStores& stores,
-                 Metrics& metrics)
+                 Metrics& metrics, std::function<void()> mapped)
     : options_(options),
       stores_(stores),
       session_options_(SessionOptions(options, slam)),
       metrics_(metrics),
+      mapped_(std::move(mapped)),
       owner_(NewUuid()) {
   for (int i = 0; i < options.workers; ++i) workers_.emplace_back([this, i] { Work(i); });
   lease_keeper_ = std::thread([this] { KeepLeases(); });
@@ -120,9 +121,11 @@ void Mapping::MapSession(const LeasedSession& leased, Turn& turn) {
   }
   if (mapping) status = MapUntilTurnEnds(leased.lease, *mapping, turn);
 
+  const bool failed = absl::IsDataLoss(status) || absl::IsFailedPrecondition(status);
+  const bool ended = failed || (mapping && mapping->ended());
   if (status.ok()) {
     Park(leased.lease, std::move(mapping));
-  } else if (absl::IsDataLoss(status) || absl::IsFailedPrecondition(status)) {
+  } else if (failed) {
     // Will not get better by trying again.
     spdlog::error("mapping: session {} fails: {}", session, status.ToString());
     status = SessionMapping::Fail(stores_, leased, status);
@@ -131,6 +134,7 @@ void Mapping::MapSession(const LeasedSession& leased, Turn& turn) {
   }
   // Where the database is away the lease just ends in time.
   (void)stores_.mappings.Release(CallContext::WithTimeout(kTimeout), leased.lease);
+  if (ended && mapped_) mapped_();
 }
 
 absl::Status Mapping::MapUntilTurnEnds(const SessionLease& lease, SessionMapping& mapping, Turn& turn) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <memory>
 #include <string>
@@ -23,8 +24,9 @@ namespace enfilade::server {
 // next session has its turn.
 class Mapping {
  public:
+  // `mapped` is called whenever a session has come to its end.
   Mapping(const ServerOptions::Mapping& options, const SlamOptions& slam, const SessionMappingStores& stores,
-          Metrics& metrics);
+          Metrics& metrics, std::function<void()> mapped = {});
   // Stores what is mapped and gives the leases back.
   ~Mapping();
   Mapping(const Mapping&) = delete;
@@ -52,6 +54,7 @@ class Mapping {
   const SessionMappingStores stores_;
   const SessionMappingOptions session_options_;
   Metrics& metrics_;
+  const std::function<void()> mapped_;
   const std::string owner_;
 
   // A mapping that had its turn and may soon have another: spares reading all of it back from the database.

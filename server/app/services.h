@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "server/app/closure/map_entries.h"
 #include "server/app/executor.h"
 #include "server/app/graph/graph_optimizer.h"
 #include "server/app/graph/site_graphs.h"
@@ -14,6 +15,7 @@
 #include "storage/audit_store.h"
 #include "storage/blob_store.h"
 #include "storage/closure_store.h"
+#include "storage/door_verdict_store.h"
 #include "storage/graph_store.h"
 #include "storage/link_point_store.h"
 #include "storage/map_store.h"
@@ -48,12 +50,14 @@ struct Services {
   const GraphStore& graph_store;
   const RobotPoseStore& robot_poses;
   const AuditStore& audit;
+  const DoorVerdictStore& door_verdicts;
 
   Ingest& ingest;
   Mapping& mapping;
   MapExports& exports;
   SiteGraphs& graphs;
   GraphOptimizer& graph_optimizer;
+  MapEntries& map_entries;
 };
 
 }  // namespace enfilade::server

@@ -35,6 +35,8 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("mapping.revision_interval_s", options.mapping.revision_interval_s);
   visit("mapping.pairing_window_s", options.mapping.pairing_window_s);
   visit("mapping.slam_options_file", options.mapping.slam_options_file);
+  VisitClosureOptions(options.closure,
+                      [&](const char* name, auto& value) { visit(fmt::format("closure.{}", name).c_str(), value); });
   visit("transfers.cache_directory", options.transfers.cache_directory);
   visit("transfers.cache_bytes", options.transfers.cache_bytes);
   visit("transfers.max_import_bytes", options.transfers.max_import_bytes);
@@ -174,9 +176,10 @@ absl::Status ServerOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("database.default_deadline_s", database.default_deadline_s, 0.001));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("ingest.writers", ingest.writers, 1));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.workers", mapping.workers, 0));
-  // One for each writer and mapper, one each to hear of changed graphs and to optimise them, and one left for all else.
+  // One for each writer and mapper, one each to hear of changed graphs, to optimise them, to judge doors and to tell of
+  // entered maps, and one left for all else.
   ENFILADE_RETURN_IF_ERROR(
-      RequireAtLeast("database.max_connections", database.max_connections, ingest.writers + 2 * mapping.workers + 3));
+      RequireAtLeast("database.max_connections", database.max_connections, ingest.writers + 2 * mapping.workers + 5));
   for (const auto& [key, value] : {std::pair{"ingest.stream_buffer_bytes", ingest.stream_buffer_bytes},
                                    std::pair{"ingest.total_buffer_bytes", ingest.total_buffer_bytes},
                                    std::pair{"ingest.transaction_bytes", ingest.transaction_bytes},
@@ -188,6 +191,7 @@ absl::Status ServerOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.checkpoint_interval_s", mapping.checkpoint_interval_s, 0.0));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.revision_interval_s", mapping.revision_interval_s, 0.0));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.pairing_window_s", mapping.pairing_window_s, 0.0));
+  if (absl::Status status = closure.Validate(); !status.ok()) return WithContext(status, "option closure");
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("retention.interval_s", retention.interval_s, 0.1));
   for (const char* level : {"trace", "debug", "info", "warn", "error"}) {
     if (log.level == level) {

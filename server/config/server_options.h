@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/closure/closure_options.h"
 
 namespace enfilade::server {
 
@@ -55,6 +56,9 @@ struct ServerOptions {
     // A YAML file with SLAM options; empty: the defaults.
     std::string slam_options_file;
   } mapping;
+
+  // How robots' door reports are judged: core/closure/closure_options.h.
+  ClosureOptions closure;
 
   struct Transfers {
     // Rendered files are kept here for the next download; empty: a folder of its own under the system's temporary one.

@@ -223,6 +223,10 @@ class SessionApi final : public v1::SessionService::CallbackService {
                                           v1::ResumeClosureResponse* response) override {
     return RunUnary(services_, call, "ResumeClosure", request, response, server::ResumeClosure);
   }
+  grpc::ServerUnaryReactor* ListDoorVerdicts(Call* call, const v1::ListDoorVerdictsRequest* request,
+                                             v1::ListDoorVerdictsResponse* response) override {
+    return RunUnary(services_, call, "ListDoorVerdicts", request, response, server::ListDoorVerdicts);
+  }
 
  private:
   const Services& services_;

@@ -1,6 +1,6 @@
 #include "core/base/sha256.h"
 #include "storage/link_point_store.h"
-#include "storage/postgres/graph_change.h"
+#include "storage/postgres/link_point_changes.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
@@ -18,18 +18,13 @@ using postgres::Transaction;
 // FOR KEY SHARE: it is not collected meanwhile.
 constexpr Statement kLockBlob{"looking for the blob",
                               "SELECT size FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2 FOR KEY SHARE"};
-constexpr Statement kPut{"storing the evidence",
-                         "INSERT INTO enfilade.link_point_evidence"
-                         " (site_id, link_point_id, map_id, kind, encoding, sha256, time_ns)"
-                         " VALUES ($1, $2, $3, $4, $5, $6, $7) ON CONFLICT (site_id, link_point_id, map_id, kind)"
-                         " DO UPDATE SET encoding = excluded.encoding, sha256 = excluded.sha256,"
-                         " time_ns = excluded.time_ns"};
 constexpr Statement kList{"listing the evidence",
-                          "SELECT e.link_point_id, e.map_id, e.kind, e.encoding, e.sha256, b.size, e.time_ns"
+                          "SELECT e.link_point_id, e.map_id, e.kind, e.encoding, e.sha256, b.size, e.time_ns,"
+                          " e.x, e.y, e.yaw"
                           " FROM enfilade.link_point_evidence e JOIN enfilade.blobs b"
                           "   ON b.site_id = e.site_id AND b.sha256 = e.sha256"
                           " WHERE e.site_id = $1 AND e.link_point_id = ANY ($2)"
-                          " ORDER BY e.link_point_id, e.map_id, e.kind"};
+                          " ORDER BY e.link_point_id, e.map_id, e.kind, e.ordinal"};
 
 Evidence ReadEvidence(Row& row) {
   Evidence evidence;
@@ -40,6 +35,10 @@ Evidence ReadEvidence(Row& row) {
   evidence.content.sha256 = row.Bytes();
   evidence.content.size = row.Int64();
   evidence.time = row.Int64();
+  const std::optional<double> x = row.OptionalDouble();
+  const std::optional<double> y = row.OptionalDouble();
+  const std::optional<double> yaw = row.OptionalDouble();
+  if (x && y && yaw) evidence.T_map_robot = Pose2{*x, *y, *yaw};
   return evidence;
 }
 
@@ -54,8 +53,7 @@ absl::Status LinkPointStore::PutEvidence(const CallContext& context, const SiteI
     return InvalidArgument("the blob {} is not stored in {}: send it first", ToHex(evidence.content.sha256),
                            NameOf(site));
   }
-  transaction.Queue(kPut, Params(site, evidence.link_point, evidence.map, static_cast<std::int16_t>(evidence.kind),
-                                 evidence.encoding, Bytes{evidence.content.sha256}, evidence.time));
+  postgres::QueueEvidence(transaction, site, {evidence});
   const absl::Status committed = transaction.Commit();
   if (postgres::SqlStateOf(committed) == "23503") {
     return NotFound("{} has no anchor in the map \"{}\"", NameOf(site, evidence.link_point), evidence.map.value());

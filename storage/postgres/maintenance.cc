@@ -39,9 +39,9 @@ constexpr Statement kMarkPurged{"closing the session",
 // objects to.
 constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs"), ENFILADE_PURGE("session_records")};
 constexpr std::array kMappingTables = {
-    ENFILADE_PURGE("session_tracks"), ENFILADE_PURGE("trajectory_points"), ENFILADE_PURGE("slam_closures"),
-    ENFILADE_PURGE("slam_nodes"),     ENFILADE_PURGE("slam_submaps"),      ENFILADE_PURGE("mapping_checkpoints"),
-    ENFILADE_PURGE("session_leases"),
+    ENFILADE_PURGE("door_verdicts"),       ENFILADE_PURGE("session_tracks"), ENFILADE_PURGE("trajectory_points"),
+    ENFILADE_PURGE("slam_closures"),       ENFILADE_PURGE("slam_nodes"),     ENFILADE_PURGE("slam_submaps"),
+    ENFILADE_PURGE("mapping_checkpoints"), ENFILADE_PURGE("session_leases"),
 };
 
 constexpr Statement kCollectBlobs{

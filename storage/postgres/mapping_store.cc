@@ -2,6 +2,7 @@
 
 #include "storage/map_store.h"
 #include "storage/postgres/blob_rows.h"
+#include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/revision_rows.h"
 #include "storage/postgres/rows.h"
@@ -60,6 +61,11 @@ constexpr Statement kSelectTrajectory{
     "SELECT p.time_ns, n.x, n.y, n.yaw, p.x, p.y, p.yaw FROM enfilade.trajectory_points p"
     " JOIN enfilade.slam_nodes n ON (n.site_id, n.session_id, n.node_id) = (p.site_id, p.session_id, p.node_id)"
     " WHERE p.site_id = $1 AND p.session_id = $2 ORDER BY p.sequence"};
+
+constexpr Statement kFindKeyframe{
+    "looking for the nearest keyframe",
+    "SELECT x, y, yaw, covariance FROM enfilade.slam_nodes"
+    " WHERE site_id = $1 AND session_id = $2 ORDER BY abs(time_ns - $3), node_id LIMIT 1"};
 
 struct Target {
   MapId map;
@@ -182,6 +188,21 @@ absl::StatusOr<Trajectory> MappingStore::ReadTrajectory(const CallContext& conte
                               return StampedPose{time, T_map_node * ReadPose(point)};
                             }));
   return trajectory;
+}
+
+absl::StatusOr<std::optional<PoseWithCovariance>> MappingStore::FindKeyframe(const CallContext& context,
+                                                                             const SiteId& site,
+                                                                             const SessionId& session,
+                                                                             TimeNs time) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto found,
+                            postgres::ExecuteAlone(pool_, context, kFindKeyframe, Params(site, session, time)));
+  if (found.rows() == 0) return std::nullopt;
+  Row row(found, 0);
+  PoseWithCovariance keyframe;
+  keyframe.pose = ReadPose(row);
+  keyframe.covariance = postgres::ToCovariance(row.Doubles());
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  return std::optional<PoseWithCovariance>(keyframe);
 }
 
 }  // namespace enfilade

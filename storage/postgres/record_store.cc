@@ -11,6 +11,7 @@
 namespace enfilade {
 namespace {
 
+using postgres::ExecuteAlone;
 using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
@@ -33,7 +34,28 @@ constexpr Statement kRead{
     "      FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2)) r) s"
     " WHERE bytes_before < $4 ORDER BY sequence"};
 
+constexpr Statement kReadSelected{
+    "reading some records",
+    "SELECT sequence, kind, payload FROM enfilade.session_records WHERE site_id = $1 AND session_id = $2"
+    " AND sequence BETWEEN $3 AND $4 AND kind = ANY ($5) AND time_ns BETWEEN $6 AND $7 ORDER BY sequence"};
+
 constexpr char kRefusedSequencePayload[] = "enfilade/refused_sequence";
+
+absl::StatusOr<std::vector<Record>> DecodeRecords(const postgres::Result& result, const std::string& session) {
+  std::vector<Record> records;
+  records.reserve(static_cast<std::size_t>(result.rows()));
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    const std::int64_t sequence = row.Int64();
+    const auto kind = static_cast<RecordKind>(row.Int16());
+    const std::string_view payload = row.Bytes();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    auto record = DecodePayload(sequence, kind, payload);
+    if (!record.ok()) return WithContext(record.status(), session);
+    records.push_back(*std::move(record));
+  }
+  return records;
+}
 
 }  // namespace
 
@@ -87,19 +109,19 @@ absl::StatusOr<std::vector<Record>> RecordStore::Read(const CallContext& context
     return FailedPrecondition("the records of {} were deleted at the end of the site's retention",
                               NameOf(site, session));
   }
-  std::vector<Record> records;
-  records.reserve(static_cast<std::size_t>(results[0].rows()));
-  for (int i = 0; i < results[0].rows(); ++i) {
-    Row row(results[0], i);
-    const std::int64_t sequence = row.Int64();
-    const auto kind = static_cast<RecordKind>(row.Int16());
-    const std::string_view payload = row.Bytes();
-    ENFILADE_RETURN_IF_ERROR(row.status());
-    auto record = DecodePayload(sequence, kind, payload);
-    if (!record.ok()) return WithContext(record.status(), NameOf(site, session));
-    records.push_back(*std::move(record));
-  }
-  return records;
+  return DecodeRecords(results[0], NameOf(site, session));
+}
+
+absl::StatusOr<std::vector<Record>> RecordStore::ReadSelected(const CallContext& context, const SiteId& site,
+                                                              const SessionId& session,
+                                                              const RecordSelection& selection) const {
+  std::vector<std::int16_t> kinds;
+  for (const RecordKind kind : selection.kinds) kinds.push_back(static_cast<std::int16_t>(kind));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kReadSelected,
+                                         Params(site, session, selection.first_sequence, selection.last_sequence, kinds,
+                                                selection.from_time, selection.to_time)));
+  return DecodeRecords(result, NameOf(site, session));
 }
 
 }  // namespace enfilade

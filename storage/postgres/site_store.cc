@@ -43,6 +43,8 @@ constexpr Statement kLockSessions{
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 ORDER BY session_id FOR UPDATE"};
 // In an order that no foreign key objects to.
 constexpr std::array kDeletes = {
+    Statement{"deleting the site's lease", "DELETE FROM enfilade.site_leases WHERE site_id = $1"},
+    Statement{"deleting door verdicts", "DELETE FROM enfilade.door_verdicts WHERE site_id = $1"},
     Statement{"deleting robots' poses", "DELETE FROM enfilade.robot_poses WHERE site_id = $1"},
     Statement{"deleting control points", "DELETE FROM enfilade.control_points WHERE site_id = $1"},
     Statement{"deleting link points", "DELETE FROM enfilade.link_points WHERE site_id = $1"},

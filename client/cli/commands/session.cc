@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 
+#include "client/cli/commands/session_doors.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "core/base/status_macros.h"
@@ -32,7 +33,8 @@ nlohmann::json ToJson(const v1::Session& session) {
             {"odometries", records.odometries()},
             {"images", records.images()},
             {"point_clouds", records.point_clouds()},
-            {"withheld", records.withheld()}}},
+            {"withheld", records.withheld()},
+            {"door_reports", records.door_reports()}}},
           {"mapping",
            {{"paired", mapping.paired()},
             {"unpaired", mapping.unpaired()},
@@ -106,6 +108,7 @@ void AddSession(CLI::App& app, const Globals& globals) {
   CLI::App* show = AddCommand(*session, "show", "Show one session", [&globals, id] { return Show(globals, *id); });
   show->add_option("SESSION", *id, "Its id or resource name")->required();
   show->footer("Example: enfilade session show 5d0c... --json");
+  AddSessionDoors(*session, globals);
 }
 
 }  // namespace enfilade::cli

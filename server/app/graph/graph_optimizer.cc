@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
+#include "core/base/uuid.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -18,6 +19,8 @@ constexpr int kAttempts = 5;
 // Changes come in bunches: a closure is a link point, its evidence, and often the next one.
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
 constexpr auto kTimeout = std::chrono::seconds(60);
+constexpr auto kLeaseTime = std::chrono::seconds(30);
+constexpr auto kHeldPoll = std::chrono::milliseconds(50);
 // Solutions that differ by less are the same, m and rad.
 constexpr double kSame = 1e-6;
 
@@ -62,8 +65,9 @@ absl::StatusOr<std::int64_t> Store(const GraphStore& store, const CallContext& c
 
 }  // namespace
 
-GraphOptimizer::GraphOptimizer(const GraphStore& store, SiteGraphs& graphs, ChangedSites& changed)
-    : store_(store), graphs_(graphs), changed_(changed) {
+GraphOptimizer::GraphOptimizer(const GraphStore& store, const SiteLeaseStore& leases, SiteGraphs& graphs,
+                               ChangedSites& changed)
+    : store_(store), leases_(leases), graphs_(graphs), changed_(changed), owner_(NewUuid() + "/graph") {
   worker_ = std::thread([this] { Run(); });
 }
 
@@ -75,6 +79,21 @@ GraphOptimizer::~GraphOptimizer() {
 void GraphOptimizer::Stop() { stop_.Set(); }
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& context, const SiteId& site) {
+  while (true) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kLeaseTime));
+    if (lease) {
+      absl::StatusOr<OptimizedGraph> optimized = OptimizeHeld(context, site);
+      (void)leases_.Release(context, *lease);
+      return optimized;
+    }
+    if (std::chrono::steady_clock::now() + kHeldPoll >= context.deadline) {
+      return Aborted("another process is at work on site {}: try again", site.value());
+    }
+    if (stop_.WaitFor(kHeldPoll)) return absl::UnavailableError("the server is about to end: come again");
+  }
+}
+
+absl::StatusOr<OptimizedGraph> GraphOptimizer::OptimizeHeld(const CallContext& context, const SiteId& site) {
   absl::Status last;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
@@ -107,14 +126,21 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   std::string digest = DigestOf(graph->graph());
   std::string& solved = solved_[site];
   if (solved == digest) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const SolvedGraph solution, OptimizeGraph(graph->graph()));
-  if (!IsSame(graph->graph(), solution)) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph->graph(), solution));
-    spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off",
-                 site.value(), version, solution.map_poses.size(), solution.chi2_before, solution.chi2_after,
-                 solution.switched_off.size());
-  }
-  solved = std::move(digest);
+  ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kLeaseTime));
+  if (!lease) return Aborted("another one is at work on site {}", site.value());
+  const absl::Status optimized = OptimizeChanged(context, site, *graph);
+  (void)leases_.Release(context, *lease);
+  if (optimized.ok()) solved = std::move(digest);
+  return optimized;
+}
+
+absl::Status GraphOptimizer::OptimizeChanged(const CallContext& context, const SiteId& site, const SiteGraph& graph) {
+  ENFILADE_ASSIGN_OR_RETURN(const SolvedGraph solution, OptimizeGraph(graph.graph()));
+  if (IsSame(graph.graph(), solution)) return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph.graph(), solution));
+  spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off",
+               site.value(), version, solution.map_poses.size(), solution.chi2_before, solution.chi2_after,
+               solution.switched_off.size());
   return absl::OkStatus();
 }
 

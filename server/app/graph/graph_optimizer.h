@@ -13,6 +13,7 @@
 #include "server/app/stop_signal.h"
 #include "storage/call_context.h"
 #include "storage/graph_store.h"
+#include "storage/site_lease_store.h"
 
 namespace enfilade::server {
 
@@ -21,18 +22,20 @@ struct OptimizedGraph {
   SolvedGraph solution;
 };
 
-// Solves sites' graphs: on request, and by itself some time after what is measured in them has changed. A solution is
-// stored only where the graph is still at the version that it was made from, so that any number of processes may do the
-// same. Readers keep what they have meanwhile. Thread-safe.
+// Solves sites' graphs: on request, and by itself some time after what is measured in them has changed. Whoever solves
+// holds the site's lease, as whoever judges its doors, so that of any number of processes one does it; a solution is
+// stored only where the graph is still at the version that it was made from, whoever edits it meanwhile. Readers keep
+// what they have meanwhile. Thread-safe.
 class GraphOptimizer {
  public:
-  GraphOptimizer(const GraphStore& store, SiteGraphs& graphs, ChangedSites& changed);
+  GraphOptimizer(const GraphStore& store, const SiteLeaseStore& leases, SiteGraphs& graphs, ChangedSites& changed);
   ~GraphOptimizer();
   GraphOptimizer(const GraphOptimizer&) = delete;
   GraphOptimizer& operator=(const GraphOptimizer&) = delete;
 
-  // Now, whether anything has changed or not. FAILED_PRECONDITION where the site has no maps; ABORTED where the graph
-  // changed meanwhile, time and again; NOT_FOUND.
+  // Now, whether anything has changed or not; waits for whoever holds the site. FAILED_PRECONDITION where the site has
+  // no maps; ABORTED where the graph changed meanwhile, time and again, or another one holds the site until the
+  // deadline; NOT_FOUND.
   absl::StatusOr<OptimizedGraph> Optimize(const CallContext& context, const SiteId& site);
 
   // Begins what the destructor waits for.
@@ -40,15 +43,19 @@ class GraphOptimizer {
 
  private:
   void Run();
-  // Where its solution is not what the graph says now.
+  // Where its solution is not what the graph says now. ABORTED where another one holds the site.
   absl::Status OptimizeIfDue(const SiteId& site);
+  absl::StatusOr<OptimizedGraph> OptimizeHeld(const CallContext& context, const SiteId& site);
+  absl::Status OptimizeChanged(const CallContext& context, const SiteId& site, const SiteGraph& graph);
 
   const GraphStore& store_;
+  const SiteLeaseStore& leases_;
   SiteGraphs& graphs_;
   ChangedSites& changed_;
   StopSignal stop_;
   // Of what was measured when the site was last found solved; the worker's own.
   std::unordered_map<SiteId, std::string> solved_;
+  const std::string owner_;
   std::thread worker_;
 };
 

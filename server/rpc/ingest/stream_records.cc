@@ -12,6 +12,7 @@
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
 #include "server/rpc/ingest/batch.h"
+#include "server/rpc/session/door_verdict.h"
 #include "server/rpc/status.h"
 
 namespace enfilade::server {
@@ -130,7 +131,22 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
       responses_.push_back(std::move(response));
       WriteNext();
     }
+    AwaitMap(name, session->entry);
     ReadOn();
+  }
+
+  // The robot has come into its map through a door, or was put there.
+  void AwaitMap(const SessionName& name, const SessionEntry& entry) {
+    if (!entry.previous && !entry.T_map_robot) return;
+    const auto self = std::weak_ptr<StreamRecordsReactor>(shared_from_this());
+    services_.map_entries.Await(name, self, [self](const MapEntry& entered) {
+      const auto reactor = self.lock();
+      if (!reactor) return;
+      MutexLock lock(reactor->mutex_);
+      if (reactor->finished_ || reactor->ending_) return;
+      *reactor->responses_.emplace_back().mutable_map_entered() = ToProto(entered);
+      reactor->WriteNext();
+    });
   }
 
   void TakeBatch() {

@@ -26,4 +26,7 @@ absl::StatusOr<v1::SuspendClosureResponse> SuspendClosure(const Services& servic
 absl::StatusOr<v1::ResumeClosureResponse> ResumeClosure(const Services& services, const CallContext& context,
                                                         const v1::ResumeClosureRequest& request);
 
+absl::StatusOr<v1::ListDoorVerdictsResponse> ListDoorVerdicts(const Services& services, const CallContext& context,
+                                                              const v1::ListDoorVerdictsRequest& request);
+
 }  // namespace enfilade::server

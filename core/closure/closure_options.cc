@@ -1,0 +1,53 @@
+#include "core/closure/closure_options.h"
+
+#include <type_traits>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/options/yaml_options.h"
+
+namespace enfilade {
+
+absl::Status ClosureOptions::Validate() const {
+  absl::Status status;
+  VisitClosureOptions(*this, [&](const char* name, const auto& value) {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(value)>, std::string>) {
+      const auto number = static_cast<double>(value);
+      if (status.ok() && !(number >= 0.0 && number < 1e6)) {
+        status = InvalidArgument("{} is {}: expected 0 or more", name, number);
+      }
+    }
+  });
+  ENFILADE_RETURN_IF_ERROR(status);
+  for (const double probability : {gate_probability, strict_probability}) {
+    if (!(probability > 0.0 && probability < 1.0)) {
+      return InvalidArgument("gate_probability and strict_probability must lie between 0 and 1, not at {}",
+                             probability);
+    }
+  }
+  for (const double sigma :
+       {place_sigma, place_yaw_sigma, pose_sigma, pose_yaw_sigma, origin_sigma, origin_yaw_sigma, cloud_voxel}) {
+    if (!(sigma > 0.0)) return InvalidArgument("sigmas and cloud_voxel must be greater than 0");
+  }
+  for (const double share :
+       {image_min_share, min_inlier_share, strict_inlier_share, unpredicted_inlier_share, contradicting_share}) {
+    if (share > 1.0) return InvalidArgument("a share of {} is more than all", share);
+  }
+  if (images_now < 1 || images_kept < 1 || images_compared < 1 || images_kept > 100 || images_now > 100) {
+    return InvalidArgument("images_now, images_kept and images_compared must be 1 to 100");
+  }
+  if (map_name.empty() || map_name.size() > 100) return InvalidArgument("map_name must have 1 to 100 characters");
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ClosureOptions> ParseClosureOptions(std::string_view yaml, const ClosureOptions& base) {
+  constexpr std::string_view kWhat = "closure options";
+  ClosureOptions options = base;
+  ENFILADE_ASSIGN_OR_RETURN(const yaml_options::Values values, yaml_options::Load(yaml, kWhat));
+  ENFILADE_RETURN_IF_ERROR(
+      yaml_options::Assign(values, kWhat, [&](const auto& visitor) { VisitClosureOptions(options, visitor); }));
+  ENFILADE_RETURN_IF_ERROR(options.Validate());
+  return options;
+}
+
+}  // namespace enfilade

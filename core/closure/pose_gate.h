@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/closure/closure_options.h"
+#include "core/geometry/pose2.h"
+
+namespace enfilade {
+
+// Of two independent estimates of one pose in one frame: e' (S_a + S_b + diag(sigma^2, sigma^2, yaw_sigma^2))^-1 e with
+// e = (dx, dy, dyaw), yaw wrapped. Chi-squared with 3 degrees of freedom where both are right.
+double PoseChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, double sigma, double yaw_sigma);
+
+// A door has no front: the lesser of `a` as it is and turned by 180 degrees.
+double PlaceChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, const ClosureOptions& options);
+
+// The values that chi-squared with 3 degrees of freedom must not exceed.
+double Gate(const ClosureOptions& options);
+double StrictGate(const ClosureOptions& options);
+
+// The same place, looked at from the other side.
+PoseWithCovariance Turned(const PoseWithCovariance& T_map_place);
+
+}  // namespace enfilade

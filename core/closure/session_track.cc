@@ -1,0 +1,83 @@
+#include "core/closure/session_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace enfilade {
+namespace {
+
+constexpr TimeNs kMaxOdometryGap = kNsPerSecond / 2;
+constexpr TimeNs kMaxTrajectoryGap = 10 * kNsPerSecond;
+constexpr TimeNs kMaxBareGap = kNsPerSecond;  // without odometry
+
+template <typename Stamped>
+auto FirstAtOrAfter(const std::vector<Stamped>& samples, TimeNs time) {
+  return std::lower_bound(samples.begin(), samples.end(), time,
+                          [](const Stamped& sample, TimeNs t) { return sample.time < t; });
+}
+
+// The nearest in time; the earlier of two.
+template <typename Stamped>
+const Stamped* FindNearest(const std::vector<Stamped>& samples, TimeNs time) {
+  if (samples.empty()) return nullptr;
+  const auto after = FirstAtOrAfter(samples, time);
+  if (after == samples.begin()) return &samples.front();
+  if (after == samples.end()) return &samples.back();
+  const auto before = std::prev(after);
+  return time - before->time <= after->time - time ? &*before : &*after;
+}
+
+}  // namespace
+
+SessionTrack::SessionTrack(std::vector<StampedPose> trajectory, std::vector<Odometry> odometry,
+                           const ClosureOptions& options)
+    : trajectory_(std::move(trajectory)),
+      odometry_(std::move(odometry)),
+      sigma_(options.odometry_sigma),
+      yaw_sigma_(options.odometry_yaw_sigma) {
+  const auto by_time = [](const auto& a, const auto& b) { return a.time < b.time; };
+  std::stable_sort(trajectory_.begin(), trajectory_.end(), by_time);
+  std::stable_sort(odometry_.begin(), odometry_.end(), by_time);
+}
+
+std::optional<Pose2> SessionTrack::OdometryAt(TimeNs time) const {
+  const auto after = FirstAtOrAfter(odometry_, time);
+  if (after != odometry_.end() && after != odometry_.begin()) {
+    const auto before = std::prev(after);
+    if (after->time - before->time <= 2 * kMaxOdometryGap) {
+      const double t = static_cast<double>(time - before->time) / static_cast<double>(after->time - before->time);
+      return Interpolate(before->T_odom_robot, after->T_odom_robot, t);
+    }
+  }
+  const Odometry* nearest = FindNearest(odometry_, time);
+  if (nearest == nullptr || std::abs(nearest->time - time) > kMaxOdometryGap) return std::nullopt;
+  return nearest->T_odom_robot;
+}
+
+std::optional<PoseWithCovariance> SessionTrack::PoseAt(TimeNs time) const {
+  const StampedPose* nearest = FindNearest(trajectory_, time);
+  if (nearest == nullptr || std::abs(nearest->time - time) > kMaxTrajectoryGap) return std::nullopt;
+  const std::optional<Pose2> then = OdometryAt(nearest->time);
+  const std::optional<Pose2> now = OdometryAt(time);
+  if (!then || !now) {
+    if (std::abs(nearest->time - time) > kMaxBareGap) return std::nullopt;
+    return PoseWithCovariance{nearest->T_map_robot, Eigen::Matrix3d::Zero()};
+  }
+  const Pose2 way = Between(*then, *now);
+  const double length = way.translation().norm() + std::abs(way.yaw) * 0.5;
+  PoseWithCovariance step{way, Eigen::Matrix3d::Zero()};
+  const double variance = sigma_ * sigma_ * length * length;
+  step.covariance.diagonal() << variance, variance, yaw_sigma_ * yaw_sigma_ * length * length;
+  return Compose({nearest->T_map_robot, Eigen::Matrix3d::Zero()}, step);
+}
+
+std::optional<PoseWithCovariance> SessionTrack::ToMap(const Pose2& T_odom_x, TimeNs time) const {
+  const std::optional<PoseWithCovariance> T_map_robot = PoseAt(time);
+  if (!T_map_robot) return std::nullopt;
+  const std::optional<Pose2> T_odom_robot = OdometryAt(time);
+  if (!T_odom_robot) return T_map_robot;
+  return Compose(*T_map_robot, {Between(*T_odom_robot, T_odom_x), Eigen::Matrix3d::Zero()});
+}
+
+}  // namespace enfilade

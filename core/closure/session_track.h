@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/time.h"
+#include "core/closure/closure_options.h"
+#include "core/geometry/pose2.h"
+#include "core/sensor/record.h"
+#include "core/slam/slam_map.h"
+
+namespace enfilade {
+
+// Where a session's robot was in its map at any moment: the mapped scans' poses, carried to the moment by odometry.
+class SessionTrack {
+ public:
+  // Both in any order. Odometry need only cover what is asked for.
+  SessionTrack(std::vector<StampedPose> trajectory, std::vector<Odometry> odometry, const ClosureOptions& options);
+
+  // T_map_robot. The covariance is that of odometry's way from the nearest mapped scan alone; unset where nothing was
+  // mapped within 10 s.
+  std::optional<PoseWithCovariance> PoseAt(TimeNs time) const;
+  // T_odom_robot; unset where there is no odometry within half a second.
+  std::optional<Pose2> OdometryAt(TimeNs time) const;
+  // T_map_x of what odometry's frame has at T_odom_x, seen at `time`. Without odometry the robot was at x then.
+  std::optional<PoseWithCovariance> ToMap(const Pose2& T_odom_x, TimeNs time) const;
+
+ private:
+  std::vector<StampedPose> trajectory_;
+  std::vector<Odometry> odometry_;
+  double sigma_;
+  double yaw_sigma_;
+};
+
+}  // namespace enfilade

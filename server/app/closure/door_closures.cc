@@ -1,0 +1,183 @@
+#include "server/app/closure/door_closures.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/base/uuid.h"
+#include "server/app/closure/report_judge.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kTimeout = std::chrono::seconds(60);
+// Other replicas' mapping does not wake this process: it looks this often.
+constexpr auto kPoll = std::chrono::milliseconds(500);
+constexpr auto kLeaseTime = std::chrono::seconds(20);
+constexpr int kPendingAtOnce = 32;
+// The graph changes while a report is judged: people edit, other sites' replicas do not.
+constexpr int kAttempts = 10;
+
+CallContext Context() {
+  CallContext context = CallContext::WithTimeout(kTimeout);
+  context.actor = "closure at a door";
+  return context;
+}
+
+const char* InWords(DoorDecision decision) {
+  switch (decision) {
+    case DoorDecision::kCandidateMade:
+      return "a candidate";
+    case DoorDecision::kCandidateKnown:
+      return "known";
+    case DoorDecision::kCandidatePromoted:
+      return "a candidate promoted";
+    case DoorDecision::kLinkPointRecognised:
+      return "a link point recognised";
+    case DoorDecision::kLinkPointMade:
+      return "a new link point";
+    case DoorDecision::kNotJudged:
+      return "not judged";
+  }
+  return "?";
+}
+
+}  // namespace
+
+DoorClosures::DoorClosures(const ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs,
+                           WakeSignal& wake, std::function<void()> entered)
+    : options_(options),
+      stores_(stores),
+      graphs_(graphs),
+      wake_(wake),
+      entered_(std::move(entered)),
+      owner_(NewUuid() + "/doors") {
+  worker_ = std::thread([this] { Run(); });
+}
+
+DoorClosures::~DoorClosures() {
+  Stop();
+  worker_.join();
+}
+
+void DoorClosures::Stop() {
+  stop_.Set();
+  wake_.Wake();
+}
+
+void DoorClosures::Run() {
+  while (!stop_.is_set()) {
+    if (!TakeTurn()) wake_.WaitFor(kPoll);
+  }
+}
+
+bool DoorClosures::MayTry(const PendingDoors& pending) {
+  const auto found = delays_.find(pending.site.value() + "/" + pending.session.value());
+  return found == delays_.end() || found->second.until <= std::chrono::steady_clock::now();
+}
+
+void DoorClosures::Failed(const PendingDoors& pending, const absl::Status& status) {
+  Delay& delay = delays_[pending.site.value() + "/" + pending.session.value()];
+  delay.failures = std::min(delay.failures + 1, 8);
+  delay.until = std::chrono::steady_clock::now() + std::chrono::milliseconds(250) * (1 << delay.failures);
+  spdlog::warn("doors of session {}: {}; again later", pending.session.value(), status.ToString());
+}
+
+bool DoorClosures::TakeTurn() {
+  const auto pending = stores_.verdicts.FindPending(Context(), kPendingAtOnce);
+  if (!pending.ok()) return false;  // readiness tells of an unreachable database
+  bool worked = false;
+  for (const PendingDoors& next : *pending) {
+    if (stop_.is_set()) return false;
+    if (!MayTry(next)) continue;
+    const auto lease = stores_.leases.Acquire(Context(), next.site, owner_, kLeaseTime);
+    if (!lease.ok() || !*lease) continue;  // another one is at this site
+    const absl::Status settled = Settle(**lease, next.session);
+    (void)stores_.leases.Release(Context(), **lease);
+    if (settled.ok()) {
+      delays_.erase(next.site.value() + "/" + next.session.value());
+      worked = true;
+    } else if (!stop_.is_set()) {
+      Failed(next, settled);
+    }
+  }
+  return worked;
+}
+
+absl::Status DoorClosures::Settle(const SiteLease& lease, const SessionId& id) {
+  const absl::StatusOr<Session> session = stores_.sessions.Get(Context(), lease.site, id);
+  // Deleted: those that came out of it still need a map.
+  if (absl::IsNotFound(session.status())) return SettleWaiting(lease, id);
+  ENFILADE_RETURN_IF_ERROR(session.status());
+  ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(Context(), lease.site, id));
+  for (const StoredDoorReport& report : reports) {
+    if (report.judged) continue;
+    ENFILADE_RETURN_IF_ERROR(SettleReport(lease, *session, report));
+  }
+  ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
+  return stores_.verdicts.MarkJudged(Context(), lease, id);
+}
+
+absl::Status DoorClosures::SettleReport(const SiteLease& lease, const Session& session,
+                                        const StoredDoorReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto go_on = [&]() -> absl::Status {
+    if (stop_.is_set()) return absl::CancelledError("the server is about to end");
+    return stores_.leases.Renew(Context(), lease, kLeaseTime);
+  };
+  std::set<LinkPointId> redundant;
+  absl::Status last;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    ENFILADE_RETURN_IF_ERROR(go_on());
+    ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(Context(), lease.site));
+    const ReportJudge judge(stores_, options_, graph, go_on);
+    ENFILADE_ASSIGN_OR_RETURN(const DoorChange change, judge.Judge(Context(), session, report, redundant));
+    last = stores_.verdicts.Commit(Context(), lease, change);
+    graphs_.MarkChanged(lease.site);
+    if (last.ok()) {
+      const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+      spdlog::info("door {} of session {}: {} in {:.0f} ms: {}", report.sequence, session.id.value(),
+                   InWords(change.verdict.decision), took.count(), change.verdict.reason);
+      if (change.verdict.entered_map) entered_();
+      return absl::OkStatus();
+    }
+    if (absl::IsAlreadyExists(last) && change.link_point) {
+      redundant.insert(change.link_point->point.id);  // the database draws the line of "the same place" itself
+    } else if (!absl::IsAborted(last) && !absl::IsNotFound(last)) {
+      return last;
+    }
+  }
+  return last;
+}
+
+absl::Status DoorClosures::SettleWaiting(const SiteLease& lease, const SessionId& previous) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto waiting, stores_.verdicts.ListWaiting(Context(), lease.site, previous));
+  if (waiting.empty()) return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(const auto passage, stores_.verdicts.FindPassage(Context(), lease.site, previous));
+  absl::Status entered = absl::NotFoundError("");
+  if (passage) {
+    entered = stores_.verdicts.Enter(Context(), lease,
+                                     {.previous = previous,
+                                      .new_map = {},
+                                      .map = *passage->entered_map,
+                                      .T_map_robot = passage->T_map_robot,
+                                      .T_odom_robot = passage->T_odom_robot});
+  }
+  if (absl::IsNotFound(entered)) {
+    // No passage was reported, or its map has been deleted: a new one that nothing joins.
+    const NewMap map = MapBehind(std::nullopt, nullptr, options_);
+    entered = stores_.verdicts.Enter(
+        Context(), lease, {.previous = previous, .new_map = map, .map = map.id, .T_map_robot = {}, .T_odom_robot = {}});
+    graphs_.MarkChanged(lease.site);
+  }
+  ENFILADE_RETURN_IF_ERROR(entered);
+  spdlog::info("{} sessions out of session {} have their map", waiting.size(), previous.value());
+  entered_();
+  return absl::OkStatus();
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <string>
+#include <thread>
+
+#include "absl/status/status.h"
+#include "core/closure/closure_options.h"
+#include "server/app/closure/closure_stores.h"
+#include "server/app/graph/site_graphs.h"
+#include "server/app/stop_signal.h"
+#include "server/app/wake_signal.h"
+
+namespace enfilade::server {
+
+// Judges the door reports of all sites' sessions when they are mapped, and gives the sessions that come out of them
+// their map. One process at a time does so for a site: it holds the site's lease. What a report comes to is one
+// transaction, so that whoever dies leaves nothing half, and the next one goes on where it was.
+class DoorClosures {
+ public:
+  // `wake`: when a session may have been mapped. `entered` is called when sessions have been given their map.
+  DoorClosures(const ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs, WakeSignal& wake,
+               std::function<void()> entered);
+  ~DoorClosures();
+  DoorClosures(const DoorClosures&) = delete;
+  DoorClosures& operator=(const DoorClosures&) = delete;
+
+  // Begins what the destructor waits for.
+  void Stop();
+
+ private:
+  void Run();
+  // False where there was nothing to do.
+  bool TakeTurn();
+  absl::Status Settle(const SiteLease& lease, const SessionId& session);
+  absl::Status SettleReport(const SiteLease& lease, const Session& session, const StoredDoorReport& report);
+  absl::Status SettleWaiting(const SiteLease& lease, const SessionId& previous);
+  bool MayTry(const PendingDoors& pending);
+  void Failed(const PendingDoors& pending, const absl::Status& status);
+
+  const ClosureOptions options_;
+  const ClosureStores stores_;
+  SiteGraphs& graphs_;
+  WakeSignal& wake_;
+  const std::function<void()> entered_;
+  const std::string owner_;
+  StopSignal stop_;
+
+  // A session that failed waits before it is tried again, the longer the more often it did; the worker's own.
+  struct Delay {
+    int failures = 0;
+    std::chrono::steady_clock::time_point until;
+  };
+  std::map<std::string, Delay> delays_;  // by "site/session"
+  std::thread worker_;
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,69 @@
+#include "server/app/closure/map_entries.h"
+
+#include <chrono>
+#include <utility>
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kTimeout = std::chrono::seconds(10);
+// What another replica judges is found by looking this often.
+constexpr auto kPoll = std::chrono::seconds(1);
+
+CallContext Context() { return CallContext::WithTimeout(kTimeout); }
+
+}  // namespace
+
+MapEntries::MapEntries(const SessionStore& sessions, const MapStore& maps, const DoorVerdictStore& verdicts)
+    : sessions_(sessions), maps_(maps), verdicts_(verdicts) {
+  worker_ = std::thread([this] { Run(); });
+}
+
+MapEntries::~MapEntries() {
+  stop_.Set();
+  wake_.Wake();
+  worker_.join();
+}
+
+void MapEntries::Await(const SessionName& session, std::weak_ptr<const void> owner,
+                       std::function<void(const MapEntry&)> tell) {
+  {
+    MutexLock lock(mutex_);
+    waiting_.push_back({session, std::move(owner), std::move(tell)});
+  }
+  wake_.Wake();
+}
+
+void MapEntries::Run() {
+  while (true) {
+    wake_.WaitFor(kPoll);
+    if (stop_.is_set()) return;
+    std::list<Waiting> waiting;
+    {
+      MutexLock lock(mutex_);
+      waiting.swap(waiting_);
+    }
+    waiting.remove_if([&](const Waiting& one) { return stop_.is_set() || Tell(one); });
+    MutexLock lock(mutex_);
+    waiting_.splice(waiting_.end(), waiting);
+  }
+}
+
+bool MapEntries::Tell(const Waiting& waiting) const {
+  if (waiting.owner.expired()) return true;
+  const auto session = sessions_.Get(Context(), waiting.session.site, waiting.session.session);
+  if (!session.ok()) return absl::IsNotFound(session.status());
+  if (!session->map) return false;
+  const auto map = maps_.Get(Context(), waiting.session.site, *session->map);
+  if (!map.ok()) return absl::IsNotFound(map.status());
+  MapEntry entry{*map, session->entry, {}};
+  if (session->entry.previous) {
+    auto verdict = verdicts_.FindPassage(Context(), waiting.session.site, *session->entry.previous);
+    if (!verdict.ok()) return false;
+    entry.verdict = *std::move(verdict);
+  }
+  waiting.tell(entry);
+  return true;
+}
+
+}  // namespace enfilade::server

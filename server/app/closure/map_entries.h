@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "core/base/mutex.h"
+#include "proto/convert/names.h"
+#include "server/app/stop_signal.h"
+#include "server/app/wake_signal.h"
+#include "storage/door_verdict_store.h"
+#include "storage/map_store.h"
+#include "storage/session_store.h"
+
+namespace enfilade::server {
+
+// The map that a session is mapped into, for its robot.
+struct MapEntry {
+  Map map;
+  SessionEntry entry;
+  std::optional<DoorVerdict> verdict;  // on the passage out of the previous session
+};
+
+// Tells streams of sessions that came through a door which map they are in, once it is known. Thread-safe.
+class MapEntries {
+ public:
+  MapEntries(const SessionStore& sessions, const MapStore& maps, const DoorVerdictStore& verdicts);
+  ~MapEntries();
+  MapEntries(const MapEntries&) = delete;
+  MapEntries& operator=(const MapEntries&) = delete;
+
+  // Calls `tell` once from a thread of this object, as soon as the session has a map; never where it is deleted before.
+  // Where `owner` is gone it is forgotten.
+  void Await(const SessionName& session, std::weak_ptr<const void> owner, std::function<void(const MapEntry&)> tell);
+  // Sessions may have been given their map.
+  void Wake() { wake_.Wake(); }
+
+ private:
+  struct Waiting {
+    SessionName session;
+    std::weak_ptr<const void> owner;
+    std::function<void(const MapEntry&)> tell;
+  };
+
+  void Run();
+  // False where it still waits.
+  bool Tell(const Waiting& waiting) const;
+
+  const SessionStore& sessions_;
+  const MapStore& maps_;
+  const DoorVerdictStore& verdicts_;
+  Mutex mutex_;
+  std::list<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
+  WakeSignal wake_;
+  StopSignal stop_;
+  std::thread worker_;
+};
+
+}  // namespace enfilade::server

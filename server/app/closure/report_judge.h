@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/closure/closure_options.h"
+#include "server/app/closure/closure_stores.h"
+#include "server/app/graph/site_graph.h"
+
+namespace enfilade::server {
+
+// Makes up its mind about one door report by one version of the site's graph: reads what the session saw, compares it
+// with what the graph knows (core/closure decides), and says what is to be stored. Writes nothing but features of
+// images. One for each report and graph.
+class ReportJudge {
+ public:
+  // `go_on` is asked between comparisons: an error ends the judgement with it (the lease is lost).
+  ReportJudge(const ClosureStores& stores, const ClosureOptions& options, std::shared_ptr<const SiteGraph> graph,
+              std::function<absl::Status()> go_on);
+
+  // `excluded`: candidates that would make a redundant link point. A report that cannot be judged has a verdict that
+  // says so; errors are the stores'.
+  absl::StatusOr<DoorChange> Judge(const CallContext& context, const Session& session, const StoredDoorReport& report,
+                                   const std::set<LinkPointId>& excluded) const;
+
+ private:
+  const ClosureStores& stores_;
+  const ClosureOptions& options_;
+  const std::shared_ptr<const SiteGraph> graph_;
+  const std::function<absl::Status()> go_on_;
+};
+
+// A map that begins where the report's robot is; `from`: the map that it comes from, where there is one.
+NewMap MapBehind(const std::optional<Map>& from, const DoorReport* report, const ClosureOptions& options);
+
+}  // namespace enfilade::server

@@ -1,0 +1,86 @@
+#include "server/app/closure/session_scene.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/status_macros.h"
+
+namespace enfilade::server {
+namespace {
+
+// A candidate is reported some time after it was seen; more records than this do not lie between.
+constexpr std::int64_t kRecordsBefore = 20'000;
+constexpr std::int64_t kRecordsAfter = 500;  // records may come a little late
+constexpr TimeNs kMargin = 10 * kNsPerSecond;
+
+}  // namespace
+
+absl::StatusOr<SessionScene> SessionScene::Load(const ClosureStores& stores, const CallContext& context,
+                                                const Session& session, const StoredDoorReport& stored,
+                                                const ClosureOptions& options) {
+  const DoorReport& report = stored.report;
+  ENFILADE_ASSIGN_OR_RETURN(Trajectory trajectory, stores.mappings.ReadTrajectory(context, session.site, session.id));
+  ENFILADE_ASSIGN_OR_RETURN(
+      std::vector<Record> records,
+      stores.records.ReadSelected(context, session.site, session.id,
+                                  {.kinds = {RecordKind::kOdometry, RecordKind::kImage, RecordKind::kPointCloud},
+                                   .from_time = report.door_time - kMargin,
+                                   .to_time = report.time + kMargin,
+                                   .first_sequence = stored.sequence - kRecordsBefore,
+                                   .last_sequence = stored.sequence + kRecordsAfter}));
+  std::vector<Odometry> odometry;
+  std::vector<SeenImage> images;
+  std::vector<SeenCloud> clouds;
+  for (Record& record : records) {
+    if (auto* sample = std::get_if<Odometry>(&record.payload)) odometry.push_back(*sample);
+    if (auto* image = std::get_if<Image>(&record.payload)) images.push_back({record.sequence, std::move(*image)});
+    if (auto* cloud = std::get_if<PointCloud>(&record.payload)) clouds.push_back({record.sequence, std::move(*cloud)});
+  }
+  SessionScene scene(SessionTrack(std::move(trajectory.poses), std::move(odometry), options), report);
+  scene.images_ = std::move(images);
+  scene.clouds_ = std::move(clouds);
+  ENFILADE_ASSIGN_OR_RETURN(const auto keyframe,
+                            stores.mappings.FindKeyframe(context, session.site, session.id, report.time));
+  if (keyframe) scene.keyframe_covariance_ = keyframe->covariance;
+  return scene;
+}
+
+std::optional<PoseWithCovariance> SessionScene::PoseAt(TimeNs time) const {
+  std::optional<PoseWithCovariance> pose = track_.PoseAt(time);
+  if (pose) pose->covariance += keyframe_covariance_;
+  return pose;
+}
+
+std::optional<PoseWithCovariance> SessionScene::DoorPose() const {
+  std::optional<PoseWithCovariance> pose = track_.ToMap(report_.T_odom_door, report_.door_time);
+  if (pose) pose->covariance += keyframe_covariance_;
+  return pose;
+}
+
+std::vector<SessionScene::SeenImage> SessionScene::ImagesNear(Camera camera, TimeNs time, TimeNs from, TimeNs to,
+                                                              int count) const {
+  std::vector<SeenImage> found;
+  for (const SeenImage& seen : images_) {
+    const bool is_picture = seen.image.encoding != ImageEncoding::kDepthPng16;
+    if (is_picture && seen.image.camera == camera && seen.image.time >= from && seen.image.time <= to) {
+      found.push_back(seen);
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [&](const SeenImage& a, const SeenImage& b) {
+    return std::abs(a.image.time - time) < std::abs(b.image.time - time);
+  });
+  if (found.size() > static_cast<std::size_t>(count)) found.resize(static_cast<std::size_t>(count));
+  return found;
+}
+
+std::optional<SessionScene::SeenCloud> SessionScene::CloudNear(TimeNs time, TimeNs from, TimeNs to) const {
+  const SeenCloud* nearest = nullptr;
+  for (const SeenCloud& seen : clouds_) {
+    if (seen.cloud.time < from || seen.cloud.time > to) continue;
+    if (nearest == nullptr || std::abs(seen.cloud.time - time) < std::abs(nearest->cloud.time - time)) nearest = &seen;
+  }
+  if (nearest == nullptr) return std::nullopt;
+  return *nearest;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/closure/closure_options.h"
+#include "core/closure/session_track.h"
+#include "core/sensor/record.h"
+#include "server/app/closure/closure_stores.h"
+
+namespace enfilade::server {
+
+// What a session's robot saw, and where it was, about a door that it reports. A value; the stores are not kept.
+class SessionScene {
+ public:
+  // Errors are the stores'. A session whose records are gone has none.
+  static absl::StatusOr<SessionScene> Load(const ClosureStores& stores, const CallContext& context,
+                                           const Session& session, const StoredDoorReport& report,
+                                           const ClosureOptions& options);
+
+  // In the session's map, with the covariance of the nearest keyframe and odometry's since. Unset where nothing was
+  // mapped about then.
+  std::optional<PoseWithCovariance> PoseAt(TimeNs time) const;
+  std::optional<Pose2> OdometryAt(TimeNs time) const { return track_.OdometryAt(time); }
+  // The report's door; of a candidate where the robot was when it saw the door.
+  std::optional<PoseWithCovariance> DoorPose() const;
+
+  struct SeenImage {
+    std::int64_t sequence = 0;
+    Image image;
+  };
+  struct SeenCloud {
+    std::int64_t sequence = 0;
+    PointCloud cloud;
+  };
+  // At most `count` with from <= time <= to, the nearest to `time` first.
+  std::vector<SeenImage> ImagesNear(Camera camera, TimeNs time, TimeNs from, TimeNs to, int count) const;
+  std::optional<SeenCloud> CloudNear(TimeNs time, TimeNs from, TimeNs to) const;
+
+ private:
+  SessionScene(SessionTrack track, const DoorReport& report) : track_(std::move(track)), report_(report) {}
+
+  SessionTrack track_;
+  DoorReport report_;
+  Eigen::Matrix3d keyframe_covariance_ = Eigen::Matrix3d::Zero();
+  std::vector<SeenImage> images_;
+  std::vector<SeenCloud> clouds_;
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/closure/closure_options.h"
+#include "core/sensor/record.h"
+#include "perception/cloud/cloud.h"
+#include "perception/image/features.h"
+#include "server/app/closure/closure_stores.h"
+
+namespace enfilade::server {
+
+// Stored images' features and stored clouds, read once each while one report is judged. What cannot be read (damaged,
+// too large, nothing to see) is as if it were not there; why is told by `faults`. Errors are the stores' alone.
+class StoredViews {
+ public:
+  StoredViews(const ClosureStores& stores, const SiteId& site, const ClosureOptions& options)
+      : stores_(stores), site_(site), options_(options) {}
+
+  // Null where there is nothing to see in it. `keep`: its features are read from the database or stored there, for
+  // images that will be compared again.
+  absl::StatusOr<const perception::FeatureSet*> Features(const CallContext& context, const BlobRef& image, bool keep);
+  // Null where it has no points, or is none.
+  absl::StatusOr<const perception::Cloud*> Points(const CallContext& context, const BlobRef& cloud,
+                                                  CloudEncoding encoding);
+
+  // What could not be read, in words; empty where all could.
+  const std::string& faults() const { return faults_; }
+
+ private:
+  absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const CallContext& context, const BlobRef& image,
+                                                                     bool keep);
+  void AddFault(const std::string& what);
+
+  const ClosureStores& stores_;
+  const SiteId& site_;
+  const ClosureOptions& options_;
+  std::map<std::string, std::optional<perception::FeatureSet>> features_;  // by SHA-256
+  std::map<std::string, std::optional<perception::Cloud>> clouds_;
+  std::string faults_;
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,298 @@
+#include "storage/door_verdict_store.h"
+
+#include <chrono>
+
+#include "storage/feature_store.h"
+#include "storage/site_lease_store.h"
+#include "tests/contract/storage/store_test.h"
+#include "tests/support/pose_matchers.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr auto kTtl = std::chrono::seconds(30);
+
+class DoorVerdictStoreTest : public StoreTest {
+ protected:
+  static Record Report(std::int64_t sequence, DoorReport::Kind kind) {
+    DoorReport report;
+    report.time = 9;
+    report.kind = kind;
+    report.door_time = 8;
+    report.T_odom_door = {1, 2, 0.5};
+    return {sequence, report};
+  }
+
+  // "s1", mapped, with a candidate (2) and a passage (3), and "s2" out of it.
+  void DriveThroughADoor() {
+    first_ = NewSession("s1");
+    ASSERT_OK(Append(first_,
+                     {ScanRecord(1), Report(2, DoorReport::Kind::kCandidate), Report(3, DoorReport::Kind::kPassage)}));
+    ASSERT_OK(sessions_.Finish(Soon(), site_, first_, 3));
+    Session next = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+    next.entry.previous = first_;
+    ASSERT_OK(sessions_.Create(Soon(), next, ""));
+    second_ = next.id;
+  }
+  void MarkMapped() { database_.Sql("UPDATE sessions SET state = 3 WHERE session_id = 's1'"); }
+
+  SiteLease Lease(const std::string& owner = "me") {
+    const auto lease = leases_.Acquire(Soon(), site_, owner, kTtl);
+    EXPECT_OK(lease);
+    EXPECT_TRUE(lease->has_value());
+    return lease->value_or(SiteLease());
+  }
+  std::int64_t Version() { return graph_.GetVersion(Soon(), site_).value_or(-1); }
+
+  // A passage into a new map, through a new link point.
+  DoorChange Through(std::int64_t sequence = 3) {
+    DoorChange change;
+    DoorVerdict& verdict = change.verdict;
+    verdict.session = first_;
+    verdict.sequence = sequence;
+    verdict.decision = DoorDecision::kLinkPointMade;
+    verdict.link_point = LinkPointId("door");
+    verdict.entered_map = MapId("yard");
+    verdict.T_map_robot = PoseWithCovariance{{1.2, 0, 0}, 0.01 * Eigen::Matrix3d::Identity()};
+    verdict.T_odom_robot = Pose2{2, 3, 0.5};
+    verdict.reason = "nothing known";
+    verdict.evidence = {1};
+    verdict.graph_version = Version();
+    DoorComparison compared;
+    compared.link_point = LinkPointId("other");
+    compared.map = MapId("elsewhere");
+    compared.image_matches = 7;
+    compared.reason = "images do not agree";
+    verdict.comparisons = {compared};
+    change.new_map = NewMap{MapId("yard"), "Map", 2, Environment::kOutdoor, "wide"};
+    change.new_link_point = MakeLinkPoint(site_, "door", {MakeAnchor("hall", 4, 5), MakeAnchor("yard", 0, 0)});
+    return change;
+  }
+
+  const SiteLeaseStore leases_{*pool_};
+  const DoorVerdictStore verdicts_{*pool_};
+  SessionId first_;
+  SessionId second_;
+};
+
+TEST_F(DoorVerdictStoreTest, SessionsAreJudgedWhenTheyAreFinishedAndMapped) {
+  DriveThroughADoor();
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), IsEmpty());
+  MarkMapped();
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(PendingDoors{site_, first_}));
+  ASSERT_OK_AND_ASSIGN(const auto reports, verdicts_.ReadReports(Soon(), site_, first_));
+  ASSERT_THAT(reports, SizeIs(2));
+  EXPECT_EQ(reports[0].sequence, 2);
+  EXPECT_EQ(reports[1].report.kind, DoorReport::Kind::kPassage);
+  EXPECT_FALSE(reports[1].judged);
+  EXPECT_THAT(*verdicts_.ListWaiting(Soon(), site_, first_), ElementsAre(second_));
+}
+
+TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
+  DriveThroughADoor();
+  MarkMapped();
+  const SiteLease lease = Lease();
+  const DoorChange change = Through();
+  ASSERT_OK(verdicts_.Commit(Soon(), lease, change));
+
+  ASSERT_OK_AND_ASSIGN(const Map yard, maps_.Get(Soon(), site_, MapId("yard")));
+  EXPECT_EQ(yard.display_name, "Map 1");
+  EXPECT_EQ(yard.level, 2);
+  EXPECT_EQ(yard.environment, Environment::kOutdoor);
+  EXPECT_EQ(yard.slam_profile, "wide");
+  ASSERT_OK_AND_ASSIGN(const StoredLinkPoint door, link_points_.Get(Soon(), site_, LinkPointId("door")));
+  EXPECT_THAT(door.point.anchors, SizeIs(2));
+  EXPECT_TRUE(door.T_world_place.has_value());
+  ASSERT_OK_AND_ASSIGN(const Session next, sessions_.Get(Soon(), site_, second_));
+  EXPECT_EQ(next.map, MapId("yard"));
+  ASSERT_TRUE(next.entry.T_map_robot.has_value());
+  EXPECT_THAT(next.entry.T_map_robot->pose, PoseNear(Pose2{1.2, 0, 0}, 1e-12, 1e-12));
+  EXPECT_EQ(next.entry.T_odom_robot, change.verdict.T_odom_robot);
+
+  ASSERT_OK_AND_ASSIGN(const auto listed, verdicts_.List(Soon(), site_, first_, 0, 10));
+  ASSERT_THAT(listed, SizeIs(1));
+  EXPECT_EQ(listed[0].decision, DoorDecision::kLinkPointMade);
+  EXPECT_EQ(listed[0].link_point, LinkPointId("door"));
+  EXPECT_EQ(listed[0].evidence, change.verdict.evidence);
+  EXPECT_EQ(listed[0].graph_version, change.verdict.graph_version);
+  EXPECT_GT(listed[0].create_time, 0);
+  ASSERT_THAT(listed[0].comparisons, SizeIs(1));
+  EXPECT_EQ(listed[0].comparisons[0].image_matches, 7);
+  EXPECT_FALSE(listed[0].comparisons[0].chi2.has_value());
+  EXPECT_THAT(verdicts_.List(Soon(), site_, SessionId("none"), 0, 10), HasCode(absl::StatusCode::kNotFound));
+  ASSERT_OK_AND_ASSIGN(const auto passage, verdicts_.FindPassage(Soon(), site_, first_));
+  EXPECT_EQ(passage->entered_map, MapId("yard"));
+}
+
+TEST_F(DoorVerdictStoreTest, JudgedTwiceItChangesNothing) {
+  DriveThroughADoor();
+  MarkMapped();
+  const SiteLease lease = Lease();
+  const DoorChange change = Through();
+  ASSERT_OK(verdicts_.Commit(Soon(), lease, change));
+  const std::int64_t version = Version();
+  ASSERT_OK(verdicts_.Commit(Soon(), lease, change));
+  EXPECT_EQ(Version(), version);
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM link_points"), "1");
+}
+
+TEST_F(DoorVerdictStoreTest, ALaterGraphOrALostLeaseStoresNothing) {
+  DriveThroughADoor();
+  MarkMapped();
+  const SiteLease lease = Lease();
+  const DoorChange change = Through();
+  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "seen", {MakeAnchor("hall", 1, 1)}), ""));
+  EXPECT_THAT(verdicts_.Commit(Soon(), lease, change), HasStatus(absl::StatusCode::kAborted, HasSubstr("judge again")));
+  ASSERT_OK(leases_.Release(Soon(), lease));
+  Lease("another");
+  EXPECT_THAT(verdicts_.Commit(Soon(), lease, Through()),
+              HasStatus(absl::StatusCode::kAborted, HasSubstr("has lost the lease")));
+  EXPECT_THAT(verdicts_.MarkJudged(Soon(), lease, first_), HasCode(absl::StatusCode::kAborted));
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM maps WHERE map_id = 'yard'"), "0");
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM door_verdicts"), "0");
+  EXPECT_EQ(sessions_.Get(Soon(), site_, second_)->map, std::nullopt);
+}
+
+TEST_F(DoorVerdictStoreTest, ARedundantLinkPointIsRefusedAndNothingIsHalfDone) {
+  DriveThroughADoor();
+  MarkMapped();
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("yard"), "Yard"), ""));
+  ASSERT_OK(link_points_.Create(
+      Soon(), MakeLinkPoint(site_, "there", {MakeAnchor("hall", 4, 5), MakeAnchor("yard", 0, 0)}), ""));
+  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "candidate", {MakeAnchor("yard", 0.1, 0)}), ""));
+  DoorChange change = Through();
+  change.new_map.reset();
+  change.new_link_point.reset();
+  ASSERT_OK_AND_ASSIGN(change.link_point, link_points_.Get(Soon(), site_, LinkPointId("candidate")));
+  change.link_point->point.anchors.push_back(MakeAnchor("hall", 4.1, 5));
+  EXPECT_THAT(verdicts_.Commit(Soon(), Lease(), change), HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM door_verdicts"), "0");
+  EXPECT_EQ(link_points_.Get(Soon(), site_, LinkPointId("candidate"))->point.anchors.size(), 1U);
+}
+
+TEST_F(DoorVerdictStoreTest, APromotedCandidateMovesAndTakesItsOwnSideAlong) {
+  DriveThroughADoor();
+  MarkMapped();
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("yard"), "Yard"), ""));
+  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "candidate", {MakeAnchor("yard", 2, 0)}), ""));
+  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "own", {MakeAnchor("hall", 4, 3)}), ""));
+  const TestBlob image("image");
+  ASSERT_OK(blobs_.Put(Soon(), site_, {image.view()}));
+  DoorChange change = Through();
+  change.new_map.reset();
+  change.new_link_point.reset();
+  change.consumed = {LinkPointId("own")};
+  ASSERT_OK_AND_ASSIGN(change.link_point, link_points_.Get(Soon(), site_, LinkPointId("candidate")));
+  change.link_point->point.anchors = {MakeAnchor("yard", 0, 0), MakeAnchor("hall", 4, 5)};
+  change.link_point->point.direction = MapId("yard");
+  const Evidence seen{LinkPointId("candidate"), map_, EvidenceKind::kRearImage, 1, image.ref(), 5, Pose2{4, 4, 1.5}};
+  change.evidence = {seen, seen};
+  change.evidence[1].T_map_robot = Pose2{4, 3.5, 1.5};
+  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
+  EXPECT_THAT(link_points_.Get(Soon(), site_, LinkPointId("own")), HasCode(absl::StatusCode::kNotFound));
+  ASSERT_OK_AND_ASSIGN(const auto evidence, link_points_.ListEvidence(Soon(), site_, {LinkPointId("candidate")}));
+  ASSERT_THAT(evidence, SizeIs(2));
+  EXPECT_EQ(evidence[0].T_map_robot, (Pose2{4, 4, 1.5}));
+  EXPECT_EQ(evidence[1].T_map_robot, (Pose2{4, 3.5, 1.5}));
+  // One that people attach takes the place of the series.
+  Evidence attached = seen;
+  attached.T_map_robot.reset();
+  ASSERT_OK(link_points_.PutEvidence(Soon(), site_, attached));
+  ASSERT_OK_AND_ASSIGN(const auto after, link_points_.ListEvidence(Soon(), site_, {LinkPointId("candidate")}));
+  ASSERT_THAT(after, SizeIs(1));
+  EXPECT_EQ(after[0].T_map_robot, std::nullopt);
+}
+
+TEST_F(DoorVerdictStoreTest, ASessionMadeAfterTheVerdictGetsItsMapLater) {
+  DriveThroughADoor();
+  MarkMapped();
+  const SiteLease lease = Lease();
+  ASSERT_OK(verdicts_.Commit(Soon(), lease, Through()));
+  ASSERT_OK(verdicts_.MarkJudged(Soon(), lease, first_));
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), IsEmpty());
+  Session late = MakeSession(site_, SessionId("s3"), robot_, std::nullopt);
+  late.entry.previous = first_;
+  ASSERT_OK(sessions_.Create(Soon(), late, ""));
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(PendingDoors{site_, first_}));
+  ASSERT_OK_AND_ASSIGN(const auto passage, verdicts_.FindPassage(Soon(), site_, first_));
+  ASSERT_OK(verdicts_.Enter(Soon(), lease,
+                            {.previous = first_,
+                             .new_map = {},
+                             .map = *passage->entered_map,
+                             .T_map_robot = passage->T_map_robot,
+                             .T_odom_robot = passage->T_odom_robot}));
+  EXPECT_EQ(sessions_.Get(Soon(), site_, late.id)->map, MapId("yard"));
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), IsEmpty());
+}
+
+TEST_F(DoorVerdictStoreTest, ASessionAfterADeletedOneIsNotForgotten) {
+  DriveThroughADoor();
+  ASSERT_OK(sessions_.Delete(Soon(), site_, first_));
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(PendingDoors{site_, first_}));
+  ASSERT_OK(verdicts_.Enter(Soon(), Lease(),
+                            {.previous = first_,
+                             .new_map = NewMap{MapId("new"), "Map", 0, Environment::kIndoor, ""},
+                             .map = MapId("new"),
+                             .T_map_robot = {},
+                             .T_odom_robot = {}}));
+  ASSERT_OK_AND_ASSIGN(const Session next, sessions_.Get(Soon(), site_, second_));
+  EXPECT_EQ(next.map, MapId("new"));
+  EXPECT_FALSE(next.entry.T_map_robot.has_value());
+  const EnteredMap again{.previous = first_, .new_map = {}, .map = MapId("new"), .T_map_robot = {}, .T_odom_robot = {}};
+  EXPECT_THAT(verdicts_.Enter(Soon(), SiteLease{site_, "me", 99}, again), HasCode(absl::StatusCode::kAborted));
+}
+
+TEST_F(DoorVerdictStoreTest, NewMapsTakeTheLeastNumberThatIsFree) {
+  DriveThroughADoor();
+  MarkMapped();
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("a"), "Map 1"), ""));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("b"), "Map 3"), ""));
+  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), Through()));
+  EXPECT_EQ(maps_.Get(Soon(), site_, MapId("yard"))->display_name, "Map 2");
+}
+
+TEST_F(DoorVerdictStoreTest, SitesAndSessionsTakeTheirVerdictsAlong) {
+  DriveThroughADoor();
+  MarkMapped();
+  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), Through()));
+  ASSERT_OK(sites_.Delete(Soon(), site_, 0, /*force=*/true));
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM door_verdicts"), "0");
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM site_leases"), "0");
+}
+
+TEST_F(DoorVerdictStoreTest, ASitesLeaseHasOneHolderAndTokensOnlyGrow) {
+  const SiteLease lease = Lease();
+  EXPECT_FALSE(leases_.Acquire(Soon(), site_, "other", kTtl)->has_value());
+  ASSERT_OK(leases_.Renew(Soon(), lease, kTtl));
+  ASSERT_OK(leases_.Release(Soon(), lease));
+  const SiteLease next = Lease("other");
+  EXPECT_GT(next.token, lease.token);
+  EXPECT_THAT(leases_.Renew(Soon(), lease, kTtl), HasCode(absl::StatusCode::kAborted));
+  ASSERT_OK(leases_.Release(Soon(), lease));  // lost: nothing happens
+  EXPECT_FALSE(leases_.Acquire(Soon(), site_, "third", kTtl)->has_value());
+  EXPECT_THAT(leases_.Acquire(Soon(), SiteId("none"), "me", kTtl), HasCode(absl::StatusCode::kNotFound));
+  // One that dies is followed when its time is over.
+  database_.Sql("UPDATE site_leases SET expires_at = now() - interval '1 second'");
+  EXPECT_TRUE(leases_.Acquire(Soon(), site_, "third", kTtl)->has_value());
+}
+
+TEST_F(DoorVerdictStoreTest, FeaturesAreKeptBesideTheirImageAndGoWithIt) {
+  const FeatureStore features{*pool_};
+  const TestBlob image("an image");
+  ASSERT_OK(features.Put(Soon(), site_, image.sha256(), "early"));
+  EXPECT_EQ(*features.Find(Soon(), site_, image.sha256()), "") << "there is no such image";
+  ASSERT_OK(blobs_.Put(Soon(), site_, {image.view()}));
+  ASSERT_OK(features.Put(Soon(), site_, image.sha256(), "found"));
+  ASSERT_OK(features.Put(Soon(), site_, image.sha256(), "found again"));
+  EXPECT_EQ(*features.Find(Soon(), site_, image.sha256()), "found again");
+  database_.Sql("DELETE FROM blobs");
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM image_features"), "0");
+}
+
+}  // namespace
+}  // namespace enfilade::testing

@@ -1,0 +1,48 @@
+#include "core/closure/closure_options.h"
+
+#include <set>
+
+#include "gmock/gmock.h"
+#include "tests/support/status_matchers.h"
+
+namespace enfilade {
+namespace {
+
+using ::enfilade::testing::HasStatus;
+using ::testing::HasSubstr;
+
+TEST(ClosureOptions, DefaultsAreValidAndEveryNameComesOnce) {
+  EXPECT_OK(ClosureOptions().Validate());
+  std::set<std::string> names;
+  const ClosureOptions options;
+  VisitClosureOptions(options, [&](const char* name, const auto&) { EXPECT_TRUE(names.insert(name).second) << name; });
+  EXPECT_GT(names.size(), 30U);
+}
+
+TEST(ClosureOptions, AreReadFromYamlOnTopOfABase) {
+  ClosureOptions base;
+  base.known_across = 0.7;
+  ASSERT_OK_AND_ASSIGN(const ClosureOptions options,
+                       ParseClosureOptions("image_threshold: 22\nmap_name: Raum\nplace_sigma: 0.3\n", base));
+  EXPECT_EQ(options.image_threshold, 22);
+  EXPECT_EQ(options.map_name, "Raum");
+  EXPECT_EQ(options.place_sigma, 0.3);
+  EXPECT_EQ(options.known_across, 0.7);
+}
+
+TEST(ClosureOptions, RefusesWhatIsNoneNamingIt) {
+  const auto parse = [](const char* yaml) { return ParseClosureOptions(yaml, ClosureOptions()).status(); };
+  EXPECT_THAT(parse("image_treshold: 3\n"),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("line 1: there is no option image_treshold")));
+  EXPECT_THAT(parse("\nmax_compared: many\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("line 2")));
+  EXPECT_THAT(parse("gate_probability: 1\n"),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("gate_probability")));
+  EXPECT_THAT(parse("known_across: -1\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("known_across")));
+  EXPECT_THAT(parse("place_sigma: 0\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("sigma")));
+  EXPECT_THAT(parse("min_inlier_share: 1.5\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("share")));
+  EXPECT_THAT(parse("images_now: 0\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("images_now")));
+  EXPECT_THAT(parse("map_name: ''\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("map_name")));
+}
+
+}  // namespace
+}  // namespace enfilade

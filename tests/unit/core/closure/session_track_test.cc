@@ -1,0 +1,53 @@
+#include "core/closure/session_track.h"
+
+#include "gmock/gmock.h"
+#include "tests/support/pose_matchers.h"
+
+namespace enfilade {
+namespace {
+
+using ::enfilade::testing::PoseNear;
+
+constexpr TimeNs kSecond = kNsPerSecond;
+
+TEST(SessionTrack, CarriesTheNearestMappedPoseByOdometry) {
+  // Odometry's frame is turned by 90 degrees against the map's.
+  const SessionTrack track({{10 * kSecond, {5, 5, 0}}},
+                           {{10 * kSecond, {0, 0, M_PI_2}}, {10 * kSecond + kSecond / 2, {0, 1, M_PI_2}}}, {});
+  const auto pose = track.PoseAt(10 * kSecond + kSecond / 4);
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_THAT(pose->pose, PoseNear(Pose2{5.5, 5, 0}, 1e-9, 1e-9));
+  EXPECT_GT(pose->covariance(0, 0), 0.0);
+  EXPECT_LT(pose->covariance(0, 0), 0.001);
+}
+
+TEST(SessionTrack, GivesWhatOdometrySeesInTheMap) {
+  const SessionTrack track({{0, {1, 0, 0}}}, {{0, {10, 10, M_PI}}, {kSecond / 2, {9, 10, M_PI}}}, {});
+  const auto door = track.ToMap({7, 10, M_PI_2}, kSecond / 2);
+  ASSERT_TRUE(door.has_value());
+  EXPECT_THAT(door->pose, PoseNear(Pose2{4, 0, -M_PI_2}, 1e-9, 1e-9));
+}
+
+TEST(SessionTrack, WithoutOdometryTheNearestScanIsTheRobotsPose) {
+  const SessionTrack track({{0, {1, 0, 0}}, {kSecond, {2, 0, 0}}}, {}, {});
+  EXPECT_THAT(track.PoseAt(kSecond + kSecond / 5)->pose, PoseNear(Pose2{2, 0, 0}, 1e-9, 1e-9));
+  EXPECT_THAT(track.ToMap({70, 1, 2}, kSecond)->pose, PoseNear(Pose2{2, 0, 0}, 1e-9, 1e-9));
+  EXPECT_FALSE(track.PoseAt(3 * kSecond).has_value());
+}
+
+TEST(SessionTrack, SaysNothingOfTimesThatNothingWasMappedAt) {
+  const SessionTrack nothing({}, {{0, {}}, {kSecond, {}}}, {});
+  EXPECT_FALSE(nothing.PoseAt(0).has_value());
+  EXPECT_FALSE(nothing.ToMap({}, 0).has_value());
+  const SessionTrack early({{0, {}}}, {{0, {}}, {60 * kSecond, {}}}, {});
+  EXPECT_FALSE(early.PoseAt(60 * kSecond).has_value());
+  EXPECT_FALSE(early.OdometryAt(30 * kSecond).has_value());
+}
+
+TEST(SessionTrack, TakesSamplesInAnyOrder) {
+  const SessionTrack track({{kSecond, {1, 0, 0}}, {0, {0, 0, 0}}}, {{kSecond, {1, 0, 0}}, {0, {0, 0, 0}}}, {});
+  EXPECT_THAT(track.PoseAt(kSecond / 2)->pose, PoseNear(Pose2{0.5, 0, 0}, 1e-9, 1e-9));
+}
+
+}  // namespace
+}  // namespace enfilade
