@@ -19,6 +19,13 @@ struct Later {
   bool operator()(const Entry& a, const Entry& b) const { return a.cost != b.cost ? a.cost > b.cost : a.hops > b.hops; }
 };
 
+// The best that a map was entered with so far. Where legs cost the sum of what their ends cost, nobody who enters with
+// more gets anywhere for less.
+struct Entrance {
+  double cost = std::numeric_limits<double>::infinity();
+  int hops = 0;
+};
+
 // From anywhere in a map, or from `position`, to the link point at the doorway; or back.
 template <PathCost kCost>
 double EndCost(const std::optional<Eigen::Vector2d>& position, const Doorway& doorway, double lever_squared) {
@@ -31,16 +38,21 @@ double EndCost(const std::optional<Eigen::Vector2d>& position, const Doorway& do
   }
 }
 
+// Legs within a map cost the sum of what their two ends cost.
 template <PathCost kCost>
-double LegCost(const Doorway& from, const Doorway& to, double lever_squared) {
-  if constexpr (kCost == PathCost::kUncertainty) {
-    return from.position_spread + to.position_spread + (from.yaw_variance + to.yaw_variance) * lever_squared;
-  } else if constexpr (kCost == PathCost::kDistance) {
+constexpr bool kLegsAreSums = kCost != PathCost::kDistance;
+
+// A way that has cost so much, having entered a map by one doorway and crossed it to another.
+template <PathCost kCost>
+double CostAcross(double cost, const Doorway& from, const Doorway& to, double lever_squared) {
+  if constexpr (kLegsAreSums<kCost>) {
+    // In this order: who enters with less is at no doorway behind who enters with more, rounding included.
+    return cost + EndCost<kCost>({}, from, lever_squared) + EndCost<kCost>({}, to, lever_squared) +
+           (kCost == PathCost::kHops ? 1.0 : 0.0);
+  } else {
     const double dx = to.x - from.x;
     const double dy = to.y - from.y;
-    return std::sqrt(dx * dx + dy * dy);
-  } else {
-    return 1.0;
+    return cost + std::sqrt(dx * dx + dy * dy);
   }
 }
 
@@ -78,7 +90,8 @@ class Search {
         sources_(sources),
         options_(options),
         labels_(graph.link_point_slots()),
-        is_source_(graph.map_slots()) {
+        is_source_(graph.map_slots()),
+        entrances_(kLegsAreSums<kCost> ? graph.map_slots() : 0) {
     for (const PathSource& source : sources_) is_source_[static_cast<std::size_t>(source.map)] = 1;
   }
 
@@ -121,15 +134,28 @@ class Search {
       const Doorway& here = DoorwayOf(graph_, map, entry.link_point);
       if (target.has_value() && map == target->map)
         bound = std::min(bound, entry.cost + LastLegCost<kCost>(*target, here, options_));
+      if (!MayBeBestEntrance(map, entry, here)) continue;
       for (const Doorway& doorway : graph_.map_node(map).doorways) {
         if (doorway.link_point == entry.link_point) continue;
-        Relax(doorway.link_point, {.cost = entry.cost + LegCost<kCost>(here, doorway, lever_squared_),
+        Relax(doorway.link_point, {.cost = CostAcross<kCost>(entry.cost, here, doorway, lever_squared_),
                                    .hops = entry.hops + 1,
                                    .previous = entry.link_point,
                                    .map = map,
                                    .source = source});
       }
     }
+  }
+
+  // So each map is crossed about once instead of from each of its doorways. Whether a worse entrance comes first is
+  // the same in every snapshot of one graph: doorways are in the order of their ids.
+  bool MayBeBestEntrance(int map, const Entry& entry, const Doorway& here) {
+    if constexpr (kLegsAreSums<kCost>) {
+      Entrance& best = entrances_[static_cast<std::size_t>(map)];
+      const double cost = entry.cost + EndCost<kCost>({}, here, lever_squared_);
+      if (cost > best.cost || (cost == best.cost && entry.hops > best.hops)) return false;
+      best = {.cost = cost, .hops = entry.hops};
+    }
+    return true;
   }
 
   void Relax(int link_point, const PathLabel& label) {
@@ -159,7 +185,8 @@ class Search {
   const PathOptions& options_;
   const double lever_squared_ = options_.lever_m * options_.lever_m;
   std::vector<PathLabel> labels_;
-  std::vector<char> is_source_;  // by map slot
+  std::vector<char> is_source_;      // by map slot
+  std::vector<Entrance> entrances_;  // likewise
   std::priority_queue<Entry, std::vector<Entry>, Later> heap_;
 };
 
@@ -245,8 +272,8 @@ double CostOf(const GraphSnapshot& graph, const PathSource& source, const Path& 
     const double lever_squared = options.lever_m * options.lever_m;
     double cost = FirstLegCost<kCost>(source, DoorwayOf(graph, path.maps[0], path.link_points[0]), lever_squared);
     for (std::size_t i = 1; i < path.link_points.size(); ++i) {
-      cost += LegCost<kCost>(DoorwayOf(graph, path.maps[i], path.link_points[i - 1]),
-                             DoorwayOf(graph, path.maps[i], path.link_points[i]), lever_squared);
+      cost = CostAcross<kCost>(cost, DoorwayOf(graph, path.maps[i], path.link_points[i - 1]),
+                               DoorwayOf(graph, path.maps[i], path.link_points[i]), lever_squared);
     }
     return cost + LastLegCost<kCost>(target, DoorwayOf(graph, path.maps.back(), path.link_points.back()), options);
   });

@@ -165,7 +165,10 @@ absl::StatusOr<std::vector<Result>> Connection::Flush(Deadline deadline) {
   const Result sync(PQgetResult(connection_.get()));
   if (PQresultStatus(sync.get()) != PGRES_PIPELINE_SYNC) return Broken(LostConnection(connection_.get(), what));
   if (EndsConnection(status)) broken_ = true;
-  if (!status.ok()) return status;
+  if (!status.ok()) {
+    statement_timeout_ms_ = 0;
+    return status;
+  }
   return results;
 }
 

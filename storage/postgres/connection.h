@@ -55,6 +55,11 @@ class Connection {
   // Not to be given back to the pool.
   void Retire() { broken_ = true; }
 
+  // The session's statement_timeout in ms as its users last set it; 0: not known. A flush that fails forgets it, as
+  // what set it may have been rolled back.
+  std::int64_t statement_timeout_ms() const { return statement_timeout_ms_; }
+  void set_statement_timeout_ms(std::int64_t timeout) { statement_timeout_ms_ = timeout; }
+
   // Nothing can be done with it any more but to destroy it.
   bool broken() const;
   // Outside any transaction, nothing queued, nothing wrong: another caller may have it.
@@ -89,6 +94,7 @@ class Connection {
   std::int64_t prepared_count_ = 0;
   std::vector<Queued> queue_;
   absl::Status queue_status_;
+  std::int64_t statement_timeout_ms_ = 0;
   bool broken_ = false;
 };
 

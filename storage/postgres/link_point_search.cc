@@ -15,16 +15,16 @@ namespace {
 
 using postgres::Bytes;
 using postgres::ExecuteAlone;
-using postgres::ExecuteTogether;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;
 
-#define ENFILADE_FIND_IN_POLYGON(level)                                                    \
-  "WITH found AS MATERIALIZED (SELECT * FROM enfilade.link_points WHERE site_id = $1"      \
-  " AND ST_Intersects(position, ST_GeomFromWKB($6, 0))" level                              \
-  " AND anchor_count BETWEEN $2 AND $3 AND \"use\" <= $4 ORDER BY link_point_id LIMIT $5)" \
-  " SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM found p" ENFILADE_JOIN_ANCHORS " ORDER BY p.link_point_id, a.ordinal"
+#define ENFILADE_FIND_IN_POLYGON(level)                                                               \
+  "WITH found AS MATERIALIZED (SELECT * FROM enfilade.link_points WHERE site_id = $1"                 \
+  " AND ST_Intersects(position, ST_GeomFromWKB($6, 0))" level                                         \
+  " AND anchor_count BETWEEN $2 AND $3 AND \"use\" <= $4 ORDER BY link_point_id LIMIT $5)"            \
+  " SELECT " ENFILADE_LINK_POINT_COLUMNS ENFILADE_GRAPH_VERSION " FROM found p" ENFILADE_JOIN_ANCHORS \
+  " ORDER BY p.link_point_id, a.ordinal"
 
 constexpr Statement kFindInPolygonOnLevel{"looking for link points",
                                           ENFILADE_FIND_IN_POLYGON(" AND levels @> $7::integer")};
@@ -76,11 +76,8 @@ struct Subset {
   std::int64_t limit;
 };
 
-// What was found, and the graph's version.
-using Answer = absl::StatusOr<std::vector<postgres::Result>>;
-
-Answer FindInCircle(postgres::Pool& pool, const CallContext& context, const SiteId& site, const LinkPointQuery& query,
-                    const LinkPointCircle& circle) {
+absl::StatusOr<postgres::Result> FindInCircle(postgres::Pool& pool, const CallContext& context, const SiteId& site,
+                                              const LinkPointQuery& query, const LinkPointCircle& circle) {
   if (!circle.center.allFinite()) return InvalidArgument("the center is not finite");
   if (!(circle.radius >= 0.0)) return InvalidArgument("the radius is {}: expected 0 or more", circle.radius);
   const Subset subset(query);
@@ -91,11 +88,12 @@ Answer FindInCircle(postgres::Pool& pool, const CallContext& context, const Site
   if (query.level) params.Add(std::int32_t{*query.level});
   const Statement& statement = nearest ? (query.level ? postgres::kFindNearestOnLevel : postgres::kFindNearest)
                                        : (query.level ? postgres::kFindWithinOnLevel : postgres::kFindWithin);
-  return ExecuteTogether(pool, context, {{statement, params}, {postgres::kSelectGraphVersion, Params(site)}});
+  return ExecuteAlone(pool, context, statement, params);
 }
 
-Answer FindInPolygon(postgres::Pool& pool, const CallContext& context, const SiteId& site, const LinkPointQuery& query,
-                     const std::vector<Eigen::Vector2d>& polygon) {
+absl::StatusOr<postgres::Result> FindInPolygon(postgres::Pool& pool, const CallContext& context, const SiteId& site,
+                                               const LinkPointQuery& query,
+                                               const std::vector<Eigen::Vector2d>& polygon) {
   if (polygon.size() < 3) return InvalidArgument("the polygon has {} corners: at least 3 are needed", polygon.size());
   for (const Eigen::Vector2d& corner : polygon) {
     if (!corner.allFinite()) return InvalidArgument("the polygon has a corner that is not finite");
@@ -104,9 +102,7 @@ Answer FindInPolygon(postgres::Pool& pool, const CallContext& context, const Sit
   const std::string wkb = postgres::EncodePolygon(polygon);
   Params params(site, subset.min_anchors, subset.max_anchors, subset.max_use, subset.limit, Bytes{wkb});
   if (query.level) params.Add(std::int32_t{*query.level});
-  return ExecuteTogether(
-      pool, context,
-      {{query.level ? kFindInPolygonOnLevel : kFindInPolygon, params}, {postgres::kSelectGraphVersion, Params(site)}});
+  return ExecuteAlone(pool, context, query.level ? kFindInPolygonOnLevel : kFindInPolygon, params);
 }
 
 }  // namespace
@@ -115,12 +111,20 @@ absl::StatusOr<FoundLinkPoints> LinkPointStore::Find(const CallContext& context,
                                                      const LinkPointQuery& query) const {
   const auto* circle = std::get_if<LinkPointCircle>(&query.area);
   ENFILADE_ASSIGN_OR_RETURN(
-      const std::vector<postgres::Result> results,
+      const postgres::Result result,
       circle ? FindInCircle(pool_, context, site, query, *circle)
              : FindInPolygon(pool_, context, site, query, std::get<std::vector<Eigen::Vector2d>>(query.area)));
   FoundLinkPoints found;
-  ENFILADE_ASSIGN_OR_RETURN(found.graph_version, postgres::ReadGraphVersion(results[1]));
-  ENFILADE_ASSIGN_OR_RETURN(found.link_points, postgres::ReadLinkPoints(results[0]));
+  ENFILADE_ASSIGN_OR_RETURN(found.link_points, postgres::ReadLinkPoints(result));
+  if (result.rows() == 0) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto graph,
+                              ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
+    ENFILADE_ASSIGN_OR_RETURN(found.graph_version, postgres::ReadGraphVersion(graph));
+  } else {
+    Row last(result, 0, result.columns() - 1);
+    found.graph_version = last.Int64();
+    ENFILADE_RETURN_IF_ERROR(last.status());
+  }
   return found;
 }
 

@@ -6,12 +6,13 @@
 namespace enfilade::postgres {
 
 // The statements of LinkPointStore::Find, apart so that the benchmark can give the same to pgbench. The inner query is
-// the indexed search; the joined anchors come with those that it found.
-#define ENFILADE_FIND_LINK_POINTS(area, level)                                                   \
-  "WITH found AS MATERIALIZED (SELECT * FROM enfilade.link_points WHERE site_id = $1" area level \
-  " AND anchor_count BETWEEN $2 AND $3 AND \"use\" <= $4"                                        \
-  " ORDER BY position <-> ST_MakePoint($6, $7) LIMIT $5)"                                        \
-  " SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM found p" ENFILADE_JOIN_ANCHORS                   \
+// the indexed search; the joined anchors come with those that it found, and the graph's version with each row.
+#define ENFILADE_GRAPH_VERSION ", (SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1)"
+#define ENFILADE_FIND_LINK_POINTS(area, level)                                                        \
+  "WITH found AS MATERIALIZED (SELECT * FROM enfilade.link_points WHERE site_id = $1" area level      \
+  " AND anchor_count BETWEEN $2 AND $3 AND \"use\" <= $4"                                             \
+  " ORDER BY position <-> ST_MakePoint($6, $7) LIMIT $5)"                                             \
+  " SELECT " ENFILADE_LINK_POINT_COLUMNS ENFILADE_GRAPH_VERSION " FROM found p" ENFILADE_JOIN_ANCHORS \
   " ORDER BY p.position <-> ST_MakePoint($6, $7), p.link_point_id, a.ordinal"
 #define ENFILADE_WITHIN " AND ST_DWithin(position, ST_MakePoint($6, $7), $8)"
 

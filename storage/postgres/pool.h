@@ -51,6 +51,7 @@ class Pool {
 
     explicit operator bool() const { return connection_ != nullptr; }
     Connection* operator->() const { return connection_.get(); }
+    Connection& operator*() const { return *connection_; }
 
    private:
     friend class Pool;

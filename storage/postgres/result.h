@@ -38,7 +38,7 @@ class Result {
 // as long as the result.
 class Row {
  public:
-  Row(const Result& result, int row) : result_(result), row_(row) {}
+  Row(const Result& result, int row, int first_column = 0) : result_(result), row_(row), column_(first_column) {}
 
   bool Bool() { return Fixed<bool>(TypeOid::kBool); }
   std::int16_t Int16() { return Fixed<std::int16_t>(TypeOid::kInt2); }
@@ -76,7 +76,7 @@ class Row {
 
   const Result& result_;
   int row_;
-  int column_ = 0;
+  int column_;
   absl::Status status_;
 };
 

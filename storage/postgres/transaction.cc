@@ -1,6 +1,7 @@
 #include "storage/postgres/transaction.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -13,15 +14,26 @@ using std::chrono::steady_clock;
 constexpr Statement kBegin{"beginning a transaction", "BEGIN"};
 constexpr Statement kCommit{"committing", "COMMIT"};
 constexpr Statement kRollback{"rolling back", "ROLLBACK"};
+constexpr Statement kSetTimeout{"setting the statement timeout", "SELECT set_config('statement_timeout', $1, false)"};
 // The third argument makes it last for this transaction only.
-constexpr Statement kSetTimeout{"setting the statement timeout", "SELECT set_config('statement_timeout', $1, true)"};
 constexpr Statement kSetActor{"naming the actor", "SELECT set_config('enfilade.actor', $1, true)"};
 constexpr std::chrono::seconds kRollbackTime{2};
 
-// In milliseconds; at least one, because 0 means none.
-std::string RemainingMs(Connection::Deadline deadline) {
+// What remains, rounded down by at most 5 %, so that calls of about the same deadline have the same timeout. In
+// milliseconds; at least one, because 0 means none.
+std::int64_t TimeoutMs(Connection::Deadline deadline) {
+  constexpr double kStep = 1.05;
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now()).count();
-  return std::to_string(std::clamp<std::int64_t>(left, 1, 2'000'000'000));
+  const auto bounded = static_cast<double>(std::clamp<std::int64_t>(left, 1, 2'000'000'000));
+  return static_cast<std::int64_t>(std::pow(kStep, std::floor(std::log(bounded) / std::log(kStep))));
+}
+
+// Nothing where the connection has it already: setting it costs about a tenth of a small query.
+void QueueTimeout(Connection& connection, Connection::Deadline deadline) {
+  const std::int64_t timeout = TimeoutMs(deadline);
+  if (connection.statement_timeout_ms() == timeout) return;
+  connection.Queue(kSetTimeout, Params(std::to_string(timeout)));
+  connection.set_statement_timeout_ms(timeout);
 }
 
 }  // namespace
@@ -36,18 +48,21 @@ Transaction::Transaction(Pool::Lease lease, const CallContext& context)
 
 Transaction::~Transaction() {
   if (!lease_ || !open_ || lease_->broken()) return;
+  lease_->set_statement_timeout_ms(0);
   lease_->Queue(kRollback, Params());
   // Where this fails the pool closes the connection, which rolls back as well.
   lease_->Flush(steady_clock::now() + kRollbackTime).IgnoreError();
 }
 
+void Transaction::QueueBegin() {
+  lease_->Queue(kBegin, Params());
+  QueueTimeout(*lease_, deadline_);
+  if (!actor_.empty()) lease_->Queue(kSetActor, Params(actor_));
+  open_ = true;
+}
+
 void Transaction::Queue(const Statement& statement, const Params& params) {
-  if (!open_) {
-    lease_->Queue(kBegin, Params());
-    lease_->Queue(kSetTimeout, Params(RemainingMs(deadline_)));
-    if (!actor_.empty()) lease_->Queue(kSetActor, Params(actor_));
-    open_ = true;
-  }
+  if (!open_) QueueBegin();
   lease_->Queue(statement, params);
   ++queued_;
 }
@@ -67,8 +82,9 @@ absl::StatusOr<Result> Transaction::Execute(const Statement& statement, const Pa
 }
 
 absl::Status Transaction::CopyIn(const Statement& statement, std::string_view data) {
-  if (!open_) Queue(kSetTimeout, Params(RemainingMs(deadline_)));
-  if (queued_ > 0) ENFILADE_RETURN_IF_ERROR(Flush().status());
+  const bool begins = !open_;
+  if (begins) QueueBegin();
+  if (begins || queued_ > 0) ENFILADE_RETURN_IF_ERROR(Flush().status());
   absl::Status copied = lease_->CopyIn(statement, data, deadline_);
   failed_ = failed_ || !copied.ok();
   return copied;
@@ -90,19 +106,12 @@ absl::StatusOr<std::vector<Result>> Transaction::FlushAndCommit() {
 
 absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
                                     const Params& params) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, ExecuteTogether(pool, context, {{statement, params}}));
-  return std::move(results.back());
-}
-
-absl::StatusOr<std::vector<Result>> ExecuteTogether(Pool& pool, const CallContext& context,
-                                                    std::initializer_list<BoundStatement> statements) {
   ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
-  lease->Queue(kSetTimeout, Params(RemainingMs(context.deadline)));
+  QueueTimeout(*lease, context.deadline);
   if (!context.actor.empty()) lease->Queue(kSetActor, Params(context.actor));
-  for (const BoundStatement& bound : statements) lease->Queue(bound.statement, bound.params);
+  lease->Queue(statement, params);
   ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, lease->Flush(context.deadline));
-  results.erase(results.begin(), results.end() - static_cast<std::ptrdiff_t>(statements.size()));
-  return results;
+  return std::move(results.back());
 }
 
 }  // namespace enfilade::postgres

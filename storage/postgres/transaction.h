@@ -1,6 +1,5 @@
 #pragma once
 
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,7 @@
 namespace enfilade::postgres {
 
 // BEGIN ... COMMIT on a connection of the pool, with the database's statement_timeout at what remains of the deadline
-// and the audit trail's actor set.
+// (rounded down by at most 5 %) and the audit trail's actor set.
 // Rolled back when it goes without a commit. Costs no round trip of its own: BEGIN goes with the first statement,
 // what was queued with the next one or the commit. Not thread-safe.
 class Transaction {
@@ -37,6 +36,7 @@ class Transaction {
 
  private:
   Transaction(Pool::Lease lease, const CallContext& context);
+  void QueueBegin();
 
   Pool::Lease lease_;
   Connection::Deadline deadline_;
@@ -50,14 +50,5 @@ class Transaction {
 // statements that write: UNAVAILABLE means that nobody knows whether it was committed.
 absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
                                     const Params& params);
-
-struct BoundStatement {
-  const Statement& statement;
-  const Params& params;
-};
-
-// The same with several: one transaction, one round trip; the rows of each in that order.
-absl::StatusOr<std::vector<Result>> ExecuteTogether(Pool& pool, const CallContext& context,
-                                                    std::initializer_list<BoundStatement> statements);
 
 }  // namespace enfilade::postgres
