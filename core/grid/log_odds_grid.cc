@@ -220,6 +220,22 @@ OccupancyGrid LogOddsGrid::ToOccupancyGrid(const Pose2& T_map_grid) const {
   return grid;
 }
 
+absl::StatusOr<LogOddsGrid> LogOddsGrid::FromCells(double resolution, const LogOddsOptions& options, CellIndex min,
+                                                   int width, int height, std::vector<std::int16_t> cells) {
+  if (width < 0 || height < 0 || static_cast<std::int64_t>(cells.size()) != std::int64_t{width} * height) {
+    return InvalidArgument("{} cells for a window of {} x {}", cells.size(), width, height);
+  }
+  LogOddsGrid grid(resolution, options);
+  for (std::int16_t& value : cells) {
+    if (value != kUnknown) value = std::clamp(value, grid.lowest_, grid.highest_);
+  }
+  grid.min_ = min;
+  grid.width_ = width;
+  grid.height_ = height;
+  grid.cells_ = std::move(cells);
+  return grid;
+}
+
 void LogOddsGrid::Write(BinaryWriter& writer) const {
   writer.Put(resolution_);
   writer.Put<std::int32_t>(min_.column);

@@ -84,6 +84,11 @@ class LogOddsGrid {
   // frame in the map's.
   OccupancyGrid ToOccupancyGrid(const Pose2& T_map_grid = {}) const;
 
+  // `cells` are those of a window of `width` x `height` from `min` on, row-major; values beyond the options' bounds are
+  // brought within. INVALID_ARGUMENT where there are more or fewer.
+  static absl::StatusOr<LogOddsGrid> FromCells(double resolution, const LogOddsOptions& options, CellIndex min,
+                                               int width, int height, std::vector<std::int16_t> cells);
+
   // Window and cells, not the options.
   void Write(BinaryWriter& writer) const;
   // DATA_LOSS on bytes that Write did not write.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,9 @@ struct LogMapperCounts {
 class LogMapper {
  public:
   LogMapper(const ScanPairingOptions& pairing, const SlamOptions& slam) : pairing_(pairing), mapper_(slam) {}
+  // Goes on in a map that is there already.
+  LogMapper(const ScanPairingOptions& pairing, const SlamOptions& slam, const OldMap& old_map)
+      : pairing_(pairing), mapper_(slam, old_map) {}
 
   // `stored` is the sum of the deltas up to the checkpoint. DATA_LOSS where they do not fit.
   static absl::StatusOr<LogMapper> Restore(const ScanPairingOptions& pairing, const SlamOptions& slam,
@@ -38,6 +42,7 @@ class LogMapper {
   SlamDelta TakeDelta() { return mapper_.TakeDelta(); }
   std::string Checkpoint() const;
   OccupancyGrid RenderGrid() const { return mapper_.RenderGrid(); }
+  std::optional<PresentPose> FindPresentPose() const { return mapper_.FindPresentPose(); }
   LogMapperCounts counts() const;
 
  private:

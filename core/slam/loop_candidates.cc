@@ -9,8 +9,10 @@
 namespace enfilade {
 namespace {
 
+// An old map, which has no keyframes, is near where anything is known.
 double NearestKeyframe(const FinishedSubmap& submap, const Pose2& T_map_node) {
   const Eigen::Vector2d p = (Inverse(submap.T_map_submap) * T_map_node).translation();
+  if (submap.nodes.empty()) return submap.known.exteriorDistance(p);
   double nearest = std::numeric_limits<double>::max();
   for (const SubmapNode& node : submap.nodes) {
     nearest = std::min(nearest, (node.T_submap_node.translation() - p).squaredNorm());
@@ -23,6 +25,13 @@ struct LastTried {
   std::int64_t any = std::numeric_limits<std::int64_t>::min() / 2;
   std::int64_t accepted = std::numeric_limits<std::int64_t>::min() / 2;
 };
+
+// What the search in an old map has to cover beside the drift: all that the entry leaves open, until the robot has been
+// found in it.
+EntryReach ReachInOldMap(const MapperState& state) {
+  const bool found = state.joined.contains(0);
+  return found ? EntryReach{} : ReachOf(*state.entry);
+}
 
 }  // namespace
 
@@ -71,7 +80,9 @@ std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const 
   }
   const std::vector<double> lengths = DriftLengths(state, node.submap);
   for (const auto& [id, submap] : state.finished) {
-    if (id + options.min_submap_gap > node.submap) break;
+    const bool is_old_map = state.is_old_map(id);
+    if (is_old_map && submap.known.isEmpty()) continue;
+    if (!is_old_map && id + options.min_submap_gap > node.submap) break;
     const LastTried& last = tried[id];
     if (node.id - last.any < options.attempt_spacing || node.id - last.accepted < options.accepted_spacing) continue;
     const double drifted = lengths[static_cast<std::size_t>(id)];
@@ -79,8 +90,12 @@ std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const 
     candidate.submap = id;
     candidate.half_width = std::min(options.search_base + options.drift_per_metre * drifted, options.max_search);
     candidate.half_angle = std::min(options.search_angle_base + options.yaw_drift_per_metre * drifted, M_PI);
-    if ((submap.T_map_submap.translation() - node.T_map_node.translation()).norm() >
-        submap.extent + options.max_distance + candidate.half_width) {
+    if (is_old_map) {
+      const EntryReach reach = ReachInOldMap(state);
+      candidate.half_width += reach.translation;
+      candidate.half_angle = std::min(candidate.half_angle + reach.yaw, M_PI);
+    } else if ((submap.T_map_submap.translation() - node.T_map_node.translation()).norm() >
+               submap.extent + options.max_distance + candidate.half_width) {
       continue;
     }
     candidate.distance = NearestKeyframe(submap, node.T_map_node);

@@ -23,7 +23,8 @@ struct LoopCandidate {
 
 // Which finished submaps to try for `node`, the most likely first: not the node's own or the one before it, not tried
 // from a recent node, and near enough under the drift there may have been. None so soon after an
-// attempt or a closure.
+// attempt or a closure. An old map that mapping goes on in is one of them from the first keyframe on, in a search as
+// wide as its entry is unsure until the robot has been found in it.
 std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const SlamNode& node,
                                                 const LoopOptions& options);
 

@@ -1,5 +1,6 @@
 #include "core/slam/mapper.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -38,6 +39,12 @@ class Mapper::Impl {
  public:
   explicit Impl(const SlamOptions& options)
       : options_(options), cache_(options), renderer_(options.resolution, LogOddsOptionsOf(options.occupancy)) {}
+
+  Impl(const SlamOptions& options, const OldMap& old_map) : Impl(options) {
+    state_.entry = old_map.entry;
+    state_.finished[0] = FinishedOldMap(1, ContentOf(old_map.grid, options_));
+    TouchOldMap();
+  }
 
   Impl(const SlamOptions& options, MapperState state) : Impl(options) {
     state_ = std::move(state);
@@ -107,6 +114,7 @@ class Mapper::Impl {
 
   OccupancyGrid RenderGrid() const {
     for (const auto& [id, submap] : state_.finished) {
+      if (state_.is_old_map(id)) continue;
       std::optional<SubmapContent> content;
       renderer_.Place(id, submap.T_map_submap, [&]() -> const SubmapGrid& {
         content = DecodeSubmapContent(submap.content, options_.occupancy).value();  // our own bytes
@@ -117,13 +125,36 @@ class Mapper::Impl {
     return renderer_.Render(&state_.active->content.grid, state_.active->T_map_submap);
   }
 
+  std::optional<PresentPose> PoseNow() const { return enfilade::FindPresentPose(state_, options_.quality); }
+
  private:
   const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
 
   Place Begin(const PairedScan& scan) {
-    state_.active = Submap{0, 0, Pose2{}, EmptyContent()};
+    Submap first{0, 0, Pose2{}, EmptyContent()};
+    if (state_.entry) {
+      const PoseWithCovariance T_map_first = PoseAtScan(*state_.entry, scan.T_odom_robot, options_);
+      first.id = 1;
+      first.T_map_submap = T_map_first.pose;
+      TieToOldMap(T_map_first);
+    }
+    state_.active = std::move(first);
     fields_.emplace(options_.resolution, options_.local);
     return FirstPlace(scan, options_.motion);
+  }
+
+  void TieToOldMap(const PoseWithCovariance& T_map_first) {
+    FinishedSubmap& old = state_.finished.at(0);
+    SubmapContent content = DecodeSubmapContent(old.content, options_.occupancy).value();  // our own bytes
+    const Eigen::Matrix3d information = T_map_first.covariance.inverse();
+    content.next = NextSubmap{T_map_first.pose, 0.5 * (information + information.transpose())};
+    old = FinishedOldMap(old.version + 1, content);
+    TouchOldMap();
+  }
+
+  void TouchOldMap() {
+    account_.TouchSubmap(0);
+    account_.AddContent(0);
   }
 
   void AddKeyframe(const PairedScan& scan, const ScanRays& rays, const Eigen::Matrix3d& information) {
@@ -238,6 +269,7 @@ class Mapper::Impl {
 };
 
 Mapper::Mapper(const SlamOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Mapper::Mapper(const SlamOptions& options, const OldMap& old_map) : impl_(std::make_unique<Impl>(options, old_map)) {}
 Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Mapper::~Mapper() = default;
 Mapper::Mapper(Mapper&&) noexcept = default;
@@ -257,5 +289,6 @@ SlamDelta Mapper::TakeDelta() { return impl_->TakeDelta(); }
 std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
 Footprint Mapper::footprint() const { return impl_->footprint(); }
 OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }
+std::optional<PresentPose> Mapper::FindPresentPose() const { return impl_->PoseNow(); }
 
 }  // namespace enfilade

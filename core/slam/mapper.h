@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,8 @@
 #include "absl/status/statusor.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/sensor/scan_pairing.h"
+#include "core/slam/old_map.h"
+#include "core/slam/present_pose.h"
 #include "core/slam/slam_map.h"
 #include "core/slam/slam_options.h"
 
@@ -41,6 +44,11 @@ struct Footprint {
 class Mapper {
  public:
   explicit Mapper(const SlamOptions& options);
+  // Goes on in a map that is there already, in its frame. Submap 0 is the old map, as rows are, and never moves; where
+  // the robot is in it is first the entry's word, then what the scans say: keyframes are looked for in it from the
+  // first on, within three standard deviations of the entry until they are found. Where they are not, the closures'
+  // rows say why, and the entry alone holds the new to the old.
+  Mapper(const SlamOptions& options, const OldMap& old_map);
   ~Mapper();
   Mapper(Mapper&&) noexcept;
   Mapper& operator=(Mapper&&) noexcept;
@@ -68,8 +76,10 @@ class Mapper {
 
   Footprint footprint() const;
 
-  // The map by the present estimate.
+  // The map by the present estimate: what the scans have shown, without the old map that they were laid in.
   OccupancyGrid RenderGrid() const;
+  // Where the robot was at the last used scan; unset before the first.
+  std::optional<PresentPose> FindPresentPose() const;
 
  private:
   class Impl;

@@ -10,7 +10,8 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 3;
+constexpr std::uint8_t kVersion = 4;
+constexpr std::uint8_t kVersionWithoutEntry = 3;
 constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
 constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
 
@@ -91,21 +92,39 @@ absl::Status GetActive(BinaryReader& reader, const SlamMap& stored, const Occupa
   return absl::OkStatus();
 }
 
+Eigen::AlignedBox2d KnownBox(const SubmapGrid& grid) {
+  const LogOddsGrid& cells = grid.log_odds();
+  Eigen::AlignedBox2d box;
+  if (cells.cells().empty()) return box;
+  const Eigen::Vector2d min(cells.window_min().column, cells.window_min().row);
+  box.extend(cells.resolution() * min);
+  box.extend(cells.resolution() * (min + Eigen::Vector2d(cells.width(), cells.height())));
+  return box;
+}
+
 absl::StatusOr<FinishedSubmap> FinishedOf(const SlamSubmap& row, const OccupancyOptions& options) {
   absl::StatusOr<SubmapContent> content = DecodeSubmapContent(row.content, options);
   if (!content.ok()) return WithContext(content.status(), fmt::format("stored submap {}", row.id));
-  return Finished(row.T_map_submap, row.version, row.content, content->nodes, content->next);
+  FinishedSubmap submap = Finished(row.T_map_submap, row.version, row.content, content->nodes, content->next);
+  if (content->nodes.empty()) submap.known = KnownBox(content->grid);
+  return submap;
 }
 
 }  // namespace
 
 FinishedSubmap Finished(const Pose2& T_map_submap, std::int64_t version, std::string content,
                         const std::vector<SubmapNode>& nodes, const std::optional<NextSubmap>& next) {
-  FinishedSubmap submap{T_map_submap, version, std::move(content), nodes, next, 0.0, 0.0};
+  FinishedSubmap submap{T_map_submap, version, std::move(content), nodes, next, 0.0, 0.0, {}};
   for (const SubmapNode& node : nodes) {
     if (!node.carried) submap.length += node.length;
     submap.extent = std::max(submap.extent, node.T_submap_node.translation().norm());
   }
+  return submap;
+}
+
+FinishedSubmap FinishedOldMap(std::int64_t version, const SubmapContent& content) {
+  FinishedSubmap submap = Finished({}, version, Encode(content), {}, content.next);
+  submap.known = KnownBox(content.grid);
   return submap;
 }
 
@@ -154,6 +173,7 @@ std::string EncodeCheckpoint(const MapperState& state) {
   writer.Put<std::uint8_t>(state.unsolved_closures);
   writer.Put<std::uint8_t>(state.urgent_closures);
   writer.Put<std::int64_t>(state.adrift_since.value_or(-1));
+  PutEntry(writer, state.entry);
   PutTrack(writer, state.track);
   PutActive(writer, state.active);
   return Compress(bytes);
@@ -163,7 +183,10 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
                                              const OccupancyOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, Decompress(checkpoint, kMaxCheckpointBytes));
   BinaryReader reader(bytes);
-  if (reader.Get<std::uint8_t>() != kVersion) return DataLoss("the checkpoint is of a version unknown to this program");
+  const auto version = reader.Get<std::uint8_t>();
+  if (version != kVersion && version != kVersionWithoutEntry) {
+    return DataLoss("the checkpoint is of a version unknown to this program");
+  }
   MapperState state;
   const auto nodes = reader.Get<std::uint64_t>();
   const auto finished = reader.Get<std::uint64_t>();
@@ -173,6 +196,7 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   state.unsolved_closures = reader.Get<std::uint8_t>() != 0;
   state.urgent_closures = reader.Get<std::uint8_t>() != 0;
   if (const auto since = reader.Get<std::int64_t>(); since >= 0) state.adrift_since = since;
+  if (version != kVersionWithoutEntry) state.entry = GetEntry(reader);
   state.track = GetTrack(reader);
   ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/slam/motion_model.h"
+#include "core/slam/old_map.h"
 #include "core/slam/policies.h"
 #include "core/slam/slam_map.h"
 #include "core/slam/submap.h"
@@ -25,10 +27,15 @@ struct FinishedSubmap {
   std::optional<NextSubmap> next;
   double length = 0.0;  // m driven in it
   double extent = 0.0;  // m, from its origin to its farthest keyframe
+  // Of the old map that mapping goes on in, which has no keyframes: the box of what it knows, m; else empty.
+  Eigen::AlignedBox2d known;
 };
 
 FinishedSubmap Finished(const Pose2& T_map_submap, std::int64_t version, std::string content,
                         const std::vector<SubmapNode>& nodes, const std::optional<NextSubmap>& next);
+
+// The old map as submap 0; `next` is not known before the first scan.
+FinishedSubmap FinishedOldMap(std::int64_t version, const SubmapContent& content);
 
 // Where the robot is, relative to the active submap.
 struct Track {
@@ -43,6 +50,7 @@ struct Track {
 
 // All that a mapper knows.
 struct MapperState {
+  std::optional<MapEntry> entry;  // mapping goes on in an old map, which is submap 0
   std::optional<Submap> active;
   std::optional<Track> track;
   std::map<std::int64_t, FinishedSubmap> finished;
@@ -59,6 +67,7 @@ struct MapperState {
   std::optional<std::int64_t> adrift_since;
 
   std::int64_t last_submap() const { return active ? active->id : static_cast<std::int64_t>(finished.size()) - 1; }
+  bool is_old_map(std::int64_t submap) const { return entry.has_value() && submap == 0; }
 };
 
 // Whether an accepted closure joins a keyframe of submap `since` or later to a submap before it, or the other way

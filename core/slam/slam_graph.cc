@@ -41,7 +41,7 @@ void AddSubmap(std::int64_t id, const Pose2& pose, const std::vector<SubmapNode>
 
 Problem BuildProblem(const MapperState& state) {
   Problem problem;
-  problem.free_nodes.insert(0);
+  if (!state.entry) problem.free_nodes.insert(0);
   for (const auto& [id, closure] : state.closures) {
     if (TakesPart(closure)) problem.free_nodes.insert(closure.node);
   }
@@ -133,7 +133,7 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
   solve.initialisation = Initialisation::kNone;
   solve.kernel = {RobustKernel::Type::kCauchy, options.kernel_width};
   solve.max_iterations = options.max_iterations;
-  solve.fixed = {NodeVertex(0)};
+  solve.fixed = {state.entry ? SubmapVertex(0) : NodeVertex(0)};
   const absl::StatusOr<SolveReport> first = SolvePoseGraph(solve, problem.graph);
   if (!first.ok()) return change;
   JudgeClosures(*first, options, state, problem, change);

@@ -12,7 +12,8 @@
 namespace enfilade {
 
 // What SLAM knows about one map, in the pieces in which it is stored: rows that are added once and whose poses move
-// when the pose graph is solved. Poses are in the map's frame (the frame of the first keyframe's robot pose).
+// when the pose graph is solved. Poses are in the map's frame: that of the first keyframe's robot pose, or of the old
+// map that mapping goes on in, which is submap 0 then.
 
 // A keyframe.
 struct SlamNode {
@@ -20,7 +21,7 @@ struct SlamNode {
   std::int64_t sequence = 0;  // of the scan's record in the session's log
   TimeNs time = 0;
   Pose2 T_map_node;                                      // the robot's pose at the keyframe
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of T_map_node, against the first node
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of T_map_node, against the first node or the old map
   std::int64_t submap = 0;                               // the submap that it was matched in
 
   friend bool operator==(const SlamNode&, const SlamNode&) = default;

@@ -15,6 +15,7 @@ constexpr int kSimplifiedClamp = 10;        // steps, the value of the public im
 constexpr double kSimplifiedStep = 0.35;    // log-odds: the clamp of 10 steps is a probability of 0.97
 constexpr std::int32_t kMaxCount = 1'000;   // a mean goes on following what it sees
 constexpr double kMeanStep = 1.0 / 4096.0;  // m: a power of two, so that rounded means have few digits
+constexpr double kMinProbability = 1e-6;    // so that log-odds are finite
 constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
 
 double Probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
@@ -52,6 +53,32 @@ LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options) {
 
 SubmapGrid::SubmapGrid(double resolution, const OccupancyOptions& options)
     : log_odds_(resolution, LogOddsOptionsOf(options)) {}
+
+SubmapGrid SubmapGrid::FromOccupancy(const OccupancyGrid& grid, const OccupancyOptions& options) {
+  const GridGeometry& geometry = grid.geometry;
+  const double r = geometry.resolution;
+  const CellIndex min{static_cast<int>(std::lround(geometry.T_map_grid.x / r)),
+                      static_cast<int>(std::lround(geometry.T_map_grid.y / r))};
+  std::vector<std::int16_t> cells(grid.cells.size(), LogOddsGrid::kUnknown);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (grid.cells[i] == kUnknownCell) continue;
+    const double p = std::clamp(ProbabilityOfCell(grid.cells[i]), kMinProbability, 1.0 - kMinProbability);
+    cells[i] = static_cast<std::int16_t>(std::lround(LogOddsGrid::kUnitsPerLogOdds * std::log(p / (1.0 - p))));
+  }
+  SubmapGrid result(LogOddsGrid::FromCells(r, LogOddsOptionsOf(options), min, geometry.width, geometry.height,
+                                           std::move(cells))
+                        .value());  // as many as the geometry says
+  const LogOddsGrid& log_odds = result.log_odds_;
+  for (int row = 0; row < geometry.height; ++row) {
+    for (int column = 0; column < geometry.width; ++column) {
+      const CellIndex cell{min.column + column, min.row + row};
+      if (log_odds.ValueAt(cell) <= 0) continue;  // kUnknown, too
+      const Eigen::Vector2d centre((cell.column + 0.5) * r, (cell.row + 0.5) * r);
+      result.hits_.emplace_hint(result.hits_.end(), Key{cell.row, cell.column}, HitMean{centre, 1});
+    }
+  }
+  return result;
+}
 
 absl::StatusOr<std::vector<CellIndex>> SubmapGrid::Insert(const Pose2& T_submap_robot, const ScanRays& rays) {
   const ScanRays placed = Transformed(T_submap_robot, rays);

@@ -28,6 +28,10 @@ class SubmapGrid {
 
   SubmapGrid(double resolution, const OccupancyOptions& options);
 
+  // Of a map that is there already, its cells on the lattice of their resolution (OnLattice); the mean of an occupied
+  // cell's hits is its centre, of the count 1.
+  static SubmapGrid FromOccupancy(const OccupancyGrid& grid, const OccupancyOptions& options);
+
   // Adds a scan taken at `T_submap_robot`, rays in the robot's frame. Returns the cells whose occupied state or mean
   // changed, in order. Errors as LogOddsGrid::Insert's; then nothing has changed.
   absl::StatusOr<std::vector<CellIndex>> Insert(const Pose2& T_submap_robot, const ScanRays& rays);

@@ -1,0 +1,167 @@
+#include "core/grid/overlay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/grid/bresenham.h"
+
+namespace enfilade {
+namespace {
+
+constexpr int kEvenOdds = 128;        // the value of a cell as likely free as occupied
+constexpr double kOffLattice = 1e-3;  // of a cell: rounding
+
+// Inclusive; empty where max is below min.
+struct Box {
+  CellIndex min;
+  CellIndex max;
+};
+
+Box BoxOf(const OccupancyGrid& grid) {
+  const GridGeometry& g = grid.geometry;
+  const CellIndex min{static_cast<int>(std::lround(g.T_map_grid.x / g.resolution)),
+                      static_cast<int>(std::lround(g.T_map_grid.y / g.resolution))};
+  return {min, {min.column + g.width - 1, min.row + g.height - 1}};
+}
+
+OccupancyGrid Unknown(const Box& box, double resolution) {
+  OccupancyGrid grid;
+  grid.geometry.resolution = resolution;
+  grid.geometry.T_map_grid = {box.min.column * resolution, box.min.row * resolution, 0.0};
+  grid.geometry.width = box.max.column - box.min.column + 1;
+  grid.geometry.height = box.max.row - box.min.row + 1;
+  grid.cells.assign(grid.geometry.cell_count(), kUnknownCell);
+  return grid;
+}
+
+bool LiesOnLattice(const GridGeometry& geometry, double resolution) {
+  const double column = geometry.T_map_grid.x / resolution;
+  const double row = geometry.T_map_grid.y / resolution;
+  return geometry.resolution == resolution && geometry.T_map_grid.yaw == 0.0 &&
+         std::abs(column - std::round(column)) < kOffLattice && std::abs(row - std::round(row)) < kOffLattice;
+}
+
+// The cells of the lattice that the grid can touch.
+Box LatticeBoxOf(const GridGeometry& geometry, double resolution) {
+  const double width = geometry.width * geometry.resolution;
+  const double height = geometry.height * geometry.resolution;
+  Eigen::Vector2d low = geometry.T_map_grid.translation();
+  Eigen::Vector2d high = low;
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(width, 0), Eigen::Vector2d(0, height), Eigen::Vector2d(width, height)}) {
+    low = low.cwiseMin(geometry.T_map_grid * corner);
+    high = high.cwiseMax(geometry.T_map_grid * corner);
+  }
+  const auto cell = [&](double v) { return static_cast<int>(std::floor(v / resolution)); };
+  return {{cell(low.x()), cell(low.y())}, {cell(high.x()), cell(high.y())}};
+}
+
+void TakeValuesAtCentres(const OccupancyGrid& from, OccupancyGrid& to) {
+  const Pose2 T_from_map = Inverse(from.geometry.T_map_grid);
+  for (int row = 0; row < to.geometry.height; ++row) {
+    for (int column = 0; column < to.geometry.width; ++column) {
+      const Eigen::Vector2d centre(column + 0.5, row + 0.5);
+      const Eigen::Vector2d p = T_from_map * (to.geometry.T_map_grid * (centre * to.geometry.resolution));
+      const int c = static_cast<int>(std::floor(p.x() / from.geometry.resolution));
+      const int r = static_cast<int>(std::floor(p.y() / from.geometry.resolution));
+      if (from.geometry.contains(c, r)) {
+        to.cells[to.geometry.index(column, row)] = from.cells[from.geometry.index(c, r)];
+      }
+    }
+  }
+}
+
+void KeepOccupied(const OccupancyGrid& from, OccupancyGrid& to) {
+  for (int row = 0; row < from.geometry.height; ++row) {
+    for (int column = 0; column < from.geometry.width; ++column) {
+      const std::uint8_t value = from.cells[from.geometry.index(column, row)];
+      if (value <= kEvenOdds) continue;
+      const Eigen::Vector2d centre(column + 0.5, row + 0.5);
+      const Eigen::Vector2d p = from.geometry.T_map_grid * (centre * from.geometry.resolution);
+      const Eigen::Vector2d q = (p - to.geometry.T_map_grid.translation()) / to.geometry.resolution;
+      const int c = static_cast<int>(std::floor(q.x()));
+      const int r = static_cast<int>(std::floor(q.y()));
+      if (!to.geometry.contains(c, r)) continue;
+      std::uint8_t& cell = to.cells[to.geometry.index(c, r)];
+      cell = std::max(cell, value);
+    }
+  }
+}
+
+OccupancyGrid Cropped(const OccupancyGrid& grid) {
+  Box known{{grid.geometry.width, grid.geometry.height}, {-1, -1}};
+  for (int row = 0; row < grid.geometry.height; ++row) {
+    for (int column = 0; column < grid.geometry.width; ++column) {
+      if (grid.cells[grid.geometry.index(column, row)] == kUnknownCell) continue;
+      known.min = {std::min(known.min.column, column), std::min(known.min.row, row)};
+      known.max = {std::max(known.max.column, column), std::max(known.max.row, row)};
+    }
+  }
+  OccupancyGrid result;
+  result.geometry.resolution = grid.geometry.resolution;
+  if (known.max.column < 0) return result;
+  const CellIndex origin = BoxOf(grid).min;
+  result = Unknown({{origin.column + known.min.column, origin.row + known.min.row},
+                    {origin.column + known.max.column, origin.row + known.max.row}},
+                   grid.geometry.resolution);
+  for (int row = 0; row < result.geometry.height; ++row) {
+    const auto begin =
+        grid.cells.begin() + static_cast<std::ptrdiff_t>(grid.geometry.index(known.min.column, known.min.row + row));
+    std::copy_n(begin, result.geometry.width,
+                result.cells.begin() + static_cast<std::ptrdiff_t>(result.geometry.index(0, row)));
+  }
+  return result;
+}
+
+void Lay(const OccupancyGrid& layer, OccupancyGrid& grid) {
+  if (layer.cells.empty()) return;
+  const CellIndex offset = BoxOf(layer).min;
+  const CellIndex origin = BoxOf(grid).min;
+  for (int row = 0; row < layer.geometry.height; ++row) {
+    for (int column = 0; column < layer.geometry.width; ++column) {
+      std::uint8_t& cell =
+          grid.cells[grid.geometry.index(offset.column - origin.column + column, offset.row - origin.row + row)];
+      cell = LaidOver(cell, layer.cells[layer.geometry.index(column, row)]);
+    }
+  }
+}
+
+}  // namespace
+
+OccupancyGrid OnLattice(const OccupancyGrid& grid, double resolution) {
+  if (LiesOnLattice(grid.geometry, resolution)) return Cropped(grid);
+  if (grid.cells.empty()) {
+    OccupancyGrid empty;
+    empty.geometry.resolution = resolution;
+    return empty;
+  }
+  OccupancyGrid result = Unknown(LatticeBoxOf(grid.geometry, resolution), resolution);
+  TakeValuesAtCentres(grid, result);
+  KeepOccupied(grid, result);
+  return Cropped(result);
+}
+
+std::uint8_t LaidOver(std::uint8_t under, std::uint8_t over) {
+  if (under == kUnknownCell) return over;
+  if (over == kUnknownCell) return under;
+  const int a = under - kEvenOdds;
+  const int b = over - kEvenOdds;
+  const bool agree = (a >= 0 && b >= 0) || (a <= 0 && b <= 0);
+  return agree && std::abs(a) > std::abs(b) ? under : over;
+}
+
+OccupancyGrid LaidOver(const OccupancyGrid& under, const OccupancyGrid& over) {
+  if (under.cells.empty()) return over;
+  if (over.cells.empty()) return under;
+  const Box a = BoxOf(under);
+  const Box b = BoxOf(over);
+  OccupancyGrid grid = Unknown({{std::min(a.min.column, b.min.column), std::min(a.min.row, b.min.row)},
+                                {std::max(a.max.column, b.max.column), std::max(a.max.row, b.max.row)}},
+                               over.geometry.resolution);
+  Lay(under, grid);
+  Lay(over, grid);
+  return grid;
+}
+
+}  // namespace enfilade

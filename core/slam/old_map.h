@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+
+#include "core/base/binary.h"
+#include "core/geometry/pose2.h"
+#include "core/grid/occupancy_grid.h"
+#include "core/slam/slam_options.h"
+#include "core/slam/submap.h"
+
+namespace enfilade {
+
+// Where the robot is in a map that is there already.
+struct MapEntry {
+  PoseWithCovariance T_map_robot;     // m, rad
+  std::optional<Pose2> T_odom_robot;  // what odometry says there; unset: the pose is that of the first scan
+};
+
+// A map that is there already, in whose frame mapping goes on: what it knows becomes submap 0, which never moves.
+struct OldMap {
+  OccupancyGrid grid;  // may have no cells: then the map is but a frame
+  MapEntry entry;
+};
+
+// Submap 0's content: no keyframes, the map's frame for its own.
+SubmapContent ContentOf(const OccupancyGrid& grid, const SlamOptions& options);
+
+// The robot's pose at a scan at which odometry says `T_odom_now`: the entry's, moved on by odometry, whose uncertainty
+// adds to the entry's; and no surer than matching a scan is.
+PoseWithCovariance PoseAtScan(const MapEntry& entry, const std::optional<Pose2>& T_odom_now,
+                              const SlamOptions& options);
+
+// Three standard deviations of the entry, in the direction that it leaves the most open: m and rad.
+struct EntryReach {
+  double translation = 0.0;
+  double yaw = 0.0;
+};
+EntryReach ReachOf(const MapEntry& entry);
+
+// For checkpoints: exact.
+void PutEntry(BinaryWriter& writer, const std::optional<MapEntry>& entry);
+std::optional<MapEntry> GetEntry(BinaryReader& reader);
+
+}  // namespace enfilade

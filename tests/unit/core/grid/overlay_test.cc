@@ -1,0 +1,84 @@
+#include "core/grid/overlay.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace enfilade {
+namespace {
+
+// '.' unknown, '-' and 'f' free (the latter surer), '+' and '#' occupied; the top row first. The lower-left cell at
+// (column, row) of the lattice of 0.05 m.
+OccupancyGrid Grid(const std::vector<std::string>& rows, int column = 0, int row = 0, double resolution = 0.05) {
+  OccupancyGrid grid;
+  grid.geometry.resolution = resolution;
+  grid.geometry.T_map_grid = {column * resolution, row * resolution, 0.0};
+  grid.geometry.height = static_cast<int>(rows.size());
+  grid.geometry.width = static_cast<int>(rows.front().size());
+  const auto value = [](char c) -> std::uint8_t {
+    switch (c) {
+      case '-':
+        return 100;
+      case 'f':
+        return 10;
+      case '+':
+        return 150;
+      case '#':
+        return 250;
+      default:
+        return kUnknownCell;
+    }
+  };
+  for (auto text = rows.rbegin(); text != rows.rend(); ++text) {
+    for (const char c : *text) grid.cells.push_back(value(c));
+  }
+  return grid;
+}
+
+TEST(LaidOver, KnownWinsOverUnknownAgreementGoesToTheSurerDisagreementToTheLater) {
+  EXPECT_EQ(LaidOver(Grid({".-f+#"}), Grid({"....."})), Grid({".-f+#"}));
+  EXPECT_EQ(LaidOver(Grid({"....."}), Grid({".-f+#"})), Grid({".-f+#"}));
+  EXPECT_EQ(LaidOver(Grid({"-f+#"}), Grid({"f-#+"})), Grid({"ff##"}));
+  EXPECT_EQ(LaidOver(Grid({"ff##"}), Grid({"+#-f"})), Grid({"+#-f"}));
+}
+
+TEST(LaidOver, ItselfChangesNothing) {
+  const OccupancyGrid grid = Grid({"#-.", "+f."}, -3, 7);
+  EXPECT_EQ(LaidOver(grid, grid), grid);
+}
+
+TEST(LaidOver, ReachesOverBothAndPutsEachWhereItLies) {
+  EXPECT_EQ(LaidOver(Grid({"#", "#"}, -2, 0), Grid({"ff"}, 0, 3)), Grid({"..ff", "....", "#...", "#..."}, -2, 0));
+}
+
+TEST(LaidOver, AnEmptyLayerIsNothing) {
+  const OccupancyGrid grid = Grid({"#-"});
+  EXPECT_EQ(LaidOver(OccupancyGrid{}, grid), grid);
+  EXPECT_EQ(LaidOver(grid, OccupancyGrid{}), grid);
+}
+
+TEST(OnLattice, KeepsCellsThatLieOnItAndCropsToWhatIsKnown) {
+  EXPECT_EQ(OnLattice(Grid({"....", ".#-.", "...."}, 5, -9), 0.05), Grid({"#-"}, 6, -8));
+  EXPECT_TRUE(OnLattice(Grid({"..", ".."}), 0.05).cells.empty());
+}
+
+TEST(OnLattice, LosesNoOccupiedCellOfAFinerGrid) {
+  // 0.0125 m: four cells in one.
+  const OccupancyGrid fine = Grid({"ffffffff", "ffffffff", "f#ffffff", "ffffffff"}, 4, 8, 0.0125);
+  EXPECT_EQ(OnLattice(fine, 0.05), Grid({"#f"}, 1, 2));
+}
+
+TEST(OnLattice, FillsTheCellsOfACoarserGrid) {
+  EXPECT_EQ(OnLattice(Grid({"#f"}, 1, 1, 0.10), 0.05), Grid({"##ff", "##ff"}, 2, 2));
+}
+
+TEST(OnLattice, TurnsAGridByItsOrigin) {
+  OccupancyGrid turned = Grid({"#f-"});
+  turned.geometry.T_map_grid = {1.0, 0.0, M_PI / 2.0};  // its columns go up along y, its rows to the left
+  EXPECT_EQ(OnLattice(turned, 0.05), Grid({"-", "f", "#"}, 19, 0));
+}
+
+}  // namespace
+}  // namespace enfilade
