@@ -40,7 +40,8 @@ class Server::Impl {
         pool(std::move(given_pool)),
         metrics(std::move(given_metrics)),
         executor(options.listen.workers, kMaxQueuedCalls),
-        mapping(options.mapping, slam, {mappings, records, sessions, blobs}, *metrics, [this] { doors_wake.Wake(); }),
+        mapping(options.mapping, slam, {mappings, records, sessions, blobs, revisions, robot_poses}, *metrics,
+                [this] { doors_wake.Wake(); }),
         ingest(options.ingest, records, blobs, *metrics, [this] { mapping.Wake(); }) {}
 
   absl::Status Start() {

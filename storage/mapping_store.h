@@ -74,9 +74,10 @@ class MappingStore {
   absl::Status Release(const CallContext& context, const SessionLease& lease) const;
 
   // One transaction: the delta's rows, the checkpoint, the revision (its number is returned, 0 without one) and the
-  // session's final state. ABORTED where the lease is lost: the worker must stop. INVALID_ARGUMENT where
-  // mapped_sequence goes backwards. A retry after UNAVAILABLE is safe: a step whose mapped_sequence and checkpoint are
-  // stored already under this token changes nothing.
+  // session's final state. ABORTED where the lease is lost: the worker must stop; or, with AreLayersChanged, where
+  // other layers of the map have changed since step.revision was laid together: then nothing is stored.
+  // INVALID_ARGUMENT where mapped_sequence goes backwards. A retry after UNAVAILABLE is safe: a step whose
+  // mapped_sequence and checkpoint are stored already under this token changes nothing.
   absl::StatusOr<std::int64_t> Commit(const CallContext& context, const SessionLease& lease,
                                       const MappingStep& step) const;
 

@@ -4,13 +4,17 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
 #include "core/grid/bresenham.h"
+#include "core/grid/map_raster.h"
 
 namespace enfilade {
 namespace {
 
-constexpr int kEvenOdds = 128;        // the value of a cell as likely free as occupied
-constexpr double kOffLattice = 1e-3;  // of a cell: rounding
+constexpr double kMaxCoordinate = 1e9;  // cells, so that differences fit an int
+constexpr int kEvenOdds = 128;          // the value of a cell as likely free as occupied
+constexpr double kOffLattice = 1e-3;    // of a cell: rounding
 
 // Inclusive; empty where max is below min.
 struct Box {
@@ -23,6 +27,13 @@ Box BoxOf(const OccupancyGrid& grid) {
   const CellIndex min{static_cast<int>(std::lround(g.T_map_grid.x / g.resolution)),
                       static_cast<int>(std::lround(g.T_map_grid.y / g.resolution))};
   return {min, {min.column + g.width - 1, min.row + g.height - 1}};
+}
+
+absl::Status CheckSize(const Box& box) {
+  const double width = static_cast<double>(box.max.column) - box.min.column + 1;
+  const double height = static_cast<double>(box.max.row) - box.min.row + 1;
+  if (width * height <= static_cast<double>(kMaxRasterCells)) return absl::OkStatus();
+  return InvalidArgument("a grid of {} x {} cells is too large: {} at most", width, height, kMaxRasterCells);
 }
 
 OccupancyGrid Unknown(const Box& box, double resolution) {
@@ -43,7 +54,7 @@ bool LiesOnLattice(const GridGeometry& geometry, double resolution) {
 }
 
 // The cells of the lattice that the grid can touch.
-Box LatticeBoxOf(const GridGeometry& geometry, double resolution) {
+absl::StatusOr<Box> LatticeBoxOf(const GridGeometry& geometry, double resolution) {
   const double width = geometry.width * geometry.resolution;
   const double height = geometry.height * geometry.resolution;
   Eigen::Vector2d low = geometry.T_map_grid.translation();
@@ -53,8 +64,12 @@ Box LatticeBoxOf(const GridGeometry& geometry, double resolution) {
     low = low.cwiseMin(geometry.T_map_grid * corner);
     high = high.cwiseMax(geometry.T_map_grid * corner);
   }
+  const Eigen::Vector2d limit = Eigen::Vector2d::Constant(kMaxCoordinate * resolution);
+  if (!((low.array() > -limit.array()).all() && (high.array() < limit.array()).all())) {
+    return InvalidArgument("the grid lies beyond {} cells of {} m from its map's origin", kMaxCoordinate, resolution);
+  }
   const auto cell = [&](double v) { return static_cast<int>(std::floor(v / resolution)); };
-  return {{cell(low.x()), cell(low.y())}, {cell(high.x()), cell(high.y())}};
+  return Box{{cell(low.x()), cell(low.y())}, {cell(high.x()), cell(high.y())}};
 }
 
 void TakeValuesAtCentres(const OccupancyGrid& from, OccupancyGrid& to) {
@@ -129,14 +144,16 @@ void Lay(const OccupancyGrid& layer, OccupancyGrid& grid) {
 
 }  // namespace
 
-OccupancyGrid OnLattice(const OccupancyGrid& grid, double resolution) {
+absl::StatusOr<OccupancyGrid> OnLattice(const OccupancyGrid& grid, double resolution) {
   if (LiesOnLattice(grid.geometry, resolution)) return Cropped(grid);
   if (grid.cells.empty()) {
     OccupancyGrid empty;
     empty.geometry.resolution = resolution;
     return empty;
   }
-  OccupancyGrid result = Unknown(LatticeBoxOf(grid.geometry, resolution), resolution);
+  ENFILADE_ASSIGN_OR_RETURN(const Box box, LatticeBoxOf(grid.geometry, resolution));
+  ENFILADE_RETURN_IF_ERROR(CheckSize(box));
+  OccupancyGrid result = Unknown(box, resolution);
   TakeValuesAtCentres(grid, result);
   KeepOccupied(grid, result);
   return Cropped(result);
@@ -151,14 +168,15 @@ std::uint8_t LaidOver(std::uint8_t under, std::uint8_t over) {
   return agree && std::abs(a) > std::abs(b) ? under : over;
 }
 
-OccupancyGrid LaidOver(const OccupancyGrid& under, const OccupancyGrid& over) {
+absl::StatusOr<OccupancyGrid> LaidOver(const OccupancyGrid& under, const OccupancyGrid& over) {
   if (under.cells.empty()) return over;
   if (over.cells.empty()) return under;
   const Box a = BoxOf(under);
   const Box b = BoxOf(over);
-  OccupancyGrid grid = Unknown({{std::min(a.min.column, b.min.column), std::min(a.min.row, b.min.row)},
-                                {std::max(a.max.column, b.max.column), std::max(a.max.row, b.max.row)}},
-                               over.geometry.resolution);
+  const Box both{{std::min(a.min.column, b.min.column), std::min(a.min.row, b.min.row)},
+                 {std::max(a.max.column, b.max.column), std::max(a.max.row, b.max.row)}};
+  ENFILADE_RETURN_IF_ERROR(CheckSize(both));
+  OccupancyGrid grid = Unknown(both, over.geometry.resolution);
   Lay(under, grid);
   Lay(over, grid);
   return grid;

@@ -28,9 +28,12 @@ struct LastTried {
 
 // What the search in an old map has to cover beside the drift: all that the entry leaves open, until the robot has been
 // found in it.
-EntryReach ReachInOldMap(const MapperState& state) {
-  const bool found = state.joined.contains(0);
-  return found ? EntryReach{} : ReachOf(*state.entry);
+void WidenByEntry(const MapperState& state, LoopCandidate& candidate) {
+  candidate.is_entry = !state.joined.contains(0);
+  if (!candidate.is_entry) return;
+  const EntryReach reach = ReachOf(*state.entry);
+  candidate.half_width += reach.translation;
+  candidate.half_angle = std::min(candidate.half_angle + reach.yaw, M_PI);
 }
 
 }  // namespace
@@ -91,9 +94,7 @@ std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const 
     candidate.half_width = std::min(options.search_base + options.drift_per_metre * drifted, options.max_search);
     candidate.half_angle = std::min(options.search_angle_base + options.yaw_drift_per_metre * drifted, M_PI);
     if (is_old_map) {
-      const EntryReach reach = ReachInOldMap(state);
-      candidate.half_width += reach.translation;
-      candidate.half_angle = std::min(candidate.half_angle + reach.yaw, M_PI);
+      WidenByEntry(state, candidate);
     } else if ((submap.T_map_submap.translation() - node.T_map_node.translation()).norm() >
                submap.extent + options.max_distance + candidate.half_width) {
       continue;

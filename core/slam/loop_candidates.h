@@ -19,6 +19,7 @@ struct LoopCandidate {
   double distance = 0.0;    // m, from the node to the submap's nearest keyframe, by the present estimate
   double half_width = 0.0;  // m, of the search
   double half_angle = 0.0;  // rad
+  bool is_entry = false;    // an old map in which the robot has not been found yet
 };
 
 // Which finished submaps to try for `node`, the most likely first: not the node's own or the one before it, not tried

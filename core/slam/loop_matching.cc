@@ -44,9 +44,10 @@ LoopMatch MatchLoop(const SubmapGrid& grid, const FieldPyramid& pyramid, const s
   }
   const Agreement agreement =
       MeasureAgreement(grid, pyramid.levels.back(), points, result.T_submap_node, options.local.field.matched_distance);
-  if (agreement.agreement() < loop.min_agreement) {
+  const double min_agreement = candidate.is_entry ? loop.min_entry_agreement : loop.min_agreement;
+  if (agreement.agreement() < min_agreement) {
     result.reason = fmt::format("{:.2f} of the hits lie in free space of the submap: agreement {:.2f} below {:.2f}",
-                                agreement.contradicted_share, agreement.agreement(), loop.min_agreement);
+                                agreement.contradicted_share, agreement.agreement(), min_agreement);
     return result;
   }
   const double weakest = WeakestDirection(refined.match.information);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/grid/overlay.h"
 #include "core/slam/motion_model.h"
 #include "core/slam/pose_codec.h"
 
@@ -17,7 +16,7 @@ constexpr double kSigmas = 3.0;
 
 SubmapContent ContentOf(const OccupancyGrid& grid, const SlamOptions& options) {
   if (grid.cells.empty()) return {{}, {}, {}, SubmapGrid(options.resolution, options.occupancy)};
-  return {{}, {}, {}, SubmapGrid::FromOccupancy(OnLattice(grid, options.resolution), options.occupancy)};
+  return {{}, {}, {}, SubmapGrid::FromOccupancy(grid, options.occupancy)};
 }
 
 PoseWithCovariance PoseAtScan(const MapEntry& entry, const std::optional<Pose2>& T_odom_now,

@@ -18,7 +18,9 @@ struct MapEntry {
 
 // A map that is there already, in whose frame mapping goes on: what it knows becomes submap 0, which never moves.
 struct OldMap {
-  OccupancyGrid grid;  // may have no cells: then the map is but a frame
+  // Its cells on the lattice of the options' resolution (OnLattice in core/grid/overlay.h); may have none: then the map
+  // is but a frame.
+  OccupancyGrid grid;
   MapEntry entry;
 };
 

@@ -70,6 +70,7 @@ void VisitSlamOptions(Options& o, Visit visit) {
   visit("loop.search_points", o.loop.search_points);
   visit("loop.min_search_score", o.loop.min_search_score);
   visit("loop.min_agreement", o.loop.min_agreement);
+  visit("loop.min_entry_agreement", o.loop.min_entry_agreement);
   visit("loop.max_sigma", o.loop.max_sigma);
   visit("loop.ambiguity_distance", o.loop.ambiguity_distance);
   visit("loop.ambiguity_angle", o.loop.ambiguity_angle);

@@ -86,6 +86,7 @@ constexpr Limits kLimits[] = {
     {"loop.search_points", 10, 100'000},
     {"loop.min_search_score", 0.01, 1.0},
     {"loop.min_agreement", 0.0, 1.0},
+    {"loop.min_entry_agreement", 0.0, 1.0},
     {"loop.max_sigma", 1e-3, 100.0},
     {"loop.ambiguity_distance", 0.1, 100.0},
     {"loop.ambiguity_angle", 0.01, M_PI},

@@ -112,7 +112,9 @@ struct LoopOptions {
   int search_points = 100;
   double min_search_score = 0.40;  // mean likelihood
   double min_agreement = 0.75;     // of the hits in the known part of the submap, share on walls
-  double max_sigma = 0.25;         // m, in the direction that the walls leave the most open
+  // The same for finding the robot in an old map for the first time: nothing else there contradicts a look-alike.
+  double min_entry_agreement = 0.85;
+  double max_sigma = 0.25;  // m, in the direction that the walls leave the most open
   // Another place so far from the best that scores more than this share of its score makes the match ambiguous.
   double ambiguity_distance = 1.0;  // m
   double ambiguity_angle = 0.5;     // rad

@@ -3,8 +3,10 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
+#include "core/grid/overlay.h"
 #include "core/grid/tiled_raster.h"
 
 namespace enfilade::server {
@@ -12,11 +14,12 @@ namespace {
 
 constexpr std::int64_t kPortionBytes = 16 << 20;
 
-// Of the header and of every tile with its place: equal hashes, equal rasters.
-std::string ContentHash(const NewRevision& revision) {
+}  // namespace
+
+std::string ContentHash(const std::string& header, const std::vector<TileRef>& tiles) {
   Sha256Stream hash;
-  hash.Add(Sha256(revision.raster_header));
-  for (const TileRef& tile : revision.tiles) {
+  hash.Add(Sha256(header));
+  for (const TileRef& tile : tiles) {
     hash.Add({reinterpret_cast<const char*>(&tile.key.row), sizeof(tile.key.row)});
     hash.Add({reinterpret_cast<const char*>(&tile.key.column), sizeof(tile.key.column)});
     hash.Add(tile.sha256);
@@ -24,7 +27,12 @@ std::string ContentHash(const NewRevision& revision) {
   return hash.Finish();
 }
 
-}  // namespace
+absl::StatusOr<OccupancyGrid> OnMapLattice(const MapRaster& raster, double resolution) {
+  absl::StatusOr<OccupancyGrid> grid = OnLattice(ToOccupancyGrid(raster), resolution);
+  if (grid.ok()) return grid;
+  return FailedPrecondition("the map's raster cannot be laid on cells of {} m: {}", resolution,
+                            std::string(grid.status().message()));
+}
 
 absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster) {
   ENFILADE_RETURN_IF_ERROR(Validate(raster));
@@ -38,7 +46,7 @@ absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster) {
     result.revision.tiles.push_back({key, sha256});
     result.tiles.push_back({key, std::move(sha256), std::move(bytes)});
   }
-  result.revision.content_sha256 = ContentHash(result.revision);
+  result.revision.content_sha256 = ContentHash(result.revision.raster_header, result.revision.tiles);
   return result;
 }
 

@@ -21,6 +21,12 @@ struct RasterRevision {
 
 absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster);
 
+// Of the header and of every tile with its place: equal hashes, equal rasters.
+std::string ContentHash(const std::string& header, const std::vector<TileRef>& tiles);
+
+// What a raster says of occupancy, on the lattice of the map's frame. FAILED_PRECONDITION where it would be too large.
+absl::StatusOr<OccupancyGrid> OnMapLattice(const MapRaster& raster, double resolution);
+
 // Stores the tiles' bytes in portions, but for those that are in `known` (by SHA-256).
 absl::Status PutTiles(const CallContext& context, const BlobStore& blobs, const SiteId& site,
                       const RasterRevision& raster, const std::set<std::string>& known);

@@ -6,12 +6,15 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "server/app/raster_revision.h"
+#include "spdlog/spdlog.h"
 
 namespace enfilade::server {
 namespace {
 
 constexpr auto kTimeout = std::chrono::seconds(60);
 constexpr std::int64_t kPortionBytes = 128 << 10;
+// Of laying layers together, while other sessions of the same map change theirs.
+constexpr int kMaxAttempts = 100;
 
 CallContext Context() { return CallContext::WithTimeout(kTimeout); }
 
@@ -24,22 +27,42 @@ MappingCounts ToStored(const LogMapperCounts& counts) {
           .lost = counts.lost};
 }
 
+absl::StatusOr<LogMapper> Begin(const SessionMappingStores& stores, const SessionMappingOptions& options,
+                                const Session& session) {
+  if (!session.entry.T_map_robot) return LogMapper(options.pairing, options.slam);
+  OldMap old_map{{}, {*session.entry.T_map_robot, session.entry.T_odom_robot}};
+  const auto revision = stores.revisions.Get(Context(), session.site, *session.map, 0);
+  if (revision.ok()) {
+    ENFILADE_ASSIGN_OR_RETURN(const MapRaster raster, ReadRaster(Context(), stores.revisions, *revision));
+    ENFILADE_ASSIGN_OR_RETURN(old_map.grid, OnMapLattice(raster, options.slam.resolution));
+  } else if (!absl::IsNotFound(revision.status())) {
+    return revision.status();
+  }
+  return LogMapper(options.pairing, options.slam, old_map);
+}
+
 }  // namespace
 
 SessionMapping::SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options,
                                const Session& session, LogMapper mapper)
-    : stores_(stores), options_(options), site_(session.site), session_(session.id), mapper_(std::move(mapper)) {}
+    : stores_(stores),
+      options_(options),
+      site_(session.site),
+      session_(session.id),
+      robot_(session.robot),
+      map_(*session.map),
+      overlay_(stores.blobs, session.site),
+      mapper_(std::move(mapper)) {}
 
 absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const SessionMappingStores& stores,
                                                                      const SessionMappingOptions& options,
                                                                      const Session& session) {
   ENFILADE_ASSIGN_OR_RETURN(const auto stored, stores.mappings.Load(Context(), session.site, session.id));
-  LogMapper mapper(options.pairing, options.slam);
-  if (stored) {
-    ENFILADE_ASSIGN_OR_RETURN(mapper,
-                              LogMapper::Restore(options.pairing, options.slam, stored->map, stored->checkpoint));
-  }
-  std::unique_ptr<SessionMapping> mapping(new SessionMapping(stores, options, session, std::move(mapper)));
+  absl::StatusOr<LogMapper> mapper =
+      stored ? LogMapper::Restore(options.pairing, options.slam, stored->map, stored->checkpoint)
+             : Begin(stores, options, session);
+  if (!mapper.ok()) return mapper.status();
+  std::unique_ptr<SessionMapping> mapping(new SessionMapping(stores, options, session, *std::move(mapper)));
   mapping->mapped_sequence_ = mapping->stored_sequence_ = stored ? stored->mapped_sequence : 0;
   return mapping;
 }
@@ -93,24 +116,61 @@ absl::Status SessionMapping::Commit(const SessionLease& lease, bool with_revisio
                    .blobs = {},
                    .final_state = final_state,
                    .error = {}};
-  RasterRevision raster;
-  with_revision = with_revision && mapper_.counts().used > 0;
-  if (with_revision) {
-    ENFILADE_ASSIGN_OR_RETURN(raster, ToRevision(FromOccupancyGrid(mapper_.RenderGrid())));
-    raster.revision.source = RevisionSource::kMapping;
-    raster.revision.session = session_;
-    ENFILADE_RETURN_IF_ERROR(PutTiles(Context(), stores_.blobs, site_, raster, stored_tiles_));
-    step.revision = &raster.revision;
+  const OccupancyGrid own = with_revision ? mapper_.RenderGrid() : OccupancyGrid{};
+  if (own.cells.empty()) {
+    ENFILADE_RETURN_IF_ERROR(stores_.mappings.Commit(Context(), lease, step).status());
+  } else {
+    ENFILADE_RETURN_IF_ERROR(CommitRevision(lease, own, step));
   }
-  ENFILADE_RETURN_IF_ERROR(stores_.mappings.Commit(Context(), lease, step).status());
   stored_sequence_ = mapped_sequence_;
   last_commit_ = std::chrono::steady_clock::now();
-  if (with_revision) {
-    last_revision_ = last_commit_;
-    stored_tiles_.clear();
-    for (const TileRef& tile : raster.revision.tiles) stored_tiles_.insert(tile.sha256);
-  }
+  if (with_revision) last_revision_ = last_commit_;
+  StorePose();
   return absl::OkStatus();
+}
+
+// Where another session of the map is faster, its layer is laid together with this one's anew.
+absl::Status SessionMapping::CommitRevision(const SessionLease& lease, const OccupancyGrid& own, MappingStep& step) {
+  ENFILADE_ASSIGN_OR_RETURN(RasterRevision layer, ToRevision(FromOccupancyGrid(own)));
+  ENFILADE_RETURN_IF_ERROR(PutTiles(Context(), stores_.blobs, site_, layer, stored_tiles_));
+  std::set<std::string> tiles;
+  for (const TileRef& tile : layer.revision.tiles) tiles.insert(tile.sha256);
+  absl::Status status;
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    ENFILADE_ASSIGN_OR_RETURN(const LayersBeside beside,
+                              stores_.revisions.ReadLayersBeside(Context(), site_, map_, session_));
+    RasterRevision whole;
+    whole.revision = layer.revision;
+    if (!beside.below.empty() || !beside.above.empty()) {
+      ENFILADE_ASSIGN_OR_RETURN(OccupancyGrid grid, overlay_.Lay(Context(), beside, own));
+      ENFILADE_ASSIGN_OR_RETURN(whole, ToRevision(FromOccupancyGrid(std::move(grid))));
+      std::set<std::string> known = stored_tiles_;
+      known.insert(tiles.begin(), tiles.end());
+      ENFILADE_RETURN_IF_ERROR(PutTiles(Context(), stores_.blobs, site_, whole, known));
+      whole.revision.layer = StoredRaster{layer.revision.raster_header, layer.revision.tiles};
+    }
+    whole.revision.source = RevisionSource::kMapping;
+    whole.revision.session = session_;
+    whole.revision.layers_version = beside.version;
+    step.revision = &whole.revision;
+    status = stores_.mappings.Commit(Context(), lease, step).status();
+    step.revision = nullptr;
+    if (AreLayersChanged(status)) continue;
+    ENFILADE_RETURN_IF_ERROR(status);
+    for (const TileRef& tile : whole.revision.tiles) tiles.insert(tile.sha256);
+    stored_tiles_ = std::move(tiles);
+    return absl::OkStatus();
+  }
+  return status;
+}
+
+// Not a part of the step: without it the robot's pose is only older.
+void SessionMapping::StorePose() const {
+  const std::optional<PresentPose> pose = mapper_.FindPresentPose();
+  if (!pose || pose->lost) return;
+  const absl::Status status =
+      stores_.robot_poses.Report(Context(), {site_, robot_, map_, session_, pose->T_map_robot, pose->time, 0});
+  if (!status.ok()) spdlog::warn("mapping: the pose of robot {} is not stored: {}", robot_.value(), status.ToString());
 }
 
 absl::Status SessionMapping::Fail(const SessionMappingStores& stores, const LeasedSession& leased,

@@ -10,9 +10,12 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/slam/log_mapper.h"
+#include "server/app/layer_overlay.h"
 #include "storage/blob_store.h"
 #include "storage/mapping_store.h"
 #include "storage/record_store.h"
+#include "storage/revision_store.h"
+#include "storage/robot_pose_store.h"
 #include "storage/session_store.h"
 
 namespace enfilade::server {
@@ -22,6 +25,8 @@ struct SessionMappingStores {
   const RecordStore& records;
   const SessionStore& sessions;
   const BlobStore& blobs;
+  const RevisionStore& revisions;
+  const RobotPoseStore& robot_poses;
 };
 
 struct SessionMappingOptions {
@@ -32,10 +37,14 @@ struct SessionMappingOptions {
 };
 
 // One session on its way from log to map: reads records, maps them, and stores results together with the checkpoint.
+// What is published is the session's own raster laid between the other layers of its map. A session that enters a map
+// that is there already goes on in it (Mapper, OldMap). After each step the robot's present pose is stored, too, unless
+// it is lost or has reported a later one.
 // Belongs to the thread that holds the session's lease.
 class SessionMapping {
  public:
-  // From the stored checkpoint, or from the beginning. DATA_LOSS where the stored state does not fit this program.
+  // From the stored checkpoint, or from the beginning; there, where the session has an entry pose, with the map's
+  // current revision as the old map. `session` has a map. DATA_LOSS where the stored state does not fit this program.
   static absl::StatusOr<std::unique_ptr<SessionMapping>> Load(const SessionMappingStores& stores,
                                                               const SessionMappingOptions& options,
                                                               const Session& session);
@@ -65,16 +74,21 @@ class SessionMapping {
 
   absl::StatusOr<Progress> AtEndOfLog(const SessionLease& lease);
   absl::Status Commit(const SessionLease& lease, bool with_revision, std::optional<SessionState> final_state);
+  absl::Status CommitRevision(const SessionLease& lease, const OccupancyGrid& own, MappingStep& step);
+  void StorePose() const;
 
   const SessionMappingStores stores_;
   const SessionMappingOptions options_;
   const SiteId site_;
   const SessionId session_;
+  const RobotId robot_;
+  const MapId map_;
+  LayerOverlay overlay_;
   LogMapper mapper_;
   std::int64_t mapped_sequence_ = 0;
   std::int64_t stored_sequence_ = 0;
   bool ended_ = false;
-  std::set<std::string> stored_tiles_;  // of the last revision made here, by SHA-256
+  std::set<std::string> stored_tiles_;  // of the last revision and layer made here, by SHA-256
   std::chrono::steady_clock::time_point last_commit_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point last_revision_ = std::chrono::steady_clock::now();
 };

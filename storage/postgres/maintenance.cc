@@ -49,6 +49,7 @@ constexpr Statement kCollectBlobs{
     "DELETE FROM enfilade.blobs WHERE ctid = ANY (ARRAY("
     "  SELECT ctid FROM enfilade.blobs b WHERE b.put_time <= now() - $1 * interval '1 second'"
     "  AND NOT EXISTS (SELECT FROM enfilade.map_revision_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.map_layer_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
     "  AND NOT EXISTS (SELECT FROM enfilade.session_record_blobs r"
     "    WHERE r.site_id = b.site_id AND r.sha256 = b.sha256)"
     "  AND NOT EXISTS (SELECT FROM enfilade.link_point_evidence e"

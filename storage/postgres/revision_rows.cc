@@ -1,6 +1,7 @@
 #include "storage/postgres/revision_rows.h"
 
 #include "storage/postgres/blob_rows.h"
+#include "storage/postgres/layer_rows.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
@@ -45,6 +46,8 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const SiteId&
   std::int64_t number = row.Int64();
   const bool stored = row.Bool();
   ENFILADE_RETURN_IF_ERROR(row.status());
+  ENFILADE_RETURN_IF_ERROR(CheckLayers(transaction, site, map, revision));
+  QueueBlobs(transaction, site, blobs);
   if (!stored) {
     ++number;
     std::vector<std::int32_t> rows, columns;
@@ -55,20 +58,21 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const SiteId&
       digests.push_back(Bytes{tile.sha256});
     }
     const GridGeometry& grid = revision.geometry;
-    QueueBlobs(transaction, site, blobs);
     transaction.Queue(
         kInsert, Params(site, map, number, source, revision.session, grid.resolution, grid.T_map_grid.x,
                         grid.T_map_grid.y, grid.T_map_grid.yaw, std::int32_t{grid.width}, std::int32_t{grid.height},
                         Bytes{revision.raster_header}, Bytes{revision.content_sha256}, digests));
     transaction.Queue(kInsertTiles, Params(site, map, number, rows, columns, digests));
   }
+  QueueLayer(transaction, site, map, revision, number);
   transaction.Queue(kSetState, Params(site, map, number, static_cast<std::int16_t>(state)));
   return number;
 }
 
 absl::Status ExplainRevisionError(const absl::Status& status, const SiteId& site, const MapId& map) {
+  if (AreLayersChanged(status)) return status;
   const std::string constraint = ConstraintOf(status);
-  if (constraint == "map_revision_tiles_site_id_sha256_fkey") {
+  if (constraint == "map_revision_tiles_site_id_sha256_fkey" || constraint == "map_layer_tiles_site_id_sha256_fkey") {
     return FailedPrecondition("a tile's blob is not stored: {}", std::string(status.message()));
   }
   if (constraint == "map_revision_tiles_pkey") {

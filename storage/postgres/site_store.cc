@@ -60,6 +60,7 @@ constexpr std::array kDeletes = {
     Statement{"deleting submaps", "DELETE FROM enfilade.slam_submaps WHERE site_id = $1"},
     Statement{"deleting checkpoints", "DELETE FROM enfilade.mapping_checkpoints WHERE site_id = $1"},
     Statement{"deleting leases", "DELETE FROM enfilade.session_leases WHERE site_id = $1"},
+    Statement{"deleting layers", "DELETE FROM enfilade.map_layers WHERE site_id = $1"},
     Statement{"deleting tiles", "DELETE FROM enfilade.map_revision_tiles WHERE site_id = $1"},
     Statement{"deleting revisions", "DELETE FROM enfilade.map_revisions WHERE site_id = $1"},
     Statement{"deleting records' blobs", "DELETE FROM enfilade.session_record_blobs WHERE site_id = $1"},

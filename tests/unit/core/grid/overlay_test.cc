@@ -1,10 +1,13 @@
 #include "core/grid/overlay.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 #include <vector>
+
+#include "tests/support/status_matchers.h"
 
 namespace enfilade {
 namespace {
@@ -38,46 +41,54 @@ OccupancyGrid Grid(const std::vector<std::string>& rows, int column = 0, int row
 }
 
 TEST(LaidOver, KnownWinsOverUnknownAgreementGoesToTheSurerDisagreementToTheLater) {
-  EXPECT_EQ(LaidOver(Grid({".-f+#"}), Grid({"....."})), Grid({".-f+#"}));
-  EXPECT_EQ(LaidOver(Grid({"....."}), Grid({".-f+#"})), Grid({".-f+#"}));
-  EXPECT_EQ(LaidOver(Grid({"-f+#"}), Grid({"f-#+"})), Grid({"ff##"}));
-  EXPECT_EQ(LaidOver(Grid({"ff##"}), Grid({"+#-f"})), Grid({"+#-f"}));
+  EXPECT_EQ(*LaidOver(Grid({".-f+#"}), Grid({"....."})), Grid({".-f+#"}));
+  EXPECT_EQ(*LaidOver(Grid({"....."}), Grid({".-f+#"})), Grid({".-f+#"}));
+  EXPECT_EQ(*LaidOver(Grid({"-f+#"}), Grid({"f-#+"})), Grid({"ff##"}));
+  EXPECT_EQ(*LaidOver(Grid({"ff##"}), Grid({"+#-f"})), Grid({"+#-f"}));
 }
 
 TEST(LaidOver, ItselfChangesNothing) {
   const OccupancyGrid grid = Grid({"#-.", "+f."}, -3, 7);
-  EXPECT_EQ(LaidOver(grid, grid), grid);
+  EXPECT_EQ(*LaidOver(grid, grid), grid);
 }
 
 TEST(LaidOver, ReachesOverBothAndPutsEachWhereItLies) {
-  EXPECT_EQ(LaidOver(Grid({"#", "#"}, -2, 0), Grid({"ff"}, 0, 3)), Grid({"..ff", "....", "#...", "#..."}, -2, 0));
+  EXPECT_EQ(*LaidOver(Grid({"#", "#"}, -2, 0), Grid({"ff"}, 0, 3)), Grid({"..ff", "....", "#...", "#..."}, -2, 0));
 }
 
 TEST(LaidOver, AnEmptyLayerIsNothing) {
   const OccupancyGrid grid = Grid({"#-"});
-  EXPECT_EQ(LaidOver(OccupancyGrid{}, grid), grid);
-  EXPECT_EQ(LaidOver(grid, OccupancyGrid{}), grid);
+  EXPECT_EQ(*LaidOver(OccupancyGrid{}, grid), grid);
+  EXPECT_EQ(*LaidOver(grid, OccupancyGrid{}), grid);
 }
 
 TEST(OnLattice, KeepsCellsThatLieOnItAndCropsToWhatIsKnown) {
-  EXPECT_EQ(OnLattice(Grid({"....", ".#-.", "...."}, 5, -9), 0.05), Grid({"#-"}, 6, -8));
-  EXPECT_TRUE(OnLattice(Grid({"..", ".."}), 0.05).cells.empty());
+  EXPECT_EQ(*OnLattice(Grid({"....", ".#-.", "...."}, 5, -9), 0.05), Grid({"#-"}, 6, -8));
+  EXPECT_TRUE(OnLattice(Grid({"..", ".."}), 0.05)->cells.empty());
 }
 
 TEST(OnLattice, LosesNoOccupiedCellOfAFinerGrid) {
   // 0.0125 m: four cells in one.
   const OccupancyGrid fine = Grid({"ffffffff", "ffffffff", "f#ffffff", "ffffffff"}, 4, 8, 0.0125);
-  EXPECT_EQ(OnLattice(fine, 0.05), Grid({"#f"}, 1, 2));
+  EXPECT_EQ(*OnLattice(fine, 0.05), Grid({"#f"}, 1, 2));
 }
 
 TEST(OnLattice, FillsTheCellsOfACoarserGrid) {
-  EXPECT_EQ(OnLattice(Grid({"#f"}, 1, 1, 0.10), 0.05), Grid({"##ff", "##ff"}, 2, 2));
+  EXPECT_EQ(*OnLattice(Grid({"#f"}, 1, 1, 0.10), 0.05), Grid({"##ff", "##ff"}, 2, 2));
+}
+
+TEST(OnLattice, RefusesWhatWouldBeTooLarge) {
+  OccupancyGrid far = Grid({"#"}, 0, 0, 0.03);
+  far.geometry.T_map_grid.x = 1e12;
+  EXPECT_THAT(OnLattice(far, 0.05), testing::HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_THAT(LaidOver(Grid({"#"}), Grid({"#"}, 1 << 20, 1 << 20)),
+              testing::HasCode(absl::StatusCode::kInvalidArgument));
 }
 
 TEST(OnLattice, TurnsAGridByItsOrigin) {
   OccupancyGrid turned = Grid({"#f-"});
   turned.geometry.T_map_grid = {1.0, 0.0, M_PI / 2.0};  // its columns go up along y, its rows to the left
-  EXPECT_EQ(OnLattice(turned, 0.05), Grid({"-", "f", "#"}, 19, 0));
+  EXPECT_EQ(*OnLattice(turned, 0.05), Grid({"-", "f", "#"}, 19, 0));
 }
 
 }  // namespace

@@ -1,0 +1,6 @@
+BEGIN;
+
+DROP TABLE enfilade.map_layer_tiles;
+DROP TABLE enfilade.map_layers;
+
+COMMIT;
