@@ -1,5 +1,6 @@
 #include "client/cli/place.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -18,6 +19,20 @@ std::optional<double> ToNumber(const std::string& text) {
 }
 
 }  // namespace
+
+std::optional<std::vector<double>> ParseNumbers(const std::string& text, std::size_t count) {
+  std::vector<double> numbers;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    const std::optional<double> number = ToNumber(text.substr(begin, comma - begin));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    begin = comma + 1;
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
 
 absl::StatusOr<Place> ParsePlace(const std::string& text) {
   std::string map = text;

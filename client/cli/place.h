@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/geometry/pose2.h"
@@ -13,6 +15,9 @@ struct Place {
   std::string map;
   Pose2 pose;
 };
+
+// `count` finite numbers with commas between; unset where it is anything else.
+std::optional<std::vector<double>> ParseNumbers(const std::string& text, std::size_t count);
 
 // INVALID_ARGUMENT saying what was expected.
 absl::StatusOr<Place> ParsePlace(const std::string& text);

@@ -50,7 +50,7 @@ struct Track {
 
 // All that a mapper knows.
 struct MapperState {
-  std::optional<MapEntry> entry;  // mapping goes on in an old map, which is submap 0
+  std::optional<OldMapEntry> entry;  // mapping goes on in an old map, which is submap 0
   std::optional<Submap> active;
   std::optional<Track> track;
   std::map<std::int64_t, FinishedSubmap> finished;

@@ -19,7 +19,7 @@ SubmapContent ContentOf(const OccupancyGrid& grid, const SlamOptions& options) {
   return {{}, {}, {}, SubmapGrid::FromOccupancy(grid, options.occupancy)};
 }
 
-PoseWithCovariance PoseAtScan(const MapEntry& entry, const std::optional<Pose2>& T_odom_now,
+PoseWithCovariance PoseAtScan(const OldMapEntry& entry, const std::optional<Pose2>& T_odom_now,
                               const SlamOptions& options) {
   const double sigma = options.graph.match_sigma_floor;
   const double yaw_sigma = options.graph.match_yaw_floor;
@@ -33,14 +33,14 @@ PoseWithCovariance PoseAtScan(const MapEntry& entry, const std::optional<Pose2>&
   return Compose(pose, {motion.T_last_now, variances.asDiagonal()});
 }
 
-EntryReach ReachOf(const MapEntry& entry) {
+EntryReach ReachOf(const OldMapEntry& entry) {
   const Eigen::Matrix3d& covariance = entry.T_map_robot.covariance;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance.topLeftCorner<2, 2>());
   return {kSigmas * std::sqrt(std::max(solver.eigenvalues()[1], 0.0)),
           kSigmas * std::sqrt(std::max(covariance(2, 2), 0.0))};
 }
 
-void PutEntry(BinaryWriter& writer, const std::optional<MapEntry>& entry) {
+void PutEntry(BinaryWriter& writer, const std::optional<OldMapEntry>& entry) {
   writer.Put<std::uint8_t>(entry.has_value());
   if (!entry) return;
   PutPose(writer, entry->T_map_robot.pose);
@@ -49,9 +49,9 @@ void PutEntry(BinaryWriter& writer, const std::optional<MapEntry>& entry) {
   PutPose(writer, entry->T_odom_robot.value_or(Pose2{}));
 }
 
-std::optional<MapEntry> GetEntry(BinaryReader& reader) {
+std::optional<OldMapEntry> GetEntry(BinaryReader& reader) {
   if (reader.Get<std::uint8_t>() == 0) return std::nullopt;
-  MapEntry entry;
+  OldMapEntry entry;
   entry.T_map_robot.pose = GetPose(reader);
   entry.T_map_robot.covariance = GetMatrix(reader);
   const bool has_odometry = reader.Get<std::uint8_t>() != 0;

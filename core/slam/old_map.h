@@ -11,7 +11,7 @@
 namespace enfilade {
 
 // Where the robot is in a map that is there already.
-struct MapEntry {
+struct OldMapEntry {
   PoseWithCovariance T_map_robot;     // m, rad
   std::optional<Pose2> T_odom_robot;  // what odometry says there; unset: the pose is that of the first scan
 };
@@ -21,7 +21,7 @@ struct OldMap {
   // Its cells on the lattice of the options' resolution (OnLattice in core/grid/overlay.h); may have none: then the map
   // is but a frame.
   OccupancyGrid grid;
-  MapEntry entry;
+  OldMapEntry entry;
 };
 
 // Submap 0's content: no keyframes, the map's frame for its own.
@@ -29,7 +29,7 @@ SubmapContent ContentOf(const OccupancyGrid& grid, const SlamOptions& options);
 
 // The robot's pose at a scan at which odometry says `T_odom_now`: the entry's, moved on by odometry, whose uncertainty
 // adds to the entry's; and no surer than matching a scan is.
-PoseWithCovariance PoseAtScan(const MapEntry& entry, const std::optional<Pose2>& T_odom_now,
+PoseWithCovariance PoseAtScan(const OldMapEntry& entry, const std::optional<Pose2>& T_odom_now,
                               const SlamOptions& options);
 
 // Three standard deviations of the entry, in the direction that it leaves the most open: m and rad.
@@ -37,10 +37,10 @@ struct EntryReach {
   double translation = 0.0;
   double yaw = 0.0;
 };
-EntryReach ReachOf(const MapEntry& entry);
+EntryReach ReachOf(const OldMapEntry& entry);
 
 // For checkpoints: exact.
-void PutEntry(BinaryWriter& writer, const std::optional<MapEntry>& entry);
-std::optional<MapEntry> GetEntry(BinaryReader& reader);
+void PutEntry(BinaryWriter& writer, const std::optional<OldMapEntry>& entry);
+std::optional<OldMapEntry> GetEntry(BinaryReader& reader);
 
 }  // namespace enfilade

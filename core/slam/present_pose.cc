@@ -55,8 +55,11 @@ std::optional<PresentPose> FindPresentPose(const MapperState& state, const Quali
   const SubmapNode& last = NodesOf(state, now).back();
   PresentPose present;
   present.time = state.track->time;
+  const Pose2 T_last_robot = Between(last.T_submap_node, state.track->T_submap_robot);
   present.T_map_robot = Compose({PoseOf(state, now), submap.T_map_submap.covariance},
                                 Measured(state.track->T_submap_robot, last.information));
+  // As the trajectory has it: relative to the keyframe, which closures may have moved against its submap.
+  present.T_map_robot.pose = state.nodes.at(last.node).T_map_node * T_last_robot;
   present.lost = IsLost(state.track->quality, options) || state.adrift_since.has_value();
   return present;
 }

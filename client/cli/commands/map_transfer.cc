@@ -7,6 +7,7 @@
 #include <memory>
 #include <sstream>
 
+#include "client/cli/map_file_reader.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "core/base/error.h"
@@ -139,27 +140,6 @@ struct ImportOptions {
   std::string dialect = "nav2";
   int level = 0;
 };
-
-absl::StatusOr<MapFile> ReadMapFile(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return NotFound("cannot read {}", path.string());
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  return MapFile{path.filename().string(), std::move(bytes).str()};
-}
-
-// The file and, for a YAML, the image that it names.
-absl::StatusOr<std::vector<MapFile>> ReadMapFiles(const fs::path& path) {
-  std::vector<MapFile> files;
-  ENFILADE_ASSIGN_OR_RETURN(MapFile first, ReadMapFile(path));
-  files.push_back(std::move(first));
-  if (path.extension() == ".json") return files;
-  const auto image = ImageNameOf(files.front().bytes);
-  if (!image.ok()) return WithContext(image.status(), path.string());
-  ENFILADE_ASSIGN_OR_RETURN(MapFile second, ReadMapFile(path.parent_path() / *image));
-  files.push_back(std::move(second));
-  return files;
-}
 
 absl::StatusOr<v1::Map> FindOrCreateMap(const Connection& connection, const Globals& globals,
                                         const ImportOptions& options) {

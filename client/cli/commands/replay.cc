@@ -42,6 +42,10 @@ absl::Status Check(const ReplayOptions& options) {
   if (options.map.empty() == !options.record_only) {
     return InvalidArgument("say with --map which map the log goes into, or --record-only");
   }
+  ENFILADE_RETURN_IF_ERROR(EntryOf(options.entry).status());
+  if (!options.entry.at.empty() && options.record_only) {
+    return InvalidArgument("--at says where in a map the log begins: it does not go with --record-only");
+  }
   if (!IsValidResourceId(options.robot)) {
     return InvalidArgument("--robot is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\"", options.robot);
   }
@@ -189,6 +193,8 @@ absl::Status Run(const Globals& globals, ReplayOptions options) {
   wanted.robot = RobotId(options.robot);
   wanted.map = options.map;
   wanted.source = result.log.source;
+  ENFILADE_ASSIGN_OR_RETURN(wanted.entry.T_map_robot, EntryOf(options.entry));
+  if (wanted.entry.T_map_robot) wanted.source += fmt::format(" at={}+-{}", options.entry.at, options.entry.sigma);
   ENFILADE_ASSIGN_OR_RETURN(const FoundSession found, FindOrCreateSession(*spool, wanted));
   result.session = found.id;
   result.resumed_after = spool->FindSession(found.id)->acknowledged_sequence;
@@ -225,6 +231,7 @@ void AddReplay(CLI::App& app, const Globals& globals) {
   command->add_option("LOG", options->log, "CARMEN (.log, .clf, .gz), JSON lines, ...: see docs/logs.md")->required();
   command->add_option("--map", options->map, "The map that it goes into, by name or id; created where missing");
   command->add_flag("--record-only", options->record_only, "Into no map: only store the records");
+  AddEntryOptions(*command, options->entry);
   command->add_option("--robot", options->robot, "Who has recorded it; created where missing")->capture_default_str();
   command->add_option("--session", options->session, "The session's id: to choose it, or to go on with it");
   command->add_option("--spool", options->spool, "The file that keeps what is not acknowledged yet");
@@ -241,6 +248,7 @@ void AddReplay(CLI::App& app, const Globals& globals) {
       "doubled.\n"
       "Examples:\n"
       "  enfilade replay intel.clf.gz --map \"Intel lab\" --wait\n"
+      "  enfilade replay next.jsonl --map \"Intel lab\" --at 3.2,-1,1.57 --wait\n"
       "  enfilade replay drive.jsonl --map rooms --robot r7 --rate real --session monday --spool r7.spool");
 }
 

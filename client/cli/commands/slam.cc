@@ -6,15 +6,20 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/cli/commands/slam_files.h"
+#include "client/cli/entry_options.h"
+#include "client/cli/map_file_reader.h"
 #include "client/cli/output.h"
 #include "client/sources/log_reader.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/grid/map_files.h"
+#include "core/grid/overlay.h"
 #include "core/slam/log_mapper.h"
 #include "core/slam/slam_options_yaml.h"
 
@@ -31,6 +36,8 @@ struct Options {
   bool skip_bad_lines = false;
   bool print_options = false;
   std::string options_file;
+  std::string old_map;
+  EntryOptions entry;
 };
 
 struct SlamRun {
@@ -51,13 +58,28 @@ absl::StatusOr<SlamOptions> LoadOptions(const std::string& path) {
   return options;
 }
 
+// The map that is there already, if any.
+absl::StatusOr<std::optional<OldMap>> LoadOldMap(const Options& options, const SlamOptions& slam) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<PoseWithCovariance> entry, EntryOf(options.entry));
+  if (options.old_map.empty() != !entry) {
+    return InvalidArgument("slam: --on says in which map, and --at where in it: give both or none");
+  }
+  if (!entry) return std::nullopt;
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, ReadMapFiles(options.old_map));
+  ENFILADE_ASSIGN_OR_RETURN(const ImportedMap imported, ImportFiles(files, MapDialect::kNav2));
+  const absl::StatusOr<OccupancyGrid> grid = OnLattice(ToOccupancyGrid(imported.raster), slam.resolution);
+  if (!grid.ok()) return WithContext(grid.status(), options.old_map);
+  return OldMap{*grid, {*entry, std::nullopt}};
+}
+
 absl::StatusOr<SlamRun> Map(const Globals& globals, const Options& options, const SlamOptions& slam) {
   sources::LogOptions log_options;
   log_options.odometry = !options.no_odometry;
   log_options.skip_bad_lines = options.skip_bad_lines;
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, log_options));
   ProgressBar bar(globals, "mapping", reader.facts().scans);
-  LogMapper mapper(ScanPairingOptions{}, slam);
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<OldMap> old_map, LoadOldMap(options, slam));
+  LogMapper mapper = old_map ? LogMapper(ScanPairingOptions{}, slam, *old_map) : LogMapper(ScanPairingOptions{}, slam);
   SlamRun run;
   Clock::duration spent{};
   for (std::int64_t sequence = 1;; ++sequence) {
@@ -71,6 +93,9 @@ absl::StatusOr<SlamRun> Map(const Globals& globals, const Options& options, cons
   const Clock::time_point begin = Clock::now();
   mapper.Finish();
   run.grid = mapper.RenderGrid();
+  if (old_map) {
+    ENFILADE_ASSIGN_OR_RETURN(run.grid, LaidOver(old_map->grid, run.grid));
+  }
   run.map.Apply(mapper.TakeDelta());
   spent += Clock::now() - begin;
   bar.Finish();
@@ -134,12 +159,17 @@ void AddSlam(CLI::App& app, const Globals& globals) {
   command->add_option("LOG", options->log, "The log (docs/logs.md lists the formats)");
   command->add_option("-o,--output", options->directory,
                       "The folder for trajectory.txt, map.pgm, map.yaml, map.png and closures.json");
+  command->add_option("--on", options->old_map, "A map (YAML or JSON) to go on in: needs --at");
+  AddEntryOptions(*command, options->entry);
   command->add_flag("--no-odometry", options->no_odometry, "Use the scans only");
   command->add_flag("--plot", options->plot, "Also write plot.png: the trajectory over the map");
   command->add_option("--options", options->options_file, "A YAML file with SLAM options (docs/slam.md)");
   command->add_flag("--print-options", options->print_options, "Print all SLAM options as YAML and stop");
   command->add_flag("--skip-bad-lines", options->skip_bad_lines, "Go on behind lines that cannot be read");
-  command->footer("Example:\n  enfilade slam drive.jsonl -o out --plot");
+  command->footer(
+      "Examples:\n"
+      "  enfilade slam drive.jsonl -o out --plot\n"
+      "  enfilade slam next.jsonl --on out/map.yaml --at 3.2,-1,1.57 -o both");
 }
 
 }  // namespace enfilade::cli

@@ -5,6 +5,7 @@
 #include <ostream>
 #include <string>
 
+#include "client/cli/entry_options.h"
 #include "client/cli/replay/replay_session.h"
 #include "client/cpp/uplink/uplink.h"
 #include "core/base/ids.h"
@@ -18,6 +19,7 @@ struct ReplayOptions {
   std::string log;
   std::string map;
   bool record_only = false;
+  EntryOptions entry;
   std::string robot = "replay";
   std::string session;
   std::string spool;

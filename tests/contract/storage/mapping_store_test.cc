@@ -100,6 +100,29 @@ TEST_F(MappingStoreTest, ThereIsWorkWhereRecordsAreNotMappedOrASessionIsToBeClos
   EXPECT_TRUE(FindsWork());
 }
 
+TEST_F(MappingStoreTest, ASessionThatWaitsForItsMapIsMappedOnceItIsKnown) {
+  const SessionId previous = NewSession("s1");
+  ASSERT_OK(sessions_.Finish(Soon(), site_, previous, 0));
+  Session waiting = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+  waiting.entry.previous = previous;
+  ASSERT_OK(sessions_.Create(Soon(), waiting, ""));
+  ASSERT_OK(Append(waiting.id, ScanRecords(1, 3)));
+  const LeasedSession closing = AcquireOne();
+  EXPECT_EQ(closing.session.id, previous) << "the only one that can be mapped";
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, waiting.id, 3));
+  EXPECT_EQ(finished.state, SessionState::kFinished);
+  EXPECT_FALSE(FindsWork());
+  database_.Sql(
+      "UPDATE enfilade.sessions SET map_id = 'hall', initial_x = 1, initial_y = 2, initial_yaw = 0.5,"
+      " initial_covariance = '{1,0,0,0,1,0,0,0,1}' WHERE session_id = 's2'");
+  const LeasedSession leased = AcquireOne();
+  EXPECT_EQ(leased.session.id, waiting.id);
+  EXPECT_EQ(leased.session.map, map_);
+  ASSERT_TRUE(leased.session.entry.T_map_robot);
+  EXPECT_EQ(leased.session.entry.T_map_robot->pose, (Pose2{1, 2, 0.5}));
+}
+
 TEST_F(MappingStoreTest, ALeaseThatRanOutGoesToAnotherWithAHigherToken) {
   const SessionId session = SessionWithRecords("s1", 3);
   const LeasedSession lost = AcquireOne("first", milliseconds(1));

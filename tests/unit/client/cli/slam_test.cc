@@ -108,6 +108,40 @@ TEST_F(SlamTest, PrintsWhatProgramsAskFor) {
   EXPECT_FALSE(std::filesystem::exists(out_)) << "nothing is written unasked";
 }
 
+TEST_F(SlamTest, GoesOnInAMapFromWhereItIsToldTheLogBegins) {
+  ASSERT_OK(Run({File("drive.jsonl", Log(11)), "-o", out_}));
+  const std::string map = out_ / "map.yaml";
+  const std::filesystem::path both = directory_.path() / "both";
+  // The same drive again: it begins at the map's origin, which is told wrong by 0.4 m and 0.1 rad.
+  ASSERT_OK(
+      Run({File("again.jsonl", Log(11)), "--on", map, "--at", "-0.4,0.2,0.1", "--at-sigma", "0.3,0.1", "-o", both}));
+  EXPECT_EQ(Report()["submaps"], 2) << "the old map and its own";
+  EXPECT_GT(Report()["closures_accepted"], 0);
+  std::istringstream first(Content(both / "trajectory.txt"));
+  double t = 0.0, x = 0.0, y = 0.0, yaw = 0.0;
+  first >> t >> x >> y >> yaw;
+  EXPECT_NEAR(x, 0.0, 0.05);
+  EXPECT_NEAR(y, 0.0, 0.05);
+  EXPECT_NEAR(yaw, 0.0, 0.02);
+  EXPECT_TRUE(std::filesystem::exists(both / "map.pgm"));
+}
+
+TEST_F(SlamTest, RefusesAnEntryThatIsHalfSaidOrNoPose) {
+  const std::string log = File("drive.jsonl", Log(1));
+  const auto refuses = [&](std::vector<std::string> arguments, const char* why) {
+    arguments.insert(arguments.begin(), log);
+    EXPECT_THAT(Run(arguments), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(why)));
+  };
+  refuses({"--at", "1,2,3"}, "--on");
+  refuses({"--on", "map.yaml"}, "--at");
+  for (const char* at : {"1,2", "1,2,3,4", "a,b,c", "1,2,", "1,2,nan"}) {
+    refuses({"--on", "map.yaml", "--at", at}, "X,Y,YAW");
+  }
+  refuses({"--on", "map.yaml", "--at", "1,2,3", "--at-sigma", "0,1"}, "--at-sigma");
+  EXPECT_THAT(Run({log, "--on", directory_.path() / "none.yaml", "--at", "1,2,3"}),
+              HasStatus(absl::StatusCode::kNotFound, HasSubstr("none.yaml")));
+}
+
 TEST_F(SlamTest, TellsPeopleScansSecondsAndRate) {
   ASSERT_OK(Run({File("drive.jsonl", Log(3))}, false));
   EXPECT_THAT(printed_, HasSubstr("3 scans (3 used"));
