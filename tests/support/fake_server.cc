@@ -38,8 +38,16 @@ class FakeServer::Ingest final : public v1::IngestService::Service {
     }
     stream->Write(response);
     if (auto status = owner_.At(Moment::kOpenedSent); !status.ok()) return status;
+    if (owner_.behaviour_.map_entered) {
+      *response.mutable_map_entered() = *owner_.behaviour_.map_entered;
+      stream->Write(response);
+    }
     std::string blob;
     while (stream->Read(&request)) {
+      if (request.has_pose_report()) {
+        TakePose(*stream, request.pose_report());
+        continue;
+      }
       const auto status = request.has_batch() ? TakeBatch(context, *stream, name, request.batch())
                                               : TakeChunk(request.blob_chunk(), blob);
       if (!status.ok()) return status;
@@ -60,6 +68,19 @@ class FakeServer::Ingest final : public v1::IngestService::Service {
     MutexLock lock(owner_.mutex_);
     owner_.blobs_[chunk.blob().sha256()] = blob;
     return grpc::Status::OK;
+  }
+
+  void TakePose(Stream& stream, const v1::PoseReport& report) {
+    std::optional<std::string> reason;
+    if (owner_.behaviour_.refuse_pose) reason = owner_.behaviour_.refuse_pose(report);
+    if (reason) {
+      v1::StreamRecordsResponse response;
+      response.mutable_pose_report_refused()->set_message(*reason);
+      stream.Write(response);
+      return;
+    }
+    MutexLock lock(owner_.mutex_);
+    owner_.pose_reports_.push_back(report);
   }
 
   grpc::Status TakeBatch(grpc::ServerContext* context, Stream& stream, const std::string& name,
@@ -310,6 +331,11 @@ std::int64_t FakeServer::records_received() {
   MutexLock lock(mutex_);
   return records_received_;
 }
+std::vector<v1::PoseReport> FakeServer::pose_reports() {
+  MutexLock lock(mutex_);
+  return pose_reports_;
+}
+
 int FakeServer::streams_opened() {
   MutexLock lock(mutex_);
   return streams_opened_;

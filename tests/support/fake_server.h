@@ -42,6 +42,10 @@ class FakeServer {
     std::function<grpc::Status(Moment, int)> interfere;
     // Asked for every record: a reason refuses the batch.
     std::function<std::optional<std::string>(const v1::Record&)> refuse;
+    // Told on every stream, after `opened`.
+    std::optional<v1::MapEntered> map_entered;
+    // Asked for every pose report: a reason refuses it.
+    std::function<std::optional<std::string>(const v1::PoseReport&)> refuse_pose;
   };
 
   // `address`: unix:/path.
@@ -72,6 +76,7 @@ class FakeServer {
   std::map<std::string, std::string> blobs();  // SHA-256 -> bytes
   std::int64_t records_received();             // in all, duplicates too
   int streams_opened();
+  std::vector<v1::PoseReport> pose_reports();  // that were taken
 
   // Of the highest sequence without a hole before it.
   static std::int64_t AcknowledgedOf(const Session& session);
@@ -106,6 +111,7 @@ class FakeServer {
   std::map<std::string, std::string> blobs_ ABSL_GUARDED_BY(mutex_);
   std::int64_t records_received_ ABSL_GUARDED_BY(mutex_) = 0;
   int streams_opened_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::vector<v1::PoseReport> pose_reports_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace enfilade::testing

@@ -38,7 +38,9 @@ absl::StatusOr<v1::Map> CreateMap(const Connection& connection, const SpoolSessi
 absl::StatusOr<std::string> MapNameOf(const Connection& connection, const SpoolSession& session, bool create_missing) {
   if (session.map.empty()) return std::string();
   absl::StatusOr<v1::Map> map = FindMap(connection, session.site, session.map);
-  if (create_missing && absl::IsNotFound(map.status())) map = CreateMap(connection, session);
+  // A map to go on in must be there.
+  if (create_missing && !session.entry.T_map_robot && absl::IsNotFound(map.status()))
+    map = CreateMap(connection, session);
   if (!map.ok()) return map.status();
   return map->name();
 }

@@ -382,5 +382,38 @@ TEST_F(UplinkTest, StopsWhileTheServerIsSilent) {
   EXPECT_THAT(uplink.WaitFor(std::chrono::seconds(0)).value(), HasCode(absl::StatusCode::kCancelled));
 }
 
+TEST_F(UplinkTest, TellsWhichMapWasEnteredAndReportsPoses) {
+  FakeServer::Behaviour behaviour;
+  behaviour.map_entered.emplace().set_map("sites/campus/maps/hall");
+  behaviour.refuse_pose = [](const v1::PoseReport& report) {
+    return report.map() == "elsewhere" ? std::optional<std::string>("no such map") : std::nullopt;
+  };
+  Serve(std::move(behaviour));
+  Record(3);
+  std::atomic<int> entered = 0;
+  options_.on_map_entered = [&](const v1::MapEntered& map) {
+    entered += map.map() == "sites/campus/maps/hall" ? 1 : 0;
+  };
+  Uplink uplink(Connection(server_->address(), std::chrono::seconds(20)), *spool_, kRun, options_);
+  PoseWithCovariance pose;
+  pose.pose = {1.0, 2.0, 0.5};
+  uplink.ReportPose("sites/campus/maps/hall", {}, 1);  // before there is a stream: the newest is sent on it
+  uplink.ReportPose("sites/campus/maps/hall", pose, 2 * kNsPerSecond);
+  uplink.Start();
+  const auto soon = [](const auto& condition) {
+    for (int i = 0; i < 3000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return condition();
+  };
+  ASSERT_TRUE(soon([&] { return server_->pose_reports().size() == 1; }));
+  EXPECT_EQ(server_->pose_reports()[0].pose_map_robot().pose().y(), 2.0);
+  EXPECT_EQ(server_->pose_reports()[0].time().seconds(), 2);
+  EXPECT_TRUE(soon([&] { return entered == 1; }));
+  uplink.ReportPose("elsewhere", pose, 3);
+  EXPECT_TRUE(soon([&] { return uplink.progress().poses_refused == 1; }));
+  EXPECT_EQ(uplink.progress().pose_error, "no such map");
+  ASSERT_OK(spool_->MarkFinished(kRun));
+  EXPECT_EQ(uplink.WaitFor(std::chrono::minutes(1)), absl::OkStatus()) << "the stream goes on after a refused pose";
+}
+
 }  // namespace
 }  // namespace enfilade
