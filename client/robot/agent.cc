@@ -139,6 +139,7 @@ absl::Status Agent::Add(const SpoolItem& item) {
 }
 
 absl::Status Agent::AddScan(const SpoolItem& item) {
+  if (to_begin_) ENFILADE_RETURN_IF_ERROR(BeginWithScan(item));
   if (!recording()) {
     ++counts_.ignored;
     return absl::OkStatus();
@@ -216,41 +217,59 @@ absl::Status Agent::Finish() {
 }
 
 absl::Status Agent::Act(const BeginSession& action) {
+  if (action.after_passage) {
+    client::SpoolSession session;
+    session.entry.previous = session_;
+    return Begin(std::move(session), "behind the door; the server will say into which map");
+  }
+  // Elsewhere than before, perhaps. The session begins with the first scan, which tells where the robot is.
+  detector_ = DoorDetector(setup_.options.doors);
+  pairing_ = ScanPairing(ScanPairingOptions{});
+  kept_.clear();
+  session_.reset();
+  to_begin_ = action;
+  return absl::OkStatus();
+}
+
+absl::Status Agent::BeginWithScan(const SpoolItem& item) {
+  choice_.Add(std::get<LaserScan>(item.payload));
+  const BeginSession action = *std::exchange(to_begin_, std::nullopt);
+  std::vector<PairedScan> none;
+  if (odometry_) pairing_.Add(*odometry_, none);
   client::SpoolSession session;
+  session.map = action.map.empty() ? MadeUpName(setup_.robot) : action.map;
+  session.entry.T_map_robot = action.T_map_robot;
+  std::string how = fmt::format("into \"{}\"", session.map);
+  if (!action.T_map_robot) {
+    const SurroundingsChoice::Verdict verdict = choice_.Choose(0);
+    how += ", " + verdict.reason;
+  }
+  return Begin(std::move(session), how);
+}
+
+absl::Status Agent::Begin(client::SpoolSession session, const std::string& how) {
   session.site = setup_.site;
   session.robot = setup_.robot;
   session.id = SessionId(NewUuid());
   session.request_id = NewUuid();
   session.source = setup_.source;
-  if (action.after_passage) {
-    session.entry.previous = session_;
-  } else {
-    session.map = action.map.empty() ? MadeUpName(setup_.robot) : action.map;
-    session.entry.T_map_robot = action.T_map_robot;
-    // Elsewhere than before, perhaps.
-    detector_ = DoorDetector(setup_.options.doors);
-    pairing_ = ScanPairing(ScanPairingOptions{});
-    kept_.clear();
-  }
   ENFILADE_RETURN_IF_ERROR(spool_.CreateSession(session));
   session_ = session.id;
   reports_ = 0;
   pictures_.clear();
   next_picture_.clear();
   ++counts_.sessions;
-  Say("session",
-      action.after_passage
-          ? fmt::format("session {}: behind the door; the server will say into which map", session.id.value())
-          : fmt::format("session {}: into \"{}\"", session.id.value(), session.map),
+  Say("session", fmt::format("session {}: {}", session.id.value(), how),
       {{"session", session.id.value()},
        {"map", session.map},
        {"previous", session.entry.previous ? nlohmann::json(session.entry.previous->value()) : nlohmann::json()}});
   // So that the first scan has odometry on both sides.
-  if (odometry_ && action.after_passage) ENFILADE_RETURN_IF_ERROR(Gather({*odometry_, {}}));
+  if (odometry_) ENFILADE_RETURN_IF_ERROR(Gather({*odometry_, {}}));
   return Handle(SessionBegun{});
 }
 
 absl::Status Agent::Act(const FinishSession&) {
+  to_begin_.reset();
   ENFILADE_RETURN_IF_ERROR(WriteGathered(false));
   if (session_) ENFILADE_RETURN_IF_ERROR(spool_.MarkFinished(*session_));
   return Handle(SessionFinished{});

@@ -100,6 +100,8 @@ class Agent {
 
   bool recording() const { return machine_.state() == State::kMapping; }
   absl::Status FinishLeftovers();
+  absl::Status BeginWithScan(const client::SpoolItem& item);
+  absl::Status Begin(client::SpoolSession session, const std::string& how);
   // For the session's log.
   absl::Status Gather(client::SpoolItem item);
   // `essential`: nothing of it is refused where the spool is full.
@@ -123,6 +125,7 @@ class Agent {
   SurroundingsChoice choice_;
   std::map<std::int64_t, std::vector<client::SpoolItem>> kept_;  // by door
 
+  std::optional<BeginSession> to_begin_;  // with the next scan
   std::optional<SessionId> session_;
   int reports_ = 0;                            // in it
   std::set<std::pair<int, TimeNs>> pictures_;  // in it

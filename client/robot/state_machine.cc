@@ -118,7 +118,7 @@ void StateMachine::On(const SourceEnded&) {
     left_for_ = State::kEnd;
     return;
   }
-  if (state_ == State::kStopMapping || state_ == State::kStartMapping) {
+  if (state_ == State::kStopMapping) {
     next_.reset();
     left_for_ = State::kEnd;
     return;

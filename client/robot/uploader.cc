@@ -284,6 +284,7 @@ void Uploader::TellGlobalPose() {
   listener_({"global_pose",
              "",
              {{"map", pose.map_pose().map()},
+              {"time_ns", pose.report_time().seconds() * kNsPerSecond + pose.report_time().nanos()},
               {"pose_world_robot", ToJson(T_world_robot)},
               {"covariance", std::vector<double>(pose.pose_world_robot().covariance().begin(),
                                                  pose.pose_world_robot().covariance().end())},

@@ -222,6 +222,7 @@ TEST_F(AgentTest, FinishesWhatAnEarlierRunLeftOpenAndBeginsAnew) {
   ASSERT_OK(MakeAgent());
   ASSERT_OK(agent_->Start());
   EXPECT_THAT(Events(), Contains("leftover"));
+  ASSERT_OK(Stand(6.0, 1.0));
   const std::vector<SpoolSession> sessions = spool_->ListSessions();
   ASSERT_EQ(sessions.size(), 2U);
   EXPECT_TRUE(sessions[0].finished);
@@ -287,6 +288,7 @@ TEST_F(AgentTest, RecordsPicturesEverywhereAtTheWantedRate) {
   options.evidence.all_hz = 1.0;
   ASSERT_OK(MakeAgent(options));
   ASSERT_OK(agent_->Start());
+  ASSERT_OK(agent_->Add(ScanAt(1.0)));
   for (int i = 0; i < 100; ++i) {
     const std::string content = "picture " + std::to_string(i);
     const TimeNs time = kNsPerSecond + i * kNsPerSecond / 10;
@@ -295,6 +297,16 @@ TEST_F(AgentTest, RecordsPicturesEverywhereAtTheWantedRate) {
   ASSERT_OK(agent_->Finish());
   const std::vector<Record> records = RecordsOf(spool_->ListSessions().at(0).id);
   EXPECT_NEAR(CountOf(records, RecordKind::kImage), 10, 1);
+}
+
+TEST_F(AgentTest, BeginsNoSessionWithoutAScan) {
+  ASSERT_OK(MakeAgent());
+  ASSERT_OK(agent_->Start());
+  ASSERT_OK(agent_->Add(OdometryAt(1.0, 0.0)));
+  EXPECT_EQ(agent_->state(), State::kStartMapping);
+  ASSERT_OK(agent_->Finish());
+  EXPECT_EQ(agent_->state(), State::kEnd);
+  EXPECT_TRUE(spool_->ListSessions().empty());
 }
 
 TEST_F(AgentTest, RecordsNothingInTheMainMenu) {

@@ -192,6 +192,13 @@ TEST_F(StateMachineTest, ReportsAPassageThatWaitsWhenTheSourceEnds) {
   EXPECT_EQ(state(), State::kEnd);
 }
 
+TEST_F(StateMachineTest, EndsWithASourceThatHasNothing) {
+  Do(Ready{});
+  EXPECT_THAT(Do(SourceEnded{}), ElementsAre("finish"));
+  EXPECT_THAT(Do(SessionFinished{}), IsEmpty());
+  EXPECT_EQ(state(), State::kEnd);
+}
+
 TEST_F(StateMachineTest, AbortFinishesWhatIsOpenAndEnds) {
   StartMapping();
   Do(Passage(1, 5.0, 4.0, 10.0));
