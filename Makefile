@@ -4,12 +4,14 @@ BIN := build/$(PRESET)/bin
 JOBS ?= $(shell nproc)
 # Further lists of deploy/packages that a target needs.
 PACKAGES ?=
-.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean
+SEEDS ?= 20
+ROBOTS ?= r1
+.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean figure1
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
 
-demo: programs ## map a recorded drive (LOG=FILE) end to end with a private server and database in ./var
+demo: programs ## map a recorded drive (LOG=FILE) and a simulated campus with a private server and database in ./var
 	@deploy/demo $(BIN) $(LOG)
 
 stop: ## stop what `make demo` started
@@ -29,6 +31,10 @@ configure: bootstrap
 
 bootstrap: ## install the Debian packages that are missing
 	@mkdir -p build && deploy/bootstrap $(PACKAGES)
+
+figure1: configure ## automatic mapping of the campus figure1 over SEEDS=20 seeds of noise (ROBOTS=r1,r2): a table
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server figure1_seeds
+	@$(BIN)/figure1_seeds --seeds $(SEEDS) --robots $(ROBOTS)
 
 bench: ## run the benchmarks; JSON in build/bench
 	@$(MAKE) build PACKAGES=analysis
