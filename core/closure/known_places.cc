@@ -11,6 +11,8 @@
 namespace enfilade {
 namespace {
 
+constexpr double kBehindDoor = 0.5;  // m: a robot that has come so far through a door still sees it
+
 // A place before, behind and beside the robot.
 struct Reach {
   double ahead;   // m
@@ -22,7 +24,7 @@ std::optional<KnownPlace> Sight(const LinkPoint& link_point, const Anchor& ancho
                                 const PoseWithCovariance& T_map_robot, const ClosureOptions& options) {
   const bool is_sighting = link_point.is_candidate();
   const Reach reach = is_sighting ? Reach{options.known_along, options.known_along, options.known_across}
-                                  : Reach{options.known_ahead, 0.5, options.known_across};
+                                  : Reach{options.known_ahead, kBehindDoor, options.known_across};
   const Pose2 d = Between(T_map_robot.pose, anchor.T_map_place);
   const double slack = ErrorEllipse95(T_map_robot.covariance + anchor.covariance).semi_major_m;
   if (d.x > reach.ahead + slack || d.x < -reach.behind - slack || std::abs(d.y) > reach.across + slack) {
@@ -76,6 +78,18 @@ std::vector<KnownPlace> FindPassed(const std::vector<const LinkPoint*>& link_poi
                         fmt::format("the door lies {:.2f} m from it in the same map (chi-squared {:.1f}, gate {:.1f})",
                                     distance, chi2, gate)};
                   });
+}
+
+bool IsDoorOf(const LinkPoint& link_point, const Anchor& anchor, const PoseWithCovariance& T_map_door,
+              const ClosureOptions& options) {
+  if (!link_point.is_candidate()) {
+    return PlaceChiSquared({anchor.T_map_place, anchor.covariance}, T_map_door, options) <= Gate(options);
+  }
+  const Pose2 d = Between(anchor.T_map_place, T_map_door.pose);
+  const double slack = ErrorEllipse95(T_map_door.covariance + anchor.covariance).semi_major_m;
+  return d.x <= options.known_ahead + slack && d.x >= -kBehindDoor - slack &&
+         std::abs(d.y) <= options.known_across + slack &&
+         std::abs(WrapAngle(d.yaw + M_PI)) <= options.known_facing * M_PI / 180.0;
 }
 
 }  // namespace enfilade

@@ -31,4 +31,10 @@ std::vector<KnownPlace> FindSighted(const std::vector<const LinkPoint*>& link_po
 std::vector<KnownPlace> FindPassed(const std::vector<const LinkPoint*>& link_points, const MapId& map,
                                    const PoseWithCovariance& T_map_door, const ClosureOptions& options);
 
+// Is the door at `T_map_door`, looking into the map that the anchor is in, the one that the anchor is of? Who comes
+// into a room by another door sees the same room. A link point's anchor must agree with it, either way round; a
+// candidate's must have it ahead, as FindSighted has it, and look against the way through.
+bool IsDoorOf(const LinkPoint& link_point, const Anchor& anchor, const PoseWithCovariance& T_map_door,
+              const ClosureOptions& options);
+
 }  // namespace enfilade

@@ -1,25 +1,11 @@
-#include <map>
-#include <set>
-
 #include "core/base/sha256.h"
-#include "enfilade/v1/graph_service.grpc.pb.h"
-#include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "gmock/gmock.h"
-#include "proto/convert/geometry.h"
 #include "proto/convert/record.h"
-#include "tests/rpc/door_drive.h"
 #include "tests/rpc/server_test.h"
+#include "tests/support/door_drive.h"
 
 namespace enfilade::testing {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::SizeIs;
-
-std::string DecisionName(v1::DoorVerdict::Decision decision) {
-  return v1::DoorVerdict::Decision_Name(decision).substr(std::string("DECISION_").size());
-}
 
 class ClosureTest : public ServerTest {
  protected:
@@ -47,62 +33,44 @@ class ClosureTest : public ServerTest {
     }
     ASSERT_TRUE(stream.AwaitAcknowledged(driven.log.back().sequence));
   }
-
-  // Sends all, each session out of the one before, and waits until the last is mapped. Gives their names.
-  std::vector<std::string> SendAll(const std::vector<DrivenSession>& drive, const std::string& map) {
-    std::vector<std::string> names;
-    for (const DrivenSession& driven : drive) {
-      names.push_back(NewSession(names.empty() ? map : "", names.empty() ? "" : names.back()));
-      if (!driven.log.empty()) Send(names.back(), driven);
-      EXPECT_OK(FinishSession(names.back(), static_cast<std::int64_t>(driven.log.size())));
-    }
-    for (const std::string& name : names) AwaitState(name, v1::Session::STATE_MAPPED);
-    return names;
-  }
-
-  std::vector<v1::DoorVerdict> Verdicts(const std::string& session) {
-    v1::ListDoorVerdictsRequest request;
-    request.set_parent(session);
-    const auto response = Call(&v1::SessionService::Stub::ListDoorVerdicts, request);
-    EXPECT_OK(response);
-    return {response->verdicts().begin(), response->verdicts().end()};
-  }
-
-  std::vector<std::string> Decisions(const std::vector<std::string>& sessions) {
-    std::vector<std::string> decisions;
-    for (const std::string& session : sessions) {
-      for (const v1::DoorVerdict& verdict : Verdicts(session)) {
-        decisions.push_back(DecisionName(verdict.decision()));
-        RecordProperty(verdict.name(), verdict.reason());
-        std::cout << verdict.name() << ": " << DecisionName(verdict.decision()) << " " << verdict.reason() << "\n";
-        for (const v1::DoorComparison& c : verdict.comparisons()) std::cout << "    " << c.reason() << "\n";
-      }
-    }
-    return decisions;
-  }
-
-  std::string Value(const std::string& sql) { return database_.SqlValue(sql); }
 };
 
-TEST_F(ClosureTest, DoorsSeenAndPassedForTheFirstTimeMakeCandidatesLinkPointsAndMaps) {
-  std::vector<DrivenSession> drive = DriveThroughDoors(WithImagesAndClouds());
-  drive.resize(3);  // out of the hall, into the next one, and out of it
-  const std::vector<std::string> sessions = SendAll(drive, "sites/s/maps/m");
-  EXPECT_THAT(Decisions(sessions),
-              ElementsAre("CANDIDATE_MADE", "LINK_POINT_MADE", "LINK_POINT_MADE", "CANDIDATE_MADE", "LINK_POINT_MADE"));
-  EXPECT_EQ(Value("SELECT string_agg(display_name, ',' ORDER BY display_name) FROM maps WHERE map_id <> 'm'"),
-            "Map 1,Map 2,Map 3");
-  EXPECT_EQ(Value("SELECT count(*) FROM link_points WHERE anchor_count = 2"), "3");
-  EXPECT_EQ(Value("SELECT count(*) FROM link_points WHERE anchor_count = 1"), "2");
-  // Every place has a place in the world, and images and a cloud of every map that sees it.
-  EXPECT_EQ(Value("SELECT count(*) FROM link_points WHERE position IS NULL"), "0");
-  EXPECT_EQ(Value("SELECT count(*) FROM link_point_anchors a WHERE NOT EXISTS (SELECT FROM link_point_evidence e"
-                  " WHERE e.link_point_id = a.link_point_id AND e.map_id = a.map_id AND e.kind = 2 AND e.x IS NOT NULL)"
-                  " OR NOT EXISTS (SELECT FROM link_point_evidence e WHERE e.link_point_id = a.link_point_id"
-                  " AND e.map_id = a.map_id AND e.kind = 3)"),
-            "0");
-  EXPECT_EQ(Value("SELECT count(*) FROM image_features") != "0", true) << "kept for the next comparison";
-  EXPECT_NE(GetSession(sessions[1]).map(), GetSession(sessions[2]).map());
+TEST_F(ClosureTest, TheRobotHearsOnItsStreamWhichMapItHasEntered) {
+  DoorDriveOptions options;
+  options.campus = TwoRooms();
+  options.robot = "r";
+  const std::vector<DrivenSession> drive = DriveThroughDoors(options);
+  const std::string first = NewSession("sites/s/maps/m", "");
+  const std::string second = NewSession("", first);
+  TestStream waiting(*connection_, second);
+  ASSERT_TRUE(waiting.Receive().has_opened());
+  Send(first, drive[0]);
+  ASSERT_OK(FinishSession(first, static_cast<std::int64_t>(drive[0].log.size())));
+  const v1::StreamRecordsResponse told = waiting.Receive();
+  ASSERT_TRUE(told.has_map_entered());
+  EXPECT_EQ(told.map_entered().map(), GetSession(second).map());
+  EXPECT_EQ(told.map_entered().map_display_name(), "Map 1");
+  EXPECT_EQ(told.map_entered().verdict().decision(), v1::DoorVerdict::DECISION_LINK_POINT_MADE);
+  EXPECT_EQ(told.map_entered().pose_map_robot().covariance_size(), 9);
+  EXPECT_TRUE(told.map_entered().has_pose_odom_robot());
+  // Also one that comes later, and one that was put there.
+  TestStream later(*connection_, second);
+  ASSERT_TRUE(later.Receive().has_opened());
+  EXPECT_EQ(later.Receive().map_entered().map(), told.map_entered().map());
+
+  v1::ListDoorVerdictsRequest list;
+  list.set_parent(first);
+  list.set_page_size(1);
+  ASSERT_OK_AND_ASSIGN(auto page, Call(&v1::SessionService::Stub::ListDoorVerdicts, list));
+  ASSERT_EQ(page.verdicts_size(), 1);
+  EXPECT_EQ(page.verdicts(0).decision(), v1::DoorVerdict::DECISION_CANDIDATE_MADE);
+  list.set_page_token(page.next_page_token());
+  ASSERT_OK_AND_ASSIGN(page, Call(&v1::SessionService::Stub::ListDoorVerdicts, list));
+  EXPECT_EQ(page.verdicts(0).entered_map(), told.map_entered().map());
+  EXPECT_EQ(page.next_page_token(), "");
+  list.set_parent("sites/s/sessions/none");
+  list.clear_page_token();
+  EXPECT_THAT(Call(&v1::SessionService::Stub::ListDoorVerdicts, list), HasCode(absl::StatusCode::kNotFound));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ namespace {
 constexpr auto kTimeout = std::chrono::seconds(60);
 // Other replicas' mapping does not wake this process: it looks this often.
 constexpr auto kPoll = std::chrono::milliseconds(500);
+constexpr auto kBusyPoll = std::chrono::milliseconds(50);
 constexpr auto kLeaseTime = std::chrono::seconds(20);
 constexpr int kPendingAtOnce = 32;
 // The graph changes while a report is judged: people edit, other sites' replicas do not.
@@ -71,7 +72,8 @@ void DoorClosures::Stop() {
 
 void DoorClosures::Run() {
   while (!stop_.is_set()) {
-    if (!TakeTurn()) wake_.WaitFor(kPoll);
+    site_busy_ = false;
+    if (!TakeTurn()) wake_.WaitFor(site_busy_ ? kBusyPoll : kPoll);
   }
 }
 
@@ -95,7 +97,10 @@ bool DoorClosures::TakeTurn() {
     if (stop_.is_set()) return false;
     if (!MayTry(next)) continue;
     const auto lease = stores_.leases.Acquire(Context(), next.site, owner_, kLeaseTime);
-    if (!lease.ok() || !*lease) continue;  // another one is at this site
+    if (!lease.ok() || !*lease) {  // another one is at this site
+      site_busy_ = true;
+      continue;
+    }
     const absl::Status settled = Settle(**lease, next.session);
     (void)stores_.leases.Release(Context(), **lease);
     if (settled.ok()) {

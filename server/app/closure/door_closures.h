@@ -54,6 +54,7 @@ class DoorClosures {
     std::chrono::steady_clock::time_point until;
   };
   std::map<std::string, Delay> delays_;  // by "site/session"
+  bool site_busy_ = false;               // the worker's own, too: a site had to be left for later
   std::thread worker_;
 };
 

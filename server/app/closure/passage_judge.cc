@@ -34,10 +34,9 @@ absl::StatusOr<ViewsBehind> LookBehind(const CallContext& context, const Passage
       ENFILADE_ASSIGN_OR_RETURN(const auto* features, views.Features(context, image.image.content, /*keep=*/false));
       seen.push_back(image.sequence);
       if (features == nullptr) continue;
-      behind.series.push_back(camera == Camera::kFront ? perception::Views{features, nullptr}
-                                                       : perception::Views{nullptr, features});
+      (camera == Camera::kFront ? behind.ahead : behind.back).push_back(features);
     }
-    if (!behind.series.empty()) break;  // the rear camera looks back through the door
+    if (!behind.ahead.empty()) break;  // the rear camera is only for robots without
   }
   const auto cloud = passage.scene.CloudNear(report.time, report.door_time, late);
   if (!cloud) return behind;
@@ -219,39 +218,65 @@ void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point
   std::move(evidence.begin(), evidence.end(), std::back_inserter(change.evidence));
 }
 
-// ... and after it, for the anchor in a map that begins there.
-void KeepEvidenceBehind(const PassageScene& passage, const LinkPointId& link_point, const MapId& map,
+// ... and after it, for the anchor in the map behind.
+void KeepEvidenceBehind(const PassageScene& passage, const LinkPointId& link_point, const Anchor& there,
                         DoorChange& change) {
   const SessionScene& scene = passage.scene;
-  const Pose2 T_door_map = Inverse(passage.T_map_door.pose);
+  const Pose2 T_there_here = there.T_map_place * Inverse(passage.T_map_door.pose);
   auto evidence = EvidenceAt(
-      scene, link_point, map, passage.report.time, passage.report.door_time, passage.report.time + Seconds(0.5),
+      scene, link_point, there.map, passage.report.time, passage.report.door_time, passage.report.time + Seconds(0.5),
       [&](TimeNs time) -> std::optional<Pose2> {
         const auto pose = scene.PoseAt(time);
-        return pose ? std::optional<Pose2>(T_door_map * pose->pose) : std::nullopt;
+        return pose ? std::optional<Pose2>(T_there_here * pose->pose) : std::nullopt;
       },
       passage.options, change.verdict.evidence);
   std::move(evidence.begin(), evidence.end(), std::back_inserter(change.evidence));
 }
 
-// The robot has come to a place that it, or another robot, knew from the other side.
+// A link point between two maps that are there already. The new map of it is unset.
+void JoinKnown(const PassageScene& passage, const JoinedAnchors& joined, const JudgedPlace& judged,
+               DoorChange& change) {
+  StoredLinkPoint made;
+  made.site = passage.map.site;
+  made.point.id = LinkPointId(NewUuid());
+  made.point.kind = passage.report.place;
+  made.point.direction = joined.there.map;
+  made.point.anchors = {joined.here, joined.there};
+  KeepEvidenceHere(passage, made.point.id, change);
+  KeepEvidenceBehind(passage, made.point.id, joined.there, change);
+  change.verdict.decision = DoorDecision::kLinkPointMade;
+  change.verdict.link_point = made.point.id;
+  change.verdict.entered_map = joined.there.map;
+  change.verdict.T_map_robot = judged.T_map_robot;
+  change.verdict.reason = "another door of a map that is known: " + judged.reason;
+  change.new_link_point = std::move(made);
+}
+
+// The robot has come to a place that it, or another robot, knew from the other side; or to a map that it knows, by a
+// door that is new.
 absl::Status Arrive(const CallContext& context, const PassageScene& passage, const Place& place,
                     const JudgedPlace& judged, const std::vector<LinkPointId>& own, DoorChange& change) {
   const MapId& here = passage.map.id;
   const MapId& there = place.anchor->map;
   const LinkPoint& point = *place.link_point;
   change.consumed = own;
-  if (!point.is_candidate() && point.FindAnchor(here) != nullptr) {
+  const JoinedAnchors joined =
+      JoinAtDoor(here, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot);
+  const bool is_door =
+      IsDoorOf(point, *place.anchor, {joined.there.T_map_place, joined.there.covariance}, passage.options);
+  if (is_door && !point.is_candidate() && point.FindAnchor(here) != nullptr) {
     Recognise(point, there, judged.T_map_robot, judged.reason, change.verdict);
     return absl::OkStatus();
   }
-  const JoinedAnchors joined =
-      JoinAtDoor(here, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot);
   const std::vector<const LinkPoint*> all = passage.graph.graph().ListLinkPoints();
   if (const LinkPoint* other = FindRedundant(all, joined); other != nullptr) {
-    if (point.is_candidate()) change.consumed.push_back(point.id);
+    if (is_door && point.is_candidate()) change.consumed.push_back(point.id);
     Recognise(*other, there, judged.T_map_robot, judged.reason + "; a link point joins the maps at that place already",
               change.verdict);
+    return absl::OkStatus();
+  }
+  if (!is_door) {
+    JoinKnown(passage, joined, judged, change);
     return absl::OkStatus();
   }
   ENFILADE_ASSIGN_OR_RETURN(StoredLinkPoint stored,
@@ -278,6 +303,24 @@ absl::Status Arrive(const CallContext& context, const PassageScene& passage, con
   return absl::OkStatus();
 }
 
+// Of the places that have the robot where the chosen one has it, the one whose door it came by; else the chosen one.
+std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& places, const PassageChoice& choice) {
+  const JudgedPlace& chosen = choice.judged[*choice.chosen];
+  const MapId& there = places[*choice.chosen].anchor->map;
+  for (const std::size_t i : choice.order) {
+    const JudgedPlace& judged = choice.judged[i];
+    if (!judged.accepted || places[i].anchor->map != there) continue;
+    const Pose2 d = Between(judged.T_map_robot.pose, chosen.T_map_robot.pose);
+    if (d.translation().norm() > passage.options.same_pose) continue;
+    const Anchor door =
+        JoinAtDoor(passage.map.id, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot).there;
+    if (IsDoorOf(*places[i].link_point, *places[i].anchor, {door.T_map_place, door.covariance}, passage.options)) {
+      return i;
+    }
+  }
+  return *choice.chosen;
+}
+
 // Nothing known: a link point, and a map that begins at it.
 void Begin(const PassageScene& passage, const std::vector<LinkPointId>& own, std::string why, DoorChange& change) {
   change.new_map = MapBehind(passage.map, &passage.report, passage.options);
@@ -298,7 +341,7 @@ void Begin(const PassageScene& passage, const std::vector<LinkPointId>& own, std
                                                        std::pow(passage.options.odometry_sigma * length, 2),
                                                        std::pow(passage.options.odometry_yaw_sigma * length, 2));
   KeepEvidenceHere(passage, point.id, change);
-  KeepEvidenceBehind(passage, point.id, change.new_map->id, change);
+  KeepEvidenceBehind(passage, point.id, point.anchors.back(), change);
   DoorVerdict& verdict = change.verdict;
   verdict.decision = DoorDecision::kLinkPointMade;
   verdict.link_point = point.id;
@@ -358,7 +401,8 @@ absl::Status JudgePassage(const CallContext& context, const PassageScene& passag
     Begin(passage, own, choice.reason, change);
     return absl::OkStatus();
   }
-  return Arrive(context, passage, places[*choice.chosen], choice.judged[*choice.chosen], own, change);
+  const std::size_t arrived = FindDoor(passage, places, choice);
+  return Arrive(context, passage, places[arrived], choice.judged[arrived], own, change);
 }
 
 }  // namespace enfilade::server

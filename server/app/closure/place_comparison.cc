@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/graph/search_radius.h"
 #include "perception/cloud/registration.h"
+#include "perception/image/match_series.h"
 
 namespace enfilade::server {
 namespace {
@@ -36,21 +38,56 @@ perception::RegistrationOptions CloudOptions(const ClosureOptions& options) {
   return registration;
 }
 
-// The stored moments, the nearest to the door's first: the i-th of each camera makes one.
-absl::StatusOr<std::vector<Views>> StoredSeries(const CallContext& context, const Place& place,
-                                                const ClosureOptions& options, StoredViews& views) {
-  std::vector<const perception::FeatureSet*> front, rear;
-  for (const Evidence& item : place.evidence) {
-    if (item.kind == EvidenceKind::kCloud) continue;
-    auto& of_camera = item.kind == EvidenceKind::kFrontImage ? front : rear;
-    if (of_camera.size() >= static_cast<std::size_t>(options.images_compared)) continue;
-    ENFILADE_ASSIGN_OR_RETURN(const auto* features, views.Features(context, item.content, /*keep=*/true));
-    if (features != nullptr) of_camera.push_back(features);
+// Does the camera look away from the place, into the map? Of a candidate the robot stood before the door and looked at
+// it.
+bool LooksAway(const Place& place, const Evidence& item) {
+  bool faces_place = true;
+  if (!place.link_point->is_candidate() && item.T_map_robot) {
+    faces_place = Between(*item.T_map_robot, place.anchor->T_map_place).x > 0.0;
   }
-  std::vector<Views> series(std::max(front.size(), rear.size()));
-  for (std::size_t i = 0; i < front.size(); ++i) series[i].front = front[i];
-  for (std::size_t i = 0; i < rear.size(); ++i) series[i].rear = rear[i];
+  return (item.kind == EvidenceKind::kFrontImage) != faces_place;
+}
+
+// The images kept that look into the map, or those that look at the door, the nearest to the door's moment first.
+absl::StatusOr<std::vector<const perception::FeatureSet*>> StoredImages(const CallContext& context, const Place& place,
+                                                                        bool away, const ClosureOptions& options,
+                                                                        StoredViews& views) {
+  std::vector<const perception::FeatureSet*> images;
+  for (const Evidence& item : place.evidence) {
+    if (item.kind == EvidenceKind::kCloud || LooksAway(place, item) != away) continue;
+    if (images.size() >= static_cast<std::size_t>(options.images_compared)) break;
+    ENFILADE_ASSIGN_OR_RETURN(const auto* features, views.Features(context, item.content, /*keep=*/true));
+    if (features != nullptr) images.push_back(features);
+  }
+  return images;
+}
+
+std::vector<Views> AsSeries(std::span<const perception::FeatureSet* const> images) {
+  std::vector<Views> series;
+  for (const perception::FeatureSet* image : images) series.push_back({.front = image, .rear = nullptr});
   return series;
+}
+
+// The median over the moments, of the best of the images kept. Two moments are looked at first: where nothing at all is
+// alike, more would cost much and say the same.
+absl::StatusOr<ImageWitness> Match(const std::vector<const perception::FeatureSet*>& stored,
+                                   const std::vector<const perception::FeatureSet*>& now,
+                                   const ClosureOptions& options) {
+  const std::vector<Views> series = AsSeries(now);
+  std::vector<Views> first = {series.front()};
+  if (series.size() > 2) first.push_back(series[series.size() / 2]);
+  const perception::ImageMatchOptions match_options = MatchOptions(options);
+  ImageWitness witness;
+  for (const perception::FeatureSet* image : stored) {
+    const Views view{.front = image, .rear = nullptr};
+    ENFILADE_ASSIGN_OR_RETURN(const auto glance, perception::MatchSeries(view, first, match_options));
+    if (std::all_of(glance.scores.begin(), glance.scores.end(), [](int score) { return score == 0; })) continue;
+    ENFILADE_ASSIGN_OR_RETURN(const auto match, perception::MatchSeries(view, series, match_options));
+    witness.matches = std::max(witness.matches, match.score);
+    witness.agree = witness.agree || match.accepted;
+    if (witness.agree) break;
+  }
+  return witness;
 }
 
 const Evidence* FindCloud(const Place& place) {
@@ -93,24 +130,19 @@ absl::StatusOr<PlaceEvidence> CompareImages(const CallContext& context, const Pl
   evidence.map = place.anchor->map;
   evidence.distance = place.distance;
   evidence.predicted = place.predicted;
-  if (behind.series.empty()) {
+  if (behind.ahead.empty() && behind.back.empty()) {
     evidence.missing = "the robot has no images behind the door";
     return evidence;
   }
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Views> stored, StoredSeries(context, place, options, views));
-  if (stored.empty()) {
-    evidence.missing = "no images are kept of the place";
+  for (const bool away : {true, false}) {
+    const auto& now = away ? behind.ahead : behind.back;
+    if (now.empty()) continue;
+    ENFILADE_ASSIGN_OR_RETURN(const auto stored, StoredImages(context, place, away, options, views));
+    if (stored.empty()) continue;
+    ENFILADE_ASSIGN_OR_RETURN(evidence.images, Match(stored, now, options));
     return evidence;
   }
-  ImageWitness witness;
-  for (const Views& moment : stored) {
-    ENFILADE_ASSIGN_OR_RETURN(const perception::SeriesMatch match,
-                              perception::MatchSeries(moment, behind.series, MatchOptions(options)));
-    witness.matches = std::max(witness.matches, match.score);
-    witness.agree = witness.agree || match.accepted;
-    if (witness.agree) break;
-  }
-  evidence.images = witness;
+  evidence.missing = "no images are kept of the place that look the same way";
   return evidence;
 }
 

@@ -117,7 +117,7 @@ absl::StatusOr<DoorChange> ReportJudge::Judge(const CallContext& context, const 
                                          .go_on = go_on_},
                                         views, change));
   change.verdict.T_odom_robot = scene.OdometryAt(report.time);
-  if (!views.faults().empty()) change.verdict.reason += "; " + views.faults();
+  if (const std::string faults = views.Faults(); !faults.empty()) change.verdict.reason += "; " + faults;
   return change;
 }
 

@@ -19,9 +19,15 @@ int CountOf(const perception::FeatureSet& features) {
 
 }  // namespace
 
-void StoredViews::AddFault(const std::string& what) {
-  if (!faults_.empty()) faults_ += "; ";
-  faults_ += what;
+void StoredViews::AddFault(const std::string& what) { ++faults_[what]; }
+
+std::string StoredViews::Faults() const {
+  std::string text;
+  for (const auto& [what, times] : faults_) {
+    text += (text.empty() ? "" : "; ") + what;
+    if (times > 1) text += fmt::format(" ({} times)", times);
+  }
+  return text;
 }
 
 absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(const CallContext& context,

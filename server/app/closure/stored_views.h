@@ -15,7 +15,7 @@
 namespace enfilade::server {
 
 // Stored images' features and stored clouds, read once each while one report is judged. What cannot be read (damaged,
-// too large, nothing to see) is as if it were not there; why is told by `faults`. Errors are the stores' alone.
+// too large, nothing to see) is as if it were not there; why is told by Faults. Errors are the stores' alone.
 class StoredViews {
  public:
   StoredViews(const ClosureStores& stores, const SiteId& site, const ClosureOptions& options)
@@ -29,7 +29,7 @@ class StoredViews {
                                                   CloudEncoding encoding);
 
   // What could not be read, in words; empty where all could.
-  const std::string& faults() const { return faults_; }
+  std::string Faults() const;
 
  private:
   absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const CallContext& context, const BlobRef& image,
@@ -41,7 +41,7 @@ class StoredViews {
   const ClosureOptions& options_;
   std::map<std::string, std::optional<perception::FeatureSet>> features_;  // by SHA-256
   std::map<std::string, std::optional<perception::Cloud>> clouds_;
-  std::string faults_;
+  std::map<std::string, int> faults_;  // how often
 };
 
 }  // namespace enfilade::server

@@ -82,5 +82,17 @@ TEST_F(KnownPlacesTest, ACandidateOfThisSideIsFoundWhenItsDoorIsPassed) {
   EXPECT_THAT(FindPassed(all_, kHall, At(4.1, 3.7, -M_PI_2), options_), IsEmpty());  // out of it, not into it
 }
 
+// Who comes into the hall sees the hall, whichever door it came by.
+TEST_F(KnownPlacesTest, TheDoorMustBeWhereThePlaceSaysItIs) {
+  const Anchor& seen_from = candidate_.anchors[0];  // (4, 2), looking north
+  EXPECT_TRUE(IsDoorOf(candidate_, seen_from, At(4.2, 4.0, -M_PI_2 + 0.2), options_));
+  EXPECT_FALSE(IsDoorOf(candidate_, seen_from, At(4.2, 4.0, M_PI_2), options_));    // out of the hall
+  EXPECT_FALSE(IsDoorOf(candidate_, seen_from, At(8.0, 4.0, -M_PI_2), options_));   // the next door
+  EXPECT_FALSE(IsDoorOf(candidate_, seen_from, At(4.0, -3.0, -M_PI_2), options_));  // behind its back
+  const Anchor& at_door = door_.anchors[1];
+  EXPECT_TRUE(IsDoorOf(door_, at_door, At(10.2, 4.1, M_PI), options_));
+  EXPECT_FALSE(IsDoorOf(door_, at_door, At(10.0, 6.0, M_PI), options_));
+}
+
 }  // namespace
 }  // namespace enfilade

@@ -1,4 +1,4 @@
-#include "tests/rpc/door_drive.h"
+#include "tests/support/door_drive.h"
 
 #include <algorithm>
 #include <utility>
@@ -58,7 +58,7 @@ boxes:
   - {rect: [13.0, 7.0, 2.4, 0.7], height: 1.9}
   - {rect: [17.6, 2.0, 0.9, 1.6], height: 1.0}
   - {rect: [13.5, 3.4, 0.8, 0.8], yaw_deg: 45, height: 0.9}
-pillars: [{at: [4.0, 6.0], radius: 0.2}, {at: [16.0, 4.5], radius: 0.25}]
+pillars: [{at: [4.0, 6.0], radius: 0.2}, {at: [18.4, 6.6], radius: 0.25}]
 robots:
   - id: r
     route:
