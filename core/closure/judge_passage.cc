@@ -93,7 +93,7 @@ JudgedPlace JudgePlace(const PlaceEvidence& evidence, const ClosureOptions& opti
   }
   judged.margin = (evidence.images && evidence.images->agree ? evidence.images->matches : 0) +
                   (registered ? 100.0 * evidence.clouds->inlier_share : 0.0) - std::min(judged.chi2.value_or(0.0), 1e3);
-  judged.reason = InWords(evidence, judged.chi2);
+  judged.witnesses = judged.reason = InWords(evidence, judged.chi2);
   if (registered) return JudgeRegistered(evidence, std::move(judged), options);
   if (evidence.clouds) return Refuse(std::move(judged), "the clouds are not of one place");
   if (!evidence.images) return Refuse(std::move(judged), "nothing to compare");

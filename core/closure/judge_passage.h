@@ -41,7 +41,8 @@ struct JudgedPlace {
   PoseWithCovariance T_map_robot;  // where the robot is, where accepted
   std::optional<double> chi2;      // of the registered pose against the predicted one
   double margin = 0.0;             // how much speaks for it, for the order
-  std::string reason;
+  std::string witnesses;           // what was compared, in words
+  std::string reason;              // the verdict with it
 };
 
 // One place by itself. Accepted where

@@ -103,12 +103,13 @@ absl::StatusOr<bool> TryPassed(const CallContext& context, const PassageScene& p
     if (!compared.images || !compared.images->agree) {
       ENFILADE_RETURN_IF_ERROR(CompareClouds(context, place, behind, passage.options, views, compared));
     }
-    DoorComparison comparison = ToComparison(compared, JudgePlace(compared, passage.options));
+    const JudgedPlace judged = JudgePlace(compared, passage.options);
+    DoorComparison comparison = ToComparison(compared, judged);
     const bool refused = Contradicted(compared, passage.options);
     comparison.accepted = !refused;
     comparison.chi2 = known.chi2;
     comparison.reason =
-        known.reason + (refused ? "; but what the robot sees contradicts it: " : "; ") + comparison.reason;
+        known.reason + (refused ? "; but what the robot sees contradicts it: " : "; ") + judged.witnesses;
     change.verdict.comparisons.push_back(comparison);
     if (refused) {
       contradicted.insert(known.link_point->id);
