@@ -11,7 +11,6 @@
 #include "client/simulator/simulation.h"
 #include "core/geometry/pose2.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
-#include "enfilade/v1/map_service.grpc.pb.h"
 #include "fmt/format.h"
 #include "fmt/ranges.h"
 #include "nlohmann/json.hpp"
@@ -182,17 +181,24 @@ std::string StartOf(const std::string& root_robot, const std::string& robot) {
   return fmt::format("{},{},{}", start.x, start.y, start.yaw);
 }
 
-// Until the site's only map has a raster.
-void AwaitRevision(const Connection& connection, const std::string& site) {
-  const bool mapped = Eventually(
+// Until the first robot has been judged in its third map: both doors that it saw from inside are candidates then. A
+// robot that enters an area by a door that nobody has seen, while another enters it by another door, begins a second
+// map of it: no door tells that the two are one.
+void AwaitCandidates(const Connection& connection, const std::string& site) {
+  constexpr int kCandidates = 2;
+  const bool there = Eventually(
       [&] {
-        v1::ListMapsRequest request;
-        request.set_parent("sites/" + site);
-        const auto maps = connection.Call(&v1::MapService::Stub::ListMaps, request);
-        return maps.ok() && maps->maps_size() > 0 && !maps->maps(0).latest_revision().empty();
+        v1::GetGraphRequest request;
+        request.set_site("sites/" + site);
+        const auto graph = connection.Call(&v1::GraphService::Stub::GetGraph, request);
+        int candidates = 0;
+        if (graph.ok()) {
+          for (const v1::GraphLinkPoint& one : graph->graph().link_points()) candidates += one.maps_size() == 1 ? 1 : 0;
+        }
+        return candidates >= kCandidates;
       },
       std::chrono::seconds(180));
-  if (!mapped) throw std::runtime_error("the first map is not there");
+  if (!there) throw std::runtime_error("the first robot's candidates are not there");
 }
 
 }  // namespace
@@ -239,8 +245,7 @@ Figure1Result RunFigure1(WholeSystem& system, std::uint64_t seed, const std::vec
     }
     one.process = std::make_unique<Process>(command, one.output);
     running.push_back(std::move(one));
-    // The others need a map to begin in.
-    if (running.size() < robots.size()) AwaitRevision(system.server().Connect(), site);
+    if (running.size() < robots.size()) AwaitCandidates(system.server().Connect(), site);
   }
   std::vector<Drive> drives;
   for (Running& one : running) {

@@ -21,7 +21,8 @@ struct Figure1Result {
 };
 
 // Drives `robots` (of r1, r2) through the campus with that seed, each an `enfilade robot` of its own, and waits until
-// the server has mapped and judged all. The first robot begins the first map; the others begin in it, where they stand.
+// the server has mapped and judged all. The first robot begins the first map; the others begin in it, where they stand,
+// when the first one's candidates are known.
 // Throws where a program fails.
 Figure1Result RunFigure1(WholeSystem& system, std::uint64_t seed, const std::vector<std::string>& robots);
 
