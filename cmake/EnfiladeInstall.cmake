@@ -20,6 +20,7 @@ install(EXPORT enfilade NAMESPACE enfilade:: DESTINATION ${package_dir})
 foreach(folder client/cpp core/base core/geometry core/sensor proto/convert)
   install(DIRECTORY ${folder}/ DESTINATION ${header_dir}/${folder} FILES_MATCHING PATTERN "*.h")
 endforeach()
+install(FILES core/graph/link_point_kind.h DESTINATION ${header_dir}/core/graph)  # that records name
 install(DIRECTORY ${PROJECT_BINARY_DIR}/proto/enfilade DESTINATION ${header_dir} FILES_MATCHING PATTERN "*.pb.h")
 install(DIRECTORY proto/enfilade DESTINATION ${CMAKE_INSTALL_DATADIR}/enfilade/proto FILES_MATCHING PATTERN "*.proto")
 

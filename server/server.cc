@@ -34,13 +34,13 @@ postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
 // Members are destroyed from the last to the first: whoever is used by others comes before them.
 class Server::Impl {
  public:
-  Impl(const ServerOptions& given, const SlamOptions& slam, std::unique_ptr<postgres::Pool> given_pool,
+  Impl(const ServerOptions& given, const SlamProfiles& slam, std::unique_ptr<postgres::Pool> given_pool,
        std::unique_ptr<Metrics> given_metrics)
       : options(given),
         pool(std::move(given_pool)),
         metrics(std::move(given_metrics)),
         executor(options.listen.workers, kMaxQueuedCalls),
-        mapping(options.mapping, slam, {mappings, records, sessions, blobs, revisions, robot_poses}, *metrics,
+        mapping(options.mapping, slam, {mappings, records, sessions, blobs, revisions, robot_poses, maps}, *metrics,
                 [this] { doors_wake.Wake(); }),
         ingest(options.ingest, records, blobs, *metrics, [this] { mapping.Wake(); }) {}
 
@@ -171,9 +171,12 @@ Server::~Server() { impl_->Shutdown(); }
 const std::string& Server::address() const { return impl_->address; }
 void Server::Shutdown() { impl_->Shutdown(); }
 
-absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, const SlamOptions& slam) {
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, const SlamProfiles& slam) {
   ENFILADE_RETURN_IF_ERROR(options.Validate());
-  ENFILADE_RETURN_IF_ERROR(slam.Validate());
+  for (const std::string& name : slam.Names()) {
+    const absl::Status status = slam.Find(name)->Validate();
+    if (!status.ok()) return WithContext(status, "SLAM profile \"" + name + "\"");
+  }
   ENFILADE_ASSIGN_OR_RETURN(auto pool, postgres::Pool::Create(PoolOptionsOf(options.database)));
   ENFILADE_ASSIGN_OR_RETURN(auto metrics, Metrics::Create(options.metrics.address));
   auto impl = std::make_unique<Impl>(options, slam, std::move(pool), std::move(metrics));

@@ -25,7 +25,7 @@ std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(options.lease_s * 1000.0));
 }
 
-SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, const SlamOptions& slam) {
+SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, const SlamProfiles& slam) {
   SessionMappingOptions session;
   session.pairing.window_s = options.pairing_window_s;
   session.slam = slam;
@@ -41,7 +41,7 @@ struct Mapping::Turn {
   std::atomic<bool> lease_lost{false};
 };
 
-Mapping::Mapping(const ServerOptions::Mapping& options, const SlamOptions& slam, const SessionMappingStores& stores,
+Mapping::Mapping(const ServerOptions::Mapping& options, const SlamProfiles& slam, const SessionMappingStores& stores,
                  Metrics& metrics, std::function<void()> mapped)
     : options_(options),
       stores_(stores),

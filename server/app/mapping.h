@@ -25,7 +25,7 @@ namespace enfilade::server {
 class Mapping {
  public:
   // `mapped` is called whenever a session has come to its end.
-  Mapping(const ServerOptions::Mapping& options, const SlamOptions& slam, const SessionMappingStores& stores,
+  Mapping(const ServerOptions::Mapping& options, const SlamProfiles& slam, const SessionMappingStores& stores,
           Metrics& metrics, std::function<void()> mapped = {});
   // Stores what is mapped and gives the leases back.
   ~Mapping();

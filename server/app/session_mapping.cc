@@ -27,18 +27,30 @@ MappingCounts ToStored(const LogMapperCounts& counts) {
           .lost = counts.lost};
 }
 
-absl::StatusOr<LogMapper> Begin(const SessionMappingStores& stores, const SessionMappingOptions& options,
-                                const Session& session) {
-  if (!session.entry.T_map_robot) return LogMapper(options.pairing, options.slam);
+absl::StatusOr<SlamOptions> SlamOptionsOf(const SessionMappingStores& stores, const SlamProfiles& profiles,
+                                          const Session& session) {
+  ENFILADE_ASSIGN_OR_RETURN(const Map map, stores.maps.Get(Context(), session.site, *session.map));
+  if (const SlamOptions* own = profiles.Find(map.slam_profile)) return *own;
+  const char* fitting = map.environment == Environment::kOutdoor ? SlamProfiles::kOutdoor : SlamProfiles::kIndoor;
+  if (!map.slam_profile.empty()) {
+    spdlog::warn("mapping: map {}: this server has no SLAM profile \"{}\", and takes \"{}\"", map.id.value(),
+                 map.slam_profile, fitting);
+  }
+  return *profiles.Find(fitting);
+}
+
+absl::StatusOr<LogMapper> Begin(const SessionMappingStores& stores, const ScanPairingOptions& pairing,
+                                const SlamOptions& slam, const Session& session) {
+  if (!session.entry.T_map_robot) return LogMapper(pairing, slam);
   OldMap old_map{{}, {*session.entry.T_map_robot, session.entry.T_odom_robot}};
   const auto revision = stores.revisions.Get(Context(), session.site, *session.map, 0);
   if (revision.ok()) {
     ENFILADE_ASSIGN_OR_RETURN(const MapRaster raster, ReadRaster(Context(), stores.revisions, *revision));
-    ENFILADE_ASSIGN_OR_RETURN(old_map.grid, OnMapLattice(raster, options.slam.resolution));
+    ENFILADE_ASSIGN_OR_RETURN(old_map.grid, OnMapLattice(raster, slam.resolution));
   } else if (!absl::IsNotFound(revision.status())) {
     return revision.status();
   }
-  return LogMapper(options.pairing, options.slam, old_map);
+  return LogMapper(pairing, slam, old_map);
 }
 
 }  // namespace
@@ -58,9 +70,9 @@ absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const Sessi
                                                                      const SessionMappingOptions& options,
                                                                      const Session& session) {
   ENFILADE_ASSIGN_OR_RETURN(const auto stored, stores.mappings.Load(Context(), session.site, session.id));
-  absl::StatusOr<LogMapper> mapper =
-      stored ? LogMapper::Restore(options.pairing, options.slam, stored->map, stored->checkpoint)
-             : Begin(stores, options, session);
+  ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, SlamOptionsOf(stores, options.slam, session));
+  absl::StatusOr<LogMapper> mapper = stored ? LogMapper::Restore(options.pairing, slam, stored->map, stored->checkpoint)
+                                            : Begin(stores, options.pairing, slam, session);
   if (!mapper.ok()) return mapper.status();
   std::unique_ptr<SessionMapping> mapping(new SessionMapping(stores, options, session, *std::move(mapper)));
   mapping->mapped_sequence_ = mapping->stored_sequence_ = stored ? stored->mapped_sequence : 0;

@@ -10,8 +10,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/slam/log_mapper.h"
+#include "core/slam/slam_profiles.h"
 #include "server/app/layer_overlay.h"
 #include "storage/blob_store.h"
+#include "storage/map_store.h"
 #include "storage/mapping_store.h"
 #include "storage/record_store.h"
 #include "storage/revision_store.h"
@@ -27,11 +29,12 @@ struct SessionMappingStores {
   const BlobStore& blobs;
   const RevisionStore& revisions;
   const RobotPoseStore& robot_poses;
+  const MapStore& maps;
 };
 
 struct SessionMappingOptions {
   ScanPairingOptions pairing;
-  SlamOptions slam;
+  SlamProfiles slam;  // a map without a profile of its own has that of its environment
   std::chrono::duration<double> checkpoint_interval{5.0};
   std::chrono::duration<double> revision_interval{20.0};
 };

@@ -53,8 +53,11 @@ struct ServerOptions {
     double revision_interval_s = 20.0;
     // A scan is paired with odometry at most this far from it in time, s.
     double pairing_window_s = 0.5;
-    // A YAML file with SLAM options; empty: the defaults.
+    // A YAML file with SLAM options; empty: the defaults. They are the profile "indoor", and seen farther "outdoor".
     std::string slam_options_file;
+    // A folder with files NAME.yaml of SLAM options: further profiles for maps to name, or other ones for these two.
+    // Empty: none.
+    std::string slam_profiles_directory;
   } mapping;
 
   // How robots' door reports are judged: core/closure/closure_options.h.

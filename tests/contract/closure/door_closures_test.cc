@@ -47,9 +47,10 @@ class Workers {
  public:
   Workers(postgres::Pool& pool, const ClosureOptions& options)
       : pool_(pool), metrics_(*server::Metrics::Create("")), options_(options) {
-    mapping_.emplace(server::ServerOptions::Mapping{}, SlamOptions(),
-                     server::SessionMappingStores{mappings_, records_, sessions_, blobs_, revisions_, robot_poses_},
-                     *metrics_, [this] { wake_.Wake(); });
+    mapping_.emplace(
+        server::ServerOptions::Mapping{}, SlamOptions(),
+        server::SessionMappingStores{mappings_, records_, sessions_, blobs_, revisions_, robot_poses_, maps_},
+        *metrics_, [this] { wake_.Wake(); });
     closures_.emplace(options_,
                       server::ClosureStores{sessions_, records_, mappings_, blobs_, features_, maps_, link_points_,
                                             verdicts_, leases_},
