@@ -117,6 +117,9 @@ class GraphStore {
   // The newest first, those before `before` (0: from the newest).
   absl::StatusOr<std::vector<GraphVersion>> ListVersions(const CallContext& context, const SiteId& site,
                                                          std::int64_t before, int limit) const;
+  // The last version after `since` that an optimisation made; 0 where there is none.
+  absl::StatusOr<std::int64_t> FindLastOptimization(const CallContext& context, const SiteId& site,
+                                                    std::int64_t since) const;
   // As an optimisation stored them, by map. NOT_FOUND where `version` is no optimisation of the last
   // kKeptOptimizations.
   absl::StatusOr<std::vector<MapPose>> GetMapPoses(const CallContext& context, const SiteId& site,

@@ -40,6 +40,9 @@ constexpr Statement kListVersions{
     "SELECT version, cause, resource, actor, create_time, chi2_before, chi2_after, switched_off, map_count,"
     " residual_count FROM enfilade.graph_versions WHERE site_id = $1 AND ($2 = 0 OR version < $2)"
     " ORDER BY version DESC LIMIT $3"};
+constexpr Statement kLastOptimization{
+    "looking for the last optimisation",
+    "SELECT coalesce(max(version), 0) FROM enfilade.graph_versions WHERE site_id = $1 AND version > $2 AND cause = $3"};
 constexpr Statement kSelectPoses{"reading maps' poses",
                                  "SELECT map_id, x, y, yaw, covariance FROM enfilade.map_poses"
                                  " WHERE site_id = $1 AND version = $2 ORDER BY map_id"};
@@ -124,6 +127,15 @@ absl::StatusOr<std::vector<GraphVersion>> GraphStore::ListVersions(const CallCon
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
                             ExecuteAlone(pool_, context, kListVersions, Params(site, before, std::int64_t{limit})));
   return ReadRows(result, ReadVersion);
+}
+
+absl::StatusOr<std::int64_t> GraphStore::FindLastOptimization(const CallContext& context, const SiteId& site,
+                                                              std::int64_t since) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kLastOptimization,
+                                         Params(site, since, static_cast<std::int16_t>(GraphCause::kOptimized))));
+  return ReadOne(
+      result, [](Row& row) { return row.Int64(); }, NameOf(site));
 }
 
 absl::StatusOr<std::vector<MapPose>> GraphStore::GetMapPoses(const CallContext& context, const SiteId& site,

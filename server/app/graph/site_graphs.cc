@@ -11,7 +11,6 @@ namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kKeptVersions = 8;
-constexpr int kVersionsPerRead = 100;
 constexpr auto kAwaitTime = std::chrono::milliseconds(500);
 constexpr auto kReadTime = std::chrono::seconds(30);
 constexpr auto kReconnectTime = std::chrono::seconds(1);
@@ -102,7 +101,9 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const CallCont
   SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
   const bool anew = changes.complete || old == nullptr;
   const std::int64_t known = anew ? 0 : old->solution_version;
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t optimized, FindLastOptimization(context, site, known));
+  // Those up to `since` have been looked at before.
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t optimized,
+                            store_.FindLastOptimization(context, site, anew ? 0 : std::max(known, since)));
   std::int64_t solution_version = known;
   if (optimized > known) {
     const auto poses = store_.GetMapPoses(context, site, optimized);
@@ -124,22 +125,6 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const CallCont
     }
   }
   return std::shared_ptr<const SiteGraph>(std::move(graph));
-}
-
-// The last version that an optimisation made, or `known` where there is none after it.
-absl::StatusOr<std::int64_t> SiteGraphs::FindLastOptimization(const CallContext& context, const SiteId& site,
-                                                              std::int64_t known) const {
-  std::int64_t before = 0;
-  while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::vector<GraphVersion> versions,
-                              store_.ListVersions(context, site, before, kVersionsPerRead));
-    for (const GraphVersion& version : versions) {
-      if (version.version <= known) return known;
-      if (version.cause == GraphCause::kOptimized) return version.version;
-      before = version.version;
-    }
-    if (versions.size() < static_cast<std::size_t>(kVersionsPerRead)) return known;
-  }
 }
 
 void SiteGraphs::MarkChanged(const SiteId& site) {

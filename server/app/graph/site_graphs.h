@@ -58,8 +58,6 @@ class SiteGraphs {
   absl::StatusOr<std::shared_ptr<const SiteGraph>> BringUpToDate(const CallContext& context, const SiteId& site);
   absl::StatusOr<std::shared_ptr<const SiteGraph>> Read(const CallContext& context, const SiteId& site,
                                                         const std::shared_ptr<const SiteGraph>& old) const;
-  absl::StatusOr<std::int64_t> FindLastOptimization(const CallContext& context, const SiteId& site,
-                                                    std::int64_t known) const;
   void Listen();
   // Until the connection is lost or the process stops.
   void Hear(GraphListener& listener);

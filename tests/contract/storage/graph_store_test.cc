@@ -96,6 +96,8 @@ TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   ASSERT_THAT(poses, SizeIs(1));
   EXPECT_EQ(poses[0].T_world_map.pose, solution.maps[0].T_world_map.pose);
   EXPECT_THAT(graph_.GetMapPoses(Soon(), site_, version), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, version), applied);
+  EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, applied), 0);
   ASSERT_OK_AND_ASSIGN(const auto versions, graph_.ListVersions(Soon(), site_, 0, 2));
   ASSERT_TRUE(versions[0].optimization);
   EXPECT_EQ(versions[0].optimization->chi2_after, 2.5);
