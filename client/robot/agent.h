@@ -103,6 +103,7 @@ class Agent {
   absl::Status BeginWithScan(const client::SpoolItem& item);
   absl::Status Begin(client::SpoolSession session, const std::string& how);
   // For the session's log.
+  void Keep(client::SpoolItem item);
   absl::Status Gather(client::SpoolItem item);
   // `essential`: nothing of it is refused where the spool is full.
   absl::Status WriteGathered(bool essential);

@@ -5,7 +5,7 @@
 
 #include "core/base/binary.h"
 #include "core/doors/door_event.h"
-#include "core/slam/pose_codec.h"
+#include "core/geometry/pose_codec.h"
 
 namespace enfilade {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/slam/pose_codec.h"
+#include "core/geometry/pose_codec.h"
 
 namespace enfilade {
 namespace {

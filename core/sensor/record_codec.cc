@@ -2,6 +2,7 @@
 
 #include "core/base/binary.h"
 #include "core/base/error.h"
+#include "core/geometry/pose_codec.h"
 
 namespace enfilade {
 namespace {
@@ -11,11 +12,6 @@ constexpr std::uint8_t kVersion = 1;
 struct PayloadWriter {
   BinaryWriter& writer;
 
-  void Put(const Pose2& pose) const {
-    writer.Put(pose.x);
-    writer.Put(pose.y);
-    writer.Put(pose.yaw);
-  }
   void Put(const BlobRef& blob) const {
     writer.PutString(blob.sha256);
     writer.Put(blob.size);
@@ -28,12 +24,12 @@ struct PayloadWriter {
     writer.Put(scan.time_increment);
     writer.Put(scan.range_min);
     writer.Put(scan.range_max);
-    Put(scan.T_robot_laser);
+    PutPose(writer, scan.T_robot_laser);
     writer.PutVector(scan.ranges);
   }
   void operator()(const Odometry& odometry) const {
     writer.Put(odometry.time);
-    Put(odometry.T_odom_robot);
+    PutPose(writer, odometry.T_odom_robot);
   }
   void operator()(const Image& image) const {
     writer.Put(image.time);
@@ -52,7 +48,7 @@ struct PayloadWriter {
     writer.Put(report.kind);
     writer.Put(report.place);
     writer.Put(report.door_time);
-    Put(report.T_odom_door);
+    PutPose(writer, report.T_odom_door);
     writer.Put(report.width);
     writer.Put(report.entered_surroundings.value_or(Surroundings{}));
     writer.Put(report.entered_level.has_value());
@@ -61,14 +57,6 @@ struct PayloadWriter {
     writer.PutString(report.reason);
   }
 };
-
-Pose2 ReadPose(BinaryReader& reader) {
-  Pose2 pose;
-  pose.x = reader.Get<double>();
-  pose.y = reader.Get<double>();
-  pose.yaw = reader.Get<double>();
-  return pose;
-}
 
 BlobRef ReadBlob(BinaryReader& reader) {
   BlobRef blob;
@@ -85,7 +73,7 @@ LaserScan ReadLaserScan(BinaryReader& reader) {
   scan.time_increment = reader.Get<double>();
   scan.range_min = reader.Get<float>();
   scan.range_max = reader.Get<float>();
-  scan.T_robot_laser = ReadPose(reader);
+  scan.T_robot_laser = GetPose(reader);
   scan.ranges = reader.GetVector<float>();
   return scan;
 }
@@ -93,7 +81,7 @@ LaserScan ReadLaserScan(BinaryReader& reader) {
 Odometry ReadOdometry(BinaryReader& reader) {
   Odometry odometry;
   odometry.time = reader.Get<TimeNs>();
-  odometry.T_odom_robot = ReadPose(reader);
+  odometry.T_odom_robot = GetPose(reader);
   return odometry;
 }
 
@@ -120,7 +108,7 @@ DoorReport ReadDoorReport(BinaryReader& reader) {
   report.kind = reader.Get<DoorReport::Kind>();
   report.place = reader.Get<LinkPointKind>();
   report.door_time = reader.Get<TimeNs>();
-  report.T_odom_door = ReadPose(reader);
+  report.T_odom_door = GetPose(reader);
   report.width = reader.Get<double>();
   if (const auto entered = reader.Get<Surroundings>(); entered != Surroundings{}) report.entered_surroundings = entered;
   const auto has_level = reader.Get<bool>();

@@ -2,24 +2,12 @@
 
 #include "core/base/binary.h"
 #include "core/base/error.h"
+#include "core/geometry/pose_codec.h"
 
 namespace enfilade {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
-
-void Put(const Pose2& pose, BinaryWriter& writer) {
-  writer.Put(pose.x);
-  writer.Put(pose.y);
-  writer.Put(pose.yaw);
-}
-
-Pose2 GetPose(BinaryReader& reader) {
-  const auto x = reader.Get<double>();
-  const auto y = reader.Get<double>();
-  const auto yaw = reader.Get<double>();
-  return {x, y, yaw};
-}
 
 }  // namespace
 
@@ -31,11 +19,11 @@ std::string Encode(const SessionEntry& entry) {
   writer.PutString(entry.previous ? entry.previous->value() : "");
   writer.Put(entry.T_map_robot.has_value());
   if (entry.T_map_robot) {
-    Put(entry.T_map_robot->pose, writer);
-    for (const double value : entry.T_map_robot->covariance.reshaped()) writer.Put(value);
+    PutPose(writer, entry.T_map_robot->pose);
+    PutMatrix(writer, entry.T_map_robot->covariance);
   }
   writer.Put(entry.T_odom_robot.has_value());
-  if (entry.T_odom_robot) Put(*entry.T_odom_robot, writer);
+  if (entry.T_odom_robot) PutPose(writer, *entry.T_odom_robot);
   return bytes;
 }
 
@@ -52,7 +40,7 @@ absl::StatusOr<SessionEntry> DecodeSessionEntry(std::string_view bytes) {
   if (reader.Get<bool>()) {
     PoseWithCovariance initial;
     initial.pose = GetPose(reader);
-    for (double& value : initial.covariance.reshaped()) value = reader.Get<double>();
+    initial.covariance = GetMatrix(reader);
     entry.T_map_robot = initial;
   }
   if (reader.Get<bool>()) entry.T_odom_robot = GetPose(reader);

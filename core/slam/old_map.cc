@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/pose_codec.h"
 #include "core/slam/motion_model.h"
-#include "core/slam/pose_codec.h"
 
 namespace enfilade {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/geometry/pose_codec.h"
 #include "core/slam/compression.h"
-#include "core/slam/pose_codec.h"
 
 namespace enfilade {
 namespace {

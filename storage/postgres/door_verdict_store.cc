@@ -6,6 +6,7 @@
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/placement.h"
+#include "storage/postgres/pose_columns.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {
@@ -14,6 +15,7 @@ namespace {
 using postgres::ExecuteAlone;
 using postgres::NameOf;
 using postgres::Params;
+using postgres::PoseColumns;
 using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
@@ -40,8 +42,6 @@ constexpr Statement kListWaiting{"looking for sessions that wait",
                                  "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
                                  " AND previous_session_id = $2 AND map_id IS NULL AND delete_time IS NULL"
                                  " ORDER BY create_time, session_id"};
-constexpr Statement kLockGraph{"locking the graph",
-                               "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR UPDATE"};
 constexpr Statement kLockLease{"locking the site's lease",
                                "SELECT token FROM enfilade.site_leases WHERE site_id = $1 FOR SHARE"};
 constexpr Statement kIsJudged{
@@ -91,33 +91,6 @@ constexpr Statement kListComparisons{
     " clouds_agree, chi2, accepted, reason FROM enfilade.door_comparisons WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 ORDER BY sequence, ordinal"};
 
-// A pose's columns.
-struct PoseColumns {
-  explicit PoseColumns(const std::optional<PoseWithCovariance>& pose) {
-    if (!pose) return;
-    x = pose->pose.x;
-    y = pose->pose.y;
-    yaw = pose->pose.yaw;
-    covariance = postgres::ToRow(pose->covariance);
-  }
-  explicit PoseColumns(const std::optional<Pose2>& pose) {
-    if (!pose) return;
-    x = pose->x;
-    y = pose->y;
-    yaw = pose->yaw;
-  }
-  std::optional<double> x, y, yaw;
-  std::optional<std::vector<double>> covariance;
-};
-
-std::optional<Pose2> ReadOptionalPose(Row& row) {
-  const auto x = row.OptionalDouble();
-  const auto y = row.OptionalDouble();
-  const auto yaw = row.OptionalDouble();
-  if (!x || !y || !yaw) return std::nullopt;
-  return Pose2{*x, *y, *yaw};
-}
-
 DoorVerdict ReadVerdict(Row& row) {
   DoorVerdict verdict;
   verdict.session = SessionId(std::string(row.Text()));
@@ -125,10 +98,8 @@ DoorVerdict ReadVerdict(Row& row) {
   verdict.decision = static_cast<DoorDecision>(row.Int16());
   if (const auto link_point = row.OptionalText()) verdict.link_point = LinkPointId(std::string(*link_point));
   if (const auto map = row.OptionalText()) verdict.entered_map = MapId(std::string(*map));
-  const std::optional<Pose2> pose = ReadOptionalPose(row);
-  const Eigen::Matrix3d covariance = postgres::ToCovariance(row.Doubles());
-  if (pose) verdict.T_map_robot = PoseWithCovariance{*pose, covariance};
-  verdict.T_odom_robot = ReadOptionalPose(row);
+  verdict.T_map_robot = postgres::ReadOptionalPoseWithCovariance(row);
+  verdict.T_odom_robot = postgres::ReadOptionalPose(row);
   for (const double sequence : row.Doubles()) verdict.evidence.push_back(static_cast<std::int64_t>(sequence));
   verdict.reason = row.Text();
   verdict.graph_version = row.Int64();
@@ -169,12 +140,7 @@ absl::Status LockLease(Transaction& transaction, const SiteLease& lease) {
 }
 
 absl::Status LockGraphAt(Transaction& transaction, const SiteId& site, std::int64_t version) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockGraph, Params(site)));
-  std::int64_t present = 0;
-  if (locked.rows() > 0) {
-    Row row(locked, 0);
-    present = row.Int64();
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present, postgres::LockGraph(transaction, site));
   if (present == version) return absl::OkStatus();
   return Aborted("the graph of {} is at version {}, no longer at {}: judge again", NameOf(site), present, version);
 }

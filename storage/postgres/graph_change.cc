@@ -31,6 +31,11 @@ absl::StatusOr<std::int64_t> ReadGraphVersion(const Result& result) {
 
 void QueueGraphLock(Transaction& transaction, const SiteId& site) { transaction.Queue(kLock, Params(site)); }
 
+absl::StatusOr<std::int64_t> LockGraph(Transaction& transaction, const SiteId& site) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLock, Params(site)));
+  return ReadGraphVersion(locked);
+}
+
 absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const SiteId& site, GraphCause cause,
                                                const std::string& resource) {
   const auto raised = transaction.Execute(kRaise, Params(site, static_cast<std::int16_t>(cause), resource));

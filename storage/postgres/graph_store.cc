@@ -16,8 +16,6 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr Statement kLockAt{"locking the graph",
-                            "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR UPDATE"};
 constexpr Statement kUseLinkPoints{"switching link points",
                                    "UPDATE enfilade.link_points SET changed_version = $2,"
                                    " \"use\" = CASE WHEN link_point_id = ANY ($3) THEN 2 ELSE 1 END"
@@ -99,10 +97,8 @@ absl::StatusOr<std::int64_t> GraphStore::GetVersion(const CallContext& context, 
 absl::StatusOr<std::int64_t> GraphStore::Apply(const CallContext& context, const SiteId& site, std::int64_t version,
                                                const GraphSolution& solution) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockAt, Params(site)));
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present,
-                            ReadOne(
-                                locked, [](Row& row) { return row.Int64(); }, "the graph of " + NameOf(site)));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present, postgres::LockGraph(transaction, site));
+  if (present == 0) return NotFound("the graph of {} does not exist", NameOf(site));
   if (present != version) {
     return Aborted("the graph of {} is at version {}, no longer at {}: optimise it again", NameOf(site), present,
                    version);

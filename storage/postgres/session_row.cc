@@ -1,27 +1,14 @@
 #include "storage/postgres/session_row.h"
 
-#include <vector>
-
-#include "storage/postgres/link_point_rows.h"
+#include "storage/postgres/pose_columns.h"
 
 namespace enfilade::postgres {
-
 namespace {
-
-std::optional<Pose2> ReadOptionalPose(Row& row) {
-  const auto x = row.OptionalDouble();
-  const auto y = row.OptionalDouble();
-  const auto yaw = row.OptionalDouble();
-  if (!x || !y || !yaw) return std::nullopt;
-  return Pose2{*x, *y, *yaw};
-}
 
 SessionEntry ReadEntry(Row& row) {
   SessionEntry entry;
   if (const auto previous = row.OptionalText()) entry.previous = SessionId(std::string(*previous));
-  const auto initial = ReadOptionalPose(row);
-  const std::vector<double> covariance = row.Doubles();
-  if (initial) entry.T_map_robot = PoseWithCovariance{*initial, ToCovariance(covariance)};
+  entry.T_map_robot = ReadOptionalPoseWithCovariance(row);
   entry.T_odom_robot = ReadOptionalPose(row);
   return entry;
 }

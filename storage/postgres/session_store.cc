@@ -2,6 +2,7 @@
 
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/names.h"
+#include "storage/postgres/pose_columns.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_deletion.h"
 #include "storage/postgres/session_row.h"
@@ -12,6 +13,7 @@ namespace {
 using postgres::ExecuteAlone;
 using postgres::NameOf;
 using postgres::Params;
+using postgres::PoseColumns;
 using postgres::ReadSession;
 using postgres::Row;
 using postgres::Statement;
@@ -66,25 +68,16 @@ absl::Status Explain(const absl::Status& status, const Session& session) {
 absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const Session& session,
                                              const std::string& request_id) const {
   const SessionEntry& entry = session.entry;
-  std::optional<double> x, y, yaw, odom_x, odom_y, odom_yaw;
-  std::optional<std::vector<double>> covariance;
   if (entry.T_map_robot) {
     ENFILADE_RETURN_IF_ERROR(
         postgres::ValidateCovariance("entry.pose_map_robot.covariance", entry.T_map_robot->covariance));
-    x = entry.T_map_robot->pose.x;
-    y = entry.T_map_robot->pose.y;
-    yaw = entry.T_map_robot->pose.yaw;
-    covariance = postgres::ToRow(entry.T_map_robot->covariance);
   }
-  if (entry.T_odom_robot) {
-    odom_x = entry.T_odom_robot->x;
-    odom_y = entry.T_odom_robot->y;
-    odom_yaw = entry.T_odom_robot->yaw;
-  }
-  const auto inserted =
-      ExecuteAlone(pool_, context, kInsert,
-                   Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id),
-                          entry.previous, x, y, yaw, covariance, odom_x, odom_y, odom_yaw));
+  const PoseColumns initial(entry.T_map_robot);
+  const PoseColumns odom(entry.T_odom_robot);
+  const auto inserted = ExecuteAlone(
+      pool_, context, kInsert,
+      Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id), entry.previous,
+             initial.x, initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw));
   if (inserted.ok()) return Get(context, session.site, session.id);
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,

@@ -19,10 +19,10 @@
 
 #include "client/simulator/random_building.h"
 #include "client/simulator/simulation.h"
-#include "client/sources/log_reader.h"
 #include "core/doors/door_detector.h"
 #include "core/sensor/scan_pairing.h"
 #include "fmt/format.h"
+#include "tests/bench/recorded_scans.h"
 
 namespace enfilade {
 namespace {
@@ -160,22 +160,6 @@ nlohmann::json ToJson(const Tally& tally) {
           {"ms_per_scan", tally.scans > 0 ? 1e3 * tally.seconds / static_cast<double>(tally.scans) : 0.0}};
 }
 
-absl::StatusOr<std::vector<PairedScan>> ReadScans(const std::string& path) {
-  absl::StatusOr<sources::LogReader> reader = sources::LogReader::Open(path);
-  if (!reader.ok()) return reader.status();
-  ScanPairing pairing{ScanPairingOptions{}};
-  std::vector<PairedScan> scans;
-  for (std::int64_t sequence = 1;; ++sequence) {
-    absl::StatusOr<std::optional<sources::LogEntry>> entry = reader->Next();
-    if (!entry.ok()) return entry.status();
-    if (!*entry) break;
-    if (auto* scan = std::get_if<LaserScan>(&(*entry)->payload)) pairing.Add(sequence, std::move(*scan), scans);
-    if (auto* pose = std::get_if<Odometry>(&(*entry)->payload)) pairing.Add(*pose, scans);
-  }
-  pairing.Flush(scans);
-  return scans;
-}
-
 nlohmann::json ScoreRecording(const std::vector<PairedScan>& scans, const nlohmann::json& doors,
                               const DoorOptions& options, bool list) {
   constexpr double kNear = 6.0;     // s
@@ -281,7 +265,7 @@ int main(int argc, char** argv) {
   nlohmann::json report = {{"buildings", buildings}, {"first_seed", first_seed}};
   for (std::size_t p = 0; p < tried.size(); ++p) report["simulated"][tried[p].first] = ToJson(tallies[p]);
   if (!intel.empty()) {
-    const auto scans = ReadScans(intel[0]);
+    const auto scans = ReadPairedScans(intel[0], /*odometry=*/true);
     if (!scans.ok()) return fail(scans.status());
     std::ifstream file(intel[1]);
     const nlohmann::json doors = nlohmann::json::parse(file, nullptr, false);

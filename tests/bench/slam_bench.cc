@@ -14,29 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include "client/sources/log_reader.h"
 #include "core/slam/log_mapper.h"
+#include "tests/bench/recorded_scans.h"
 
 namespace enfilade {
 namespace {
-
-absl::StatusOr<std::vector<PairedScan>> ReadScans(const std::string& path, bool odometry) {
-  sources::LogOptions options;
-  options.odometry = odometry;
-  absl::StatusOr<sources::LogReader> reader = sources::LogReader::Open(path, options);
-  if (!reader.ok()) return reader.status();
-  ScanPairing pairing{ScanPairingOptions{}};
-  std::vector<PairedScan> scans;
-  for (std::int64_t sequence = 1;; ++sequence) {
-    absl::StatusOr<std::optional<sources::LogEntry>> entry = reader->Next();
-    if (!entry.ok()) return entry.status();
-    if (!*entry) break;
-    if (auto* scan = std::get_if<LaserScan>(&(*entry)->payload)) pairing.Add(sequence, std::move(*scan), scans);
-    if (auto* pose = std::get_if<Odometry>(&(*entry)->payload)) pairing.Add(*pose, scans);
-  }
-  pairing.Flush(scans);
-  return scans;
-}
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -89,7 +71,7 @@ int main(int argc, char** argv) {
   app.add_option("--laps", laps, "How often it is driven")->capture_default_str();
   app.add_flag("--no-odometry", no_odometry, "Use the scans only");
   CLI11_PARSE(app, argc, argv);
-  auto scans = enfilade::ReadScans(log, !no_odometry);
+  auto scans = enfilade::ReadPairedScans(log, !no_odometry);
   if (!scans.ok()) {
     std::cerr << "bench_slam: " << scans.status().message() << '\n';
     return 1;
