@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/base/call_once.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
@@ -20,6 +21,10 @@ const PoseWithCovariance* FindSolved(const GraphSnapshot& graph, const MapId& ma
   if (graph.solution() == nullptr || graph.solution()->root != graph.root()) return nullptr;
   const auto found = graph.solution()->map_poses.find(map);
   return found == graph.solution()->map_poses.end() ? nullptr : &found->second;
+}
+
+bool IsPosed(const GraphSnapshot& graph, const MapId& map) {
+  return map == graph.root() || FindSolved(graph, map) != nullptr;
 }
 
 // What paths that begin in a map posed so cost already.
@@ -48,17 +53,37 @@ std::vector<PathSource> SolvedMaps(const GraphSnapshot& graph, const PathOptions
 
 }  // namespace
 
+// From the posed maps to all others: made when it is first asked for.
+struct WorldPoses::Chains {
+  absl::once_flag once;
+  std::vector<PathSource> sources;
+  std::vector<PathLabel> labels;
+};
+
 WorldPoses::WorldPoses(GraphSnapshot graph, const PathOptions& options)
     : graph_(std::move(graph)),
       options_{.cost = options.cost, .lever_m = options.lever_m},
-      sources_(SolvedMaps(graph_, options_)),
-      labels_(ShortestPaths(graph_, sources_, options_)) {}
+      chains_(std::make_unique<Chains>()) {}
+
+WorldPoses::WorldPoses(WorldPoses&&) noexcept = default;
+WorldPoses::~WorldPoses() = default;
+
+std::optional<Path> WorldPoses::FindPath(int map, const Pose2& T_map_robot) const {
+  if (IsPosed(graph_, graph_.map_node(map).map->id)) {
+    return Path{.cost = 0.0, .source = 0, .maps = {map}, .link_points = {}};
+  }
+  absl::call_once(chains_->once, [this] {
+    chains_->sources = SolvedMaps(graph_, options_);
+    chains_->labels = ShortestPaths(graph_, chains_->sources, options_);
+  });
+  const PathTarget target{.map = map, .position = T_map_robot.translation()};
+  return BestPath(graph_, chains_->sources, chains_->labels, target, options_);
+}
 
 absl::StatusOr<std::optional<GlobalPose>> WorldPoses::Find(const MapId& map,
                                                            const PoseWithCovariance& T_map_robot) const {
   ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(graph_, map));
-  const PathTarget target{.map = slot, .position = T_map_robot.pose.translation()};
-  const std::optional<Path> path = BestPath(graph_, sources_, labels_, target, options_);
+  const std::optional<Path> path = FindPath(slot, T_map_robot.pose);
   if (!path.has_value()) return std::optional<GlobalPose>();
 
   GlobalPose result{.graph_version = graph_.version(), .base_map = graph_.map_node(path->maps.front()).map->id};

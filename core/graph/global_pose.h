@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct GlobalPose {
   Eigen::Matrix3d robot_share = Eigen::Matrix3d::Zero();
 };
 
-// Answers from one snapshot, for the price of one search over all of it.
+// Answers from one snapshot. A map that the solution poses is answered at once; the first one that it does not pose
+// costs one search over the whole graph. May be asked by several threads at once.
 //
 // Where an optimised solution exists, T_world_map comes from it. A map that it does not pose (made since) is chained
 // from the solved map from which the path is best, that map's own uncertainty counted: T_world_robot = T_world_base *
@@ -41,6 +43,8 @@ class WorldPoses {
  public:
   // `options.passable_at` and the exclusions are for routes and not used.
   explicit WorldPoses(GraphSnapshot graph, const PathOptions& options = {});
+  WorldPoses(WorldPoses&&) noexcept;
+  ~WorldPoses();
 
   const GraphSnapshot& graph() const { return graph_; }
 
@@ -51,10 +55,13 @@ class WorldPoses {
   absl::StatusOr<std::optional<GlobalPose>> Find(const MapId& map) const { return Find(map, {}); }
 
  private:
+  struct Chains;
+
+  std::optional<Path> FindPath(int map, const Pose2& T_map_robot) const;
+
   GraphSnapshot graph_;
   PathOptions options_;
-  std::vector<PathSource> sources_;
-  std::vector<PathLabel> labels_;
+  std::unique_ptr<Chains> chains_;
 };
 
 // T_a_b of two maps, and why.

@@ -58,15 +58,13 @@ GraphSolution ToStored(const WorldPoses& solved, const SolvedGraph& solution) {
     if (const auto T_world_place = FindInWorld(solved, *link_point)) {
       out.link_points.push_back({link_point->id, *T_world_place});
     }
-  }
-  for (const SwitchedOff& off : solution.switched_off) out.switched_off.push_back(off.link_point);
-  out.chi2_before = solution.chi2_before;
-  out.chi2_after = solution.chi2_after;
-  for (const LinkPoint* link_point : solved.graph().ListLinkPoints()) {
     if (link_point->is_candidate() || link_point->use != LinkPointUse::kUsed) continue;
     const auto anchors = static_cast<std::int64_t>(link_point->anchors.size());
     out.residual_count += anchors == 2 ? 1 : anchors;
   }
+  for (const SwitchedOff& off : solution.switched_off) out.switched_off.push_back(off.link_point);
+  out.chi2_before = solution.chi2_before;
+  out.chi2_after = solution.chi2_after;
   return out;
 }
 
