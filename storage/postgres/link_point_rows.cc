@@ -9,14 +9,12 @@
 namespace enfilade::postgres {
 namespace {
 
-struct LinkPointRow {
-  StoredLinkPoint link_point;
-  Anchor anchor;
-};
+// Of ENFILADE_LINK_POINT_COLUMNS.
+constexpr int kIdColumn = 1;
+constexpr int kFirstAnchorColumn = 20;
 
-LinkPointRow ReadRow(Row& row) {
-  LinkPointRow out;
-  StoredLinkPoint& stored = out.link_point;
+StoredLinkPoint ReadWithoutAnchors(Row& row) {
+  StoredLinkPoint stored;
   LinkPoint& point = stored.point;
   stored.site = SiteId(std::string(row.Text()));
   point.id = LinkPointId(std::string(row.Text()));
@@ -39,10 +37,15 @@ LinkPointRow ReadRow(Row& row) {
   stored.etag = row.Int64();
   stored.create_time = row.Time();
   stored.update_time = row.Time();
-  out.anchor.map = MapId(std::string(row.Text()));
-  out.anchor.T_map_place = {row.Double(), row.Double(), row.Double()};
-  out.anchor.covariance = ToCovariance(row.Doubles());
-  return out;
+  return stored;
+}
+
+Anchor ReadAnchor(Row& row) {
+  Anchor anchor;
+  anchor.map = MapId(std::string(row.Text()));
+  anchor.T_map_place = {row.Double(), row.Double(), row.Double()};
+  anchor.covariance = ToCovariance(row.Doubles());
+  return anchor;
 }
 
 }  // namespace
@@ -50,13 +53,15 @@ LinkPointRow ReadRow(Row& row) {
 absl::StatusOr<std::vector<StoredLinkPoint>> ReadLinkPoints(const Result& result) {
   std::vector<StoredLinkPoint> link_points;
   for (int i = 0; i < result.rows(); ++i) {
-    Row row(result, i);
-    LinkPointRow read = ReadRow(row);
-    ENFILADE_RETURN_IF_ERROR(row.status());
-    if (link_points.empty() || link_points.back().point.id != read.link_point.point.id) {
-      link_points.push_back(std::move(read.link_point));
+    const std::string_view id = Row(result, i, kIdColumn).Text();
+    if (link_points.empty() || link_points.back().point.id.value() != id) {
+      Row row(result, i);
+      link_points.push_back(ReadWithoutAnchors(row));
+      ENFILADE_RETURN_IF_ERROR(row.status());
     }
-    link_points.back().point.anchors.push_back(std::move(read.anchor));
+    Row row(result, i, kFirstAnchorColumn);
+    link_points.back().point.anchors.push_back(ReadAnchor(row));
+    ENFILADE_RETURN_IF_ERROR(row.status());
   }
   return link_points;
 }
