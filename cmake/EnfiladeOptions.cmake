@@ -1,7 +1,9 @@
 # Switches of the build; the presets in CMakePresets.json set them.
-option(ENFILADE_BUILD_TESTS "Build tests and benchmarks" ON)
+option(ENFILADE_BUILD_TESTS "Build the tests" ON)
+option(ENFILADE_BUILD_BENCHMARKS "Build the benchmarks with the tests" ON)
 option(ENFILADE_WERROR "Treat warnings as errors" OFF)
 option(ENFILADE_COVERAGE "Instrument for line coverage (gcov)" OFF)
+option(ENFILADE_COMPILE_TOGETHER "Compile small sources of one target eight at a time" ON)
 set(ENFILADE_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize= (address,undefined or thread)")
 
 find_program(CCACHE_PROGRAM ccache)

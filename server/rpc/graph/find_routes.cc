@@ -55,10 +55,11 @@ absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, cons
   if (!request.has_pose_map_goal()) return InvalidArgument("pose_map_goal is missing");
   ENFILADE_ASSIGN_OR_RETURN(const RouteOptions options, OptionsOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, start.site));
-  ENFILADE_ASSIGN_OR_RETURN(const Routes routes, enfilade::FindRoutes(graph->graph(),
-                                                                      {start.map, FromProto(request.pose_map_start()),
-                                                                       goal.map, FromProto(request.pose_map_goal())},
-                                                                      options));
+  ENFILADE_ASSIGN_OR_RETURN(const Routes routes,
+                            enfilade::FindRoutes(graph->graph(),
+                                                 {start.map, enfilade::FromProto(request.pose_map_start()), goal.map,
+                                                  enfilade::FromProto(request.pose_map_goal())},
+                                                 options));
   response.set_graph_version(routes.graph_version);
   for (const Route& route : routes.routes) *response.add_routes() = ToProto(start.site, route);
   if (request.with_geojson()) {

@@ -28,7 +28,7 @@ struct GivenPose {
 absl::StatusOr<GivenPose> Parse(const v1::MapPose& message) {
   ENFILADE_ASSIGN_OR_RETURN(MapName name, ParseMapName("map_pose.map", message.map()));
   ENFILADE_ASSIGN_OR_RETURN(PoseWithCovariance T_map_robot,
-                            FromProto("map_pose.pose_map_robot", message.pose_map_robot()));
+                            enfilade::FromProto("map_pose.pose_map_robot", message.pose_map_robot()));
   return GivenPose{std::move(name), T_map_robot};
 }
 

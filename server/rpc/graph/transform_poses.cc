@@ -23,7 +23,8 @@ absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& servic
   }
   std::vector<PoseWithCovariance> poses;
   for (int i = 0; i < request.poses_size(); ++i) {
-    ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose, FromProto(fmt::format("poses[{}]", i), request.poses(i)));
+    ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose,
+                              enfilade::FromProto(fmt::format("poses[{}]", i), request.poses(i)));
     poses.push_back(pose);
   }
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, source.site));

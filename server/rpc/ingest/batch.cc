@@ -35,7 +35,7 @@ IngestItem ReadBatch(const v1::RecordBatch& batch) {
                          fmt::format("record {} of the batch has the sequence {}: sequences go up by one from {}", i,
                                      in.sequence(), first));
     }
-    absl::StatusOr<Record> record = FromProto(in);
+    absl::StatusOr<Record> record = enfilade::FromProto(in);
     if (!record.ok()) {
       return Refusal{first, in.sequence(), Refusal::Reason::kInvalidRecord,
                      fmt::format("record {}: {}", in.sequence(), std::string(record.status().message()))};

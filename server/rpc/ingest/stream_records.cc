@@ -44,7 +44,8 @@ absl::StatusOr<RobotPose> ReadPoseReport(const v1::PoseReport& report) {
   ENFILADE_ASSIGN_OR_RETURN(const MapName map, ParseMapName("pose_report.map", report.map()));
   pose.site = map.site;
   pose.map = map.map;
-  ENFILADE_ASSIGN_OR_RETURN(pose.T_map_robot, FromProto("pose_report.pose_map_robot", report.pose_map_robot()));
+  ENFILADE_ASSIGN_OR_RETURN(pose.T_map_robot,
+                            enfilade::FromProto("pose_report.pose_map_robot", report.pose_map_robot()));
   ENFILADE_ASSIGN_OR_RETURN(pose.time, FromTimestamp(report.time()));
   return pose;
 }

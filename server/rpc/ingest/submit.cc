@@ -14,7 +14,7 @@ absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const CallCo
                                           const std::string& session, const v1::Record& message,
                                           const std::string* blob) {
   ENFILADE_ASSIGN_OR_RETURN(const SessionName name, ParseSessionName("session", session));
-  ENFILADE_ASSIGN_OR_RETURN(const Record record, FromProto(message));
+  ENFILADE_ASSIGN_OR_RETURN(const Record record, enfilade::FromProto(message));
   std::vector<BlobView> blobs;
   if (blob) {
     const BlobRef& content = *FindBlob(record);

@@ -18,7 +18,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr Statement kSleep{"sleeping", "SELECT pg_sleep($1)"};
-constexpr Statement kOne{"selecting one", "SELECT 1::bigint"};
+constexpr Statement kSelectOne{"selecting one", "SELECT 1::bigint"};
 constexpr Statement kBackend{"asking for the process", "SELECT pg_backend_pid()"};
 constexpr Statement kInsert{"inserting", "INSERT INTO t (k) VALUES ($1)"};
 constexpr Statement kLock{"locking", "SELECT k FROM t WHERE k = $1 FOR UPDATE"};
@@ -95,7 +95,7 @@ TEST_F(TransactionTest, BindsArrays) {
 }
 
 TEST_F(TransactionTest, SaysWhichColumnDoesNotFit) {
-  ASSERT_OK_AND_ASSIGN(const Result result, ExecuteAlone(*pool_, Soon(), kOne, Params()));
+  ASSERT_OK_AND_ASSIGN(const Result result, ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
   Row wrong(result, 0);
   wrong.Text();
   EXPECT_THAT(wrong.status(), HasStatus(absl::StatusCode::kInternal, HasSubstr("int8")));
@@ -144,7 +144,7 @@ TEST_F(TransactionTest, ServesOnAfterAnError) {
   constexpr Statement kBroken{"breaking", "SELECT no_such_function()"};
   EXPECT_THAT(ExecuteAlone(*pool_, Soon(), kBroken, Params()), HasCode(absl::StatusCode::kInternal));
   EXPECT_THAT(ExecuteAlone(*pool_, Soon(), kBroken, Params()), HasCode(absl::StatusCode::kInternal));
-  EXPECT_OK(ExecuteAlone(*pool_, Soon(), kOne, Params()));
+  EXPECT_OK(ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
   EXPECT_EQ(pool_->stats().opened, 1);
 }
 
@@ -159,7 +159,7 @@ TEST_F(TransactionTest, TheServerGivesUpAtTheDeadline) {
   const auto context = CallContext::WithTimeout(std::chrono::milliseconds(150));
   EXPECT_THAT(ExecuteAlone(*pool_, context, kSleep, Params(30.0)), HasCode(absl::StatusCode::kDeadlineExceeded));
   // It was the server's own timeout: the connection is as good as before.
-  EXPECT_OK(ExecuteAlone(*pool_, Soon(), kOne, Params()));
+  EXPECT_OK(ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
   EXPECT_EQ(pool_->stats().opened, 1);
 }
 
@@ -195,7 +195,7 @@ TEST_F(TransactionTest, WaitsNoLongerThanTheDeadlineForAServerThatHangs) {
   Transaction transaction = Begin(std::chrono::milliseconds(500));
   const pid_t backend = BackendOf(transaction);
   ASSERT_EQ(kill(backend, SIGSTOP), 0);
-  EXPECT_THAT(transaction.Execute(kOne, Params()), HasCode(absl::StatusCode::kDeadlineExceeded));
+  EXPECT_THAT(transaction.Execute(kSelectOne, Params()), HasCode(absl::StatusCode::kDeadlineExceeded));
   kill(backend, SIGCONT);
 }
 
@@ -207,7 +207,7 @@ TEST_F(TransactionTest, AKilledConnectionIsUnavailableAndReplaced) {
     EXPECT_THAT(transaction.Commit(), HasCode(absl::StatusCode::kUnavailable));
   }
   EXPECT_EQ(pool_->stats().open, 0);
-  EXPECT_OK(ExecuteAlone(*pool_, Soon(), kOne, Params()));
+  EXPECT_OK(ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
   EXPECT_THAT(Rows(), ElementsAre());
 }
 

@@ -51,18 +51,18 @@ std::string ToldBy(const std::vector<Action>& actions) {
   return told;
 }
 
-TimeNs At(double seconds) { return static_cast<TimeNs>(seconds * 1e9) + kNsPerSecond; }
+TimeNs AfterStart(double seconds) { return static_cast<TimeNs>(seconds * 1e9) + kNsPerSecond; }
 
-Moved MovedTo(double seconds, double x) { return {At(seconds), {x, 0.0, 0.0}}; }
+Moved MovedTo(double seconds, double x) { return {AfterStart(seconds), {x, 0.0, 0.0}}; }
 
 // A door across the x axis.
 DoorSeen Door(DoorEvent::Kind kind, std::int64_t number, double seconds, double door_seconds, double door_x) {
   DoorEvent event;
   event.kind = kind;
   event.door = number;
-  event.time = At(seconds);
+  event.time = AfterStart(seconds);
   event.T_odom_robot = {door_x + 1.0, 0.0, 0.0};
-  event.door_time = At(door_seconds);
+  event.door_time = AfterStart(door_seconds);
   event.T_odom_door = {door_x, 0.0, 0.0};
   event.width = 1.0;
   event.reason = "as the test says";
@@ -137,8 +137,8 @@ TEST_F(StateMachineTest, ReportsAPassageOnceTheRobotIsBehindTheDoor) {
   const std::vector<Action> actions = machine_.Handle(MovedTo(5.4, 12.1));
   ASSERT_THAT(WordsOf(actions), ElementsAre("passage 1", "finish"));
   const DoorReport& report = std::get<WriteReport>(actions[0]).report;
-  EXPECT_EQ(report.time, At(5.4));
-  EXPECT_EQ(report.door_time, At(4.0));
+  EXPECT_EQ(report.time, AfterStart(5.4));
+  EXPECT_EQ(report.door_time, AfterStart(4.0));
   EXPECT_EQ(report.T_odom_door, (Pose2{10.0, 0.0, 0.0}));
   EXPECT_EQ(report.width, 1.0);
   EXPECT_EQ(report.reason, "as the test says");
@@ -276,7 +276,7 @@ TEST_F(StateMachineTest, ALinkPointSetByHandEndsTheSessionAndBeginsTheNext) {
   EXPECT_EQ(report.place, LinkPointKind::kLift);
   EXPECT_EQ(report.entered_level, 2);
   EXPECT_EQ(report.T_odom_door, (Pose2{9.0, 0.0, 0.0}));
-  EXPECT_EQ(report.door_time, At(6.0));
+  EXPECT_EQ(report.door_time, AfterStart(6.0));
   EXPECT_THAT(Do(SessionFinished{}), ElementsAre("begin behind the door"));
 }
 

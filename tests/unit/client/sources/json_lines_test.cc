@@ -93,13 +93,13 @@ TEST(JsonLines, RefersToImagesAndCloudsByFile) {
   EXPECT_EQ(AllOf<PointCloud>(log).at(0).content.size, 24);
 }
 
-struct BadLine {
+struct BadJsonLine {
   const char* name;
   const char* line;
   const char* message;
 };
 
-class JsonBadLine : public ::testing::TestWithParam<BadLine> {};
+class JsonBadLine : public ::testing::TestWithParam<BadJsonLine> {};
 
 TEST_P(JsonBadLine, IsRefusedNamingFileLineAndMember) {
   const LogFiles files;
@@ -116,24 +116,26 @@ TEST_P(JsonBadLine, IsRefusedNamingFileLineAndMember) {
 INSTANTIATE_TEST_SUITE_P(
     All, JsonBadLine,
     ::testing::Values(
-        BadLine{"Cut", R"({"type":"scan","time_ns":1,"angle_)", "no valid JSON"},
-        BadLine{"NoObject", "[1,2]", "expected a JSON object"}, BadLine{"NoType", "{}", "type is missing"},
-        BadLine{"UnknownType", R"({"type":"sonar"})", "type is \"sonar\""},
-        BadLine{"NewerVersion", R"({"type":"log","version":2})", "version is 2"},
-        BadLine{"NoRanges", SCAN(R"("range_max_m":10)"), "ranges_m is missing"},
-        BadLine{"ZeroBeams", SCAN(R"("range_max_m":10,"ranges_m":[])"), "ranges is empty"},
-        BadLine{"RangeText", SCAN(R"("range_max_m":10,"ranges_m":[1,"far"])"), "ranges_m[1] is \"far\""},
-        BadLine{"RangeArray", SCAN(R"("range_max_m":10,"ranges_m":[1,[2]])"), "ranges_m[1] is an array"},
-        BadLine{"Misspelt", SCAN(R"("range_max_m":10,"ranges_m":[1],"mounted":1)"), "does not know"},
-        BadLine{"NoLimit", SCAN(R"("range_max_m":0,"ranges_m":[1])"), "range limits"},
-        BadLine{"HalfAPose", R"({"type":"odometry","time_ns":1,"pose":{"x_m":1,"y_m":2}})", "pose.yaw_rad is missing"},
-        BadLine{"FractionalTime", R"({"type":"odometry","time_ns":1.5,"pose":{"x_m":1,"y_m":2,"yaw_rad":0}})",
-                "time_ns is 1.5: expected an integer"},
-        BadLine{"NegativeTime", R"({"type":"odometry","time_ns":-1,"pose":{"x_m":1,"y_m":2,"yaw_rad":0}})", "time is"},
-        BadLine{"NoSuchImage", R"({"type":"image","time_ns":1,"camera":"rear","encoding":"png","file":"no.png"})",
-                "no such file"},
-        BadLine{"UnknownCamera", R"({"type":"image","time_ns":1,"camera":"side","encoding":"png","file":"no.png"})",
-                "camera is \"side\""}),
+        BadJsonLine{"Cut", R"({"type":"scan","time_ns":1,"angle_)", "no valid JSON"},
+        BadJsonLine{"NoObject", "[1,2]", "expected a JSON object"}, BadJsonLine{"NoType", "{}", "type is missing"},
+        BadJsonLine{"UnknownType", R"({"type":"sonar"})", "type is \"sonar\""},
+        BadJsonLine{"NewerVersion", R"({"type":"log","version":2})", "version is 2"},
+        BadJsonLine{"NoRanges", SCAN(R"("range_max_m":10)"), "ranges_m is missing"},
+        BadJsonLine{"ZeroBeams", SCAN(R"("range_max_m":10,"ranges_m":[])"), "ranges is empty"},
+        BadJsonLine{"RangeText", SCAN(R"("range_max_m":10,"ranges_m":[1,"far"])"), "ranges_m[1] is \"far\""},
+        BadJsonLine{"RangeArray", SCAN(R"("range_max_m":10,"ranges_m":[1,[2]])"), "ranges_m[1] is an array"},
+        BadJsonLine{"Misspelt", SCAN(R"("range_max_m":10,"ranges_m":[1],"mounted":1)"), "does not know"},
+        BadJsonLine{"NoLimit", SCAN(R"("range_max_m":0,"ranges_m":[1])"), "range limits"},
+        BadJsonLine{"HalfAPose", R"({"type":"odometry","time_ns":1,"pose":{"x_m":1,"y_m":2}})",
+                    "pose.yaw_rad is missing"},
+        BadJsonLine{"FractionalTime", R"({"type":"odometry","time_ns":1.5,"pose":{"x_m":1,"y_m":2,"yaw_rad":0}})",
+                    "time_ns is 1.5: expected an integer"},
+        BadJsonLine{"NegativeTime", R"({"type":"odometry","time_ns":-1,"pose":{"x_m":1,"y_m":2,"yaw_rad":0}})",
+                    "time is"},
+        BadJsonLine{"NoSuchImage", R"({"type":"image","time_ns":1,"camera":"rear","encoding":"png","file":"no.png"})",
+                    "no such file"},
+        BadJsonLine{"UnknownCamera", R"({"type":"image","time_ns":1,"camera":"side","encoding":"png","file":"no.png"})",
+                    "camera is \"side\""}),
     [](const auto& param) { return param.param.name; });
 
 }  // namespace

@@ -23,22 +23,23 @@ using testing::PoseNear;
 using testing::ReadAll;
 using testing::ReadLog;
 
-constexpr auto kInvalid = absl::StatusCode::kInvalidArgument;
+constexpr auto kMalformed = absl::StatusCode::kInvalidArgument;
 
 TEST(LogReader, RefusesWhatIsNoLog) {
   const LogFiles files;
   EXPECT_THAT(ReadAll(files.path() / "none.log").status,
               HasStatus(absl::StatusCode::kNotFound, HasSubstr("none.log: no such file")));
-  EXPECT_THAT(ReadAll(files.path()).status, HasStatus(kInvalid, HasSubstr("is a directory")));
-  EXPECT_THAT(ReadAll(files.Write("empty.log", "")).status, HasStatus(kInvalid, HasSubstr("the log is empty")));
-  EXPECT_THAT(ReadAll(files.Write("comments.log", "# nothing\n\n")).status, HasStatus(kInvalid, HasSubstr("2 lines")));
+  EXPECT_THAT(ReadAll(files.path()).status, HasStatus(kMalformed, HasSubstr("is a directory")));
+  EXPECT_THAT(ReadAll(files.Write("empty.log", "")).status, HasStatus(kMalformed, HasSubstr("the log is empty")));
+  EXPECT_THAT(ReadAll(files.Write("comments.log", "# nothing\n\n")).status,
+              HasStatus(kMalformed, HasSubstr("2 lines")));
   EXPECT_THAT(ReadAll(files.Write("prose.log", "once upon a time\n")).status,
-              HasStatus(kInvalid, HasSubstr("prose.log:1: not a format that is known")));
+              HasStatus(kMalformed, HasSubstr("prose.log:1: not a format that is known")));
   EXPECT_THAT(ReadAll(files.Write("elf.log", std::string("\x7f"
                                                          "ELF\x02\x01\x01\0\0",
                                                          9)))
                   .status,
-              HasStatus(kInvalid, HasSubstr("binary data")));
+              HasStatus(kMalformed, HasSubstr("binary data")));
 }
 
 TEST(LogReader, ReadsCompressedLogsLikePlainOnes) {
@@ -69,16 +70,16 @@ TEST(LogReader, NamesTheLineWhereCompressedDataIsCutOffOrDamaged) {
   ASSERT_EQ(ReadAll(path).entries.size(), 20'000U);
 
   const ReadLog cut = ReadAll(files.Write("cut.log.gz", whole.substr(0, whole.size() / 2)));
-  EXPECT_THAT(cut.status, HasStatus(kInvalid, HasSubstr("cut.log.gz:")));
-  EXPECT_THAT(cut.status, HasStatus(kInvalid, HasSubstr("damaged or cut off")));
+  EXPECT_THAT(cut.status, HasStatus(kMalformed, HasSubstr("cut.log.gz:")));
+  EXPECT_THAT(cut.status, HasStatus(kMalformed, HasSubstr("damaged or cut off")));
   std::string damaged = whole;
   for (std::size_t i = 0; i < 64; ++i) damaged[damaged.size() / 2 + i] = static_cast<char>(0xA5 ^ i);
   EXPECT_THAT(ReadAll(files.Write("damaged.log.gz", damaged)).status,
-              HasStatus(kInvalid, HasSubstr("damaged.log.gz:")));
+              HasStatus(kMalformed, HasSubstr("damaged.log.gz:")));
   std::string checksum = whole;
   checksum[checksum.size() - 6] = static_cast<char>(checksum[checksum.size() - 6] ^ 1);
   EXPECT_THAT(ReadAll(files.Write("sum.log.gz", checksum)).status,
-              HasStatus(kInvalid, HasSubstr("damaged or cut off")));
+              HasStatus(kMalformed, HasSubstr("damaged or cut off")));
 }
 
 TEST(LogReader, SkippingBadLinesStillEndsWithCutOffData) {
@@ -87,7 +88,7 @@ TEST(LogReader, SkippingBadLinesStillEndsWithCutOffData) {
   LogOptions options;
   options.skip_bad_lines = true;
   EXPECT_THAT(ReadAll(files.Write("cut.log.gz", whole.substr(0, whole.size() - 9)), options).status,
-              HasStatus(kInvalid, HasSubstr("cut off")));
+              HasStatus(kMalformed, HasSubstr("cut off")));
 }
 
 TEST(LogReader, ReadsWeanHallLogsInCentimetres) {

@@ -23,7 +23,7 @@ using testing::SampleSession;
 using testing::TemporaryDirectory;
 
 constexpr std::int64_t kMany = 1'000'000;
-const SessionId kRun("run-1");
+const SessionId kSession("run-1");
 
 class SpoolTest : public ::testing::Test {
  protected:
@@ -42,12 +42,12 @@ class SpoolTest : public ::testing::Test {
   void AppendScans(int first, int last) {
     std::vector<SpoolItem> items;
     for (int i = first; i <= last; ++i) items.push_back({NumberedScan(i), {}});
-    ASSERT_OK(spool_->Append(kRun, items));
+    ASSERT_OK(spool_->Append(kSession, items));
   }
   std::vector<std::int64_t> Sequences(std::int64_t after = 0, std::int64_t max_records = kMany,
                                       std::int64_t max_bytes = kMany) {
     std::vector<std::int64_t> sequences;
-    const auto batch = spool_->ReadBatch(kRun, after, max_records, max_bytes);
+    const auto batch = spool_->ReadBatch(kSession, after, max_records, max_bytes);
     EXPECT_OK(batch);
     for (const Record& record : *batch) sequences.push_back(record.sequence);
     return sequences;
@@ -60,9 +60,9 @@ class SpoolTest : public ::testing::Test {
 
 TEST_F(SpoolTest, GivesBackWhatWasAppendedInOrder) {
   OpenWithSession();
-  EXPECT_EQ(*spool_->Append(kRun, NumberedScan(1)), 1);
-  EXPECT_EQ(*spool_->Append(kRun, Odometry{5, {1.0, 2.0, 0.5}}), 2);
-  ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kRun, 0, kMany, kMany));
+  EXPECT_EQ(*spool_->Append(kSession, NumberedScan(1)), 1);
+  EXPECT_EQ(*spool_->Append(kSession, Odometry{5, {1.0, 2.0, 0.5}}), 2);
+  ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kSession, 0, kMany, kMany));
   ASSERT_EQ(batch.size(), 2U);
   EXPECT_EQ(batch[0], (Record{1, NumberedScan(1)}));
   EXPECT_EQ(batch[1], (Record{2, Odometry{5, {1.0, 2.0, 0.5}}}));
@@ -81,9 +81,9 @@ TEST_F(SpoolTest, LimitsBatchesByCountAndBytes) {
 TEST_F(SpoolTest, GoesOnWhereItWasAfterReopening) {
   OpenWithSession();
   AppendScans(1, 5);
-  ASSERT_OK(spool_->Acknowledge(kRun, 2));
+  ASSERT_OK(spool_->Acknowledge(kSession, 2));
   Open();
-  const auto session = spool_->FindSession(kRun);
+  const auto session = spool_->FindSession(kSession);
   ASSERT_TRUE(session.has_value());
   EXPECT_EQ(session->site, SiteId("campus"));
   EXPECT_EQ(session->robot, RobotId("r1"));
@@ -94,40 +94,40 @@ TEST_F(SpoolTest, GoesOnWhereItWasAfterReopening) {
   EXPECT_EQ(session->acknowledged_sequence, 2);
   EXPECT_EQ(session->pending(), 3);
   EXPECT_THAT(Sequences(2), ElementsAre(3, 4, 5));
-  EXPECT_EQ(*spool_->Append(kRun, NumberedScan(6)), 6);
+  EXPECT_EQ(*spool_->Append(kSession, NumberedScan(6)), 6);
 }
 
 TEST_F(SpoolTest, SequencesNeverRestartAlsoWhereEverythingIsTrimmed) {
   OpenWithSession();
   AppendScans(1, 3);
-  ASSERT_OK(spool_->Acknowledge(kRun, 3));
+  ASSERT_OK(spool_->Acknowledge(kSession, 3));
   Open();
-  EXPECT_EQ(*spool_->Append(kRun, NumberedScan(4)), 4);
+  EXPECT_EQ(*spool_->Append(kSession, NumberedScan(4)), 4);
 }
 
 TEST_F(SpoolTest, TrimsWhatIsAcknowledged) {
   OpenWithSession();
   AppendScans(1, 5000);
   const std::int64_t full = spool_->usage().bytes;
-  ASSERT_OK(spool_->Acknowledge(kRun, 4990));
+  ASSERT_OK(spool_->Acknowledge(kSession, 4990));
   EXPECT_EQ(spool_->usage().records, 10);
   EXPECT_EQ(spool_->usage().bytes, full / 500);
-  ASSERT_OK(spool_->Acknowledge(kRun, 17)) << "late and of no effect";
-  EXPECT_EQ(spool_->FindSession(kRun)->acknowledged_sequence, 4990);
+  ASSERT_OK(spool_->Acknowledge(kSession, 17)) << "late and of no effect";
+  EXPECT_EQ(spool_->FindSession(kSession)->acknowledged_sequence, 4990);
   EXPECT_THAT(Sequences(4998), ElementsAre(4999, 5000));
   const std::int64_t bytes = spool_->usage().bytes;
   Open();
   EXPECT_EQ(spool_->usage().bytes, bytes) << "the count must not drift from the file's";
-  ASSERT_OK(spool_->Acknowledge(kRun, 5000));
+  ASSERT_OK(spool_->Acknowledge(kSession, 5000));
   EXPECT_EQ(spool_->usage().bytes, 0);
 }
 
 TEST_F(SpoolTest, AcknowledgementsBeyondTheLastRecordMeanTheLast) {
   OpenWithSession();
   AppendScans(1, 3);
-  ASSERT_OK(spool_->Acknowledge(kRun, 99));
-  EXPECT_EQ(spool_->FindSession(kRun)->acknowledged_sequence, 3);
-  EXPECT_EQ(*spool_->Append(kRun, NumberedScan(4)), 4);
+  ASSERT_OK(spool_->Acknowledge(kSession, 99));
+  EXPECT_EQ(spool_->FindSession(kSession)->acknowledged_sequence, 3);
+  EXPECT_EQ(*spool_->Append(kSession, NumberedScan(4)), 4);
 }
 
 TEST_F(SpoolTest, RefusesTheNewWhenFullAndKeepsTheOld) {
@@ -136,15 +136,15 @@ TEST_F(SpoolTest, RefusesTheNewWhenFullAndKeepsTheOld) {
   OpenWithSession(options);
   absl::StatusOr<std::int64_t> last = 0;
   int appended = 0;
-  while ((last = spool_->Append(kRun, NumberedScan(appended + 1))).ok()) ++appended;
+  while ((last = spool_->Append(kSession, NumberedScan(appended + 1))).ok()) ++appended;
   EXPECT_THAT(last, HasStatus(absl::StatusCode::kResourceExhausted, HasSubstr("of 10000 bytes are used")));
   EXPECT_GT(appended, 5);
   EXPECT_EQ(Sequences().size(), static_cast<std::size_t>(appended));
   EXPECT_EQ(spool_->usage().refused, 1);
   EXPECT_LE(spool_->usage().bytes, 10'000);
 
-  ASSERT_OK(spool_->Acknowledge(kRun, 1));
-  EXPECT_EQ(*spool_->Append(kRun, NumberedScan(99)), appended + 1) << "a refused record takes no sequence";
+  ASSERT_OK(spool_->Acknowledge(kSession, 1));
+  EXPECT_EQ(*spool_->Append(kSession, NumberedScan(99)), appended + 1) << "a refused record takes no sequence";
 }
 
 TEST_F(SpoolTest, TakesAllItemsOrNone) {
@@ -152,24 +152,24 @@ TEST_F(SpoolTest, TakesAllItemsOrNone) {
   options.max_bytes = 3000;
   OpenWithSession(options);
   std::vector<SpoolItem> items(5, SpoolItem{NumberedScan(1), {}});
-  EXPECT_THAT(spool_->Append(kRun, items), HasCode(absl::StatusCode::kResourceExhausted));
+  EXPECT_THAT(spool_->Append(kSession, items), HasCode(absl::StatusCode::kResourceExhausted));
   EXPECT_TRUE(Sequences().empty());
   LaserScan empty = NumberedScan(1);
   empty.ranges.clear();
   items = {{NumberedScan(1), {}}, {empty, {}}};
-  EXPECT_THAT(spool_->Append(kRun, items), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("item 1: ")));
+  EXPECT_THAT(spool_->Append(kSession, items), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("item 1: ")));
   EXPECT_TRUE(Sequences().empty());
 }
 
 TEST_F(SpoolTest, StoresABlobOnceAndDropsItWithItsLastRecord) {
   OpenWithSession();
   const std::string content(100'000, 'x');
-  for (int i = 0; i < 3; ++i) ASSERT_OK(spool_->Append(kRun, std::vector<SpoolItem>{ImageItem(content)}));
+  for (int i = 0; i < 3; ++i) ASSERT_OK(spool_->Append(kSession, std::vector<SpoolItem>{ImageItem(content)}));
   EXPECT_LT(spool_->usage().bytes, 102'000);
   const BlobRef blob = std::get<Image>(ImageItem(content).payload).content;
-  ASSERT_OK(spool_->Acknowledge(kRun, 2));
+  ASSERT_OK(spool_->Acknowledge(kSession, 2));
   EXPECT_EQ(*spool_->ReadBlob(blob), content);
-  ASSERT_OK(spool_->Acknowledge(kRun, 3));
+  ASSERT_OK(spool_->Acknowledge(kSession, 3));
   EXPECT_THAT(spool_->ReadBlob(blob), HasCode(absl::StatusCode::kNotFound));
   EXPECT_EQ(spool_->usage().bytes, 0);
 }
@@ -178,30 +178,30 @@ TEST_F(SpoolTest, RefusesContentThatDoesNotFitItsReference) {
   OpenWithSession();
   SpoolItem item = ImageItem("abc");
   item.content = "abd";
-  EXPECT_THAT(spool_->Append(kRun, std::vector<SpoolItem>{item}),
+  EXPECT_THAT(spool_->Append(kSession, std::vector<SpoolItem>{item}),
               HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("sha256")));
   item.content = "ab";
-  EXPECT_THAT(spool_->Append(kRun, std::vector<SpoolItem>{item}),
+  EXPECT_THAT(spool_->Append(kSession, std::vector<SpoolItem>{item}),
               HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("size_bytes is 3")));
-  EXPECT_THAT(spool_->Append(kRun, std::vector<SpoolItem>{{NumberedScan(1), "abc"}}),
+  EXPECT_THAT(spool_->Append(kSession, std::vector<SpoolItem>{{NumberedScan(1), "abc"}}),
               HasCode(absl::StatusCode::kInvalidArgument));
 }
 
 TEST_F(SpoolTest, QuarantineLeavesAWithheldRecordAndKeepsTheOriginal) {
   OpenWithSession();
   AppendScans(1, 2);
-  ASSERT_OK(spool_->Append(kRun, std::vector<SpoolItem>{ImageItem("abc")}));
-  ASSERT_OK(spool_->Quarantine(kRun, 3, "the server says \"no\""));
-  ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kRun, 2, kMany, kMany));
+  ASSERT_OK(spool_->Append(kSession, std::vector<SpoolItem>{ImageItem("abc")}));
+  ASSERT_OK(spool_->Quarantine(kSession, 3, "the server says \"no\""));
+  ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kSession, 2, kMany, kMany));
   ASSERT_EQ(batch.size(), 1U);
   EXPECT_EQ(batch[0], (Record{3, Withheld{"the server says \"no\""}}));
-  EXPECT_THAT(spool_->Quarantine(kRun, 3, "again"), HasCode(absl::StatusCode::kFailedPrecondition));
-  EXPECT_THAT(spool_->Quarantine(kRun, 4, "none"), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(spool_->Quarantine(kSession, 3, "again"), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_THAT(spool_->Quarantine(kSession, 4, "none"), HasCode(absl::StatusCode::kNotFound));
 
-  ASSERT_OK(spool_->Acknowledge(kRun, 3));
+  ASSERT_OK(spool_->Acknowledge(kSession, 3));
   Open();
   EXPECT_EQ(spool_->usage().quarantined, 1);
-  ASSERT_OK_AND_ASSIGN(const auto kept, spool_->ListQuarantined(kRun));
+  ASSERT_OK_AND_ASSIGN(const auto kept, spool_->ListQuarantined(kSession));
   ASSERT_EQ(kept.size(), 1U);
   EXPECT_EQ(kept[0].record, (Record{3, ImageItem("abc").payload}));
   EXPECT_EQ(kept[0].reason, "the server says \"no\"");
@@ -211,8 +211,8 @@ TEST_F(SpoolTest, QuarantineLeavesAWithheldRecordAndKeepsTheOriginal) {
 TEST_F(SpoolTest, ReasonsAreCutToWhatTheServerTakes) {
   OpenWithSession();
   AppendScans(1, 1);
-  ASSERT_OK(spool_->Quarantine(kRun, 1, std::string(100'000, 'r')));
-  ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kRun, 0, kMany, kMany));
+  ASSERT_OK(spool_->Quarantine(kSession, 1, std::string(100'000, 'r')));
+  ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kSession, 0, kMany, kMany));
   EXPECT_OK(Validate(batch.at(0)));
 }
 
@@ -221,11 +221,11 @@ TEST_F(SpoolTest, RemovingASessionLeavesTheOthers) {
   ASSERT_OK(spool_->CreateSession(SampleSession("run-2")));
   AppendScans(1, 5);
   ASSERT_OK(spool_->Append(SessionId("run-2"), NumberedScan(1)));
-  ASSERT_OK(spool_->RemoveSession(kRun));
-  EXPECT_FALSE(spool_->FindSession(kRun).has_value());
+  ASSERT_OK(spool_->RemoveSession(kSession));
+  EXPECT_FALSE(spool_->FindSession(kSession).has_value());
   EXPECT_EQ(spool_->ListSessions().size(), 1U);
   EXPECT_EQ(spool_->usage().records, 1);
-  EXPECT_THAT(spool_->RemoveSession(kRun), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(spool_->RemoveSession(kSession), HasCode(absl::StatusCode::kNotFound));
   ASSERT_OK(spool_->CreateSession(SampleSession()));
   EXPECT_TRUE(Sequences().empty());
 }
@@ -233,19 +233,19 @@ TEST_F(SpoolTest, RemovingASessionLeavesTheOthers) {
 TEST_F(SpoolTest, AFinishedSessionTakesNoMore) {
   OpenWithSession();
   AppendScans(1, 1);
-  ASSERT_OK(spool_->MarkFinished(kRun));
-  EXPECT_THAT(spool_->Append(kRun, NumberedScan(2)),
+  ASSERT_OK(spool_->MarkFinished(kSession));
+  EXPECT_THAT(spool_->Append(kSession, NumberedScan(2)),
               HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("run-1 is finished")));
-  ASSERT_OK(spool_->MarkClosed(kRun));
+  ASSERT_OK(spool_->MarkClosed(kSession));
   Open();
-  EXPECT_TRUE(spool_->FindSession(kRun)->finished);
-  EXPECT_TRUE(spool_->FindSession(kRun)->closed);
+  EXPECT_TRUE(spool_->FindSession(kSession)->finished);
+  EXPECT_TRUE(spool_->FindSession(kSession)->closed);
 }
 
 TEST_F(SpoolTest, UnknownSessionsAreNamed) {
-  EXPECT_THAT(spool_->Append(kRun, NumberedScan(1)), HasStatus(absl::StatusCode::kNotFound, HasSubstr("run-1")));
-  EXPECT_THAT(spool_->ReadBatch(kRun, 0, 1, 1), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(spool_->Acknowledge(kRun, 1), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(spool_->Append(kSession, NumberedScan(1)), HasStatus(absl::StatusCode::kNotFound, HasSubstr("run-1")));
+  EXPECT_THAT(spool_->ReadBatch(kSession, 0, 1, 1), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_THAT(spool_->Acknowledge(kSession, 1), HasCode(absl::StatusCode::kNotFound));
   ASSERT_OK(spool_->CreateSession(SampleSession("it's; DROP TABLE \"sessions\"")));
   EXPECT_TRUE(spool_->FindSession(SessionId("it's; DROP TABLE \"sessions\"")).has_value());
   EXPECT_THAT(spool_->CreateSession(SampleSession("it's; DROP TABLE \"sessions\"")),
@@ -260,11 +260,12 @@ TEST_F(SpoolTest, ThreadsAppendSideBySideWithoutHoles) {
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
     threads.emplace_back([&, t] {
-      for (int i = 0; i < kEach; ++i) sequences[t].push_back(*spool_->Append(kRun, NumberedScan(t * 1000 + i)));
+      for (int i = 0; i < kEach; ++i) sequences[t].push_back(*spool_->Append(kSession, NumberedScan(t * 1000 + i)));
     });
   }
   std::thread acknowledging([&] {
-    for (int i = 0; i < 200; ++i) EXPECT_OK(spool_->Acknowledge(kRun, spool_->FindSession(kRun)->last_sequence / 2));
+    for (int i = 0; i < 200; ++i)
+      EXPECT_OK(spool_->Acknowledge(kSession, spool_->FindSession(kSession)->last_sequence / 2));
   });
   for (std::thread& thread : threads) thread.join();
   acknowledging.join();
@@ -276,7 +277,7 @@ TEST_F(SpoolTest, ThreadsAppendSideBySideWithoutHoles) {
   std::sort(all.begin(), all.end());
   for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i], static_cast<std::int64_t>(i) + 1);
   EXPECT_EQ(all.size(), static_cast<std::size_t>(kThreads * kEach));
-  const std::int64_t acknowledged = spool_->FindSession(kRun)->acknowledged_sequence;
+  const std::int64_t acknowledged = spool_->FindSession(kSession)->acknowledged_sequence;
   EXPECT_EQ(spool_->usage().records, kThreads * kEach - acknowledged);
 }
 
@@ -285,14 +286,14 @@ TEST_F(SpoolTest, WaitersWakeOnRecordsOnTheFinishAndOnSpace) {
   options.max_bytes = 1000;
   OpenWithSession(options);
   const auto far = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-  std::thread waiter([&] { spool_->WaitForRecords(kRun, 0, far); });
+  std::thread waiter([&] { spool_->WaitForRecords(kSession, 0, far); });
   AppendScans(1, 1);
   waiter.join();
   waiter = std::thread([&] { spool_->WaitForSpace(900, far); });
-  ASSERT_OK(spool_->Acknowledge(kRun, 1));
+  ASSERT_OK(spool_->Acknowledge(kSession, 1));
   waiter.join();
-  waiter = std::thread([&] { spool_->WaitForRecords(kRun, 1, far); });
-  ASSERT_OK(spool_->MarkFinished(kRun));
+  waiter = std::thread([&] { spool_->WaitForRecords(kSession, 1, far); });
+  ASSERT_OK(spool_->MarkFinished(kSession));
   waiter.join();
 }
 

@@ -16,14 +16,14 @@ using ::testing::Optional;
 // The predecessor's search radius beyond its base, for n straight transforms of length d, each with its constant
 // variances.
 TEST(SearchRadiusTest, GrowsWithTheChainAsTabulated) {
-  struct Row {
+  struct Line {
     double length_m;
     std::vector<double> extra_m;
   };
-  const std::vector<Row> table = {{10.0, {0.27, 2.71, 6.01, 10.05, 14.70}},
-                                  {20.0, {0.27, 5.38, 12.00, 20.07, 29.38}},
-                                  {50.0, {0.27, 13.41, 29.98, 50.16, 73.43}}};
-  for (const Row& row : table) {
+  const std::vector<Line> table = {{10.0, {0.27, 2.71, 6.01, 10.05, 14.70}},
+                                   {20.0, {0.27, 5.38, 12.00, 20.07, 29.38}},
+                                   {50.0, {0.27, 13.41, 29.98, 50.16, 73.43}}};
+  for (const Line& row : table) {
     const PoseWithCovariance step{{row.length_m, 0.0, 0.0}, DefaultTransformCovariance()};
     PoseWithCovariance chain = step;
     for (std::size_t n = 0; n < row.extra_m.size(); ++n) {

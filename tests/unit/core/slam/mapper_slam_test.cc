@@ -46,15 +46,15 @@ std::vector<Pose2> TwoRounds() {
   return Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}}, 0.25);
 }
 
-struct Mapped {
+struct MappedDrive {
   SlamMap map;
   OccupancyGrid grid;
   std::vector<ScanReport> reports;
 };
 
-Mapped MapLog(const std::vector<PairedScan>& log, const SlamOptions& options = {}) {
+MappedDrive MapLog(const std::vector<PairedScan>& log, const SlamOptions& options = {}) {
   Mapper mapper(options);
-  Mapped mapped;
+  MappedDrive mapped;
   for (const PairedScan& scan : log) mapped.reports.push_back(mapper.AddScan(scan));
   mapper.Finish();
   mapped.grid = mapper.RenderGrid();
@@ -67,7 +67,7 @@ std::vector<PairedScan> WithoutOdometry(std::vector<PairedScan> log) {
   return log;
 }
 
-double WorstError(const Mapped& mapped, const std::vector<Pose2>& truth) {
+double WorstError(const MappedDrive& mapped, const std::vector<Pose2>& truth) {
   const auto trajectory = TrajectoryOf(mapped.map);
   EXPECT_EQ(trajectory.size(), truth.size());
   double worst = 0.0;
@@ -105,7 +105,7 @@ TEST(MapperSlam, MapsARingOfCorridorsWithPoorOdometry) {
   const Pose2 drift =
       Between(Between(truth.front(), truth.back()), Between(*log.front().T_odom_robot, *log.back().T_odom_robot));
   EXPECT_GT(drift.translation().norm(), 0.5) << "the odometry alone would not do";
-  const Mapped mapped = MapLog(log);
+  const MappedDrive mapped = MapLog(log);
   EXPECT_LT(WorstError(mapped, truth), 0.15);
   EXPECT_GT(Accepted(mapped.map), 3);
   EXPECT_EQ(FalseClosures(mapped.map, truth), 0);
@@ -134,7 +134,7 @@ TEST(MapperSlam, MapsALogOfKeyframesAMetreApart) {
 }
 
 TEST(MapperSlam, KnowsHowSureItsNodesAre) {
-  const Mapped mapped = MapLog(testing::Record(RingOfCorridors(), TwoRounds(), {}, kPoorOdometry, 3));
+  const MappedDrive mapped = MapLog(testing::Record(RingOfCorridors(), TwoRounds(), {}, kPoorOdometry, 3));
   EXPECT_TRUE(mapped.map.nodes.at(0).covariance.isZero());
   for (const auto& [id, node] : mapped.map.nodes) {
     if (id == 0) continue;
@@ -146,7 +146,7 @@ TEST(MapperSlam, KnowsHowSureItsNodesAre) {
 
 TEST(MapperSlam, GoesOnTheSameAfterRestoreAtAnyPoint) {
   const auto log = testing::Record(RingOfCorridors(), TwoRounds(), {}, kPoorOdometry, 3);
-  const Mapped expected = MapLog(log);
+  const MappedDrive expected = MapLog(log);
   ASSERT_GT(Accepted(expected.map), 0);
   for (const std::size_t every : {41UL, 150UL, log.size() - 1}) {
     Mapper mapper(SlamOptions{});
@@ -199,13 +199,13 @@ TEST(MapperSlam, LeavesSuspendedClosuresOutAlsoAfterRestore) {
 }
 
 TEST(MapperBadInput, AnEmptyLogGivesAnEmptyMap) {
-  const Mapped mapped = MapLog({});
+  const MappedDrive mapped = MapLog({});
   EXPECT_TRUE(mapped.map.nodes.empty());
   EXPECT_TRUE(mapped.grid.cells.empty());
 }
 
 TEST(MapperBadInput, OneScanIsOneKeyframeAtTheOrigin) {
-  const Mapped mapped = MapLog(testing::Record(RingOfCorridors(), {{2.5, 2.5, 0.3}}, {}, {}, 1));
+  const MappedDrive mapped = MapLog(testing::Record(RingOfCorridors(), {{2.5, 2.5, 0.3}}, {}, {}, 1));
   ASSERT_EQ(mapped.map.nodes.size(), 1U);
   EXPECT_EQ(mapped.map.nodes.at(0).T_map_node, Pose2{});
   EXPECT_FALSE(mapped.grid.cells.empty());
@@ -224,7 +224,7 @@ TEST(MapperBadInput, GoesOnByOdometryWhereNothingIsInRange) {
   const auto truth = Drive({{0, 0}, {-30, 0}}, 0.25);
   const auto log = testing::Record({{{1, -2}, {1, 2}}, {{-1, 3}, {1, 3}}}, truth,
                                    {.beams = 360, .field_of_view = 2.0 * M_PI, .range_max = 5.0}, {}, 1);
-  const Mapped mapped = MapLog(log);
+  const MappedDrive mapped = MapLog(log);
   EXPECT_LT(WorstError(mapped, truth), 0.3);
   EXPECT_TRUE(mapped.reports.back().lost) << "the last good match is long ago";
   EXPECT_EQ(mapped.reports[1].match_age, 0.0);
@@ -283,11 +283,11 @@ struct Kidnapping {
   }
 };
 
-void ExpectLostAndNothingBent(const Kidnapping& kidnapping, const Mapped& mapped) {
+void ExpectLostAndNothingBent(const Kidnapping& kidnapping, const MappedDrive& mapped) {
   EXPECT_EQ(FalseClosures(mapped.map, kidnapping.truth), 0);
   const std::size_t at = kidnapping.before.size();
   // As if nothing had come after.
-  const Mapped alone = MapLog({kidnapping.log.begin(), kidnapping.log.begin() + static_cast<std::ptrdiff_t>(at)});
+  const MappedDrive alone = MapLog({kidnapping.log.begin(), kidnapping.log.begin() + static_cast<std::ptrdiff_t>(at)});
   const auto expected = TrajectoryOf(alone.map);
   const auto trajectory = TrajectoryOf(mapped.map);
   for (std::size_t i = 0; i < at; ++i) {
@@ -302,9 +302,9 @@ void ExpectLostAndNothingBent(const Kidnapping& kidnapping, const Mapped& mapped
 
 TEST(MapperBadInput, AKidnappedRobotSaysSoAndBendsNothing) {
   const Kidnapping kidnapping;
-  const Mapped mapped = MapLog(kidnapping.log);
+  const MappedDrive mapped = MapLog(kidnapping.log);
   ExpectLostAndNothingBent(kidnapping, mapped);
-  Mapped first_building = mapped;
+  MappedDrive first_building = mapped;
   first_building.map.trajectory.resize(kidnapping.before.size());
   EXPECT_LT(WorstError(first_building, kidnapping.before), 0.15);
 }
@@ -343,7 +343,7 @@ TEST(MapperBadInput, DoesNotTakeOneOfTwoIdenticalCorridorsForTheOther) {
   const auto truth =
       Drive({{2.5, 2.5}, {22.5, 2.5}, {22.5, 9.5}, {2.5, 9.5}, {22.5, 9.5}, {22.5, 2.5}, {2.5, 2.5}}, 0.25);
   for (const std::uint64_t seed : {9, 10, 11}) {
-    const Mapped mapped = MapLog(testing::Record(walls, truth, {}, kPoorOdometry, seed));
+    const MappedDrive mapped = MapLog(testing::Record(walls, truth, {}, kPoorOdometry, seed));
     EXPECT_EQ(FalseClosures(mapped.map, truth), 0) << "seed " << seed;
     EXPECT_LT(WorstError(mapped, truth), 0.3) << "seed " << seed;
   }

@@ -27,15 +27,15 @@ std::vector<Record> ReadLog(const std::filesystem::path& path) {
   return records;
 }
 
-struct Mapped {
+struct MappedAgain {
   SlamMap map;
   OccupancyGrid grid;
 };
 
-Mapped MapPart(LogMapper mapper, const std::vector<Record>& records, std::size_t begin, std::size_t end) {
+MappedAgain MapPart(LogMapper mapper, const std::vector<Record>& records, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) mapper.Add(records[i]);
   mapper.Finish();
-  Mapped mapped;
+  MappedAgain mapped;
   mapped.grid = mapper.RenderGrid();
   mapped.map.Apply(mapper.TakeDelta());
   return mapped;
@@ -47,13 +47,13 @@ TEST(OldMapRecording, TheSecondHalfGoesOnInTheFirstOnesMap) {
   ENFILADE_RECORDING_OR_SKIP(path, "laser/derived/intel_raw_odom.clf.gz");
   const std::vector<Record> records = ReadLog(path);
   const std::size_t half = records.size() / 2;
-  const Mapped whole = MapPart(LogMapper({}, {}), records, 0, records.size());
-  const Mapped first = MapPart(LogMapper({}, {}), records, 0, half);
+  const MappedAgain whole = MapPart(LogMapper({}, {}), records, 0, records.size());
+  const MappedAgain first = MapPart(LogMapper({}, {}), records, 0, half);
   OldMap old_map{first.grid, {}};
   const Pose2 end = TrajectoryOf(first.map).back().T_map_robot;
   old_map.entry.T_map_robot.pose = {end.x + 0.4, end.y - 0.4, end.yaw + 0.2};
   old_map.entry.T_map_robot.covariance = Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal();
-  const Mapped second = MapPart(LogMapper({}, {}, old_map), records, half, records.size());
+  const MappedAgain second = MapPart(LogMapper({}, {}, old_map), records, half, records.size());
 
   int in_old_map = 0;
   for (const auto& [id, closure] : second.map.closures) {

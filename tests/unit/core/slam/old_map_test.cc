@@ -58,17 +58,17 @@ struct RoomsDrive {
   }
 };
 
-struct Mapped {
+struct MappedOver {
   SlamMap map;
   OccupancyGrid grid;
 };
 
 // The scans from `first` on, `count` of them.
-Mapped MapPart(const RoomsDrive& drive, LogMapper mapper, std::size_t first, std::size_t count) {
+MappedOver MapPart(const RoomsDrive& drive, LogMapper mapper, std::size_t first, std::size_t count) {
   const std::size_t end = first + count < drive.scans.size() ? drive.scans[first + count] : drive.records.size();
   for (std::size_t i = drive.scans[first]; i < end; ++i) mapper.Add(drive.records[i]);
   mapper.Finish();
-  Mapped mapped;
+  MappedOver mapped;
   mapped.grid = mapper.RenderGrid();
   mapped.map.Apply(mapper.TakeDelta());
   return mapped;
@@ -92,7 +92,7 @@ int CountClosures(const SlamMap& map, ClosureState state, std::int64_t submap) {
   return count;
 }
 
-double WorstError(const Mapped& mapped, const RoomsDrive& drive, std::size_t first) {
+double WorstError(const MappedOver& mapped, const RoomsDrive& drive, std::size_t first) {
   const std::vector<StampedPose> trajectory = TrajectoryOf(mapped.map);
   double worst = 0.0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
@@ -122,7 +122,7 @@ TEST(MapperOnOldMap, FindsTheRobotWhereTheEntryIsOffByUpToThreeSigma) {
       old_map.entry.T_map_robot = {{truth.x + offset.x, truth.y + offset.y, truth.yaw + offset.yaw},
                                    Covariance(sigma, yaw_sigma)};
       old_map.entry.T_odom_robot = drive.OdometryAt(first);
-      const Mapped mapped = MapPart(drive, LogMapper({}, {}, old_map), first, 60);
+      const MappedOver mapped = MapPart(drive, LogMapper({}, {}, old_map), first, 60);
       EXPECT_GT(CountClosures(mapped.map, ClosureState::kAccepted, 0), 0);
       EXPECT_LT(WorstError(mapped, drive, first), 0.10)
           << "from scan " << first << " off by " << offset.x << " m, " << offset.y << " m, " << offset.yaw << " rad";
@@ -150,7 +150,7 @@ TEST(MapperOnOldMap, MovesTheEntryOnByOdometryToTheFirstScan) {
   const std::size_t first = 112;  // some 1.4 m later
   ASSERT_GT(Between(drive.truth[entered], drive.truth[first]).translation().norm(), 0.5);
   OldMap old_map{{}, {{drive.truth[entered], Covariance(0.05, 0.02)}, drive.OdometryAt(entered)}};
-  const Mapped mapped = MapPart(drive, LogMapper({}, {}, old_map), first, 5);
+  const MappedOver mapped = MapPart(drive, LogMapper({}, {}, old_map), first, 5);
   EXPECT_THAT(TrajectoryOf(mapped.map).front().T_map_robot, PoseNear(drive.truth[first], 0.10, 0.10));
 }
 
@@ -158,7 +158,7 @@ TEST(MapperOnOldMap, RendersItsOwnLayerOnly) {
   const RoomsDrive drive(17);
   const std::size_t first = drive.scans.size() / 2;
   const OldMap old_map{RoomsMap(), {{drive.truth[first], Covariance(0.1, 0.05)}, std::nullopt}};
-  const Mapped mapped = MapPart(drive, LogMapper({}, {}, old_map), first, 3);
+  const MappedOver mapped = MapPart(drive, LogMapper({}, {}, old_map), first, 3);
   const auto known = [](const OccupancyGrid& grid) {
     return std::count_if(grid.cells.begin(), grid.cells.end(), [](std::uint8_t cell) { return cell != kUnknownCell; });
   };
@@ -208,10 +208,10 @@ std::vector<Pose2> FirstRound() {
   return testing::Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 13.5}, {2.5, 13.5}, {2.5, 2.5}}, 0.25);
 }
 
-Mapped MapScans(Mapper mapper, const std::vector<PairedScan>& log) {
+MappedOver MapScans(Mapper mapper, const std::vector<PairedScan>& log) {
   for (const PairedScan& scan : log) mapper.AddScan(scan);
   mapper.Finish();
-  Mapped mapped;
+  MappedOver mapped;
   mapped.grid = mapper.RenderGrid();
   mapped.map.Apply(mapper.TakeDelta());
   return mapped;
@@ -231,7 +231,7 @@ TEST(MapperOnOldMap, GoesOnTheSameAfterRestoreAtAnyPoint) {
   entry.x += 0.6;
   entry.yaw -= 0.2;
   const OldMap old_map = CorridorsEnteredAt(entry, 0.4, 0.15);
-  const Mapped expected = MapScans(Mapper({}, old_map), log);
+  const MappedOver expected = MapScans(Mapper({}, old_map), log);
   ASSERT_GT(CountClosures(expected.map, ClosureState::kAccepted, 0), 1);
   for (const std::size_t every : {1UL, 37UL, log.size() - 1}) {
     Mapper mapper({}, old_map);
@@ -264,7 +264,7 @@ TEST(MapperOnOldMap, AWrongMapIsNotMatchedAndTheRowsSaySo) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     const auto log = testing::Record(Corridors(), way, {}, kOdometry, seed);
     const OldMap old_map{other, {{Pose2{1.0, 1.0, 0.3}, Covariance(0.5, 0.2)}, std::nullopt}};
-    const Mapped mapped = MapScans(Mapper({}, old_map), log);
+    const MappedOver mapped = MapScans(Mapper({}, old_map), log);
     EXPECT_EQ(CountClosures(mapped.map, ClosureState::kAccepted, 0), 0);
     ASSERT_GT(CountClosures(mapped.map, ClosureState::kRejected, 0), 0);
     for (const auto& [id, closure] : mapped.map.closures) EXPECT_NE(closure.reason, "");
@@ -282,7 +282,7 @@ TEST(MapperOnOldMap, AWrongMapIsNotMatchedAndTheRowsSaySo) {
 TEST(MapperOnOldMap, AnEmptyMapIsButAFrame) {
   const auto way = testing::Drive({{2.5, 2.5}, {12.5, 2.5}}, 0.25);
   const OldMap old_map{{}, {{Pose2{-3.0, 7.0, 1.0}, Covariance(0.2, 0.1)}, std::nullopt}};
-  const Mapped mapped = MapScans(Mapper({}, old_map), testing::Record(Corridors(), way, {}, kOdometry, 3));
+  const MappedOver mapped = MapScans(Mapper({}, old_map), testing::Record(Corridors(), way, {}, kOdometry, 3));
   EXPECT_TRUE(mapped.map.closures.empty());
   EXPECT_EQ(mapped.map.submaps.at(0).T_map_submap, Pose2{});
   EXPECT_THAT(TrajectoryOf(mapped.map).front().T_map_robot, PoseNear(Pose2{-3.0, 7.0, 1.0}, 1e-6, 1e-6));
