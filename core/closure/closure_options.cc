@@ -29,6 +29,14 @@ absl::Status ClosureOptions::Validate() const {
        {place_sigma, place_yaw_sigma, pose_sigma, pose_yaw_sigma, origin_sigma, origin_yaw_sigma, cloud_voxel}) {
     if (!(sigma > 0.0)) return InvalidArgument("sigmas and cloud_voxel must be greater than 0");
   }
+  for (const double ratio : {image_sift_ratio, image_akaze_ratio}) {
+    if (!(ratio > 0.0 && ratio <= 1.0)) {
+      return InvalidArgument("image_sift_ratio and image_akaze_ratio must be over 0 and at most 1, not {}", ratio);
+    }
+  }
+  if (!(image_tolerance > 0.0 && image_tolerance <= 0.1)) {
+    return InvalidArgument("image_tolerance must be over 0 and at most 0.1, not {}", image_tolerance);
+  }
   for (const double share :
        {image_min_share, min_inlier_share, strict_inlier_share, unpredicted_inlier_share, contradicting_share}) {
     if (share > 1.0) return InvalidArgument("a share of {} is more than all", share);

@@ -32,13 +32,16 @@ struct ClosureOptions {
   int max_registered = 4;      // places by their clouds, those with the best images first
 
   // --- Images.
-  int images_now = 6;             // moments of each camera that are compared (the original's num_last_imgs gave 6)
-  int images_kept = 6;            // per camera and map, as evidence
-  int images_compared = 2;        // of those kept, the nearest to the door's moment
-  double image_window = 3.0;      // s around the moment in which images are looked for
-  int image_threshold = 15;       // more inliers than this, verified (the original's 30 were not)
-  double image_min_share = 0.04;  // of the features in the part that both images show
-  int min_features = 40;          // an image with fewer shows nothing: as if it were not there
+  int images_now = 6;              // moments of each camera that are compared (the original's num_last_imgs gave 6)
+  int images_kept = 6;             // per camera and map, as evidence
+  int images_compared = 2;         // of those kept, the nearest to the door's moment
+  double image_window = 3.0;       // s around the moment in which images are looked for
+  int image_threshold = 15;        // more inliers than this, verified (the original's 30 were not)
+  double image_min_share = 0.04;   // of the features in the part that both images show
+  double image_sift_ratio = 0.6;   // Lowe's ratio test (the original's NNDR_sift)
+  double image_akaze_ratio = 0.7;  // (NNDR_akaze)
+  double image_tolerance = 0.006;  // of the longer side: how near a verified match lies to where its plane has it
+  int min_features = 40;           // an image with fewer shows nothing: as if it were not there
 
   // --- Clouds.
   double cloud_window = 3.0;          // s around the moment in which a cloud is looked for
@@ -99,6 +102,9 @@ void VisitClosureOptions(Options& o, Visit visit) {
   visit("image_window", o.image_window);
   visit("image_threshold", o.image_threshold);
   visit("image_min_share", o.image_min_share);
+  visit("image_sift_ratio", o.image_sift_ratio);
+  visit("image_akaze_ratio", o.image_akaze_ratio);
+  visit("image_tolerance", o.image_tolerance);
   visit("min_features", o.min_features);
   visit("cloud_window", o.cloud_window);
   visit("cloud_voxel", o.cloud_voxel);

@@ -25,6 +25,8 @@ Eigen::Isometry3d ToIsometry(const Pose2& pose) {
 
 perception::ImageMatchOptions MatchOptions(const ClosureOptions& options) {
   perception::ImageMatchOptions match;
+  match.ratios = {.sift = options.image_sift_ratio, .akaze = options.image_akaze_ratio};
+  match.tolerance = options.image_tolerance;
   match.threshold = options.image_threshold;
   match.min_share = options.image_min_share;
   return match;

@@ -40,6 +40,12 @@ TEST(ClosureOptions, RefusesWhatIsNoneNamingIt) {
   EXPECT_THAT(parse("known_across: -1\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("known_across")));
   EXPECT_THAT(parse("place_sigma: 0\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("sigma")));
   EXPECT_THAT(parse("min_inlier_share: 1.5\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("share")));
+  EXPECT_THAT(parse("image_sift_ratio: 0\n"),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("image_sift_ratio")));
+  EXPECT_THAT(parse("image_akaze_ratio: 1.1\n"),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("image_akaze_ratio")));
+  EXPECT_THAT(parse("image_tolerance: 0.5\n"),
+              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("image_tolerance")));
   EXPECT_THAT(parse("images_now: 0\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("images_now")));
   EXPECT_THAT(parse("map_name: ''\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("map_name")));
 }

@@ -46,6 +46,20 @@ TEST(JoinedAnchors, TheRobotBehindAKnownDoorFollowsFromItsPoseBeforeIt) {
   EXPECT_FALSE(PoseBehind(door, kHere, MapId("nowhere"), {}).has_value());
 }
 
+// Defect 2 of the original: the map behind was taken by the number after the one before, not by what the link point
+// joins.
+TEST(JoinedAnchors, Defect2TheMapBehindIsTheOneThatIsAskedForWhateverTheOrderOfAnchors) {
+  LinkPoint lift;
+  lift.id = LinkPointId("107");
+  lift.anchors = {{MapId("9"), {100, 100, 1}, Diagonal(0.01, 0.001)},
+                  {MapId("2"), {0, 0, M_PI_2}, Diagonal(0.01, 0.001)},
+                  {MapId("3"), {-50, 7, 2}, Diagonal(0.01, 0.001)},
+                  {MapId("11"), {4, 0, 0}, Diagonal(0.01, 0.001)}};
+  const PoseWithCovariance robot{{5, 0, 0}, Diagonal(0.01, 0.001)};
+  EXPECT_THAT(PoseBehind(lift, MapId("11"), MapId("2"), robot)->pose, PoseNear(Pose2{0, 1, M_PI_2}, 1e-9, 1e-9));
+  EXPECT_FALSE(PoseBehind(lift, MapId("11"), MapId("12"), robot).has_value());
+}
+
 TEST(JoinedAnchors, ANewMapBeginsAtTheDoor) {
   const Anchor origin = OriginAnchor(kThere, {});
   EXPECT_EQ(origin.T_map_place, Pose2{});
