@@ -25,8 +25,8 @@ absl::Status DoorOptions::Validate() const {
   if (gap.max_width <= gap.min_width || gap.max_width > 5.0) {
     return InvalidArgument("gap widths of {} to {} m are none", gap.min_width, gap.max_width);
   }
-  if (gap.look_ahead > gap.reach || gap.detour > gap.reach || gap.lag > gap.reach) {
-    return InvalidArgument("gap.look_ahead, detour and lag may not be beyond gap.reach, {} m", gap.reach);
+  if (gap.look_ahead > gap.reach || gap.detour > gap.reach || gap.lag > gap.reach || gap.wall_reach > gap.reach) {
+    return InvalidArgument("gap.look_ahead, detour, lag and wall_reach may not be beyond gap.reach, {} m", gap.reach);
   }
   if (derivative.front_sector > 180.0 || derivative.back_sector > 180.0) {
     return InvalidArgument("derivative sectors are up to 180 deg");

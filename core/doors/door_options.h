@@ -73,9 +73,17 @@ struct GapOptions {
   int hits = 3;              // scans that see the same place ahead
   double same_place = 0.40;  // m, between two sightings
   double lag = 1.0;          // m driven behind the door before the decision
-  double detour = 2.0;       // m: a way round within this radius makes it no door, unless
-  double wall = 1.0;         // m of wall run on from one post: a pane beside it
+  double detour = 2.0;       // m: a way round within this radius speaks against a door
   double spacing = 1.0;      // m to be driven between two passages
+  // Once it is behind the robot its walls are known, and judged instead of the way's widths, so that these may be:
+  double behind_depth = 1.2;     // m, as max_depth
+  double behind_repeated = 1.6;  // m, as repeated
+  double wall_reach = 2.2;       // m beyond each post in which the wall is looked for
+  double wall_beside = 0.8;      // m of wall in line with the posts, from both together, uninterrupted, at least
+  double wall = 1.9;             // m, the same with what is seen again behind a pane or the like
+  double wall_across = 0.3;      // m, instead of both, of a wall across a corridor, from one of its walls to the other
+  double long_wall = 2.0;        // m of it outweigh a way round or ground that stays in sight
+  double parallel = 0.5;         // m of walls beside the way at both posts: a corridor's, and no door
 };
 
 struct DoorOptions {
@@ -143,8 +151,15 @@ void VisitDoorOptions(Options& o, Visit visit) {
   visit("gap.same_place", o.gap.same_place);
   visit("gap.lag", o.gap.lag);
   visit("gap.detour", o.gap.detour);
-  visit("gap.wall", o.gap.wall);
   visit("gap.spacing", o.gap.spacing);
+  visit("gap.behind_depth", o.gap.behind_depth);
+  visit("gap.behind_repeated", o.gap.behind_repeated);
+  visit("gap.wall_reach", o.gap.wall_reach);
+  visit("gap.wall_beside", o.gap.wall_beside);
+  visit("gap.wall", o.gap.wall);
+  visit("gap.wall_across", o.gap.wall_across);
+  visit("gap.long_wall", o.gap.long_wall);
+  visit("gap.parallel", o.gap.parallel);
 }
 
 // Options from YAML by the names above in nested maps, on top of `base`; `preset: NAME` in the file replaces the base.

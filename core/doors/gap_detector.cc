@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/doors/event_codec.h"
+#include "core/doors/jamb_walls.h"
+#include "core/doors/passage_evidence.h"
 #include "fmt/format.h"
 
 namespace enfilade {
@@ -116,6 +118,9 @@ void GapDetector::NoteCrossings() {
 
 void GapDetector::LookBehind(std::vector<DoorEvent>& events) {
   const GapOptions& o = options_.gap;
+  GapOptions behind = o;
+  behind.max_depth = std::max(o.max_depth, o.behind_depth);
+  behind.repeated = std::max(o.repeated, o.behind_repeated);
   // The way is looked back on piece by piece, each when the robot is `lag` behind it.
   const double until = path_.back().travelled - o.lag;
   for (; judged_ + kCrossing <= until; judged_ += kCrossing) {
@@ -125,7 +130,7 @@ void GapDetector::LookBehind(std::vector<DoorEvent>& events) {
     Eigen::Vector2d direction = PathAt(at + kTangent) - PathAt(at - kTangent);
     if (direction.norm() < kTangent) continue;  // turned there
     direction.normalize();
-    const NarrowsSearch search = FindNarrows(map_, middle, direction, -kCrossing, kCrossing, o);
+    const NarrowsSearch search = FindNarrows(map_, middle, direction, -kCrossing, kCrossing, behind);
     if (search.narrows && at + search.narrows->along - last_passage_ > o.spacing) {
       Track* track = nullptr;
       for (Track& one : tracks_) {
@@ -186,31 +191,28 @@ void GapDetector::Decide(const std::optional<Narrows>& behind, Track* track, dou
   event.T_odom_door = {door.middle().x(), door.middle().y(), std::atan2(through.y(), through.x())};
   event.width = door.width();
 
+  PassageEvidence evidence;
   if (track)
-    event.ahead = {State::kMet,
-                   fmt::format("{} scans saw {:.2f} m between posts ahead", track->hits, track->narrows.width())};
+    evidence.ahead = {State::kMet,
+                      fmt::format("{} scans saw {:.2f} m between posts ahead", track->hits, track->narrows.width())};
   else
-    event.ahead.reason = "not seen ahead often enough";
-  event.behind = {behind ? State::kMet : State::kOpen, std::move(behind_reason)};
-  double hidden = 0.0;
-  event.environment = JudgeEnvironment(door, crossing, &hidden);
-  const bool round = map_.Joined(before, after, door.left, door.right, door.middle(), options_.gap.detour);
-  const int met = (event.ahead.met() ? 1 : 0) + (event.behind.met() ? 1 : 0) + (event.environment.met() ? 1 : 0);
-  const bool same = hidden >= 0.0 && hidden < options_.environment.same;
-  const Eigen::Vector2d outward = (door.left - door.right).normalized();
-  const double reach = std::max(1.2, options_.gap.wall + 2.0 * options_.gap.cell);
-  const double left_wall = WallBeyond(map_, door.left, outward, reach);
-  const double right_wall = WallBeyond(map_, door.right, -outward, reach);
-  const bool walled = std::max(left_wall, right_wall) >= options_.gap.wall;
-  const bool passage =
-      behind && met >= options_.criteria && !same && (!round || (walled && event.environment.state != State::kOpen));
+    evidence.ahead.reason = "not seen ahead often enough";
+  evidence.behind = {behind ? State::kMet : State::kOpen, std::move(behind_reason)};
+  evidence.environment = JudgeEnvironment(door, crossing, &evidence.hidden);
+  evidence.walls = FindJambWalls(map_, door.left, door.right, options_.gap.wall_reach);
+  evidence.parallel = ParallelSurfaces(map_, door.left, door.right, 2.0 * options_.gap.parallel);
+  evidence.way_round =
+      map_.Joined(before, after, evidence.walls.left_end, evidence.walls.right_end, door.middle(), options_.gap.detour);
+  PassageVerdict verdict = JudgePassage(evidence, options_);
   if (track) {
     track->hits = 0;
     track->crossed_at = -1.0;
   }
-  if (!passage) return;
-  event.reason = fmt::format("{} of three criteria{}; walls beside it for {:.2f} and {:.2f} m", met,
-                             round ? ", though there is a way round" : "", left_wall, right_wall);
+  if (!verdict.passage) return;
+  event.ahead = std::move(evidence.ahead);
+  event.behind = std::move(evidence.behind);
+  event.environment = std::move(evidence.environment);
+  event.reason = std::move(verdict.reason);
   last_passage_ = crossing;
   if (track) track->told = true;
   // Whatever else was latched lies on the side that the robot has left.

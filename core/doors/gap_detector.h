@@ -18,8 +18,7 @@ namespace enfilade {
 //  ahead: scans see the same narrow place ahead, several times, before it is reached;
 //  behind: a little behind it the local map still holds it, across the way that was driven;
 //  environment: what was in sight before it is hidden behind it, or the other way round.
-// Two of three make a passage, unless most of what was seen stays in sight, or there is a way round it and the
-// environment has not changed.
+// Behind and one of the others make a passage where the narrow place is a gap in a wall (passage_evidence.h).
 class GapDetector {
  public:
   explicit GapDetector(const DoorOptions& options);

@@ -115,28 +115,6 @@ double DepthAt(const Profile& profile, std::size_t bin) {
 
 }  // namespace
 
-double WallBeyond(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit) {
-  constexpr double kBeside = 0.20;       // m off the line, for the faces of a thick wall
-  constexpr double kInterrupted = 0.25;  // m
-  double longest = 0.0;
-  for (const double turn : {-0.26, 0.0, 0.26}) {
-    const Eigen::Vector2d on(std::cos(turn) * outward.x() - std::sin(turn) * outward.y(),
-                             std::sin(turn) * outward.x() + std::cos(turn) * outward.y());
-    const Eigen::Vector2d aside(-on.y(), on.x());
-    double last = 0.0;
-    for (double s = map.cell(); s <= limit && s - last <= kInterrupted; s += map.cell()) {
-      for (double off = -kBeside; off <= kBeside + 1e-9; off += map.cell()) {
-        const Eigen::Vector2d at = post + s * on + off * aside;
-        if (!map.IsOccupied(map.CellOf(at.x()), map.CellOf(at.y()))) continue;
-        last = s;
-        break;
-      }
-    }
-    longest = std::max(longest, last);
-  }
-  return longest;
-}
-
 NarrowsSearch FindNarrows(const LocalMap& map, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
                           double begin, double end, const GapOptions& options) {
   const Profile profile = ProfileOf(map, origin, direction, begin, end, options);

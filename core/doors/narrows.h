@@ -20,11 +20,6 @@ struct Narrows {
   Eigen::Vector2d middle() const { return (left + right) / 2.0; }
 };
 
-// How far, m, a wall runs on from `post` along the unit vector `outward`, up to `limit`: along a door's line there is
-// one on at least one side of it; along a line across a corridor, or between two things that stand about, there is
-// none, or a short one. Up to 15 degrees off count.
-double WallBeyond(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit);
-
 struct NarrowsSearch {
   std::optional<Narrows> narrows;
   std::string reason;  // why there is none

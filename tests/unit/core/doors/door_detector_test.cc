@@ -139,6 +139,41 @@ robots: [{id: r, route: [[1.2, 0.95], [14.5, 0.95]]}]
   EXPECT_TRUE(Only(Detect(driven.scans), Kind::kPassage).empty());
 }
 
+TEST(DoorDetector, ACorridorBetweenStaggeredOpenDoorsIsNoDoor) {
+  const Driven driven = Drive(R"(
+areas:
+  - {id: c, kind: corridor, rect: [0, 0, 16, 1.8],
+     doors: [{id: d1, side: north, at: 7.2, width: 1.6}, {id: d2, side: south, at: 8.6, width: 1.6},
+             {id: d3, side: north, at: 10.4, width: 1.4}]}
+  - {id: a, rect: [5, 1.8, 4, 4]}
+  - {id: b, rect: [6.5, -4, 4, 4]}
+  - {id: e, rect: [9, 1.8, 4, 4]}
+robots: [{id: r, route: [[1.2, 0.9], [14.5, 0.9]]}]
+)");
+  EXPECT_TRUE(Only(Detect(driven.scans), Kind::kPassage).empty());
+}
+
+TEST(DoorDetector, ADoorAcrossACorridorIsADoor) {
+  const Driven driven = Drive(R"(
+areas:
+  - {id: a, kind: corridor, rect: [0, 0, 8, 2], doors: [{id: d, side: east, at: 1.0, width: 0.9}]}
+  - {id: b, kind: corridor, rect: [8, 0, 8, 2]}
+robots: [{id: r, route: [[1.5, 1.0], {door: d}, [14, 1.0]]}]
+)");
+  EXPECT_EQ(Only(Detect(driven.scans), Kind::kPassage).size(), 1U);
+}
+
+TEST(DoorDetector, AWideDoorBesideAPaneOfGlassIsADoor) {
+  const Driven driven = Drive(R"(
+areas:
+  - {id: a, rect: [0, 0, 6, 7],
+     doors: [{id: d, side: east, at: 3.5, width: 1.6}, {id: p, side: east, at: 5.0, width: 1.0, state: glass}]}
+  - {id: b, rect: [6, 0, 7, 7]}
+robots: [{id: r, route: [[1.5, 3.5], {door: d}, [10, 3.5]]}]
+)");
+  EXPECT_EQ(Only(Detect(driven.scans), Kind::kPassage).size(), 1U);
+}
+
 TEST(DoorDetector, AFrontOnlyScannerFindsDoorsAndSaysWhatItCannotTell) {
   simulator::SimulationOptions options;
   options.scanner.field_of_view = M_PI;
