@@ -10,7 +10,9 @@ PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& 
   if (!evidence.behind.met()) return {false, "it is not behind the robot"};
   if (evidence.met() < options.criteria) return {false, fmt::format("{} of three criteria", evidence.met())};
   const bool across = walls.left_cornered && walls.right_cornered && walls.beside() >= o.wall_across;
-  if (!across && (walls.beside() < o.wall_beside || walls.length() < o.wall)) {
+  // A scanner that looks ahead only sees the wall from one side, while it turns towards the door: too little of it.
+  const bool wall_seen = evidence.environment.state != CriterionVerdict::State::kDropped;
+  if (wall_seen && !across && (walls.beside() < o.wall_beside || walls.length() < o.wall)) {
     return {false, fmt::format("no gap in a wall: {:.2f} m of it run on from the left post, {:.2f} m from the right",
                                walls.left, walls.right)};
   }

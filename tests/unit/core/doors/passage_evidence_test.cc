@@ -58,6 +58,15 @@ TEST(JudgePassage, TakesAWallAcrossACorridorFromCornerToCorner) {
   EXPECT_TRUE(JudgePassage(evidence, {}).passage);
 }
 
+TEST(JudgePassage, AsksForNoWallWhereTheScannerLooksAheadOnly) {
+  PassageEvidence evidence = ADoor();
+  evidence.walls.left = evidence.walls.right = 0.2;
+  EXPECT_FALSE(JudgePassage(evidence, {}).passage);
+  evidence.environment.state = State::kDropped;
+  evidence.hidden = -1.0;
+  EXPECT_TRUE(JudgePassage(evidence, {}).passage);
+}
+
 TEST(JudgePassage, RefusesWallsBesideTheWay) {
   PassageEvidence evidence = ADoor();
   evidence.parallel = 0.8;
