@@ -20,7 +20,7 @@ PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& 
     return {false, fmt::format("walls run beside the way for {:.2f} m at both posts", evidence.parallel)};
   }
   const bool same = evidence.hidden >= 0.0 && evidence.hidden < options.environment.same;
-  if (same && walls.length() < o.long_wall) {
+  if (same && !across && walls.length() < o.long_wall) {
     return {false, fmt::format("{:.0f} % of the ground is out of sight behind it", 100.0 * evidence.hidden)};
   }
   const bool may_have_changed = evidence.environment.state != CriterionVerdict::State::kOpen;

@@ -56,6 +56,8 @@ TEST(JudgePassage, TakesAWallAcrossACorridorFromCornerToCorner) {
   EXPECT_FALSE(JudgePassage(evidence, {}).passage);
   evidence.walls.right_cornered = true;
   EXPECT_TRUE(JudgePassage(evidence, {}).passage);
+  evidence.hidden = 0.05;
+  EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "down the corridor most stays in sight through the door";
 }
 
 TEST(JudgePassage, AsksForNoWallWhereTheScannerLooksAheadOnly) {
