@@ -40,7 +40,6 @@ GapDetector::GapDetector(const DoorOptions& options) : options_(options), map_(o
 
 void GapDetector::Add(const LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
   map_.Add(scan, T_odom_robot);
-  beam_spacing_ = std::abs(scan.angle_increment);
   const double step =
       path_.empty() ? 0.0 : (T_odom_robot.translation() - path_.back().view.T_odom_robot.translation()).norm();
   PathPoint point{(path_.empty() ? 0.0 : path_.back().travelled) + step, RangeView::Of(scan, T_odom_robot)};
@@ -200,10 +199,7 @@ void GapDetector::Decide(const std::optional<Narrows>& behind, Track* track, dou
     evidence.ahead.reason = "not seen ahead often enough";
   evidence.behind = {behind ? State::kMet : State::kOpen, std::move(behind_reason)};
   evidence.environment = JudgeEnvironment(door, crossing, &evidence.hidden);
-  WallViews seen;
-  seen.beam_spacing = beam_spacing_;
-  for (const PathPoint& point : path_) seen.views.push_back(&point.view);
-  evidence.walls = FindJambWalls(map_, door.left, door.right, options_.gap.wall_reach, seen);
+  evidence.walls = FindJambWalls(map_, door.left, door.right, options_.gap.wall_reach);
   evidence.parallel = ParallelSurfaces(map_, door.left, door.right, 2.0 * options_.gap.parallel);
   evidence.way_round =
       map_.Joined(before, after, evidence.walls.left_end, evidence.walls.right_end, door.middle(), options_.gap.detour);

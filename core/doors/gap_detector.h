@@ -63,7 +63,6 @@ class GapDetector {
   std::deque<PathPoint> path_;  // of the last metres
   std::vector<Track> tracks_;
   std::int64_t doors_ = 0;
-  double beam_spacing_ = 0.0;   // rad, of the scan just added
   double judged_ = 0.0;         // travelled, m, up to which the way was looked back on
   double last_passage_ = -1e9;  // travelled, m
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace enfilade {
 namespace {
@@ -11,21 +10,9 @@ constexpr double kTurnStep = 3.0 * M_PI / 180.0;
 constexpr double kThickest = 0.3;     // m, of a wall
 constexpr double kOffset = 0.15;      // m, of the line from the posts' middle
 constexpr double kInterrupted = 0.2;  // m without a hit that do not end a wall
-constexpr double kSparse = 0.5;       // m at most of them where the beams hit that far apart
-constexpr double kMargin = 1.5;       // of the beams' spacing on the wall
 constexpr double kPane = 1.3;         // m at most of an interruption behind which the wall goes on
 constexpr double kCorner = 0.6;       // m at least of the wall that it meets, before and behind
 constexpr double kAgain = 0.2;        // m at least of wall behind it
-
-// How long a stretch without hits about `point` may be on a wall along `along`, m.
-double AllowedAt(const WallViews& seen, const Eigen::Vector2d& point, const Eigen::Vector2d& along) {
-  double spacing = std::numeric_limits<double>::infinity();
-  for (const RangeView* view : seen.views) {
-    spacing = std::min(spacing, HitSpacing(*view, seen.beam_spacing, point, along));
-  }
-  if (std::isinf(spacing)) return kInterrupted;  // nobody sees it
-  return std::clamp(kMargin * spacing, kInterrupted, kSparse);
-}
 
 struct Run {
   double wall = 0.0;   // m beyond the post
@@ -34,8 +21,7 @@ struct Run {
 };
 
 // Along `outward` (unit) from `post`.
-Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit,
-            const WallViews& seen) {
+Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit) {
   const Eigen::Vector2d aside = map.cell() * Eigen::Vector2d(-outward.y(), outward.x());
   const auto occupied = [&](double s) {
     const Eigen::Vector2d at = post + s * outward;
@@ -47,15 +33,8 @@ Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vecto
   };
   Run run;
   double s = 0.0;
-  for (double allowed = kInterrupted; s <= limit; s += map.cell()) {
-    if (s - run.wall > allowed) {
-      allowed = AllowedAt(seen, post + (run.wall + kInterrupted / 2.0) * outward, outward);
-      if (s - run.wall > allowed) break;
-    }
-    if (occupied(s)) {
-      run.wall = s;
-      allowed = kInterrupted;
-    }
+  for (; s <= limit && s - run.wall <= kInterrupted; s += map.cell()) {
+    if (occupied(s)) run.wall = s;
   }
   run.end = run.wall;
   double begin = -1.0;
@@ -105,8 +84,7 @@ bool Cornered(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vec
 
 }  // namespace
 
-JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit,
-                        const WallViews& seen) {
+JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit) {
   const Eigen::Vector2d edge = left - right;
   const double width = std::max(edge.norm(), map.cell());
   const Eigen::Vector2d middle = (left + right) / 2.0;
@@ -122,8 +100,8 @@ JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const 
       const Eigen::Vector2d origin = middle + offset * map.cell() * aside;
       const Eigen::Vector2d left_post = origin + width / 2.0 * outward;
       const Eigen::Vector2d right_post = origin - width / 2.0 * outward;
-      const Run on_left = RunFrom(map, left_post, outward, limit, seen);
-      const Run on_right = RunFrom(map, right_post, -outward, limit, seen);
+      const Run on_left = RunFrom(map, left_post, outward, limit);
+      const Run on_right = RunFrom(map, right_post, -outward, limit);
       // Of lines that are as good the one nearest to the posts'.
       const double score = on_left.wall + on_right.wall + 0.5 * (on_left.again + on_right.again) -
                            0.01 * (std::abs(turn) + std::abs(offset));

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "core/doors/local_map.h"
-#include "core/doors/visibility.h"
 
 namespace enfilade {
 
@@ -25,19 +23,11 @@ struct JambWalls {
   double length() const { return left + right + left_again + right_again; }
 };
 
-// From where the walls were seen, and how finely.
-struct WallViews {
-  std::vector<const RangeView*> views;
-  double beam_spacing = 0.0;  // rad, the scanner's own; views are thinned
-};
-
 // Looks up to `limit` metres beyond each post. A door's posts are the ends of one wall, or of a wall and the corner
 // that it meets; the posts of a narrow place that a corridor's openings make lie on two walls that run along the way,
 // beside each other, and what stands about is short. The common line may be off the line between the posts by as much
-// as the posts lie on a thick wall's two faces. A stretch without hits ends the wall where it is longer than 0.2 m, or,
-// up to 0.5 m, than beams can leave between two hits there, in the view of `seen` that sees the place best.
-JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit,
-                        const WallViews& seen = {});
+// as the posts lie on a thick wall's two faces.
+JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit);
 
 // Walls that run beside the way past a narrow place instead of across it: how far, m, up to `limit`, straight surfaces
 // run on from both posts in one common direction (or its reverse), 40 to 140 degrees off the line between them; the

@@ -11,17 +11,6 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kStep = 0.2;  // m between places along a beam
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
-// The range of the beam towards a point that lies `to` (m, odometry frame) off the scanner; NaN: unknown, or out of the
-// field of view.
-double RangeTowards(const RangeView& view, const Eigen::Vector2d& to) {
-  double bearing = WrapAngle(std::atan2(to.y(), to.x()) - view.T_odom_laser.yaw) - view.angle_min;
-  bearing -= 2.0 * M_PI * std::floor((bearing + view.angle_increment / 2.0) / (2.0 * M_PI));
-  const auto beam = static_cast<std::size_t>(std::max(0.0, std::round(bearing / view.angle_increment)));
-  if (beam >= view.ranges.size()) return std::numeric_limits<double>::quiet_NaN();
-  return static_cast<double>(view.ranges[beam]);
-}
 
 }  // namespace
 
@@ -69,24 +58,15 @@ HiddenGround CompareGround(const RangeView& seen, const RangeView& from, const E
       const double area = r * kStep * seen.angle_increment;
       ground.seen += area;
       const Eigen::Vector2d to = point - from.T_odom_laser.translation();
-      const double range = RangeTowards(from, to);
-      if (std::isnan(range)) continue;
+      double bearing = WrapAngle(std::atan2(to.y(), to.x()) - from.T_odom_laser.yaw) - from.angle_min;
+      bearing -= 2.0 * M_PI * std::floor((bearing + from.angle_increment / 2.0) / (2.0 * M_PI));
+      const auto beam = static_cast<std::size_t>(std::max(0.0, std::round(bearing / from.angle_increment)));
+      if (beam >= from.ranges.size() || std::isnan(from.ranges[beam])) continue;
       ground.compared += area;
-      if (range < to.norm()) ground.hidden += area;
+      if (static_cast<double>(from.ranges[beam]) < to.norm()) ground.hidden += area;
     }
   }
   return ground;
-}
-
-double HitSpacing(const RangeView& view, double beam_spacing, const Eigen::Vector2d& point,
-                  const Eigen::Vector2d& along) {
-  constexpr double kBefore = 0.2;  // m: what is hit this little before the point does not hide it
-  if (!(view.angle_increment > 0.0)) return kNever;
-  const Eigen::Vector2d to = point - view.T_odom_laser.translation();
-  const double distance = to.norm();
-  if (!(RangeTowards(view, to) >= distance - kBefore)) return kNever;
-  const double across = std::abs(to.x() * along.y() - to.y() * along.x());  // distance * sin(angle of incidence)
-  return across > 1e-6 ? distance * distance * beam_spacing / across : kNever;
 }
 
 void PutView(BinaryWriter& writer, const RangeView& view) {

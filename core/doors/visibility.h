@@ -33,11 +33,6 @@ struct HiddenGround {
 HiddenGround CompareGround(const RangeView& seen, const RangeView& from, const Eigen::Vector2d& a,
                            const Eigen::Vector2d& b, double radius);
 
-// How far apart, m, beams `beam_spacing` (rad) apart hit a wall at a point: range * spacing / sin(angle of incidence).
-// `along` is the wall's direction, a unit vector. Infinite where the view does not see the point.
-double HitSpacing(const RangeView& view, double beam_spacing, const Eigen::Vector2d& point,
-                  const Eigen::Vector2d& along);
-
 void PutView(BinaryWriter& writer, const RangeView& view);
 RangeView GetView(BinaryReader& reader);
 
