@@ -13,8 +13,8 @@ struct PassageEvidence {
   CriterionVerdict ahead;
   CriterionVerdict behind;
   CriterionVerdict environment;
-  double hidden =
-      -1.0;  // share of the ground out of sight from the other side, the larger one; negative: cannot be told
+  // Share of the ground out of sight from the other side, the larger one; negative: cannot be told.
+  double hidden = -1.0;
   JambWalls walls;
   double parallel = 0.0;   // m, of ParallelSurfaces
   bool way_round = false;  // on observed free ground, the wall's whole line taken as closed
