@@ -32,8 +32,9 @@ class RobotPoseStore {
  public:
   explicit RobotPoseStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // The newest by its time wins: an older one than the stored changes nothing. NOT_FOUND naming the robot or map that
-  // is missing; INVALID_ARGUMENT where a number is not finite.
+  // The newest by its time wins: an older one than the stored changes nothing. One of the same time replaces it only
+  // where both are of the same session, which has then estimated that moment anew. NOT_FOUND naming the robot or map
+  // that is missing; INVALID_ARGUMENT where a number is not finite.
   absl::Status Report(const CallContext& context, const RobotPose& pose) const;
   // NOT_FOUND where the robot has reported none.
   absl::StatusOr<RobotPose> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const;

@@ -19,7 +19,8 @@ constexpr Statement kReport{
     " VALUES ($1, $2, $3, $4, ST_MakePointM($5, $6, $8::bigint / 1e9), $7, $9, $8)"
     " ON CONFLICT (site_id, robot_id) DO UPDATE SET map_id = excluded.map_id, session_id = excluded.session_id,"
     " point = excluded.point, yaw = excluded.yaw, covariance = excluded.covariance, time_ns = excluded.time_ns,"
-    " version = nextval('enfilade.etags') WHERE p.time_ns < excluded.time_ns"};
+    " version = nextval('enfilade.etags') WHERE p.time_ns < excluded.time_ns"
+    " OR (p.time_ns = excluded.time_ns AND p.session_id IS NOT DISTINCT FROM excluded.session_id)"};
 #define ENFILADE_ROBOT_POSE_COLUMNS \
   "site_id, robot_id, map_id, session_id, ST_X(point), ST_Y(point), yaw, covariance, time_ns, version"
 constexpr Statement kSelect{"reading the robot's pose", "SELECT " ENFILADE_ROBOT_POSE_COLUMNS

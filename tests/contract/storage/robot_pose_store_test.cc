@@ -38,6 +38,21 @@ TEST_F(RobotPoseStoreTest, TheNewestByItsTimeWins) {
   EXPECT_FALSE(listed[0].session);
 }
 
+TEST_F(RobotPoseStoreTest, AMomentsPoseIsReplacedOnlyByItsOwnSession) {
+  const SessionId session = NewSession("s");
+  const auto of_session = [&](double x) {
+    RobotPose pose = At(x, 1'000'000'001);
+    pose.session = session;
+    return pose;
+  };
+  ASSERT_OK(robot_poses_.Report(Soon(), of_session(1.0)));
+  ASSERT_OK(robot_poses_.Report(Soon(), of_session(1.004)));  // the same scan, after another solve
+  ASSERT_OK(robot_poses_.Report(Soon(), At(9.0, 1'000'000'001)));
+  ASSERT_OK_AND_ASSIGN(const RobotPose stored, robot_poses_.Get(Soon(), site_, robot_));
+  EXPECT_EQ(stored.T_map_robot.pose.x, 1.004);
+  EXPECT_EQ(stored.session, session);
+}
+
 TEST_F(RobotPoseStoreTest, SaysWhatIsMissingOrWrong) {
   RobotPose pose = At(1.0, 1);
   pose.map = MapId("cellar");
