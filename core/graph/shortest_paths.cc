@@ -24,6 +24,7 @@ struct Later {
 struct Entrance {
   double cost = std::numeric_limits<double>::infinity();
   int hops = 0;
+  int link_point = -1;
 };
 
 // From anywhere in a map, or from `position`, to the link point at the doorway; or back.
@@ -146,14 +147,15 @@ class Search {
     }
   }
 
-  // So each map is crossed about once instead of from each of its doorways. Whether a worse entrance comes first is
-  // the same in every snapshot of one graph: doorways are in the order of their ids.
+  // So each map is crossed about once instead of from each of its doorways, and where many are as good, all the more:
+  // of equally good ways the one by the lesser id counts anyway.
   bool MayBeBestEntrance(int map, const Entry& entry, const Doorway& here) {
     if constexpr (kLegsAreSums<kCost>) {
       Entrance& best = entrances_[static_cast<std::size_t>(map)];
       const double cost = entry.cost + EndCost<kCost>({}, here, lever_squared_);
       if (cost > best.cost || (cost == best.cost && entry.hops > best.hops)) return false;
-      best = {.cost = cost, .hops = entry.hops};
+      if (cost == best.cost && entry.hops == best.hops && !IsBefore(entry.link_point, best.link_point)) return false;
+      best = {.cost = cost, .hops = entry.hops, .link_point = entry.link_point};
     }
     return true;
   }
@@ -171,11 +173,16 @@ class Search {
     if (queue) heap_.push({.cost = label.cost, .hops = label.hops, .link_point = link_point});
   }
 
+  // Of two link points.
+  bool IsBefore(int a, int b) const {
+    return graph_.link_point_node(a).link_point->id < graph_.link_point_node(b).link_point->id;
+  }
+
   // Of two ways that are equally good.
   bool GoesBefore(const PathLabel& a, const PathLabel& b) const {
     if (a.previous != b.previous) {
       if (a.previous < 0 || b.previous < 0) return a.previous < 0;
-      return graph_.link_point_node(a.previous).link_point->id < graph_.link_point_node(b.previous).link_point->id;
+      return IsBefore(a.previous, b.previous);
     }
     return a.map != b.map && graph_.map_node(a.map).map->id < graph_.map_node(b.map).map->id;
   }

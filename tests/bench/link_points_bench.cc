@@ -29,7 +29,7 @@ constexpr double kRadius = 20.0;  // m
 // Of the square campus, m: ten of 100,000 link points lie within a circle of 20 m.
 const double kSide = std::sqrt(100'000 * M_PI * kRadius * kRadius / 10);
 
-// A grid of 100 x 100 maps; each link point joins the map that it lies in with the next one. What the triggers would
+// A grid of 100 x 100 maps; each link point joins the map that it lies in with one beside it. What the triggers would
 // write for each anchor is written at once; foreign keys and constraints hold as ever.
 constexpr char kPopulate[] = R"(
 BEGIN;
@@ -42,14 +42,18 @@ CREATE TEMP TABLE rooms AS SELECT i, 'room-' || i AS id, i % 100 * :side / 100 A
   FROM generate_series(0, 9999) i;
 UPDATE enfilade.graph_maps m SET x = r.x, y = r.y, yaw = 0, covariance = array_fill(0::float8, '{9}')
   FROM rooms r WHERE m.site_id = 'bench' AND m.map_id = r.id;
-CREATE TEMP TABLE doors AS SELECT i, x, y, floor(x / :side * 100)::int + 100 * floor(y / :side * 100)::int AS room
-  FROM (SELECT i, random() * :side AS x, random() * :side AS y FROM generate_series(1, 100000) i) p;
+CREATE TEMP TABLE doors AS
+  SELECT i, x, y, col + 100 * row AS room,
+    CASE WHEN i % 2 = 0 THEN CASE col WHEN 99 THEN 98 ELSE col + 1 END + 100 * row
+      ELSE col + 100 * CASE row WHEN 99 THEN 98 ELSE row + 1 END END AS next_room
+  FROM (SELECT i, x, y, floor(x / :side * 100)::int AS col, floor(y / :side * 100)::int AS row
+    FROM (SELECT i, random() * :side AS x, random() * :side AS y FROM generate_series(1, 100000) i) p) placed;
 INSERT INTO enfilade.link_points (site_id, link_point_id, kind, anchor_count, levels, position, yaw, world_covariance,
     changed_version)
   SELECT 'bench', 'door-' || i, 1, 2, '{[0,0]}', ST_MakePoint(x, y), 0, '{0.01,0,0,0,0.01,0,0,0,0.01}', 1 FROM doors;
 INSERT INTO enfilade.link_point_anchors (site_id, link_point_id, map_id, ordinal, x, y, yaw, covariance)
   SELECT 'bench', 'door-' || d.i, r.id, n, d.x - r.x, d.y - r.y, 0, '{0.003,0,0,0,0.003,0,0,0,0.003}'
-  FROM doors d CROSS JOIN (VALUES (1), (2)) o (n) JOIN rooms r ON r.i = (d.room + n - 1) % 10000;
+  FROM doors d CROSS JOIN (VALUES (1), (2)) o (n) JOIN rooms r ON r.i = CASE n WHEN 1 THEN d.room ELSE d.next_room END;
 ALTER TABLE enfilade.link_points ENABLE TRIGGER USER;
 ALTER TABLE enfilade.link_point_anchors ENABLE TRIGGER USER;
 COMMIT;
@@ -220,7 +224,7 @@ Response Must(const Connection& connection,
   return *std::move(response);
 }
 
-// A link point is moved, then a pose is asked for at the other end of the campus.
+// A link point is moved, then a pose is asked for at the other end of the campus, some 200 link points away.
 nlohmann::json MeasureChanges(BenchSystem& system, int rounds) {
   using Points = v1::LinkPointService::Stub;
   const Connection connection = system.server().Connect();
