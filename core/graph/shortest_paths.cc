@@ -39,6 +39,16 @@ double EndCost(const std::optional<Eigen::Vector2d>& position, const Doorway& do
   }
 }
 
+// The same of the anchor at that doorway, where legs are sums.
+template <PathCost kCost>
+double EndCost(const Eigen::Matrix3d& covariance, double lever_squared) {
+  if constexpr (kCost == PathCost::kUncertainty) {
+    return covariance(0, 0) + covariance(1, 1) + covariance(2, 2) * lever_squared;
+  } else {
+    return 0.0;
+  }
+}
+
 // Legs within a map cost the sum of what their two ends cost.
 template <PathCost kCost>
 constexpr bool kLegsAreSums = kCost != PathCost::kDistance;
@@ -86,26 +96,27 @@ bool MayPass(const GraphSnapshot::LinkPointNode& node, const PathOptions& option
 template <PathCost kCost>
 class Search {
  public:
-  Search(const GraphSnapshot& graph, const std::vector<PathSource>& sources, const PathOptions& options)
+  Search(const GraphSnapshot& graph, const std::vector<PathSource>& sources, const PathOptions& options,
+         const std::optional<PathTarget>& target)
       : graph_(graph),
         sources_(sources),
         options_(options),
+        target_(target),
         labels_(graph.link_point_slots()),
         is_source_(graph.map_slots()),
         entrances_(kLegsAreSums<kCost> ? graph.map_slots() : 0) {
     for (const PathSource& source : sources_) is_source_[static_cast<std::size_t>(source.map)] = 1;
   }
 
-  std::vector<PathLabel> Run(const std::optional<PathTarget>& target) {
-    double bound = std::numeric_limits<double>::infinity();  // of the best way to the target so far
+  std::vector<PathLabel> Run() {
     for (int i = 0; i < static_cast<int>(sources_.size()); ++i) Begin(i);
     while (!heap_.empty()) {
       const Entry entry = heap_.top();
       heap_.pop();
       const PathLabel& label = labels_[static_cast<std::size_t>(entry.link_point)];
       if (entry.cost != label.cost || entry.hops != label.hops) continue;  // a better way was found since
-      if (entry.cost > bound) break;
-      Settle(entry, label.map, label.source, target, bound);
+      if (entry.cost > bound_) break;
+      Settle(entry, label.map, label.source);
     }
     return std::move(labels_);
   }
@@ -126,16 +137,13 @@ class Search {
     }
   }
 
-  void Settle(const Entry& entry, int arrival_map, int source, const std::optional<PathTarget>& target, double& bound) {
-    const GraphSnapshot::LinkPointNode& node = graph_.link_point_node(entry.link_point);
-    if (!MayPass(node, options_)) return;
-    for (const int map : node.maps) {
-      if (map == arrival_map || is_source_[static_cast<std::size_t>(map)] != 0) continue;
-      if (options_.without_maps != nullptr && options_.without_maps->contains(map)) continue;
+  void Settle(const Entry& entry, int arrival_map, int source) {
+    for (const int map : graph_.link_point_node(entry.link_point).maps) {
+      if (!MayEnter(map, arrival_map)) continue;
+      if constexpr (kLegsAreSums<kCost>) {
+        if (entrances_[static_cast<std::size_t>(map)].link_point != entry.link_point) continue;
+      }
       const Doorway& here = DoorwayOf(graph_, map, entry.link_point);
-      if (target.has_value() && map == target->map)
-        bound = std::min(bound, entry.cost + LastLegCost<kCost>(*target, here, options_));
-      if (!MayBeBestEntrance(map, entry, here)) continue;
       for (const Doorway& doorway : graph_.map_node(map).doorways) {
         if (doorway.link_point == entry.link_point) continue;
         Relax(doorway.link_point, {.cost = CostAcross<kCost>(entry.cost, here, doorway, lever_squared_),
@@ -147,17 +155,9 @@ class Search {
     }
   }
 
-  // So each map is crossed about once instead of from each of its doorways, and where many are as good, all the more:
-  // of equally good ways the one by the lesser id counts anyway.
-  bool MayBeBestEntrance(int map, const Entry& entry, const Doorway& here) {
-    if constexpr (kLegsAreSums<kCost>) {
-      Entrance& best = entrances_[static_cast<std::size_t>(map)];
-      const double cost = entry.cost + EndCost<kCost>({}, here, lever_squared_);
-      if (cost > best.cost || (cost == best.cost && entry.hops > best.hops)) return false;
-      if (cost == best.cost && entry.hops == best.hops && !IsBefore(entry.link_point, best.link_point)) return false;
-      best = {.cost = cost, .hops = entry.hops, .link_point = entry.link_point};
-    }
-    return true;
+  bool MayEnter(int map, int from) const {
+    if (map == from || is_source_[static_cast<std::size_t>(map)] != 0) return false;
+    return options_.without_maps == nullptr || !options_.without_maps->contains(map);
   }
 
   void Relax(int link_point, const PathLabel& label) {
@@ -168,9 +168,43 @@ class Search {
       if (label.hops == current.hops && !GoesBefore(label, current)) return;
     }
     if (options_.without_link_points != nullptr && options_.without_link_points->contains(link_point)) return;
-    const bool queue = label.cost < current.cost || label.hops < current.hops;
+    const bool is_better = label.cost < current.cost || label.hops < current.hops;
     current = label;
-    if (queue) heap_.push({.cost = label.cost, .hops = label.hops, .link_point = link_point});
+    if (LeadsOn(link_point, label, is_better)) {
+      heap_.push({.cost = label.cost, .hops = label.hops, .link_point = link_point});
+    }
+  }
+
+  // Is there a map behind the link point that may be worth entering by it? Where legs are sums, only one that nothing
+  // else is known to enter for less: so each map is crossed about once instead of from each of its doorways.
+  bool LeadsOn(int link_point, const PathLabel& label, bool is_better) {
+    const GraphSnapshot::LinkPointNode& node = graph_.link_point_node(link_point);
+    if (!MayPass(node, options_)) return false;
+    bool leads_on = false;
+    for (std::size_t i = 0; i < node.maps.size(); ++i) {
+      const int map = node.maps[i];
+      if (!MayEnter(map, label.map)) continue;
+      if (target_.has_value() && map == target_->map) {
+        const double cost = label.cost + LastLegCost<kCost>(*target_, DoorwayOf(graph_, map, link_point), options_);
+        bound_ = std::min(bound_, cost);
+      }
+      if constexpr (kLegsAreSums<kCost>) {
+        const double end = EndCost<kCost>(node.link_point->anchors[i].covariance, lever_squared_);
+        const Entrance entrance{.cost = label.cost + end, .hops = label.hops, .link_point = link_point};
+        Entrance& best = entrances_[static_cast<std::size_t>(map)];
+        if (!IsBetter(entrance, best)) continue;
+        best = entrance;
+        leads_on = true;
+      } else {
+        leads_on = is_better;
+      }
+    }
+    return leads_on;
+  }
+
+  bool IsBetter(const Entrance& a, const Entrance& b) const {
+    if (a.cost != b.cost) return a.cost < b.cost;
+    return a.hops != b.hops ? a.hops < b.hops : IsBefore(a.link_point, b.link_point);
   }
 
   // Of two link points.
@@ -190,7 +224,9 @@ class Search {
   const GraphSnapshot& graph_;
   const std::vector<PathSource>& sources_;
   const PathOptions& options_;
+  const std::optional<PathTarget>& target_;
   const double lever_squared_ = options_.lever_m * options_.lever_m;
+  double bound_ = std::numeric_limits<double>::infinity();  // of the best way to the target so far
   std::vector<PathLabel> labels_;
   std::vector<char> is_source_;      // by map slot
   std::vector<Entrance> entrances_;  // likewise
@@ -244,7 +280,7 @@ std::optional<Path> DirectPath(const std::vector<PathSource>& sources, const Pat
 
 std::vector<PathLabel> ShortestPaths(const GraphSnapshot& graph, const std::vector<PathSource>& sources,
                                      const PathOptions& options, const std::optional<PathTarget>& target) {
-  return WithCost(options.cost, [&]<PathCost kCost>() { return Search<kCost>(graph, sources, options).Run(target); });
+  return WithCost(options.cost, [&]<PathCost kCost>() { return Search<kCost>(graph, sources, options, target).Run(); });
 }
 
 std::optional<Path> BestPath(const GraphSnapshot& graph, const std::vector<PathSource>& sources,
