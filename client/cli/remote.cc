@@ -1,6 +1,7 @@
 #include "client/cli/remote.h"
 
 #include <ctime>
+#include <vector>
 
 #include "client/cpp/uplink/session_setup.h"
 #include "core/base/ids.h"
@@ -22,6 +23,13 @@ std::string TimeInWords(const google::protobuf::Timestamp& time) {
   gmtime_r(&seconds, &utc);
   char text[32];
   return std::string(text, std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M:%S", &utc));
+}
+
+nlohmann::json PoseToJson(const v1::PoseWithCovariance& pose) {
+  return {{"x", pose.pose().x()},
+          {"y", pose.pose().y()},
+          {"yaw", pose.pose().yaw()},
+          {"covariance", std::vector<double>(pose.covariance().begin(), pose.covariance().end())}};
 }
 
 std::string IdOf(const std::string& name) { return name.substr(name.rfind('/') + 1); }

@@ -7,8 +7,10 @@
 #include "absl/status/statusor.h"
 #include "client/cli/command.h"
 #include "client/cpp/connection.h"
+#include "enfilade/v1/geometry.pb.h"
 #include "enfilade/v1/map.pb.h"
 #include "google/protobuf/timestamp.pb.h"
+#include "nlohmann/json.hpp"
 
 namespace enfilade::cli {
 
@@ -29,6 +31,9 @@ absl::StatusOr<v1::Map> FindMap(const Connection& connection, const Globals& glo
 
 // "2026-11-20 23:41:35" UTC; empty for an unset time.
 std::string TimeInWords(const google::protobuf::Timestamp& time);
+
+// x, y, yaw (m, rad) and the covariance's nine numbers, row by row.
+nlohmann::json PoseToJson(const v1::PoseWithCovariance& pose);
 
 // The last segment of a resource name.
 std::string IdOf(const std::string& name);

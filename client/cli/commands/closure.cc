@@ -12,13 +12,13 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct ClosureCommandOptions {
   std::string session;
   std::int64_t closure = 0;
   bool all = false;
 };
 
-std::string StateInWords(v1::Closure::State state) {
+std::string ClosureStateInWords(v1::Closure::State state) {
   switch (state) {
     case v1::Closure::STATE_ACCEPTED:
       return "accepted";
@@ -37,13 +37,13 @@ nlohmann::json ToJson(const v1::Closure& closure) {
           {"submap", closure.submap()},
           {"node", closure.node()},
           {"pose_submap_node", {pose.x(), pose.y(), pose.yaw()}},
-          {"state", StateInWords(closure.state())},
+          {"state", ClosureStateInWords(closure.state())},
           {"score", closure.score()},
           {"chi2", closure.chi2()},
           {"reason", closure.reason()}};
 }
 
-absl::Status List(const Globals& globals, const Options& options) {
+absl::Status ListClosures(const Globals& globals, const ClosureCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
@@ -56,7 +56,7 @@ absl::Status List(const Globals& globals, const Options& options) {
     for (const v1::Closure& closure : page.closures()) {
       if (!options.all && closure.state() == v1::Closure::STATE_REJECTED) continue;
       documents.push_back(ToJson(closure));
-      rows.push_back({IdOf(closure.name()), StateInWords(closure.state()), std::to_string(closure.submap()),
+      rows.push_back({IdOf(closure.name()), ClosureStateInWords(closure.state()), std::to_string(closure.submap()),
                       std::to_string(closure.node()), fmt::format("{:.2f}", closure.score()),
                       fmt::format("{:.2f}", closure.chi2()), closure.reason()});
     }
@@ -71,22 +71,23 @@ absl::Status List(const Globals& globals, const Options& options) {
 }
 
 template <typename Request, typename Response>
-absl::Status Change(const Globals& globals, const Options& options,
-                    grpc::Status (v1::SessionService::Stub::*method)(grpc::ClientContext*, const Request&, Response*)) {
+absl::Status ChangeClosures(const Globals& globals, const ClosureCommandOptions& options,
+                            grpc::Status (v1::SessionService::Stub::*method)(grpc::ClientContext*, const Request&,
+                                                                             Response*)) {
   Request request;
   request.set_name(fmt::format("{}/closures/{}", SessionNameOf(globals, options.session), options.closure));
   ENFILADE_ASSIGN_OR_RETURN(const Response response, ConnectionOf(globals).Call(method, request));
   if (globals.json) {
     PrintJson(std::cout, ToJson(response.closure()));
   } else {
-    std::cout << response.closure().name() << " is " << StateInWords(response.closure().state())
+    std::cout << response.closure().name() << " is " << ClosureStateInWords(response.closure().state())
               << "; the session's map is made anew\n";
   }
   return absl::OkStatus();
 }
 
 void AddChange(CLI::App& closure, const std::string& name, const std::string& description,
-               const std::shared_ptr<Options>& options, std::function<absl::Status()> run) {
+               const std::shared_ptr<ClosureCommandOptions>& options, std::function<absl::Status()> run) {
   CLI::App* command = AddCommand(closure, name, description, std::move(run));
   command->add_option("SESSION", options->session, "The session's id or resource name")->required();
   command->add_option("CLOSURE", options->closure, "The closure's number")->required();
@@ -98,15 +99,18 @@ void AddChange(CLI::App& closure, const std::string& name, const std::string& de
 void AddClosure(CLI::App& app, const Globals& globals) {
   CLI::App* closure = app.add_subcommand("closure", "Loop closures of a session's map");
   closure->require_subcommand(1);
-  auto options = std::make_shared<Options>();
-  CLI::App* list = AddCommand(*closure, "list", "List them", [&globals, options] { return List(globals, *options); });
+  auto options = std::make_shared<ClosureCommandOptions>();
+  CLI::App* list =
+      AddCommand(*closure, "list", "List them", [&globals, options] { return ListClosures(globals, *options); });
   list->add_option("SESSION", options->session, "The session's id or resource name")->required();
   list->add_flag("--all", options->all, "Also those that mapping has rejected, with the reason");
   list->footer("Example: enfilade closure list 5d0c... --all");
-  AddChange(*closure, "suspend", "Take one out of the map", options,
-            [&globals, options] { return Change(globals, *options, &v1::SessionService::Stub::SuspendClosure); });
-  AddChange(*closure, "resume", "Let one count again", options,
-            [&globals, options] { return Change(globals, *options, &v1::SessionService::Stub::ResumeClosure); });
+  AddChange(*closure, "suspend", "Take one out of the map", options, [&globals, options] {
+    return ChangeClosures(globals, *options, &v1::SessionService::Stub::SuspendClosure);
+  });
+  AddChange(*closure, "resume", "Let one count again", options, [&globals, options] {
+    return ChangeClosures(globals, *options, &v1::SessionService::Stub::ResumeClosure);
+  });
 }
 
 }  // namespace enfilade::cli

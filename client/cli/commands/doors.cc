@@ -19,7 +19,7 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct DoorsCommandOptions {
   std::string log;
   std::string preset = "default";
   std::string options_file;
@@ -28,7 +28,7 @@ struct Options {
   bool skip_bad_lines = false;
 };
 
-absl::StatusOr<DoorOptions> LoadOptions(const Options& options) {
+absl::StatusOr<DoorOptions> LoadDoorOptions(const DoorsCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const DoorOptions preset, DoorPreset(options.preset));
   if (options.options_file.empty()) return preset;
   std::ifstream file(options.options_file, std::ios::binary);
@@ -39,7 +39,7 @@ absl::StatusOr<DoorOptions> LoadOptions(const Options& options) {
   return parsed;
 }
 
-absl::StatusOr<std::vector<PairedScan>> ReadScans(const Options& options) {
+absl::StatusOr<std::vector<PairedScan>> ReadScans(const DoorsCommandOptions& options) {
   sources::LogOptions log_options;
   log_options.skip_bad_lines = options.skip_bad_lines;
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, log_options));
@@ -83,8 +83,8 @@ nlohmann::json ToJson(const DoorEvent& event) {
   return json;
 }
 
-absl::Status Run(const Globals& globals, const Options& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const DoorOptions doors, LoadOptions(options));
+absl::Status RunDoors(const Globals& globals, const DoorsCommandOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const DoorOptions doors, LoadDoorOptions(options));
   if (options.print_options) {
     std::cout << FormatDoorOptions(doors);
     return absl::OkStatus();
@@ -118,9 +118,9 @@ absl::Status Run(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddDoors(CLI::App& app, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DoorsCommandOptions>();
   CLI::App* command = AddCommand(app, "doors", "Find doors and the passages through them in a recorded log",
-                                 [&globals, options] { return Run(globals, *options); });
+                                 [&globals, options] { return RunDoors(globals, *options); });
   command->add_option("LOG", options->log, "The log (docs/logs.md lists the formats)");
   command->add_option("--preset", options->preset, "default, original-yaml or original-code")->capture_default_str();
   command->add_option("--options", options->options_file, "A YAML file with options over the preset (docs/doors.md)");

@@ -22,7 +22,7 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct EnvironmentCommandOptions {
   std::vector<std::string> inputs;
   std::string criterion;  // empty: range for a log, ssim for images
   std::string preset;
@@ -143,7 +143,8 @@ absl::StatusOr<Verdict> ByScene(const Material& material, const perception::Scen
   return verdict;
 }
 
-absl::StatusOr<Verdict> Judge(const Options& options, const std::string& criterion, const Material& material) {
+absl::StatusOr<Verdict> Judge(const EnvironmentCommandOptions& options, const std::string& criterion,
+                              const Material& material) {
   if (criterion == "range") {
     if (options.preset == "original-yaml") return ByRange(material, RangeCriterion::OriginalYaml());
     if (options.preset == "original-code") return ByRange(material, RangeCriterion::OriginalCode());
@@ -157,7 +158,7 @@ absl::StatusOr<Verdict> Judge(const Options& options, const std::string& criteri
   return BySimilarity(material, similarity);
 }
 
-absl::Status Run(const Globals& globals, const Options& options) {
+absl::Status RunEnvironment(const Globals& globals, const EnvironmentCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const Material material, Gather(options.inputs));
   std::string criterion = options.criterion;
   if (criterion.empty()) criterion = material.scans.empty() ? "ssim" : "range";
@@ -176,10 +177,10 @@ absl::Status Run(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddEnvironment(CLI::App& app, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EnvironmentCommandOptions>();
   CLI::App* command =
       AddCommand(app, "environment", "Indoors or outdoors? By scans, depth images or a scene classifier",
-                 [&globals, options] { return Run(globals, *options); });
+                 [&globals, options] { return RunEnvironment(globals, *options); });
   command->add_option("INPUT", options->inputs, "A log, or images (PNG of 16 bits: depth in mm)")->required();
   command
       ->add_option(

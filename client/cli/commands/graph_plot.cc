@@ -38,7 +38,7 @@ constexpr Rgb kBlack{20, 20, 20};
 constexpr Rgb kOrange{230, 120, 0};
 constexpr Rgb kGrey{120, 120, 120};
 
-struct Options {
+struct GraphPlotCommandOptions {
   std::string output = "graph.png";
   std::string map;
   std::string near;
@@ -142,7 +142,7 @@ void AddPlace(const PoseWithCovariance& place, const std::string& id, int maps, 
 
 // The site in the world's frame.
 absl::StatusOr<std::vector<PlottedMap>> AddGraph(const Connection& connection, const Globals& globals,
-                                                 const Options& options, Scene& scene) {
+                                                 const GraphPlotCommandOptions& options, Scene& scene) {
   v1::GetGraphRequest request;
   request.set_site(SiteNameOf(globals));
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::GraphService::Stub::GetGraph, request));
@@ -179,7 +179,7 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const Connection& connection, c
 
 // One map in its own frame, with link points where this map saw them.
 absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const Connection& connection, const Globals& globals,
-                                                  const Options& options, Scene& scene) {
+                                                  const GraphPlotCommandOptions& options, Scene& scene) {
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
   const PlottedMap plotted{map.name(), map.display_name(), {}, kPalette[0]};
   ENFILADE_RETURN_IF_ERROR(AddMap(connection, plotted, scene));
@@ -207,7 +207,7 @@ absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const Connection& connection, 
 }
 
 // The pose, and the radius within which link points are looked for around it.
-absl::Status AddNear(const Connection& connection, const Globals& globals, const Options& options,
+absl::Status AddNear(const Connection& connection, const Globals& globals, const GraphPlotCommandOptions& options,
                      const std::vector<PlottedMap>& maps, Scene& scene) {
   ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.near));
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
@@ -237,7 +237,7 @@ absl::Status AddNear(const Connection& connection, const Globals& globals, const
   return absl::OkStatus();
 }
 
-absl::Status Plot(const Globals& globals, const Options& options) {
+absl::Status PlotGraph(const Globals& globals, const GraphPlotCommandOptions& options) {
   const bool svg = options.output.ends_with(".svg");
   if (!svg && !options.output.ends_with(".png")) {
     return InvalidArgument("{}: expected a file that ends in .png or .svg", options.output);
@@ -272,9 +272,9 @@ absl::Status Plot(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddGraphPlot(CLI::App& graph, const Globals& globals) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<GraphPlotCommandOptions>();
   CLI::App* plot = AddCommand(graph, "plot", "Draw the maps in the world, link points, candidates and edges",
-                              [&globals, options] { return Plot(globals, *options); });
+                              [&globals, options] { return PlotGraph(globals, *options); });
   plot->add_option("-o,--output", options->output, "The file: .png, or .svg with names")->capture_default_str();
   plot->add_option("--map", options->map, "Only this map, in its own frame, with link points where it saw them");
   plot->add_option("--near", options->near, "MAP,X,Y[,YAW]: also this pose and the search radius around it");

@@ -16,17 +16,10 @@
 namespace enfilade::cli {
 namespace {
 
-using Stub = v1::GraphService::Stub;
+using GraphStub = v1::GraphService::Stub;
 
 std::string PoseInWords(const v1::Pose2& pose) {
   return fmt::format("{:.3f} {:.3f} {:.4f}", pose.x(), pose.y(), pose.yaw());
-}
-
-nlohmann::json ToJson(const v1::PoseWithCovariance& pose) {
-  return {{"x", pose.pose().x()},
-          {"y", pose.pose().y()},
-          {"yaw", pose.pose().yaw()},
-          {"covariance", std::vector<double>(pose.covariance().begin(), pose.covariance().end())}};
 }
 
 nlohmann::json ToJson(const v1::Graph& graph) {
@@ -39,14 +32,14 @@ nlohmann::json ToJson(const v1::Graph& graph) {
                       {"edges", nlohmann::json::array()}};
   for (const v1::GraphMap& map : graph.maps()) {
     nlohmann::json item{{"map", map.map()}, {"display_name", map.display_name()}, {"level", map.level()}};
-    if (map.has_pose_world_map()) item["pose_world_map"] = ToJson(map.pose_world_map());
+    if (map.has_pose_world_map()) item["pose_world_map"] = PoseToJson(map.pose_world_map());
     json["maps"].push_back(std::move(item));
   }
   for (const v1::GraphLinkPoint& point : graph.link_points()) {
     nlohmann::json item{{"link_point", point.link_point()},
                         {"maps", std::vector<std::string>(point.maps().begin(), point.maps().end())},
                         {"joins", point.joins()}};
-    if (point.has_pose_world_place()) item["pose_world_place"] = ToJson(point.pose_world_place());
+    if (point.has_pose_world_place()) item["pose_world_place"] = PoseToJson(point.pose_world_place());
     json["link_points"].push_back(std::move(item));
   }
   for (const v1::GraphEdge& edge : graph.edges()) {
@@ -58,11 +51,11 @@ nlohmann::json ToJson(const v1::Graph& graph) {
   return json;
 }
 
-absl::Status Show(const Globals& globals, std::int64_t version) {
+absl::Status ShowGraph(const Globals& globals, std::int64_t version) {
   v1::GetGraphRequest request;
   request.set_site(SiteNameOf(globals));
   request.set_graph_version(version);
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, ConnectionOf(globals).Call(&Stub::GetGraph, request));
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, ConnectionOf(globals).Call(&GraphStub::GetGraph, request));
   const v1::Graph& graph = response.graph();
   if (globals.json) {
     PrintJson(std::cout, ToJson(graph));
@@ -104,7 +97,7 @@ std::string CauseInWords(v1::GraphVersion::Cause cause) {
   return words;
 }
 
-absl::Status Versions(const Globals& globals, int count) {
+absl::Status ListVersions(const Globals& globals, int count) {
   const Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
@@ -112,7 +105,7 @@ absl::Status Versions(const Globals& globals, int count) {
   request.set_parent(SiteNameOf(globals));
   do {
     request.set_page_size(std::min(count - static_cast<int>(rows.size()), 1000));
-    ENFILADE_ASSIGN_OR_RETURN(const auto page, connection.Call(&Stub::ListGraphVersions, request));
+    ENFILADE_ASSIGN_OR_RETURN(const auto page, connection.Call(&GraphStub::ListGraphVersions, request));
     for (const v1::GraphVersion& version : page.graph_versions()) {
       documents.push_back(
           {{"graph_version", version.graph_version()},
@@ -140,10 +133,10 @@ absl::Status Versions(const Globals& globals, int count) {
   return absl::OkStatus();
 }
 
-absl::Status Optimize(const Globals& globals) {
+absl::Status RequestOptimization(const Globals& globals) {
   v1::OptimizeGraphRequest request;
   request.set_site(SiteNameOf(globals));
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, ConnectionOf(globals).Call(&Stub::OptimizeGraph, request));
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, ConnectionOf(globals).Call(&GraphStub::OptimizeGraph, request));
   if (globals.json) {
     nlohmann::json switched_off = nlohmann::json::array();
     for (const auto& point : response.switched_off()) {
@@ -174,7 +167,7 @@ absl::Status Optimize(const Globals& globals) {
   return absl::OkStatus();
 }
 
-absl::Status Export(const Globals& globals, const std::string& path) {
+absl::Status ExportGraph(const Globals& globals, const std::string& path) {
   const Connection connection = ConnectionOf(globals);
   const auto stub = v1::GraphService::NewStub(connection.channel());
   grpc::ClientContext context;
@@ -213,20 +206,20 @@ void AddGraphRemote(CLI::App& app, const Globals& globals) {
   CLI::App& graph = *app.get_subcommand("graph");
   const auto version = std::make_shared<std::int64_t>(0);
   CLI::App* show = AddCommand(graph, "show", "Show the site's maps, link points and edges",
-                              [&globals, version] { return Show(globals, *version); });
+                              [&globals, version] { return ShowGraph(globals, *version); });
   show->add_option("--version", *version, "An earlier version of the graph that the server still keeps");
   show->footer("Example: enfilade --site campus graph show");
   const auto count = std::make_shared<int>(20);
   CLI::App* versions = AddCommand(graph, "versions", "Show who changed the graph when, and what optimisations found",
-                                  [&globals, count] { return Versions(globals, *count); });
+                                  [&globals, count] { return ListVersions(globals, *count); });
   versions->add_option("--count", *count, "At most so many")->check(CLI::PositiveNumber)->capture_default_str();
   versions->footer("Example: enfilade graph versions --count 100");
   AddCommand(graph, "optimize", "Solve for all maps' places in the world now", [&globals] {
-    return Optimize(globals);
+    return RequestOptimization(globals);
   })->footer("Example: enfilade --site campus graph optimize");
   const auto path = std::make_shared<std::string>("graph.geojson");
-  CLI::App* output =
-      AddCommand(graph, "export", "Write the graph as GeoJSON", [&globals, path] { return Export(globals, *path); });
+  CLI::App* output = AddCommand(graph, "export", "Write the graph as GeoJSON",
+                                [&globals, path] { return ExportGraph(globals, *path); });
   output->add_option("-o,--output", *path, "The file")->capture_default_str();
   output->footer("Example: enfilade graph export -o campus.geojson");
   AddGraphPlot(graph, globals);

@@ -31,7 +31,7 @@ const std::map<std::string, Initialisation> kInitialisations = {
     {"auto", Initialisation::kAuto}, {"none", Initialisation::kNone}, {"chordal", Initialisation::kChordal}};
 const std::map<std::string, Backend> kBackends = {{"blocks", Backend::kBlocks}, {"ceres", Backend::kCeres}};
 
-struct Options {
+struct GraphSolveCommandOptions {
   std::string input;
   std::string output;
   std::string kernel = "none";
@@ -76,7 +76,7 @@ absl::Status Write(const Solved& solved, const std::string& path) {
 
 const char* NameOf(GraphFormat format) { return format == GraphFormat::kG2o ? "g2o" : "TORO"; }
 
-nlohmann::json ToJson(const Options& options, const Solved& solved) {
+nlohmann::json ToJson(const GraphSolveCommandOptions& options, const Solved& solved) {
   const SolveReport& report = solved.report;
   nlohmann::json document = {{"file", options.input},
                              {"format", NameOf(solved.parsed.format)},
@@ -102,7 +102,7 @@ nlohmann::json ToJson(const Options& options, const Solved& solved) {
   return document;
 }
 
-void PrintText(const Options& options, const Solved& solved) {
+void PrintText(const GraphSolveCommandOptions& options, const Solved& solved) {
   const ParsedPoseGraph& parsed = solved.parsed;
   const SolveReport& report = solved.report;
   std::cout << fmt::format("{}: {} nodes, {} edges, {} component{} ({})\n", options.input, parsed.graph.nodes.size(),
@@ -125,7 +125,7 @@ void PrintText(const Options& options, const Solved& solved) {
   }
 }
 
-absl::Status Run(const Globals& globals, const Options& options) {
+absl::Status RunGraphSolve(const Globals& globals, const GraphSolveCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadText(options.input));
   Solved solved;
   ENFILADE_ASSIGN_OR_RETURN(solved.parsed, ParsePoseGraph(text, options.input));
@@ -150,9 +150,9 @@ absl::Status Run(const Globals& globals, const Options& options) {
 }
 
 void AddGraphSolve(CLI::App& graph, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<GraphSolveCommandOptions>();
   CLI::App* command = AddCommand(graph, "solve", "Find the poses that fit a pose graph's measurements best",
-                                 [&globals, options] { return Run(globals, *options); });
+                                 [&globals, options] { return RunGraphSolve(globals, *options); });
   command->add_option("file", options->input, "g2o or TORO text: VERTEX_SE2, EDGE_SE2, FIX; VERTEX2, EDGE2")
       ->required();
   command->add_option("-o,--output", options->output,

@@ -15,7 +15,7 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct BuildingCommandOptions {
   std::string path;
   std::string prefix;
 };
@@ -117,7 +117,7 @@ class BuildingImport {
   Report report_;
 };
 
-absl::Status Import(const Globals& globals, const Options& options) {
+absl::Status ImportBuilding(const Globals& globals, const BuildingCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string yaml, ReadWholeFile(options.path));
   ENFILADE_ASSIGN_OR_RETURN(const Building building, ParseBuilding(yaml));
   const Connection connection = ConnectionOf(globals);
@@ -131,9 +131,9 @@ absl::Status Import(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddImportBuilding(CLI::App& import, const Globals& globals) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BuildingCommandOptions>();
   CLI::App* command = AddCommand(import, "building", "Levels, doors and lifts of an Open-RMF building.yaml",
-                                 [&globals, options] { return Import(globals, *options); });
+                                 [&globals, options] { return ImportBuilding(globals, *options); });
   command->add_option("FILE", options->path, "The traffic editor's building.yaml")->required();
   command->add_option("--prefix", options->prefix, "Begins the maps' names (default: the building's name)");
   command->footer("Example: enfilade --site campus import building hotel.building.yaml");

@@ -17,9 +17,9 @@
 namespace enfilade::cli {
 namespace {
 
-using Stub = v1::LinkPointService::Stub;
+using LinkPointStub = v1::LinkPointService::Stub;
 
-struct Options {
+struct LinkPointCommandOptions {
   std::string id;
   std::vector<std::string> places;
   std::string kind = "door";
@@ -33,7 +33,7 @@ struct Options {
   bool force = false;
   bool candidates = false;
 };
-using SharedOptions = std::shared_ptr<Options>;
+using SharedLinkPointCommandOptions = std::shared_ptr<LinkPointCommandOptions>;
 
 const std::map<std::string, v1::LinkPoint::Kind>& Kinds() {
   static const std::map<std::string, v1::LinkPoint::Kind> kinds = {{"door", v1::LinkPoint::KIND_DOOR},
@@ -51,12 +51,12 @@ const std::map<std::string, v1::LinkPoint::State>& States() {
   return states;
 }
 
-std::string NameOf(const Globals& globals, const std::string& id) {
+std::string NameOfLinkPoint(const Globals& globals, const std::string& id) {
   return id.rfind("sites/", 0) == 0 ? id : SiteNameOf(globals) + "/linkPoints/" + id;
 }
 
-void Print(const Globals& globals, const v1::LinkPoint& link_point, const std::string& what) {
-  if (globals.json) return PrintJson(std::cout, ToJson(link_point));
+void PrintLinkPoint(const Globals& globals, const v1::LinkPoint& link_point, const std::string& what) {
+  if (globals.json) return PrintJson(std::cout, LinkPointToJson(link_point));
   std::cout << what << '\n';
   PrintTable(std::cout, LinkPointHeader(), {ToRow(link_point)});
 }
@@ -73,7 +73,7 @@ absl::StatusOr<v1::Anchor> AnchorAt(const Connection& connection, const Globals&
   return anchor;
 }
 
-absl::Status Create(const Globals& globals, const Options& options) {
+absl::Status CreateLinkPoint(const Globals& globals, const LinkPointCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   v1::CreateLinkPointRequest request;
   request.set_parent(SiteNameOf(globals));
@@ -85,33 +85,33 @@ absl::Status Create(const Globals& globals, const Options& options) {
   for (const std::string& place : options.places) {
     ENFILADE_ASSIGN_OR_RETURN(*request.mutable_link_point()->add_anchors(), AnchorAt(connection, globals, place));
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&Stub::CreateLinkPoint, request));
-  Print(globals, response.link_point(), "created " + response.link_point().name());
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&LinkPointStub::CreateLinkPoint, request));
+  PrintLinkPoint(globals, response.link_point(), "created " + response.link_point().name());
   return absl::OkStatus();
 }
 
 // Two places make a link point; one promotes the candidate that is named.
-absl::Status Set(const Globals& globals, const Options& options) {
-  if (options.places.size() > 1) return Create(globals, options);
+absl::Status SetLinkPoint(const Globals& globals, const LinkPointCommandOptions& options) {
+  if (options.places.size() > 1) return CreateLinkPoint(globals, options);
   if (options.id.empty()) {
     return InvalidArgument("one place only: name the candidate that it promotes by --id, or give --at twice");
   }
   const Connection connection = ConnectionOf(globals);
   v1::AddLinkPointAnchorRequest request;
-  request.set_name(NameOf(globals, options.id));
+  request.set_name(NameOfLinkPoint(globals, options.id));
   request.set_force(options.force);
   ENFILADE_ASSIGN_OR_RETURN(*request.mutable_anchor(), AnchorAt(connection, globals, options.places.front()));
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&Stub::AddLinkPointAnchor, request));
-  Print(globals, response.link_point(), response.link_point().name() + " has one map more");
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&LinkPointStub::AddLinkPointAnchor, request));
+  PrintLinkPoint(globals, response.link_point(), response.link_point().name() + " has one map more");
   return absl::OkStatus();
 }
 
-absl::Status Candidate(const Globals& globals, const Options& options) {
+absl::Status SetCandidate(const Globals& globals, const LinkPointCommandOptions& options) {
   if (options.places.size() != 1) return InvalidArgument("a candidate is seen from one map: give --at once");
-  return Create(globals, options);
+  return CreateLinkPoint(globals, options);
 }
 
-absl::Status List(const Globals& globals, const Options& options) {
+absl::Status ListLinkPoints(const Globals& globals, const LinkPointCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   v1::ListLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));
@@ -123,9 +123,9 @@ absl::Status List(const Globals& globals, const Options& options) {
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   do {
-    ENFILADE_ASSIGN_OR_RETURN(const auto page, connection.Call(&Stub::ListLinkPoints, request));
+    ENFILADE_ASSIGN_OR_RETURN(const auto page, connection.Call(&LinkPointStub::ListLinkPoints, request));
     for (const v1::LinkPoint& link_point : page.link_points()) {
-      documents.push_back(ToJson(link_point));
+      documents.push_back(LinkPointToJson(link_point));
       rows.push_back(ToRow(link_point));
     }
     request.set_page_token(page.next_page_token());
@@ -138,7 +138,7 @@ absl::Status List(const Globals& globals, const Options& options) {
   return absl::OkStatus();
 }
 
-absl::Status Near(const Globals& globals, const Options& options) {
+absl::Status FindNear(const Globals& globals, const LinkPointCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   v1::FindLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));
@@ -156,11 +156,11 @@ absl::Status Near(const Globals& globals, const Options& options) {
   } else {
     return InvalidArgument("nothing says where: give --at MAP,X,Y or --world X Y");
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&Stub::FindLinkPoints, request));
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&LinkPointStub::FindLinkPoints, request));
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   for (const v1::FoundLinkPoint& found : response.found()) {
-    nlohmann::json document = ToJson(found.link_point());
+    nlohmann::json document = LinkPointToJson(found.link_point());
     document["distance_m"] = found.distance_m();
     document["bearing_rad"] = found.bearing_rad();
     document["mahalanobis_distance"] = found.mahalanobis_distance();
@@ -183,9 +183,9 @@ absl::Status Near(const Globals& globals, const Options& options) {
   return absl::OkStatus();
 }
 
-absl::Status SetState(const Globals& globals, const Options& options) {
+absl::Status SetState(const Globals& globals, const LinkPointCommandOptions& options) {
   v1::UpdateLinkPointRequest request;
-  request.mutable_link_point()->set_name(NameOf(globals, options.id));
+  request.mutable_link_point()->set_name(NameOfLinkPoint(globals, options.id));
   request.mutable_link_point()->set_state(States().at(options.state));
   request.mutable_update_mask()->add_paths("state");
   request.mutable_update_mask()->add_paths("state_valid_until");
@@ -194,26 +194,26 @@ absl::Status SetState(const Globals& globals, const Options& options) {
     request.mutable_link_point()->mutable_state_valid_until()->set_seconds(
         std::chrono::duration_cast<std::chrono::seconds>(now + std::chrono::duration<double>(options.for_s)).count());
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, ConnectionOf(globals).Call(&Stub::UpdateLinkPoint, request));
-  Print(globals, response.link_point(), response.link_point().name() + " is " + options.state);
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, ConnectionOf(globals).Call(&LinkPointStub::UpdateLinkPoint, request));
+  PrintLinkPoint(globals, response.link_point(), response.link_point().name() + " is " + options.state);
   return absl::OkStatus();
 }
 
 template <typename Request, typename Response>
-absl::Status Change(const Globals& globals, const Options& options,
-                    grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-                    const std::string& what) {
+absl::Status ChangeLinkPoint(const Globals& globals, const LinkPointCommandOptions& options,
+                             grpc::Status (LinkPointStub::*method)(grpc::ClientContext*, const Request&, Response*),
+                             const std::string& what) {
   Request request;
-  request.set_name(NameOf(globals, options.id));
+  request.set_name(NameOfLinkPoint(globals, options.id));
   ENFILADE_ASSIGN_OR_RETURN(const Response response, ConnectionOf(globals).Call(method, request));
-  Print(globals, response.link_point(), response.link_point().name() + what);
+  PrintLinkPoint(globals, response.link_point(), response.link_point().name() + what);
   return absl::OkStatus();
 }
 
-absl::Status Delete(const Globals& globals, const Options& options) {
+absl::Status DeleteLinkPoint(const Globals& globals, const LinkPointCommandOptions& options) {
   v1::DeleteLinkPointRequest request;
-  request.set_name(NameOf(globals, options.id));
-  ENFILADE_RETURN_IF_ERROR(ConnectionOf(globals).Call(&Stub::DeleteLinkPoint, request).status());
+  request.set_name(NameOfLinkPoint(globals, options.id));
+  ENFILADE_RETURN_IF_ERROR(ConnectionOf(globals).Call(&LinkPointStub::DeleteLinkPoint, request).status());
   if (globals.json) {
     PrintJson(std::cout, {{"deleted", request.name()}});
   } else {
@@ -222,7 +222,7 @@ absl::Status Delete(const Globals& globals, const Options& options) {
   return absl::OkStatus();
 }
 
-void AddCreation(CLI::App& command, const SharedOptions& options) {
+void AddCreation(CLI::App& command, const SharedLinkPointCommandOptions& options) {
   command.add_option("--at", options->places, "Where a map sees it: MAP,X,Y,YAW in metres and radians")->required();
   command.add_option("--id", options->id, "Its id: 1 to 63 of a-z, 0-9 and \"-\" (default: a new one)");
   std::vector<std::string> kinds;
@@ -237,23 +237,24 @@ void AddCreation(CLI::App& command, const SharedOptions& options) {
 void AddLinkPoint(CLI::App& app, const Globals& globals) {
   CLI::App* group = app.add_subcommand("linkpoint", "Link points: the places where maps meet");
   group->require_subcommand(1);
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<LinkPointCommandOptions>();
   CLI::App* set = AddCommand(*group, "set", "Join maps at a place, or promote a candidate",
-                             [&globals, options] { return Set(globals, *options); });
+                             [&globals, options] { return SetLinkPoint(globals, *options); });
   AddCreation(*set, options);
   set->footer(
       "Examples: enfilade linkpoint set --at Hall,12.5,3,0 --at Lab,0,0,3.14 --tag \"north door\"\n"
       "          enfilade linkpoint set --id door-3 --at Lab,0,0,3.14");
   CLI::App* candidate = AddCommand(*group, "candidate", "Note a place that may lead on, seen from one map",
-                                   [&globals, options] { return Candidate(globals, *options); });
+                                   [&globals, options] { return SetCandidate(globals, *options); });
   AddCreation(*candidate, options);
   candidate->footer("Example: enfilade linkpoint candidate --id door-3 --at Hall,20,1,1.57");
-  CLI::App* list = AddCommand(*group, "list", "List them", [&globals, options] { return List(globals, *options); });
+  CLI::App* list =
+      AddCommand(*group, "list", "List them", [&globals, options] { return ListLinkPoints(globals, *options); });
   list->add_option("--map", options->map, "Only those of this map");
   list->add_flag("--candidates", options->candidates, "Only candidates");
   list->footer("Example: enfilade linkpoint list --map Hall");
   CLI::App* near = AddCommand(*group, "near", "Find those around a place, the nearest first",
-                              [&globals, options] { return Near(globals, *options); });
+                              [&globals, options] { return FindNear(globals, *options); });
   near->add_option("--at", options->places, "Around a pose in a map: MAP,X,Y,YAW");
   near->add_option("--world", options->world, "Around a point of the world frame: X Y in metres")->expected(2);
   near->add_option("--radius", options->radius_m, "Metres (default: 20 around a pose, no limit around a point)");
@@ -273,11 +274,14 @@ void AddLinkPoint(CLI::App& app, const Globals& globals) {
     command->add_option("LINKPOINT", options->id, "Its id or resource name")->required();
     command->footer("Example: enfilade linkpoint " + name + " door-3");
   };
-  add_named("suspend", "Take one out of chains, routes and the optimisation",
-            [&globals, options] { return Change(globals, *options, &Stub::SuspendLinkPoint, " is suspended"); });
-  add_named("resume", "Let one count again",
-            [&globals, options] { return Change(globals, *options, &Stub::ResumeLinkPoint, " counts again"); });
-  add_named("delete", "Delete one with its evidence", [&globals, options] { return Delete(globals, *options); });
+  add_named("suspend", "Take one out of chains, routes and the optimisation", [&globals, options] {
+    return ChangeLinkPoint(globals, *options, &LinkPointStub::SuspendLinkPoint, " is suspended");
+  });
+  add_named("resume", "Let one count again", [&globals, options] {
+    return ChangeLinkPoint(globals, *options, &LinkPointStub::ResumeLinkPoint, " counts again");
+  });
+  add_named("delete", "Delete one with its evidence",
+            [&globals, options] { return DeleteLinkPoint(globals, *options); });
 }
 
 }  // namespace enfilade::cli

@@ -22,16 +22,9 @@ std::string UseInWords(const v1::LinkPoint& link_point) {
   return InWords(v1::LinkPoint::Use_Name(link_point.use()), sizeof("USE_") - 1);
 }
 
-nlohmann::json ToJson(const v1::PoseWithCovariance& pose) {
-  return {{"x", pose.pose().x()},
-          {"y", pose.pose().y()},
-          {"yaw", pose.pose().yaw()},
-          {"covariance", std::vector<double>(pose.covariance().begin(), pose.covariance().end())}};
-}
-
 }  // namespace
 
-nlohmann::json ToJson(const v1::LinkPoint& link_point) {
+nlohmann::json LinkPointToJson(const v1::LinkPoint& link_point) {
   nlohmann::json json{{"name", link_point.name()},
                       {"kind", KindInWords(link_point)},
                       {"tag", link_point.tag()},
@@ -44,11 +37,11 @@ nlohmann::json ToJson(const v1::LinkPoint& link_point) {
                       {"graph_version", link_point.graph_version()},
                       {"etag", link_point.etag()}};
   for (const v1::Anchor& anchor : link_point.anchors()) {
-    nlohmann::json place = ToJson(anchor.pose_map_place());
+    nlohmann::json place = PoseToJson(anchor.pose_map_place());
     place["map"] = anchor.map();
     json["anchors"].push_back(std::move(place));
   }
-  if (link_point.has_pose_world_place()) json["pose_world_place"] = ToJson(link_point.pose_world_place());
+  if (link_point.has_pose_world_place()) json["pose_world_place"] = PoseToJson(link_point.pose_world_place());
   if (link_point.has_state_valid_until()) {
     json["state_valid_until"] = TimeInWords(link_point.state_valid_until());
   }

@@ -8,7 +8,7 @@
 
 namespace enfilade::cli {
 
-nlohmann::json ToJson(const v1::LinkPoint& link_point);
+nlohmann::json LinkPointToJson(const v1::LinkPoint& link_point);
 // A line of a table under kLinkPointHeader.
 std::vector<std::string> ToRow(const v1::LinkPoint& link_point);
 const std::vector<std::string>& LinkPointHeader();

@@ -42,7 +42,7 @@ nlohmann::json ToJson(const v1::MapRevision& revision) {
           {"create_time", TimeInWords(revision.create_time())}};
 }
 
-absl::Status List(const Globals& globals) {
+absl::Status ListMaps(const Globals& globals) {
   const Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
@@ -67,7 +67,7 @@ absl::Status List(const Globals& globals) {
   return absl::OkStatus();
 }
 
-absl::Status Show(const Globals& globals, const std::string& name) {
+absl::Status ShowMap(const Globals& globals, const std::string& name) {
   const Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, name));
   v1::ListMapRevisionsRequest request;
@@ -94,12 +94,12 @@ absl::Status Show(const Globals& globals, const std::string& name) {
   return absl::OkStatus();
 }
 
-struct DeleteOptions {
+struct DeleteMapCommandOptions {
   std::string map;
   bool force = false;
 };
 
-absl::Status Delete(const Globals& globals, const DeleteOptions& options) {
+absl::Status DeleteMap(const Globals& globals, const DeleteMapCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
   v1::DeleteMapRequest request;
@@ -120,11 +120,11 @@ absl::Status Delete(const Globals& globals, const DeleteOptions& options) {
 void AddMap(CLI::App& app, const Globals& globals) {
   CLI::App* map = app.add_subcommand("map", "Maps and their files");
   map->require_subcommand(1);
-  AddCommand(*map, "list", "List the site's maps", [&globals] { return List(globals); });
+  AddCommand(*map, "list", "List the site's maps", [&globals] { return ListMaps(globals); });
 
   auto name = std::make_shared<std::string>();
   CLI::App* show = AddCommand(*map, "show", "Show a map and its newest revisions",
-                              [&globals, name] { return Show(globals, *name); });
+                              [&globals, name] { return ShowMap(globals, *name); });
   show->add_option("MAP", *name, "Its name, id or resource name")->required();
   show->footer("Example: enfilade map show \"Main hall\"");
 
@@ -132,9 +132,9 @@ void AddMap(CLI::App& app, const Globals& globals) {
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
 
-  auto options = std::make_shared<DeleteOptions>();
+  auto options = std::make_shared<DeleteMapCommandOptions>();
   CLI::App* remove = AddCommand(*map, "delete", "Delete a map with its revisions",
-                                [&globals, options] { return Delete(globals, *options); });
+                                [&globals, options] { return DeleteMap(globals, *options); });
   remove->add_option("MAP", options->map, "Its name, id or resource name")->required();
   remove->add_flag("--force", options->force, "Also delete the sessions recorded into it");
   remove->footer("Example: enfilade map delete \"Main hall\" --force");

@@ -14,7 +14,7 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct MapEditCommandOptions {
   std::string map;  // which is updated
   std::string id;
   std::optional<std::string> name;
@@ -24,7 +24,7 @@ struct Options {
   std::vector<double> outline;  // x y x y ...
 };
 
-absl::Status Fill(const Options& options, v1::Map& map, google::protobuf::FieldMask& mask) {
+absl::Status FillMap(const MapEditCommandOptions& options, v1::Map& map, google::protobuf::FieldMask& mask) {
   if (options.name) {
     map.set_display_name(*options.name);
     mask.add_paths("display_name");
@@ -52,7 +52,7 @@ absl::Status Fill(const Options& options, v1::Map& map, google::protobuf::FieldM
   return absl::OkStatus();
 }
 
-void Print(const Globals& globals, const char* what, const v1::Map& map) {
+void PrintMap(const Globals& globals, const char* what, const v1::Map& map) {
   if (globals.json) {
     PrintJson(std::cout, {{"name", map.name()}, {"display_name", map.display_name()}, {"etag", map.etag()}});
   } else {
@@ -60,32 +60,32 @@ void Print(const Globals& globals, const char* what, const v1::Map& map) {
   }
 }
 
-absl::Status Create(const Globals& globals, const Options& options) {
+absl::Status CreateMap(const Globals& globals, const MapEditCommandOptions& options) {
   v1::CreateMapRequest request;
   google::protobuf::FieldMask ignored;
-  ENFILADE_RETURN_IF_ERROR(Fill(options, *request.mutable_map(), ignored));
+  ENFILADE_RETURN_IF_ERROR(FillMap(options, *request.mutable_map(), ignored));
   request.set_parent(SiteNameOf(globals));
   request.set_map_id(options.id);
   request.set_request_id(NewUuid());
   ENFILADE_ASSIGN_OR_RETURN(const auto response, ConnectionOf(globals).Call(&v1::MapService::Stub::CreateMap, request));
-  Print(globals, "created", response.map());
+  PrintMap(globals, "created", response.map());
   return absl::OkStatus();
 }
 
-absl::Status Update(const Globals& globals, const Options& options) {
+absl::Status UpdateMap(const Globals& globals, const MapEditCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, globals, options.map));
   v1::UpdateMapRequest request;
-  ENFILADE_RETURN_IF_ERROR(Fill(options, *request.mutable_map(), *request.mutable_update_mask()));
+  ENFILADE_RETURN_IF_ERROR(FillMap(options, *request.mutable_map(), *request.mutable_update_mask()));
   if (request.update_mask().paths().empty()) return InvalidArgument("nothing to change: see --help");
   request.mutable_map()->set_name(found.name());
   request.mutable_map()->set_etag(found.etag());
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::MapService::Stub::UpdateMap, request));
-  Print(globals, "updated", response.map());
+  PrintMap(globals, "updated", response.map());
   return absl::OkStatus();
 }
 
-void AddFields(CLI::App& command, const std::shared_ptr<Options>& options) {
+void AddFields(CLI::App& command, const std::shared_ptr<MapEditCommandOptions>& options) {
   command.add_option("--level", options->level, "The floor; 0 is the ground");
   command.add_option("--environment", options->environment, "indoor or outdoor")
       ->check(CLI::IsMember({"indoor", "outdoor"}));
@@ -97,15 +97,15 @@ void AddFields(CLI::App& command, const std::shared_ptr<Options>& options) {
 }  // namespace
 
 void AddMapEdit(CLI::App& map, const Globals& globals) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MapEditCommandOptions>();
   CLI::App* create =
-      AddCommand(map, "create", "Create an empty map", [&globals, options] { return Create(globals, *options); });
+      AddCommand(map, "create", "Create an empty map", [&globals, options] { return CreateMap(globals, *options); });
   create->add_option("NAME", options->name, "Its name for people, unique in the site")->required();
   create->add_option("--id", options->id, "Its id: 1 to 63 of a-z, 0-9 and \"-\" (default: a new one)");
   AddFields(*create, options);
   create->footer("Example: enfilade map create \"Main hall\" --id hall --level 1");
   CLI::App* update = AddCommand(map, "update", "Change a map's name, level, environment, profile or outline",
-                                [&globals, options] { return Update(globals, *options); });
+                                [&globals, options] { return UpdateMap(globals, *options); });
   update->add_option("MAP", options->map, "Its name, id or resource name")->required();
   update->add_option("--name", options->name, "A new name");
   AddFields(*update, options);

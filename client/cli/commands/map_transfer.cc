@@ -23,13 +23,13 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kChunkBytes = 1U << 20;
 
-struct ExportOptions {
+struct MapExportCommandOptions {
   std::string map;
   std::string directory = ".";
   std::string format = "pgm";
 };
 
-absl::StatusOr<v1::MapFormat> FormatOf(const std::string& format) {
+absl::StatusOr<v1::MapFormat> MapFormatOf(const std::string& format) {
   if (format == "pgm") return v1::MAP_FORMAT_PGM;
   if (format == "png") return v1::MAP_FORMAT_PNG;
   if (format == "json") return v1::MAP_FORMAT_JSON;
@@ -84,10 +84,10 @@ class ReceivedFiles {
   std::ofstream out_;
 };
 
-absl::Status Export(const Globals& globals, const ExportOptions& options) {
+absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   v1::ExportMapRequest request;
-  ENFILADE_ASSIGN_OR_RETURN(const v1::MapFormat format, FormatOf(options.format));
+  ENFILADE_ASSIGN_OR_RETURN(const v1::MapFormat format, MapFormatOf(options.format));
   request.set_format(format);
   if (options.map.find("/revisions/") != std::string::npos && options.map.rfind("sites/", 0) == 0) {
     request.set_name(options.map);
@@ -134,7 +134,7 @@ absl::Status Export(const Globals& globals, const ExportOptions& options) {
   return absl::OkStatus();
 }
 
-struct ImportOptions {
+struct MapImportCommandOptions {
   std::string file;
   std::string map;
   std::string dialect = "nav2";
@@ -142,7 +142,7 @@ struct ImportOptions {
 };
 
 absl::StatusOr<v1::Map> FindOrCreateMap(const Connection& connection, const Globals& globals,
-                                        const ImportOptions& options) {
+                                        const MapImportCommandOptions& options) {
   auto found = FindMap(connection, globals, options.map);
   if (found.ok() || !absl::IsNotFound(found.status())) return found;
   v1::CreateMapRequest request;
@@ -154,8 +154,8 @@ absl::StatusOr<v1::Map> FindOrCreateMap(const Connection& connection, const Glob
   return created.map();
 }
 
-void Send(grpc::ClientWriter<v1::ImportMapRequest>& writer, const v1::Map& map, const ImportOptions& options,
-          const std::vector<MapFile>& files, ProgressBar& progress) {
+void SendMap(grpc::ClientWriter<v1::ImportMapRequest>& writer, const v1::Map& map,
+             const MapImportCommandOptions& options, const std::vector<MapFile>& files, ProgressBar& progress) {
   v1::ImportMapRequest message;
   message.mutable_manifest()->set_parent(map.name());
   message.mutable_manifest()->set_dialect(options.dialect == "ros1" ? v1::MAP_DIALECT_ROS1 : v1::MAP_DIALECT_NAV2);
@@ -180,7 +180,7 @@ void Send(grpc::ClientWriter<v1::ImportMapRequest>& writer, const v1::Map& map, 
   writer.WritesDone();  // where the server hung up, Finish tells why
 }
 
-absl::Status Import(const Globals& globals, const ImportOptions& options) {
+absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& options) {
   if (options.dialect != "nav2" && options.dialect != "ros1") {
     return InvalidArgument("dialect \"{}\": expected nav2 or ros1", options.dialect);
   }
@@ -195,7 +195,7 @@ absl::Status Import(const Globals& globals, const ImportOptions& options) {
   connection.SetActor(context);
   v1::ImportMapResponse response;
   const auto writer = stub.ImportMap(&context, &response);
-  Send(*writer, map, options, files, progress);
+  SendMap(*writer, map, options, files, progress);
   ENFILADE_RETURN_IF_ERROR(FromGrpcStatus(writer->Finish(), connection.address()));
   progress.Finish();
   const v1::MapRevision& revision = response.revision();
@@ -215,9 +215,9 @@ absl::Status Import(const Globals& globals, const ImportOptions& options) {
 }  // namespace
 
 void AddMapExport(CLI::App& map, const Globals& globals) {
-  auto options = std::make_shared<ExportOptions>();
+  auto options = std::make_shared<MapExportCommandOptions>();
   CLI::App* command = AddCommand(map, "export", "Write a map's newest (or the named) revision as files",
-                                 [&globals, options] { return Export(globals, *options); });
+                                 [&globals, options] { return ExportMap(globals, *options); });
   command->add_option("MAP", options->map, "The map's name, id or resource name, or a revision's resource name")
       ->required();
   command->add_option("-o,--output", options->directory, "The folder to write to")->capture_default_str();
@@ -227,9 +227,9 @@ void AddMapExport(CLI::App& map, const Globals& globals) {
 }
 
 void AddMapImport(CLI::App& map, const Globals& globals) {
-  auto options = std::make_shared<ImportOptions>();
+  auto options = std::make_shared<MapImportCommandOptions>();
   CLI::App* command = AddCommand(map, "import", "Make files a map's newest revision",
-                                 [&globals, options] { return Import(globals, *options); });
+                                 [&globals, options] { return ImportMap(globals, *options); });
   command->add_option("FILE", options->file, "A .yaml beside the PGM or PNG that it names, or a .json")->required();
   command->add_option("--map", options->map, "The map's name, id or resource name; made where there is none")
       ->required();

@@ -24,7 +24,7 @@ using perception::RegistrationMethod;
 const std::map<std::string, RegistrationMethod> kMethods = {{"icp", RegistrationMethod::kIcp},
                                                             {"gicp", RegistrationMethod::kGicp}};
 
-struct Options {
+struct MatchCloudsCommandOptions {
   std::string source;
   std::string target;
   std::string output;
@@ -34,7 +34,7 @@ struct Options {
   perception::RegistrationOptions registration;
 };
 
-absl::StatusOr<perception::Cloud> Load(const std::string& path) {
+absl::StatusOr<perception::Cloud> LoadCloud(const std::string& path) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
   absl::StatusOr<perception::Cloud> cloud = perception::DecodeCloud(bytes);
   if (!cloud.ok()) return WithContext(cloud.status(), path);
@@ -58,7 +58,7 @@ nlohmann::json RowByRow(const Matrix& matrix) {
   return numbers;
 }
 
-nlohmann::json ToJson(const Options& options, const perception::Registration& found, double seconds) {
+nlohmann::json ToJson(const MatchCloudsCommandOptions& options, const perception::Registration& found, double seconds) {
   const Pose2 pose = perception::PlanarPose(found).pose;
   return {{"source", options.source},
           {"target", options.target},
@@ -76,7 +76,7 @@ nlohmann::json ToJson(const Options& options, const perception::Registration& fo
           {"seconds", seconds}};
 }
 
-void PrintText(const perception::Registration& found) {
+void PrintCloudMatch(const perception::Registration& found) {
   const PoseWithCovariance planar = perception::PlanarPose(found);
   const Eigen::Vector3d sigma = planar.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   std::cout << fmt::format("{}: {}{}\n", found.accepted ? "the same place" : "not known to be the same place",
@@ -92,9 +92,9 @@ void PrintText(const perception::Registration& found) {
   }
 }
 
-absl::Status Run(const Globals& globals, const Options& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const perception::Cloud source, Load(options.source));
-  ENFILADE_ASSIGN_OR_RETURN(const perception::Cloud target, Load(options.target));
+absl::Status RunMatchClouds(const Globals& globals, const MatchCloudsCommandOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const perception::Cloud source, LoadCloud(options.source));
+  ENFILADE_ASSIGN_OR_RETURN(const perception::Cloud target, LoadCloud(options.target));
   perception::RegistrationOptions registration = options.registration;
   registration.method = kMethods.at(options.method);
   registration.try_turned = !options.not_turned;
@@ -110,7 +110,7 @@ absl::Status Run(const Globals& globals, const Options& options) {
   if (globals.json) {
     PrintJson(std::cout, ToJson(options, found, seconds));
   } else if (!globals.quiet) {
-    PrintText(found);
+    PrintCloudMatch(found);
     if (!options.output.empty()) std::cout << "picture       " << options.output << '\n';
   }
   return absl::OkStatus();
@@ -119,9 +119,9 @@ absl::Status Run(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddMatchClouds(CLI::App& match, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MatchCloudsCommandOptions>();
   CLI::App* command = AddCommand(match, "clouds", "The pose of one point cloud in another's frame, by ICP or GICP",
-                                 [&globals, options] { return Run(globals, *options); });
+                                 [&globals, options] { return RunMatchClouds(globals, *options); });
   command->add_option("SOURCE", options->source, "PCD or PLY")->required();
   command->add_option("TARGET", options->target, "PCD or PLY")->required();
   command->add_option("-o,--output", options->output, "Draw both from above into a PNG: target blue, source red");

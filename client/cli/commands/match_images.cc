@@ -25,7 +25,7 @@ const std::map<std::string, GeometricModel> kModels = {{"none", GeometricModel::
                                                        {"fundamental", GeometricModel::kFundamental},
                                                        {"essential", GeometricModel::kEssential}};
 
-struct Options {
+struct MatchImagesCommandOptions {
   std::string a;
   std::string b;
   std::string output;
@@ -42,7 +42,7 @@ struct Side {
   perception::FeatureSet features;
 };
 
-absl::StatusOr<Side> Load(const std::string& path, const perception::FeatureOptions& options) {
+absl::StatusOr<Side> LoadImage(const std::string& path, const perception::FeatureOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
   Side side;
   absl::StatusOr<perception::GreyFrame> frame = perception::DecodeGrey(bytes);
@@ -52,7 +52,7 @@ absl::StatusOr<Side> Load(const std::string& path, const perception::FeatureOpti
   return side;
 }
 
-perception::ImageMatchOptions MatchOptionsOf(const Options& options) {
+perception::ImageMatchOptions MatchOptionsOf(const MatchImagesCommandOptions& options) {
   if (options.original) return perception::OriginalImageMatchOptions();
   perception::ImageMatchOptions match = options.match;
   match.model = kModels.at(options.model);
@@ -65,9 +65,9 @@ perception::ImageMatchOptions MatchOptionsOf(const Options& options) {
   return match;
 }
 
-absl::Status Run(const Globals& globals, const Options& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const Side a, Load(options.a, options.features));
-  ENFILADE_ASSIGN_OR_RETURN(const Side b, Load(options.b, options.features));
+absl::Status RunMatchImages(const Globals& globals, const MatchImagesCommandOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const Side a, LoadImage(options.a, options.features));
+  ENFILADE_ASSIGN_OR_RETURN(const Side b, LoadImage(options.b, options.features));
   const auto start = std::chrono::steady_clock::now();
   ENFILADE_ASSIGN_OR_RETURN(const perception::ImageMatch match,
                             perception::MatchImages(a.features, b.features, MatchOptionsOf(options)));
@@ -100,10 +100,10 @@ absl::Status Run(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddMatchImages(CLI::App& match, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MatchImagesCommandOptions>();
   CLI::App* command =
       AddCommand(match, "images", "SIFT and AKAZE features of two images, compared and verified by geometry",
-                 [&globals, options] { return Run(globals, *options); });
+                 [&globals, options] { return RunMatchImages(globals, *options); });
   command->add_option("A", options->a, "PNG or JPEG")->required();
   command->add_option("B", options->b, "PNG or JPEG")->required();
   command->add_option("-o,--output", options->output, "Draw the matches into a PNG: inliers green, others red");

@@ -14,9 +14,9 @@
 namespace enfilade::cli {
 namespace {
 
-using Stub = v1::GraphService::Stub;
+using GraphStub = v1::GraphService::Stub;
 
-struct Options {
+struct PoseCommandOptions {
   std::string robot;
   std::string at;
   double rate_hz = 1.0;
@@ -31,7 +31,7 @@ std::string RobotNameOf(const Globals& globals, const std::string& robot) {
   return robot.rfind("sites/", 0) == 0 ? robot : SiteNameOf(globals) + "/robots/" + robot;
 }
 
-void Set(const Pose2& from, v1::Pose2& to) {
+void SetPose(const Pose2& from, v1::Pose2& to) {
   to.set_x(from.x);
   to.set_y(from.y);
   to.set_yaw(from.yaw);
@@ -45,32 +45,25 @@ std::string PoseInWords(const v1::PoseWithCovariance& pose) {
                              std::sqrt(pose.covariance(4)), std::sqrt(pose.covariance(8)));
 }
 
-nlohmann::json ToJson(const v1::PoseWithCovariance& pose) {
-  return {{"x", pose.pose().x()},
-          {"y", pose.pose().y()},
-          {"yaw", pose.pose().yaw()},
-          {"covariance", std::vector<double>(pose.covariance().begin(), pose.covariance().end())}};
-}
-
 nlohmann::json ToJson(const v1::GlobalPose& pose) {
   nlohmann::json json{{"robot", pose.robot()},
                       {"map", pose.map_pose().map()},
                       {"graph_version", pose.graph_version()},
                       {"search_radius_m", pose.search_radius_m()},
                       {"hops", nlohmann::json::array()}};
-  if (pose.has_pose_world_robot()) json["pose_world_robot"] = ToJson(pose.pose_world_robot());
+  if (pose.has_pose_world_robot()) json["pose_world_robot"] = PoseToJson(pose.pose_world_robot());
   for (const v1::PoseHop& hop : pose.hops()) {
     json["hops"].push_back({{"link_point", hop.link_point()},
                             {"from_map", hop.from_map()},
                             {"to_map", hop.to_map()},
-                            {"pose_from_to", ToJson(hop.pose_from_to())},
+                            {"pose_from_to", PoseToJson(hop.pose_from_to())},
                             {"share", std::vector<double>(hop.share().begin(), hop.share().end())}});
   }
   return json;
 }
 
 // In one document without line breaks inside a stream of them.
-void Print(const Globals& globals, const v1::GlobalPose& pose, bool one_line) {
+void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line) {
   if (globals.json) {
     if (one_line) {
       std::cout << ToJson(pose).dump() << std::endl;
@@ -95,7 +88,7 @@ void Print(const Globals& globals, const v1::GlobalPose& pose, bool one_line) {
   }
 }
 
-absl::Status Global(const Globals& globals, const Options& options) {
+absl::Status PrintGlobalPose(const Globals& globals, const PoseCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   v1::GetGlobalPoseRequest request;
   if (!options.robot.empty()) {
@@ -104,16 +97,16 @@ absl::Status Global(const Globals& globals, const Options& options) {
     ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.at));
     ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
     request.mutable_map_pose()->set_map(map.name());
-    Set(place.pose, *request.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose());
+    SetPose(place.pose, *request.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose());
   } else {
     return InvalidArgument("nothing says whose pose: give --robot or --at MAP,X,Y,YAW");
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&Stub::GetGlobalPose, request));
-  Print(globals, response.global_pose(), false);
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&GraphStub::GetGlobalPose, request));
+  PrintPose(globals, response.global_pose(), false);
   return absl::OkStatus();
 }
 
-absl::Status Watch(const Globals& globals, const Options& options) {
+absl::Status WatchPoses(const Globals& globals, const PoseCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   v1::WatchGlobalPosesRequest request;
   request.set_parent(SiteNameOf(globals));
@@ -124,7 +117,7 @@ absl::Status Watch(const Globals& globals, const Options& options) {
   const auto reader = stub->WatchGlobalPoses(&context, request);
   v1::WatchGlobalPosesResponse response;
   while (reader->Read(&response)) {
-    for (const v1::GlobalPose& pose : response.global_poses()) Print(globals, pose, true);
+    for (const v1::GlobalPose& pose : response.global_poses()) PrintPose(globals, pose, true);
   }
   return FromGrpcStatus(reader->Finish(), connection.address());
 }
@@ -134,11 +127,11 @@ absl::Status SetPlace(const Connection& connection, const Globals& globals, cons
   ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(text));
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, globals, place.map));
   map = found.name();
-  Set(place.pose, pose);
+  SetPose(place.pose, pose);
   return absl::OkStatus();
 }
 
-absl::Status Route(const Globals& globals, const Options& options) {
+absl::Status PrintRoutes(const Globals& globals, const PoseCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   v1::FindRoutesRequest request;
   ENFILADE_RETURN_IF_ERROR(
@@ -150,7 +143,7 @@ absl::Status Route(const Globals& globals, const Options& options) {
                                                    : v1::PATH_COST_DISTANCE);
   request.set_max_routes(options.alternatives);
   request.set_with_geojson(options.geojson);
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&Stub::FindRoutes, request));
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&GraphStub::FindRoutes, request));
   if (options.geojson) {
     std::cout << response.geojson() << '\n';
     return absl::OkStatus();
@@ -181,21 +174,21 @@ absl::Status Route(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddPose(CLI::App& app, const Globals& globals) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PoseCommandOptions>();
   CLI::App* pose = app.add_subcommand("pose", "Robots' poses in the world frame");
   pose->require_subcommand(1);
   CLI::App* global = AddCommand(*pose, "global", "Show a pose in the world, and the chain that it comes from",
-                                [&globals, options] { return Global(globals, *options); });
+                                [&globals, options] { return PrintGlobalPose(globals, *options); });
   global->add_option("--robot", options->robot, "The robot's id: its last reported pose");
   global->add_option("--at", options->at, "A pose in a map: MAP,X,Y,YAW");
   global->footer("Examples: enfilade pose global --robot r1\n          enfilade pose global --at Lab,1,2,0.5");
   CLI::App* watch = AddCommand(*pose, "watch", "Print global poses as they change, until interrupted",
-                               [&globals, options] { return Watch(globals, *options); });
+                               [&globals, options] { return WatchPoses(globals, *options); });
   watch->add_option("--robot", options->robot, "Only this robot");
   watch->add_option("--rate", options->rate_hz, "At most so many times a second")->capture_default_str();
   watch->footer("Example: enfilade --json pose watch --rate 5");
   CLI::App* route = AddCommand(app, "route", "Find the way from a place in one map to a place in another",
-                               [&globals, options] { return Route(globals, *options); });
+                               [&globals, options] { return PrintRoutes(globals, *options); });
   route->add_option("FROM", options->from, "MAP,X,Y")->required();
   route->add_option("TO", options->to, "MAP,X,Y")->required();
   route->add_option("--cost", options->cost, "What it is short in")

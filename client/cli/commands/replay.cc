@@ -38,7 +38,7 @@ absl::StatusOr<std::optional<double>> RateOf(const std::string& text) {
   return InvalidArgument("--rate is \"{}\": expected max, real or a factor such as 2.5", text);
 }
 
-absl::Status Check(const ReplayOptions& options) {
+absl::Status CheckReplay(const ReplayOptions& options) {
   if (options.map.empty() == !options.record_only) {
     return InvalidArgument("say with --map which map the log goes into, or --record-only");
   }
@@ -171,8 +171,8 @@ absl::Status CleanUp(std::unique_ptr<client::Spool> spool, bool own_file, const 
   return absl::OkStatus();
 }
 
-absl::Status Run(const Globals& globals, ReplayOptions options) {
-  ENFILADE_RETURN_IF_ERROR(Check(options));
+absl::Status RunReplay(const Globals& globals, ReplayOptions options) {
+  ENFILADE_RETURN_IF_ERROR(CheckReplay(options));
   ReplayResult result;
   ENFILADE_ASSIGN_OR_RETURN(result.log, CheckLogWithProgress(globals, options));
   if (!globals.json && !globals.quiet) PrintLog(std::cout, options, result.log);
@@ -227,7 +227,7 @@ absl::Status Run(const Globals& globals, ReplayOptions options) {
 void AddReplay(CLI::App& app, const Globals& globals) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = AddCommand(app, "replay", "Bring a recorded log to the server as a robot would",
-                                 [&globals, options] { return Run(globals, *options); });
+                                 [&globals, options] { return RunReplay(globals, *options); });
   command->add_option("LOG", options->log, "CARMEN (.log, .clf, .gz), JSON lines, ...: see docs/logs.md")->required();
   command->add_option("--map", options->map, "The map that it goes into, by name or id; created where missing");
   command->add_flag("--record-only", options->record_only, "Into no map: only store the records");

@@ -25,7 +25,7 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct RobotCommandOptions {
   std::string source;
   std::string campus;
   std::string robot = "robot";
@@ -54,7 +54,7 @@ absl::StatusOr<std::optional<double>> RateOf(const std::string& text) {
   return InvalidArgument("--rate is \"{}\": expected max, real or a factor such as 2.5", text);
 }
 
-absl::StatusOr<robot::RobotOptions> LoadOptions(const Options& options) {
+absl::StatusOr<robot::RobotOptions> LoadAgentOptions(const RobotCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(robot::RobotOptions loaded, robot::RobotPreset(options.preset));
   if (!options.options_file.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadWholeFile(options.options_file));
@@ -66,7 +66,7 @@ absl::StatusOr<robot::RobotOptions> LoadOptions(const Options& options) {
   return loaded;
 }
 
-absl::Status Check(const Options& options) {
+absl::Status CheckRobot(const RobotCommandOptions& options) {
   if (options.source.empty() == options.campus.empty()) {
     return InvalidArgument("say what the robot's sensors see: a LOG, - for JSON lines on standard input, or --campus");
   }
@@ -80,14 +80,14 @@ absl::Status Check(const Options& options) {
 }
 
 // Where the robot is put: MAP,X,Y,YAW.
-absl::StatusOr<std::variant<robot::RecordNewMap, robot::MapOnOldMap>> StartOf(const Options& options,
+absl::StatusOr<std::variant<robot::RecordNewMap, robot::MapOnOldMap>> StartOf(const RobotCommandOptions& options,
                                                                               const Eigen::Matrix3d& covariance) {
   if (options.on_old_map.empty()) return robot::RecordNewMap{options.map};
   ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.on_old_map));
   return robot::MapOnOldMap{place.map, {place.pose, covariance}};
 }
 
-absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const Options& options,
+absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const RobotCommandOptions& options,
                                                           const robot::RobotOptions& robot_options,
                                                           const Eigen::Matrix3d& covariance) {
   if (options.source == "-") return robot::OpenLines(STDIN_FILENO, std::filesystem::current_path(), covariance);
@@ -103,7 +103,7 @@ absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const Options& options
   return robot::OpenSimulation(options.campus, options.robot, simulation, options.truth);
 }
 
-absl::StatusOr<std::string> SpoolPathOf(const Options& options) {
+absl::StatusOr<std::string> SpoolPathOf(const RobotCommandOptions& options) {
   if (!options.spool.empty()) return options.spool;
   return DefaultSpoolPath("robot-" + options.robot);
 }
@@ -151,13 +151,13 @@ robot::News Summary(const robot::Agent& agent, const absl::Status& status) {
        {"ok", status.ok()}}};
 }
 
-absl::Status RunRobot(const Globals& globals, const Options& options) {
-  ENFILADE_ASSIGN_OR_RETURN(robot::RobotOptions robot_options, LoadOptions(options));
+absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(robot::RobotOptions robot_options, LoadAgentOptions(options));
   if (options.print_options) {
     std::cout << robot::FormatRobotOptions(robot_options);
     return absl::OkStatus();
   }
-  ENFILADE_RETURN_IF_ERROR(Check(options));
+  ENFILADE_RETURN_IF_ERROR(CheckRobot(options));
   robot::RunOptions run;
   ENFILADE_ASSIGN_OR_RETURN(run.rate, RateOf(options.rate));
   run.live = options.source == "-";
@@ -203,7 +203,7 @@ absl::Status RunRobot(const Globals& globals, const Options& options) {
                                                      spool->usage().records, spool_path));
 }
 
-void AddSimulation(CLI::App* command, const std::shared_ptr<Options>& options) {
+void AddSimulation(CLI::App* command, const std::shared_ptr<RobotCommandOptions>& options) {
   simulator::SimulationOptions& simulation = options->simulation;
   simulation.image_hz = 2.0;
   simulation.cloud_hz = 1.0;
@@ -222,7 +222,7 @@ void AddSimulation(CLI::App* command, const std::shared_ptr<Options>& options) {
 }  // namespace
 
 void AddRobot(CLI::App& app, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RobotCommandOptions>();
   CLI::App* command = AddCommand(app, "robot", "Map a campus as a robot does: doors, sessions, maps (docs/robot.md)",
                                  [&globals, options] { return RunRobot(globals, *options); });
   command->add_option("SOURCE", options->source, "A recorded log, or - for JSON lines on standard input");

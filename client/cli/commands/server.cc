@@ -10,7 +10,7 @@
 namespace enfilade::cli {
 namespace {
 
-absl::Status Status(const Globals& globals) {
+absl::Status PrintStatus(const Globals& globals) {
   ENFILADE_ASSIGN_OR_RETURN(
       const v1::GetServerStatusResponse status,
       ConnectionOf(globals).Call(&v1::ServerService::Stub::GetServerStatus, v1::GetServerStatusRequest()));
@@ -40,7 +40,7 @@ void AddServer(CLI::App& app, const Globals& globals) {
   CLI::App* server = app.add_subcommand("server", "The server itself");
   server->require_subcommand(1);
   CLI::App* status = AddCommand(*server, "status", "Version, readiness, load; exit code 4 where it is not ready",
-                                [&globals] { return Status(globals); });
+                                [&globals] { return PrintStatus(globals); });
   status->footer("Example: enfilade --server robots.example:50051 server status");
 }
 

@@ -13,7 +13,7 @@ namespace enfilade::cli {
 namespace {
 
 // "RECORDING", "FINISHED", ...
-std::string StateInWords(v1::Session::State state) {
+std::string SessionStateInWords(v1::Session::State state) {
   const std::string name = v1::Session::State_Name(state);
   const std::string prefix = "STATE_";
   return name.rfind(prefix, 0) == 0 ? name.substr(prefix.size()) : name;
@@ -25,7 +25,7 @@ nlohmann::json ToJson(const v1::Session& session) {
   return {{"name", session.name()},
           {"robot", session.robot()},
           {"map", session.map()},
-          {"state", StateInWords(session.state())},
+          {"state", SessionStateInWords(session.state())},
           {"acknowledged_sequence", session.acknowledged_sequence()},
           {"mapped_sequence", session.mapped_sequence()},
           {"records",
@@ -47,7 +47,7 @@ nlohmann::json ToJson(const v1::Session& session) {
           {"finish_time", TimeInWords(session.finish_time())}};
 }
 
-absl::Status List(const Globals& globals) {
+absl::Status ListSessions(const Globals& globals) {
   const Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
@@ -59,7 +59,7 @@ absl::Status List(const Globals& globals) {
     for (const v1::Session& session : page.sessions()) {
       documents.push_back(ToJson(session));
       rows.push_back({IdOf(session.name()), IdOf(session.robot()), session.map().empty() ? "-" : IdOf(session.map()),
-                      StateInWords(session.state()), std::to_string(session.acknowledged_sequence()),
+                      SessionStateInWords(session.state()), std::to_string(session.acknowledged_sequence()),
                       std::to_string(session.mapped_sequence()), TimeInWords(session.create_time())});
     }
     request.set_page_token(page.next_page_token());
@@ -72,7 +72,7 @@ absl::Status List(const Globals& globals) {
   return absl::OkStatus();
 }
 
-absl::Status Show(const Globals& globals, const std::string& id) {
+absl::Status ShowSession(const Globals& globals, const std::string& id) {
   v1::GetSessionRequest request;
   request.set_name(SessionNameOf(globals, id));
   ENFILADE_ASSIGN_OR_RETURN(const v1::GetSessionResponse response,
@@ -84,7 +84,7 @@ absl::Status Show(const Globals& globals, const std::string& id) {
   }
   const v1::RecordCounts& records = session.record_counts();
   const v1::MappingCounts& mapping = session.mapping_counts();
-  std::cout << session.name() << "  " << StateInWords(session.state()) << '\n'
+  std::cout << session.name() << "  " << SessionStateInWords(session.state()) << '\n'
             << "robot    " << session.robot() << '\n'
             << "map      " << (session.map().empty() ? "(only recorded)" : session.map()) << '\n'
             << "records  " << session.acknowledged_sequence() << " acknowledged: " << records.laser_scans()
@@ -103,9 +103,11 @@ absl::Status Show(const Globals& globals, const std::string& id) {
 void AddSession(CLI::App& app, const Globals& globals) {
   CLI::App* session = app.add_subcommand("session", "Mapping sessions: what robots recorded");
   session->require_subcommand(1);
-  AddCommand(*session, "list", "List the site's sessions, the newest first", [&globals] { return List(globals); });
+  AddCommand(*session, "list", "List the site's sessions, the newest first",
+             [&globals] { return ListSessions(globals); });
   auto id = std::make_shared<std::string>();
-  CLI::App* show = AddCommand(*session, "show", "Show one session", [&globals, id] { return Show(globals, *id); });
+  CLI::App* show =
+      AddCommand(*session, "show", "Show one session", [&globals, id] { return ShowSession(globals, *id); });
   show->add_option("SESSION", *id, "Its id or resource name")->required();
   show->footer("Example: enfilade session show 5d0c... --json");
   AddSessionDoors(*session, globals);

@@ -20,11 +20,6 @@ std::string DecisionInWords(v1::DoorVerdict::Decision decision) {
   return name;
 }
 
-nlohmann::json ToJson(const v1::PoseWithCovariance& pose) {
-  return {{"pose", {pose.pose().x(), pose.pose().y(), pose.pose().yaw()}},
-          {"covariance", std::vector<double>(pose.covariance().begin(), pose.covariance().end())}};
-}
-
 nlohmann::json ToJson(const v1::DoorComparison& comparison) {
   return {{"link_point", comparison.link_point()},
           {"map", comparison.map()},
@@ -46,7 +41,7 @@ nlohmann::json ToJson(const v1::DoorVerdict& verdict) {
           {"decision", DecisionInWords(verdict.decision())},
           {"link_point", verdict.link_point()},
           {"entered_map", verdict.entered_map()},
-          {"pose_map_robot", verdict.has_pose_map_robot() ? ToJson(verdict.pose_map_robot()) : nlohmann::json()},
+          {"pose_map_robot", verdict.has_pose_map_robot() ? PoseToJson(verdict.pose_map_robot()) : nlohmann::json()},
           {"comparisons", std::move(comparisons)},
           {"reason", verdict.reason()},
           {"graph_version", verdict.graph_version()},
@@ -55,7 +50,7 @@ nlohmann::json ToJson(const v1::DoorVerdict& verdict) {
 
 std::string IdOrDash(const std::string& name) { return name.empty() ? "-" : IdOf(name); }
 
-absl::Status List(const Globals& globals, const std::string& session) {
+absl::Status ListDoors(const Globals& globals, const std::string& session) {
   const Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
@@ -84,7 +79,7 @@ absl::Status List(const Globals& globals, const std::string& session) {
 void AddSessionDoors(CLI::App& session, const Globals& globals) {
   auto id = std::make_shared<std::string>();
   CLI::App* doors = AddCommand(session, "doors", "What was made of its door reports, with the comparisons (--json)",
-                               [&globals, id] { return List(globals, *id); });
+                               [&globals, id] { return ListDoors(globals, *id); });
   doors->add_option("SESSION", *id, "Its id or resource name")->required();
   doors->footer("Example: enfilade session doors 5d0c... --json");
 }

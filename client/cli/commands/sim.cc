@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kRadians = M_PI / 180.0;
 
-struct Options {
+struct SimCommandOptions {
   std::string campus;
   std::string output;
   std::vector<std::string> robots;
@@ -40,7 +40,7 @@ absl::Status WritePlans(const simulator::World& world, const std::map<std::strin
   return absl::OkStatus();
 }
 
-void Print(const Globals& globals, const std::vector<simulator::DriveReport>& reports) {
+void PrintSim(const Globals& globals, const std::vector<simulator::DriveReport>& reports) {
   nlohmann::json document = nlohmann::json::array();
   for (const simulator::DriveReport& report : reports) {
     document.push_back({{"robot", report.robot},
@@ -60,7 +60,7 @@ void Print(const Globals& globals, const std::vector<simulator::DriveReport>& re
   if (globals.json) PrintJson(std::cout, {{"drives", document}});
 }
 
-absl::Status Run(const Globals& globals, Options options) {
+absl::Status RunSim(const Globals& globals, SimCommandOptions options) {
   ENFILADE_ASSIGN_OR_RETURN(simulator::Campus campus, simulator::LoadCampus(options.campus));
   options.simulation.scanner.field_of_view = options.field_of_view_deg * kRadians;
   if (options.laps > 0) options.simulation.laps = options.laps;
@@ -84,18 +84,18 @@ absl::Status Run(const Globals& globals, Options options) {
   ENFILADE_RETURN_IF_ERROR(WritePlans(*world, drives, options.output));
   ENFILADE_RETURN_IF_ERROR(simulator::WriteFile(std::filesystem::path(options.output) / "sensors.json",
                                                 simulator::SensorDescription(options.simulation)));
-  Print(globals, reports);
+  PrintSim(globals, reports);
   return absl::OkStatus();
 }
 
 }  // namespace
 
 void AddSim(CLI::App& app, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimCommandOptions>();
   simulator::SimulationOptions& simulation = options->simulation;
   CLI::App* command =
       AddCommand(app, "sim", "Drive robots through a simulated campus and write their logs and the truth",
-                 [&globals, options] { return Run(globals, *options); });
+                 [&globals, options] { return RunSim(globals, *options); });
   command
       ->add_option("CAMPUS", options->campus,
                    fmt::format("A YAML file (docs/simulator.md), random:SEED, or one of: {}",

@@ -13,14 +13,14 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct SimulateCommandOptions {
   std::string output;
   std::string truth;
   simulator::SimulationOptions simulation = simulator::RoomsOptions();
   int laps = 2;
 };
 
-absl::Status Run(const Globals& globals, Options options) {
+absl::Status RunSimulate(const Globals& globals, SimulateCommandOptions options) {
   options.simulation.laps = options.laps;
   ENFILADE_ASSIGN_OR_RETURN(const simulator::Drive drive, simulator::SimulateRooms(options.simulation));
   std::string log = sources::JsonLinesHeader();
@@ -48,10 +48,10 @@ absl::Status Run(const Globals& globals, Options options) {
 }  // namespace
 
 void AddSimulate(CLI::App& app, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateCommandOptions>();
   CLI::App* command =
       AddCommand(app, "simulate", "Write the log of a simulated drive through a few rooms (a preset of sim)",
-                 [&globals, options] { return Run(globals, *options); });
+                 [&globals, options] { return RunSimulate(globals, *options); });
   command->add_option("-o,--output", options->output, "The log to write (JSON lines)")->required();
   command->add_option("--truth", options->truth, "Also write the true poses: lines \"t x y yaw\"");
   command->add_option("--seed", options->simulation.seed, "Of all noise")->capture_default_str();

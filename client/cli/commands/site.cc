@@ -33,13 +33,13 @@ nlohmann::json ToJson(const v1::Site& site) {
   return json;
 }
 
-struct CreateOptions {
+struct CreateSiteCommandOptions {
   std::string id;
   std::string display_name;
   std::int64_t retention_days = 0;
 };
 
-absl::Status Create(const Globals& globals, const CreateOptions& options) {
+absl::Status CreateSite(const Globals& globals, const CreateSiteCommandOptions& options) {
   v1::CreateSiteRequest request;
   request.set_site_id(options.id);
   request.mutable_site()->set_display_name(options.display_name.empty() ? options.id : options.display_name);
@@ -56,7 +56,7 @@ absl::Status Create(const Globals& globals, const CreateOptions& options) {
   return absl::OkStatus();
 }
 
-absl::Status List(const Globals& globals) {
+absl::Status ListSites(const Globals& globals) {
   const Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
@@ -80,7 +80,7 @@ absl::Status List(const Globals& globals) {
   return absl::OkStatus();
 }
 
-struct AuditOptions {
+struct AuditCommandOptions {
   std::string resource;
   int count = 50;
 };
@@ -95,7 +95,7 @@ nlohmann::json ToJson(const v1::AuditEntry& entry) {
   return json;
 }
 
-absl::Status Audit(const Globals& globals, const AuditOptions& options) {
+absl::Status PrintAudit(const Globals& globals, const AuditCommandOptions& options) {
   const Connection connection = ConnectionOf(globals);
   const std::string site = SiteNameOf(globals);
   v1::ListAuditEntriesRequest request;
@@ -124,18 +124,18 @@ absl::Status Audit(const Globals& globals, const AuditOptions& options) {
 void AddSite(CLI::App& app, const Globals& globals) {
   CLI::App* site = app.add_subcommand("site", "Sites: the campuses that a server keeps apart");
   site->require_subcommand(1);
-  auto options = std::make_shared<CreateOptions>();
+  auto options = std::make_shared<CreateSiteCommandOptions>();
   CLI::App* create =
-      AddCommand(*site, "create", "Create a site", [&globals, options] { return Create(globals, *options); });
+      AddCommand(*site, "create", "Create a site", [&globals, options] { return CreateSite(globals, *options); });
   create->add_option("ID", options->id, "Its id: 1 to 63 of a-z, 0-9 and \"-\"")->required();
   create->add_option("--name", options->display_name, "Its name for people");
   create->add_option("--retention-days", options->retention_days,
                      "Delete raw records so long after mapping (default: never)");
   create->footer("Example: enfilade site create campus --name \"North campus\"");
-  AddCommand(*site, "list", "List the sites", [&globals] { return List(globals); });
-  auto audit_options = std::make_shared<AuditOptions>();
+  AddCommand(*site, "list", "List the sites", [&globals] { return ListSites(globals); });
+  auto audit_options = std::make_shared<AuditCommandOptions>();
   CLI::App* audit = AddCommand(*site, "audit", "Who changed which map or link point when, the newest first",
-                               [&globals, audit_options] { return Audit(globals, *audit_options); });
+                               [&globals, audit_options] { return PrintAudit(globals, *audit_options); });
   audit->add_option("RESOURCE", audit_options->resource, "Only this one and what is below it: maps/ID, linkPoints/ID");
   audit->add_option("-n,--count", audit_options->count, "How many")->capture_default_str()->check(CLI::Range(1, 1000));
   audit->footer("Example: enfilade site audit linkPoints/door-1 --json");

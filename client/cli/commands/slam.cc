@@ -28,7 +28,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct SlamCommandOptions {
   std::string log;
   std::string directory;
   bool no_odometry = false;
@@ -48,7 +48,7 @@ struct SlamRun {
   double seconds = 0.0;  // of mapping, reading the log not counted
 };
 
-absl::StatusOr<SlamOptions> LoadOptions(const std::string& path) {
+absl::StatusOr<SlamOptions> LoadSlamOptions(const std::string& path) {
   if (path.empty()) return SlamOptions{};
   std::ifstream file(path, std::ios::binary);
   if (!file) return NotFound("{}: no such file", path);
@@ -59,7 +59,7 @@ absl::StatusOr<SlamOptions> LoadOptions(const std::string& path) {
 }
 
 // The map that is there already, if any.
-absl::StatusOr<std::optional<OldMap>> LoadOldMap(const Options& options, const SlamOptions& slam) {
+absl::StatusOr<std::optional<OldMap>> LoadOldMap(const SlamCommandOptions& options, const SlamOptions& slam) {
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<PoseWithCovariance> entry, EntryOf(options.entry));
   if (options.old_map.empty() != !entry) {
     return InvalidArgument("slam: --on says in which map, and --at where in it: give both or none");
@@ -72,7 +72,7 @@ absl::StatusOr<std::optional<OldMap>> LoadOldMap(const Options& options, const S
   return OldMap{*grid, {*entry, std::nullopt}};
 }
 
-absl::StatusOr<SlamRun> Map(const Globals& globals, const Options& options, const SlamOptions& slam) {
+absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions& options, const SlamOptions& slam) {
   sources::LogOptions log_options;
   log_options.odometry = !options.no_odometry;
   log_options.skip_bad_lines = options.skip_bad_lines;
@@ -134,15 +134,15 @@ void PrintReport(const Globals& globals, const SlamRun& run) {
   }
 }
 
-absl::Status Run(const Globals& globals, const Options& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, LoadOptions(options.options_file));
+absl::Status RunSlam(const Globals& globals, const SlamCommandOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, LoadSlamOptions(options.options_file));
   if (options.print_options) {
     std::cout << FormatSlamOptions(slam);
     return absl::OkStatus();
   }
   if (options.log.empty()) return InvalidArgument("slam: which LOG? (enfilade slam --help)");
   if (options.plot && options.directory.empty()) return InvalidArgument("slam: --plot needs -o DIR to write into");
-  ENFILADE_ASSIGN_OR_RETURN(const SlamRun run, Map(globals, options, slam));
+  ENFILADE_ASSIGN_OR_RETURN(const SlamRun run, MapLog(globals, options, slam));
   if (!options.directory.empty()) {
     ENFILADE_RETURN_IF_ERROR(WriteSlamFiles(options.directory, run.map, run.grid, options.plot));
   }
@@ -153,9 +153,9 @@ absl::Status Run(const Globals& globals, const Options& options) {
 }  // namespace
 
 void AddSlam(CLI::App& app, const Globals& globals) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SlamCommandOptions>();
   CLI::App* command = AddCommand(app, "slam", "Make a map of a recorded log, here, without a server",
-                                 [&globals, options] { return Run(globals, *options); });
+                                 [&globals, options] { return RunSlam(globals, *options); });
   command->add_option("LOG", options->log, "The log (docs/logs.md lists the formats)");
   command->add_option("-o,--output", options->directory,
                       "The folder for trajectory.txt, map.pgm, map.yaml, map.png and closures.json");

@@ -13,13 +13,13 @@
 namespace enfilade::cli {
 namespace {
 
-struct Options {
+struct TrajectoryCommandOptions {
   std::string session;
   std::string output;
 };
 
-absl::StatusOr<std::int64_t> Receive(const Connection& connection, const v1::ExportTrajectoryRequest& request,
-                                     std::ostream& out) {
+absl::StatusOr<std::int64_t> ReceiveTrajectory(const Connection& connection, const v1::ExportTrajectoryRequest& request,
+                                               std::ostream& out) {
   v1::SessionService::Stub stub(connection.channel());
   grpc::ClientContext context;
   const auto reader = stub.ExportTrajectory(&context, request);
@@ -36,7 +36,7 @@ absl::StatusOr<std::int64_t> Receive(const Connection& connection, const v1::Exp
   return poses;
 }
 
-absl::Status Export(const Globals& globals, const Options& options) {
+absl::Status ExportTrajectory(const Globals& globals, const TrajectoryCommandOptions& options) {
   v1::ExportTrajectoryRequest request;
   request.set_name(SessionNameOf(globals, options.session));
   const bool to_stdout = options.output == "-";
@@ -46,7 +46,7 @@ absl::Status Export(const Globals& globals, const Options& options) {
     if (!file) return InvalidArgument("cannot write to {}", options.output);
   }
   std::ostream& out = to_stdout ? std::cout : file;
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t poses, Receive(ConnectionOf(globals), request, out));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t poses, ReceiveTrajectory(ConnectionOf(globals), request, out));
   out.flush();
   if (!out) return ResourceExhausted("{} could not be written: is the disk full?", options.output);
   if (globals.json && !to_stdout) PrintJson(std::cout, {{"poses", poses}, {"file", options.output}});
@@ -59,10 +59,10 @@ absl::Status Export(const Globals& globals, const Options& options) {
 void AddTrajectory(CLI::App& app, const Globals& globals) {
   CLI::App* trajectory = app.add_subcommand("trajectory", "Where a robot was");
   trajectory->require_subcommand(1);
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TrajectoryCommandOptions>();
   CLI::App* export_command =
       AddCommand(*trajectory, "export", "Write every mapped scan's pose: lines `t x y yaw` (absolute seconds, m, rad)",
-                 [&globals, options] { return Export(globals, *options); });
+                 [&globals, options] { return ExportTrajectory(globals, *options); });
   export_command->add_option("SESSION", options->session, "The session's id or resource name")->required();
   export_command->add_option("-o,--output", options->output, "The file; - for standard output")->required();
   export_command->footer("Example: enfilade trajectory export 5d0c... -o trajectory.txt");
