@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/synchronization/mutex.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/slam/slam_options_yaml.h"
@@ -109,6 +110,8 @@ absl::Status Run(const CommandLine& command_line) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Built with assertions, as Debian's, Abseil keeps a graph of the order of gRPC's locks, and aborts at a cycle in it.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   CLI::App app("The map service of a fleet of robots.", "enfilade-server");
   app.set_version_flag("--version", std::string(kVersion));
   CommandLine command_line;

@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "absl/synchronization/mutex.h"
 #include "client/cli/command.h"
 #include "client/cli/commands/closure.h"
 #include "client/cli/commands/completion.h"
@@ -25,6 +26,8 @@
 
 int main(int argc, char** argv) {
   using namespace enfilade::cli;
+  // Built with assertions, as Debian's, Abseil keeps a graph of the order of gRPC's locks, and aborts at a cycle in it.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   CLI::App app("Enfilade: one campus map for a fleet of robots.", "enfilade");
   app.require_subcommand(1);
   app.fallthrough();
