@@ -54,6 +54,7 @@ absl::Status Agent::BeginWithScan(const SpoolItem& item) {
   std::string how = fmt::format("into \"{}\"", session.map);
   if (!action.T_map_robot) {
     const SurroundingsChoice::Verdict verdict = choice_.Choose(0);
+    session.surroundings = verdict.surroundings;
     how += ", " + verdict.reason;
   }
   return Begin(std::move(session), how);

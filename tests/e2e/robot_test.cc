@@ -68,6 +68,7 @@ TEST_F(RobotTest, LosesNothingWhileTheServerIsAwayAndChainsItsSessions) {
   EXPECT_EQ(Number("SELECT count(*) FROM sessions"), static_cast<std::int64_t>(begun.size()));
   EXPECT_EQ(Number("SELECT count(*) FROM sessions WHERE state = 3"), static_cast<std::int64_t>(begun.size()))
       << "mapped";
+  EXPECT_EQ(system_.Query("SELECT environment FROM maps WHERE display_name = 'Rooms'"), "1");
   for (std::size_t i = 1; i < begun.size(); ++i) {
     EXPECT_EQ(system_.Query("SELECT previous_session_id FROM sessions WHERE session_id = '" +
                             begun[i].at("session").get<std::string>() + "'"),
@@ -89,6 +90,16 @@ TEST_F(RobotTest, BringsWhatAKilledRunLeftAndGoesOnInAnotherSession) {
   const std::string session = leftover[0].at("session");
   EXPECT_GE(Number("SELECT acknowledged_sequence FROM sessions WHERE session_id = '" + session + "'"), acknowledged);
   EXPECT_EQ(system_.Query("SELECT state FROM sessions WHERE session_id = '" + session + "'"), "3");
+}
+
+TEST_F(RobotTest, TellsTheServerThatItBeginsOutdoors) {
+  const std::filesystem::path options = system_.directory() / "robot.yaml";
+  std::ofstream(options) << "range_thr: 0.5\n";  // what no room is smaller than
+  const auto robot = StartRobot({"--campus", "rooms", "--laps", "1", "--image-hz", "0", "--cloud-hz", "0", "--map",
+                                 "Yard", "--options", options.string()},
+                                "robot.jsonl");
+  ASSERT_EQ(robot->Wait(std::chrono::minutes(5)), 0) << TailOf(system_.directory() / "robot.jsonl");
+  EXPECT_EQ(system_.Query("SELECT environment FROM maps WHERE display_name = 'Yard'"), "2");
 }
 
 TEST_F(RobotTest, SaysWhyWhereTheServerRefusesASession) {

@@ -30,7 +30,7 @@ absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database,
   ENFILADE_ASSIGN_OR_RETURN(SqliteStatement query,
                             database.Prepare("SELECT key, id, site, robot, map, request_id, source, "
                                              "last_sequence, acknowledged_sequence, finished, "
-                                             "closed, entry FROM sessions ORDER BY key"));
+                                             "closed, entry, surroundings FROM sessions ORDER BY key"));
   std::vector<SpoolSession> sessions;
   while (true) {
     ENFILADE_ASSIGN_OR_RETURN(const bool found, query.Step());
@@ -48,6 +48,9 @@ absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database,
     session.finished = query.Int(9) != 0;
     session.closed = query.Int(10) != 0;
     ENFILADE_ASSIGN_OR_RETURN(session.entry, DecodeSessionEntry(query.Blob(11)));
+    if (const std::int64_t surroundings = query.Int(12); surroundings != 0) {
+      session.surroundings = static_cast<Surroundings>(surroundings);
+    }
   }
 }
 
@@ -110,12 +113,12 @@ absl::Status Spool::CreateSession(const SpoolSession& session) {
     return AlreadyExists("{}: the spool holds a session {} already", path_, session.id.value());
   }
   ENFILADE_ASSIGN_OR_RETURN(SqliteStatement insert,
-                            writer_.Prepare("INSERT INTO sessions (id, site, robot, map, request_id, source, entry) "
-                                            "VALUES (?, ?, ?, ?, ?, ?, ?) RETURNING key"));
+                            writer_.Prepare("INSERT INTO sessions (id, site, robot, map, request_id, source, "
+                                            "entry, surroundings) VALUES (?, ?, ?, ?, ?, ?, ?, ?) RETURNING key"));
   const std::string entry = Encode(session.entry);
   insert.BindText(1, session.id.value()).BindText(2, session.site.value()).BindText(3, session.robot.value());
   insert.BindText(4, session.map).BindText(5, session.request_id).BindText(6, session.source);
-  insert.BindBlob(7, entry);
+  insert.BindBlob(7, entry).Bind(8, static_cast<std::int64_t>(session.surroundings.value_or(Surroundings{})));
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());
   const std::int64_t key = insert.Int(0);
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());  // to its end: this commits

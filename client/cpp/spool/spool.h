@@ -17,6 +17,7 @@
 #include "client/cpp/spool/sqlite.h"
 #include "core/base/ids.h"
 #include "core/base/mutex.h"
+#include "core/sensor/environment_choice.h"
 #include "core/sensor/record.h"
 #include "core/sensor/session_entry.h"
 
@@ -35,6 +36,7 @@ struct SpoolSession {
   RobotId robot;
   std::string map;  // by display name or id; empty: only recorded, or the map follows from entry.previous
   SessionEntry entry;
+  std::optional<Surroundings> surroundings;  // of a map that is made for it; unset: not known
   std::string request_id;  // of CreateSession: the same after a restart, so that the session is created once
   std::string source;      // what is recorded (a log's hash, a driver's name): the owner's, to tell whether to go on
   // Set by the spool.

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::int64_t kApplicationId = 0x456E6653;  // "EnfS"
 
-// entry: core's SessionEntry. kind: core's RecordKind. payload: core's record codec. crc: CRC-32 of the payload, as
-// SQLite has no checksums.
+// entry: core's SessionEntry. surroundings: core's, 0 where unknown. kind: core's RecordKind. payload: core's record
+// codec. crc: CRC-32 of the payload, as SQLite has no checksums.
 constexpr const char* kSchema = R"sql(
 CREATE TABLE sessions (
   key INTEGER PRIMARY KEY,
@@ -23,6 +23,7 @@ CREATE TABLE sessions (
   request_id TEXT NOT NULL,
   source TEXT NOT NULL,
   entry BLOB NOT NULL DEFAULT x'',
+  surroundings INTEGER NOT NULL DEFAULT 0,
   last_sequence INTEGER NOT NULL DEFAULT 0,
   acknowledged_sequence INTEGER NOT NULL DEFAULT 0,
   finished INTEGER NOT NULL DEFAULT 0,
@@ -58,11 +59,14 @@ absl::Status Create(SqliteDatabase& database) {
   return transaction.Commit();
 }
 
-// Of layout 1 no session has an entry.
-absl::Status Upgrade(SqliteDatabase& database) {
+// Of layout 1 no session has an entry, of layout 2 none has surroundings.
+absl::Status Upgrade(SqliteDatabase& database, std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(SqliteTransaction transaction, SqliteTransaction::Begin(database));
-  ENFILADE_RETURN_IF_ERROR(database.Execute(fmt::format(
-      "ALTER TABLE sessions ADD COLUMN entry BLOB NOT NULL DEFAULT x''; PRAGMA user_version = {}", kSpoolVersion)));
+  if (version < 2) {
+    ENFILADE_RETURN_IF_ERROR(database.Execute("ALTER TABLE sessions ADD COLUMN entry BLOB NOT NULL DEFAULT x''"));
+  }
+  ENFILADE_RETURN_IF_ERROR(database.Execute("ALTER TABLE sessions ADD COLUMN surroundings INTEGER NOT NULL DEFAULT 0"));
+  ENFILADE_RETURN_IF_ERROR(database.Execute(fmt::format("PRAGMA user_version = {}", kSpoolVersion)));
   return transaction.Commit();
 }
 
@@ -78,7 +82,7 @@ absl::Status PrepareSpoolFile(SqliteDatabase& database, const std::string& path,
     return FailedPrecondition("{}: was made by a newer program (layout {}, this one knows up to {}): update this one",
                               path, version, kSpoolVersion);
   }
-  if (version < kSpoolVersion) ENFILADE_RETURN_IF_ERROR(Upgrade(database));
+  if (version < kSpoolVersion) ENFILADE_RETURN_IF_ERROR(Upgrade(database, version));
   if (!check) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const std::string report, database.QueryText("PRAGMA quick_check(1)"));
   if (report == "ok") return absl::OkStatus();

@@ -6,7 +6,7 @@
 namespace enfilade::client {
 
 // The layout of a spool's file. A new layout gets a new number, and Open brings older files up to it.
-constexpr int kSpoolVersion = 2;
+constexpr int kSpoolVersion = 3;
 
 // Makes a fresh file a spool, or checks that it is one: FAILED_PRECONDITION where another program's or a newer
 // program's, DATA_LOSS where damaged (`check`: looked through as a whole).

@@ -29,6 +29,11 @@ absl::StatusOr<v1::Map> CreateMap(const Connection& connection, const SpoolSessi
   request.set_parent(NameOf(session.site));
   if (IsValidResourceId(session.map)) request.set_map_id(session.map);
   request.mutable_map()->set_display_name(session.map);
+  if (session.surroundings == Surroundings::kOutdoor) {
+    request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_OUTDOOR);
+  } else if (session.surroundings == Surroundings::kIndoor) {
+    request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
+  }
   const auto created = connection.Call(&v1::MapService::Stub::CreateMap, request);
   if (created.ok()) return created->map();
   if (absl::IsAlreadyExists(created.status())) return FindMap(connection, session.site, session.map);

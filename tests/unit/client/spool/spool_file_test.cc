@@ -63,12 +63,22 @@ TEST_F(SpoolFile, RefusesANewerLayout) {
 
 TEST_F(SpoolFile, BringsTheFirstLayoutUpToThisOne) {
   Fill(3);
-  Execute("ALTER TABLE sessions DROP COLUMN entry; PRAGMA user_version = 1");
+  Execute("ALTER TABLE sessions DROP COLUMN entry; ALTER TABLE sessions DROP COLUMN surroundings");
+  Execute("PRAGMA user_version = 1");
   ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
   const auto session = spool->FindSession(kRun);
   ASSERT_TRUE(session.has_value());
   EXPECT_EQ(session->last_sequence, 3);
   EXPECT_EQ(session->entry.previous, std::nullopt);
+  EXPECT_EQ(session->surroundings, std::nullopt);
+}
+
+TEST_F(SpoolFile, BringsTheSecondLayoutUpToThisOne) {
+  Fill(3);
+  Execute("ALTER TABLE sessions DROP COLUMN surroundings; PRAGMA user_version = 2");
+  ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
+  ASSERT_TRUE(spool->FindSession(kRun).has_value());
+  EXPECT_EQ(spool->FindSession(kRun)->surroundings, std::nullopt);
 }
 
 TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
@@ -77,10 +87,13 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   SpoolSession on_an_old_map = SampleSession("run-3");
   on_an_old_map.entry.T_map_robot = PoseWithCovariance{{1.0, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
   on_an_old_map.entry.T_odom_robot = Pose2{-1.0, 0.0, 3.0};
+  SpoolSession in_a_yard = SampleSession("run-4");
+  in_a_yard.surroundings = Surroundings::kOutdoor;
   {
     ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
     ASSERT_OK(spool->CreateSession(after_a_door));
     ASSERT_OK(spool->CreateSession(on_an_old_map));
+    ASSERT_OK(spool->CreateSession(in_a_yard));
   }
   ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
   EXPECT_EQ(spool->FindSession(after_a_door.id)->entry.previous, kRun);
@@ -89,6 +102,8 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   EXPECT_EQ(entry.T_map_robot->pose, on_an_old_map.entry.T_map_robot->pose);
   EXPECT_EQ(entry.T_map_robot->covariance, on_an_old_map.entry.T_map_robot->covariance);
   EXPECT_EQ(entry.T_odom_robot, on_an_old_map.entry.T_odom_robot);
+  EXPECT_EQ(spool->FindSession(in_a_yard.id)->surroundings, Surroundings::kOutdoor);
+  EXPECT_EQ(spool->FindSession(on_an_old_map.id)->surroundings, std::nullopt);
 }
 
 TEST_F(SpoolFile, TellsOfDamage) {
