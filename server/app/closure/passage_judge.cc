@@ -5,22 +5,18 @@
 #include <limits>
 #include <utility>
 
-#include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/base/uuid.h"
+#include "core/closure/joined_anchors.h"
+#include "core/closure/known_places.h"
 #include "core/graph/global_pose.h"
 #include "core/graph/pose_chain.h"
 #include "core/graph/search_radius.h"
-#include "server/app/closure/report_judge.h"
+#include "server/app/closure/arrival.h"
 
 namespace enfilade::server {
 namespace {
 
 TimeNs Seconds(double seconds) { return static_cast<TimeNs>(seconds * static_cast<double>(kNsPerSecond)); }
-
-std::optional<Pose2> PoseOf(const std::optional<PoseWithCovariance>& pose) {
-  return pose ? std::optional<Pose2>(pose->pose) : std::nullopt;
-}
 
 // What the robot saw between the door and its report: of what lies behind.
 absl::StatusOr<ViewsBehind> LookBehind(const CallContext& context, const PassageScene& passage, StoredViews& views,
@@ -70,15 +66,6 @@ const Anchor* FindBehind(const PassageScene& passage, const LinkPoint& link_poin
     if (behind == nullptr || IsOnLevel(passage, anchor.map)) behind = &anchor;
   }
   return behind;
-}
-
-void Recognise(const LinkPoint& link_point, const MapId& map, const PoseWithCovariance& T_map_robot, std::string why,
-               DoorVerdict& verdict) {
-  verdict.decision = DoorDecision::kLinkPointRecognised;
-  verdict.link_point = link_point.id;
-  verdict.entered_map = map;
-  verdict.T_map_robot = T_map_robot;
-  verdict.reason = std::move(why);
 }
 
 // A link point of this very map. True where it is one.
@@ -198,112 +185,6 @@ absl::StatusOr<std::vector<PlaceEvidence>> ComparePlaces(const CallContext& cont
   return compared;
 }
 
-// What the session saw before the door, for the anchor in its own map.
-void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point, DoorChange& change) {
-  const DoorReport& report = passage.report;
-  const SessionScene& scene = passage.scene;
-  // Where the robot was when it had the door before it, as a candidate is seen.
-  TimeNs before = report.door_time;
-  for (TimeNs time = report.door_time; time > report.door_time - Seconds(10.0); time -= Seconds(0.25)) {
-    const auto pose = scene.PoseAt(time);
-    if (!pose) break;
-    before = time;
-    if ((pose->pose.translation() - passage.T_map_door.pose.translation()).norm() >= passage.options.latch_distance) {
-      break;
-    }
-  }
-  const TimeNs window = Seconds(passage.options.image_window);
-  auto evidence = EvidenceAt(
-      scene, link_point, passage.map.id, before, before - window, report.door_time,
-      [&scene](TimeNs time) { return PoseOf(scene.PoseAt(time)); }, passage.options, change.verdict.evidence);
-  std::move(evidence.begin(), evidence.end(), std::back_inserter(change.evidence));
-}
-
-// ... and after it, for the anchor in the map behind.
-void KeepEvidenceBehind(const PassageScene& passage, const LinkPointId& link_point, const Anchor& there,
-                        DoorChange& change) {
-  const SessionScene& scene = passage.scene;
-  const Pose2 T_there_here = there.T_map_place * Inverse(passage.T_map_door.pose);
-  auto evidence = EvidenceAt(
-      scene, link_point, there.map, passage.report.time, passage.report.door_time, passage.report.time + Seconds(0.5),
-      [&](TimeNs time) -> std::optional<Pose2> {
-        const auto pose = scene.PoseAt(time);
-        return pose ? std::optional<Pose2>(T_there_here * pose->pose) : std::nullopt;
-      },
-      passage.options, change.verdict.evidence);
-  std::move(evidence.begin(), evidence.end(), std::back_inserter(change.evidence));
-}
-
-// A link point between two maps that are there already. The new map of it is unset.
-void JoinKnown(const PassageScene& passage, const JoinedAnchors& joined, const JudgedPlace& judged,
-               DoorChange& change) {
-  StoredLinkPoint made;
-  made.site = passage.map.site;
-  made.point.id = LinkPointId(NewUuid());
-  made.point.kind = passage.report.place;
-  made.point.direction = joined.there.map;
-  made.point.anchors = {joined.here, joined.there};
-  KeepEvidenceHere(passage, made.point.id, change);
-  KeepEvidenceBehind(passage, made.point.id, joined.there, change);
-  change.verdict.decision = DoorDecision::kLinkPointMade;
-  change.verdict.link_point = made.point.id;
-  change.verdict.entered_map = joined.there.map;
-  change.verdict.T_map_robot = judged.T_map_robot;
-  change.verdict.reason = "another door of a map that is known: " + judged.reason;
-  change.new_link_point = std::move(made);
-}
-
-// The robot has come to a place that it, or another robot, knew from the other side; or to a map that it knows, by a
-// door that is new.
-absl::Status Arrive(const CallContext& context, const PassageScene& passage, const Place& place,
-                    const JudgedPlace& judged, const std::vector<LinkPointId>& own, DoorChange& change) {
-  const MapId& here = passage.map.id;
-  const MapId& there = place.anchor->map;
-  const LinkPoint& point = *place.link_point;
-  change.consumed = own;
-  const JoinedAnchors joined =
-      JoinAtDoor(here, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot);
-  const bool is_door =
-      IsDoorOf(point, *place.anchor, {joined.there.T_map_place, joined.there.covariance}, passage.options);
-  if (is_door && !point.is_candidate() && point.FindAnchor(here) != nullptr) {
-    Recognise(point, there, judged.T_map_robot, judged.reason, change.verdict);
-    return absl::OkStatus();
-  }
-  const std::vector<const LinkPoint*> all = passage.graph.graph().ListLinkPoints();
-  if (const LinkPoint* other = FindRedundant(all, joined); other != nullptr) {
-    if (is_door && point.is_candidate()) change.consumed.push_back(point.id);
-    Recognise(*other, there, judged.T_map_robot, judged.reason + "; a link point joins the maps at that place already",
-              change.verdict);
-    return absl::OkStatus();
-  }
-  if (!is_door) {
-    JoinKnown(passage, joined, judged, change);
-    return absl::OkStatus();
-  }
-  ENFILADE_ASSIGN_OR_RETURN(StoredLinkPoint stored,
-                            passage.stores.link_points.Get(context, passage.map.site, point.id));
-  if (point.is_candidate()) {
-    // The candidate was seen from before the door; the link point is the door.
-    stored.point.anchors = {joined.there, joined.here};
-    stored.point.direction = there;
-    stored.point.kind = passage.report.place;
-    change.verdict.decision = DoorDecision::kCandidatePromoted;
-    change.verdict.link_point = point.id;
-    change.verdict.entered_map = there;
-    change.verdict.T_map_robot = judged.T_map_robot;
-    change.verdict.reason = judged.reason;
-  } else {
-    const PoseWithCovariance T_robot_place{Between(judged.T_map_robot.pose, place.anchor->T_map_place),
-                                           judged.T_map_robot.covariance};
-    const PoseWithCovariance T_here_place = Compose(passage.T_map_robot, T_robot_place);
-    stored.point.anchors.push_back({here, T_here_place.pose, T_here_place.covariance});
-    Recognise(point, there, judged.T_map_robot, judged.reason + "; this map is joined to it, too", change.verdict);
-  }
-  change.link_point = std::move(stored);
-  KeepEvidenceHere(passage, point.id, change);
-  return absl::OkStatus();
-}
-
 // Of the places that have the robot where the chosen one has it, the one whose door it came by; else the chosen one.
 std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& places, const PassageChoice& choice) {
   const JudgedPlace& chosen = choice.judged[*choice.chosen];
@@ -322,60 +203,7 @@ std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& plac
   return *choice.chosen;
 }
 
-// Nothing known: a link point, and a map that begins at it.
-void Begin(const PassageScene& passage, const std::vector<LinkPointId>& own, std::string why, DoorChange& change) {
-  change.new_map = MapBehind(passage.map, &passage.report, passage.options);
-  change.consumed = own;
-  StoredLinkPoint made;
-  made.site = passage.map.site;
-  made.environment = change.new_map->environment;
-  LinkPoint& point = made.point;
-  point.id = LinkPointId(NewUuid());
-  point.kind = passage.report.place;
-  point.direction = change.new_map->id;
-  point.anchors = {{passage.map.id, passage.T_map_door.pose, passage.T_map_door.covariance},
-                   OriginAnchor(change.new_map->id, passage.options)};
-  const Pose2 T_door_robot = Between(passage.T_map_door.pose, passage.T_map_robot.pose);
-  const double length = T_door_robot.translation().norm();
-  PoseWithCovariance T_new_robot{T_door_robot, point.anchors.back().covariance};
-  T_new_robot.covariance.diagonal() += Eigen::Vector3d(std::pow(passage.options.odometry_sigma * length, 2),
-                                                       std::pow(passage.options.odometry_sigma * length, 2),
-                                                       std::pow(passage.options.odometry_yaw_sigma * length, 2));
-  KeepEvidenceHere(passage, point.id, change);
-  KeepEvidenceBehind(passage, point.id, point.anchors.back(), change);
-  DoorVerdict& verdict = change.verdict;
-  verdict.decision = DoorDecision::kLinkPointMade;
-  verdict.link_point = point.id;
-  verdict.entered_map = change.new_map->id;
-  verdict.T_map_robot = T_new_robot;
-  verdict.reason = std::move(why);
-  change.new_link_point = std::move(made);
-}
-
 }  // namespace
-
-std::vector<Evidence> EvidenceAt(const SessionScene& scene, const LinkPointId& link_point, const MapId& map,
-                                 TimeNs time, TimeNs from, TimeNs to,
-                                 const std::function<std::optional<Pose2>(TimeNs)>& T_map_robot,
-                                 const ClosureOptions& options, std::vector<std::int64_t>& seen) {
-  std::vector<Evidence> evidence;
-  const auto add = [&](std::int64_t sequence, EvidenceKind kind, std::int16_t encoding, const BlobRef& content,
-                       TimeNs recorded) {
-    evidence.push_back({link_point, map, kind, encoding, content, recorded, T_map_robot(recorded)});
-    seen.push_back(sequence);
-  };
-  for (const Camera camera : {Camera::kFront, Camera::kRear}) {
-    const EvidenceKind kind = camera == Camera::kFront ? EvidenceKind::kFrontImage : EvidenceKind::kRearImage;
-    for (const auto& image : scene.ImagesNear(camera, time, from, to, options.images_kept)) {
-      add(image.sequence, kind, static_cast<std::int16_t>(image.image.encoding), image.image.content, image.image.time);
-    }
-  }
-  if (const auto cloud = scene.CloudNear(time, from, to)) {
-    add(cloud->sequence, EvidenceKind::kCloud, static_cast<std::int16_t>(cloud->cloud.encoding), cloud->cloud.content,
-        cloud->cloud.time);
-  }
-  return evidence;
-}
 
 absl::Status JudgePassage(const CallContext& context, const PassageScene& passage, StoredViews& views,
                           DoorChange& change) {
@@ -403,7 +231,10 @@ absl::Status JudgePassage(const CallContext& context, const PassageScene& passag
     return absl::OkStatus();
   }
   const std::size_t arrived = FindDoor(passage, places, choice);
-  return Arrive(context, passage, places[arrived], choice.judged[arrived], own, change);
+  const JudgedPlace& judged = choice.judged[arrived];
+  return Arrive(context, passage,
+                {places[arrived].anchor->map, places[arrived].link_point, judged.T_map_robot, judged.reason}, own,
+                change);
 }
 
 }  // namespace enfilade::server

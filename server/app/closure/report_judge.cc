@@ -6,6 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
 #include "core/closure/known_places.h"
+#include "server/app/closure/door_evidence.h"
 #include "server/app/closure/passage_judge.h"
 
 namespace enfilade::server {
@@ -103,7 +104,7 @@ absl::StatusOr<DoorChange> ReportJudge::Judge(const CallContext& context, const 
     JudgeSighting(options_, *graph_, scene, *map, report, *T_map_door, change);
     return change;
   }
-  StoredViews views(stores_, session.site, options_);
+  StoredViews views(stores_, session.site, options_, go_on_);
   ENFILADE_RETURN_IF_ERROR(JudgePassage(context,
                                         {.stores = stores_,
                                          .options = options_,

@@ -39,6 +39,7 @@ absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(
       if (decoded.ok()) return std::optional<perception::FeatureSet>(*std::move(decoded));
     }
   }
+  ENFILADE_RETURN_IF_ERROR(go_on_());
   const auto bytes = stores_.blobs.Get(context, site_, image.sha256);
   if (!bytes.ok() && !absl::IsNotFound(bytes.status())) return bytes.status();
   const auto frame = bytes.ok() ? perception::DecodeGrey(*bytes) : bytes.status();

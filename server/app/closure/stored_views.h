@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "core/closure/closure_options.h"
@@ -15,11 +17,14 @@
 namespace enfilade::server {
 
 // Stored images' features and stored clouds, read once each while one report is judged. What cannot be read (damaged,
-// too large, nothing to see) is as if it were not there; why is told by Faults. Errors are the stores' alone.
+// too large, nothing to see) is as if it were not there; why is told by Faults. Errors are the stores' and go_on's
+// alone.
 class StoredViews {
  public:
-  StoredViews(const ClosureStores& stores, const SiteId& site, const ClosureOptions& options)
-      : stores_(stores), site_(site), options_(options) {}
+  // `go_on` is asked before each image that features are looked for in: it takes long.
+  StoredViews(const ClosureStores& stores, const SiteId& site, const ClosureOptions& options,
+              std::function<absl::Status()> go_on)
+      : stores_(stores), site_(site), options_(options), go_on_(std::move(go_on)) {}
 
   // Null where there is nothing to see in it. `keep`: its features are read from the database or stored there, for
   // images that will be compared again.
@@ -39,6 +44,7 @@ class StoredViews {
   const ClosureStores& stores_;
   const SiteId& site_;
   const ClosureOptions& options_;
+  const std::function<absl::Status()> go_on_;
   std::map<std::string, std::optional<perception::FeatureSet>> features_;  // by SHA-256
   std::map<std::string, std::optional<perception::Cloud>> clouds_;
   std::map<std::string, int> faults_;  // how often
