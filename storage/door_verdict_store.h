@@ -96,6 +96,10 @@ class DoorVerdictStore {
   absl::StatusOr<std::optional<DoorVerdict>> FindPassage(const CallContext& context, const SiteId& site,
                                                          const SessionId& session) const;
 
+  // Those on passages into `map`, the latest first, without their comparisons.
+  absl::StatusOr<std::vector<DoorVerdict>> ListInto(const CallContext& context, const SiteId& site, const MapId& map,
+                                                    int limit) const;
+
  private:
   postgres::Pool& pool_;
 };

@@ -90,6 +90,9 @@ class MappingStore {
   absl::StatusOr<Trajectory> ReadTrajectory(const CallContext& context, const SiteId& site,
                                             const SessionId& session) const;
 
+  // By id, as they are now. Empty before the first step, and where the session is missing.
+  absl::StatusOr<std::vector<SlamNode>> ListKeyframes(const CallContext& context, const SiteId& site,
+                                                      const SessionId& session) const;
   // The keyframe nearest in time; unset where there is none.
   absl::StatusOr<std::optional<PoseWithCovariance>> FindKeyframe(const CallContext& context, const SiteId& site,
                                                                  const SessionId& session, TimeNs time) const;

@@ -74,6 +74,9 @@ class RecordStore {
   // Those of `selection`, in the order of the log; none where retention has deleted them. DATA_LOSS as in Read.
   absl::StatusOr<std::vector<Record>> ReadSelected(const CallContext& context, const SiteId& site,
                                                    const SessionId& session, const RecordSelection& selection) const;
+  // Those of these sequences that are there, in the order of the log. DATA_LOSS as in Read.
+  absl::StatusOr<std::vector<Record>> ReadEach(const CallContext& context, const SiteId& site, const SessionId& session,
+                                               const std::vector<std::int64_t>& sequences) const;
 
  private:
   postgres::Pool& pool_;

@@ -85,6 +85,10 @@ constexpr Statement kFindPassage{"looking for the verdict on the passage",
                                  "SELECT " ENFILADE_VERDICT_COLUMNS
                                  " FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2"
                                  " AND map_id IS NOT NULL ORDER BY sequence DESC LIMIT 1"};
+constexpr Statement kListInto{"listing verdicts on passages into a map",
+                              "SELECT " ENFILADE_VERDICT_COLUMNS
+                              " FROM enfilade.door_verdicts WHERE site_id = $1 AND map_id = $2"
+                              " ORDER BY create_time DESC, session_id, sequence LIMIT $3"};
 constexpr Statement kListComparisons{
     "listing comparisons",
     "SELECT sequence, link_point_id, map_id, distance, image_matches::bigint, images_agree, rmse, inlier_share,"
@@ -310,6 +314,13 @@ absl::StatusOr<std::optional<DoorVerdict>> DoorVerdictStore::FindPassage(const C
   if (found.rows() == 0) return std::nullopt;
   ENFILADE_ASSIGN_OR_RETURN(DoorVerdict verdict, ReadOne(found, ReadVerdict, "the verdict"));
   return std::optional<DoorVerdict>(std::move(verdict));
+}
+
+absl::StatusOr<std::vector<DoorVerdict>> DoorVerdictStore::ListInto(const CallContext& context, const SiteId& site,
+                                                                    const MapId& map, int limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto listed,
+                            ExecuteAlone(pool_, context, kListInto, Params(site, map, std::int64_t{limit})));
+  return ReadRows(listed, ReadVerdict);
 }
 
 }  // namespace enfilade

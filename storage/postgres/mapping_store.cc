@@ -190,6 +190,11 @@ absl::StatusOr<Trajectory> MappingStore::ReadTrajectory(const CallContext& conte
   return trajectory;
 }
 
+absl::StatusOr<std::vector<SlamNode>> MappingStore::ListKeyframes(const CallContext& context, const SiteId& site,
+                                                                  const SessionId& session) const {
+  return postgres::ListNodes(pool_, context, site, session);
+}
+
 absl::StatusOr<std::optional<PoseWithCovariance>> MappingStore::FindKeyframe(const CallContext& context,
                                                                              const SiteId& site,
                                                                              const SessionId& session,

@@ -39,6 +39,11 @@ constexpr Statement kReadSelected{
     "SELECT sequence, kind, payload FROM enfilade.session_records WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 AND kind = ANY ($5) AND time_ns BETWEEN $6 AND $7 ORDER BY sequence"};
 
+constexpr Statement kReadEach{
+    "reading single records",
+    "SELECT sequence, kind, payload FROM enfilade.session_records WHERE site_id = $1 AND session_id = $2"
+    " AND sequence = ANY ($3) ORDER BY sequence"};
+
 constexpr char kRefusedSequencePayload[] = "enfilade/refused_sequence";
 
 absl::StatusOr<std::vector<Record>> DecodeRecords(const postgres::Result& result, const std::string& session) {
@@ -121,6 +126,14 @@ absl::StatusOr<std::vector<Record>> RecordStore::ReadSelected(const CallContext&
                             ExecuteAlone(pool_, context, kReadSelected,
                                          Params(site, session, selection.first_sequence, selection.last_sequence, kinds,
                                                 selection.from_time, selection.to_time)));
+  return DecodeRecords(result, NameOf(site, session));
+}
+
+absl::StatusOr<std::vector<Record>> RecordStore::ReadEach(const CallContext& context, const SiteId& site,
+                                                          const SessionId& session,
+                                                          const std::vector<std::int64_t>& sequences) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kReadEach, Params(site, session, sequences)));
   return DecodeRecords(result, NameOf(site, session));
 }
 

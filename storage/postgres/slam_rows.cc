@@ -173,6 +173,12 @@ void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& s
   if (!delta.trajectory.empty()) QueueTrajectory(transaction, site, session, delta.trajectory);
 }
 
+absl::StatusOr<std::vector<SlamNode>> ListNodes(Pool& pool, const CallContext& context, const SiteId& site,
+                                                const SessionId& session) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto listed, ExecuteAlone(pool, context, kSelectNodes, Params(site, session)));
+  return ReadRows(listed, ReadNode);
+}
+
 void QueueSlamMap(Transaction& transaction, const SiteId& site, const SessionId& session) {
   for (const Statement* statement : {&kSelectSubmaps, &kSelectNodes, &kSelectClosures, &kSelectTrajectory}) {
     transaction.Queue(*statement, Params(site, session));

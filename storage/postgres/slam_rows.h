@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "core/slam/slam_map.h"
@@ -14,6 +16,10 @@ SlamClosure ReadClosure(Row& row);
 
 // Queues the delta's rows: what is there already is overwritten, so that the same delta may be stored twice.
 void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const SlamDelta& delta);
+
+// By id.
+absl::StatusOr<std::vector<SlamNode>> ListNodes(Pool& pool, const CallContext& context, const SiteId& site,
+                                                const SessionId& session);
 
 // Queues four statements whose results ReadSlamMap takes, in that order.
 void QueueSlamMap(Transaction& transaction, const SiteId& site, const SessionId& session);

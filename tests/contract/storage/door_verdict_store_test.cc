@@ -129,6 +129,25 @@ TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
   EXPECT_EQ(passage->entered_map, MapId("yard"));
 }
 
+TEST_F(DoorVerdictStoreTest, TellsWhichPassagesLedIntoAMap) {
+  DriveThroughADoor();
+  MarkMapped();
+  ASSERT_OK_AND_ASSIGN(const auto none, verdicts_.ListInto(Soon(), site_, MapId("yard"), 10));
+  EXPECT_THAT(none, IsEmpty());
+  const DoorChange change = Through();
+  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
+  ASSERT_OK_AND_ASSIGN(const auto into, verdicts_.ListInto(Soon(), site_, MapId("yard"), 10));
+  ASSERT_THAT(into, SizeIs(1));
+  EXPECT_EQ(into[0].session, first_);
+  EXPECT_EQ(into[0].sequence, change.verdict.sequence);
+  EXPECT_EQ(into[0].link_point, change.verdict.link_point);
+  EXPECT_EQ(into[0].entered_map, change.verdict.entered_map);
+  ASSERT_OK_AND_ASSIGN(const auto limited, verdicts_.ListInto(Soon(), site_, MapId("yard"), 0));
+  EXPECT_THAT(limited, IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto elsewhere, verdicts_.ListInto(Soon(), site_, MapId("hall"), 10));
+  EXPECT_THAT(elsewhere, IsEmpty());
+}
+
 TEST_F(DoorVerdictStoreTest, JudgedTwiceItChangesNothing) {
   DriveThroughADoor();
   MarkMapped();

@@ -348,6 +348,21 @@ TEST_F(MappingStoreTest, TheTrajectoryFollowsTheNodes) {
   EXPECT_THAT(mapping_.ReadTrajectory(Soon(), site_, SessionId("s9")), HasCode(absl::StatusCode::kNotFound));
 }
 
+TEST_F(MappingStoreTest, ListsKeyframesAsTheyAreNow) {
+  const SessionId session = SessionWithRecords("s1", 30);
+  ASSERT_OK_AND_ASSIGN(const auto none, mapping_.ListKeyframes(Soon(), site_, session));
+  EXPECT_THAT(none, IsEmpty());
+  const LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 11));
+  SlamDelta moved;
+  moved.nodes = {NodeOf(1, 2.5)};
+  ASSERT_OK(CommitStep(leased.lease, moved, 12));
+  ASSERT_OK_AND_ASSIGN(const auto keyframes, mapping_.ListKeyframes(Soon(), site_, session));
+  EXPECT_EQ(keyframes, (std::vector<SlamNode>{NodeOf(0, 0.0), NodeOf(1, 2.5)}));
+  ASSERT_OK_AND_ASSIGN(const auto missing, mapping_.ListKeyframes(Soon(), site_, SessionId("s9")));
+  EXPECT_THAT(missing, IsEmpty());
+}
+
 TEST_F(MappingStoreTest, RecordingAndMappingOfOneSessionDoNotBlockEachOther) {
   const SessionId session = SessionWithRecords("s1", 1);
   const LeasedSession leased = AcquireOne();

@@ -273,6 +273,21 @@ TEST_F(RecordStoreTest, ReadsInPortionsOfAboutTheGivenSize) {
   EXPECT_THAT(one, SizeIs(1));
 }
 
+TEST_F(RecordStoreTest, ReadsSingleRecordsInTheOrderOfTheLog) {
+  const SessionId session = NewSession("s1");
+  const std::vector<Record> log = ScanRecords(1, 10);
+  ASSERT_OK(Append(session, log));
+  ASSERT_OK_AND_ASSIGN(const auto some, records_.ReadEach(Soon(), site_, session, {7, 2, 99}));
+  EXPECT_EQ(some, (std::vector<Record>{log[1], log[6]}));
+  ASSERT_OK_AND_ASSIGN(const auto none, records_.ReadEach(Soon(), site_, session, {}));
+  EXPECT_THAT(none, IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto missing, records_.ReadEach(Soon(), site_, SessionId("s9"), {1}));
+  EXPECT_THAT(missing, IsEmpty());
+  database_.Sql("UPDATE enfilade.session_records SET payload = '\\x00' WHERE sequence = 2");
+  EXPECT_THAT(records_.ReadEach(Soon(), site_, session, {2}),
+              HasStatus(absl::StatusCode::kDataLoss, HasSubstr("record 2")));
+}
+
 TEST_F(RecordStoreTest, SaysWhenAStoredPayloadDoesNotDecode) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 2)));
