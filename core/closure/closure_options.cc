@@ -37,8 +37,9 @@ absl::Status ClosureOptions::Validate() const {
   if (!(image_tolerance > 0.0 && image_tolerance <= 0.1)) {
     return InvalidArgument("image_tolerance must be over 0 and at most 0.1, not {}", image_tolerance);
   }
-  for (const double share :
-       {image_min_share, min_inlier_share, strict_inlier_share, unpredicted_inlier_share, contradicting_share}) {
+  if (locate_scans < 1 || locate_scans > 1000) return InvalidArgument("locate_scans must be 1 to 1000");
+  for (const double share : {image_min_share, min_inlier_share, strict_inlier_share, unpredicted_inlier_share,
+                             contradicting_share, locate_min_share}) {
     if (share > 1.0) return InvalidArgument("a share of {} is more than all", share);
   }
   if (images_now < 1 || images_kept < 1 || images_compared < 1 || images_kept > 100 || images_now > 100) {

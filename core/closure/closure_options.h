@@ -59,10 +59,26 @@ struct ClosureOptions {
   double sure_radius = 1.0;  // m, larger semi-axis of the 95 % ellipse
   double sure_yaw = 0.15;    // rad, standard deviation
 
+  // --- Scans: is the robot in a map that is known, where neither images nor clouds tell of it?
+  // m: rooms that look alike are at least so far apart (narrow rooms in a row). A place that is found is the right one
+  // where it is nearer to the prediction than any look-alike of it can be, the prediction's error (95 %) allowed for.
+  double alike_distance = 2.5;
+  double locate_min_share = 0.5;  // of what is seen behind the door, on walls of the map: not all of it is known yet
+  double locate_reach = 30.0;     // m about the prediction, of scans that are compared: as far as SLAM lets them see
+  int locate_scans = 40;          // of them at most
+  double locate_tail = 4.0;       // m: the end of a session that goes on may lie behind a door not yet reported
+  // A map that others are in the middle of mapping may turn out to be the one: how long a verdict waits for them.
+  double patience_live = 20.0;  // s, while they go on recording
+  double patience = 120.0;      // s, for what is recorded and only has to be mapped
+
   // --- Look-alikes: of two places that would do, one is taken only where it is better by
   double clear_chi2 = 9.0;   // in chi-squared, or
   double clear_score = 1.8;  // times the other's image matches
   double same_pose = 1.0;    // m: two places that say the robot is here within this are no rivals
+
+  // --- A scan's pose against the map that it was matched to: SLAM's floors.
+  double match_sigma = 0.02;       // m
+  double match_yaw_sigma = 0.005;  // rad
 
   // --- Odometry's share of a pose's covariance, from the nearest keyframe on.
   double odometry_sigma = 0.02;      // m per m
@@ -117,9 +133,18 @@ void VisitClosureOptions(Options& o, Visit visit) {
   visit("latch_distance", o.latch_distance);
   visit("sure_radius", o.sure_radius);
   visit("sure_yaw", o.sure_yaw);
+  visit("alike_distance", o.alike_distance);
+  visit("locate_min_share", o.locate_min_share);
+  visit("locate_reach", o.locate_reach);
+  visit("locate_scans", o.locate_scans);
+  visit("locate_tail", o.locate_tail);
+  visit("patience_live", o.patience_live);
+  visit("patience", o.patience);
   visit("clear_chi2", o.clear_chi2);
   visit("clear_score", o.clear_score);
   visit("same_pose", o.same_pose);
+  visit("match_sigma", o.match_sigma);
+  visit("match_yaw_sigma", o.match_yaw_sigma);
   visit("odometry_sigma", o.odometry_sigma);
   visit("odometry_yaw_sigma", o.odometry_yaw_sigma);
   visit("origin_sigma", o.origin_sigma);

@@ -145,6 +145,7 @@ PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const Clos
     choice.reason = choice.judged[i].reason;
     return choice;
   }
+  choice.ambiguous = true;
   choice.reason =
       fmt::format("places that look alike and that the graph cannot tell apart, {} and others: none is taken",
                   evidence[best].link_point.value());

@@ -60,6 +60,7 @@ struct PassageChoice {
   std::optional<std::size_t> chosen;  // index into `evidence`
   std::vector<JudgedPlace> judged;    // as `evidence`
   std::vector<std::size_t> order;     // the best first
+  bool ambiguous = false;             // several would do, and none is clearly better
   std::string reason;
 };
 

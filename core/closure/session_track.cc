@@ -35,7 +35,9 @@ SessionTrack::SessionTrack(std::vector<StampedPose> trajectory, std::vector<Odom
     : trajectory_(std::move(trajectory)),
       odometry_(std::move(odometry)),
       sigma_(options.odometry_sigma),
-      yaw_sigma_(options.odometry_yaw_sigma) {
+      yaw_sigma_(options.odometry_yaw_sigma),
+      match_variances_(options.match_sigma * options.match_sigma, options.match_sigma * options.match_sigma,
+                       options.match_yaw_sigma * options.match_yaw_sigma) {
   const auto by_time = [](const auto& a, const auto& b) { return a.time < b.time; };
   std::stable_sort(trajectory_.begin(), trajectory_.end(), by_time);
   std::stable_sort(odometry_.begin(), odometry_.end(), by_time);
@@ -78,6 +80,15 @@ std::optional<PoseWithCovariance> SessionTrack::ToMap(const Pose2& T_odom_x, Tim
   const std::optional<Pose2> T_odom_robot = OdometryAt(time);
   if (!T_odom_robot) return T_map_robot;
   return Compose(*T_map_robot, {Between(*T_odom_robot, T_odom_x), Eigen::Matrix3d::Zero()});
+}
+
+std::optional<PoseWithCovariance> SessionTrack::WayFrom(const Pose2& T_odom_x, TimeNs seen, TimeNs time) const {
+  std::optional<PoseWithCovariance> T_map_x = ToMap(T_odom_x, seen);
+  std::optional<PoseWithCovariance> T_map_robot = PoseAt(time);
+  if (!T_map_x || !T_map_robot) return std::nullopt;
+  T_map_x->covariance.diagonal() += match_variances_;
+  T_map_robot->covariance.diagonal() += match_variances_;
+  return Compose(Inverse(*T_map_x), *T_map_robot);
 }
 
 }  // namespace enfilade

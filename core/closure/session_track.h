@@ -24,12 +24,16 @@ class SessionTrack {
   std::optional<Pose2> OdometryAt(TimeNs time) const;
   // T_map_x of what odometry's frame has at T_odom_x, seen at `time`. Without odometry the robot was at x then.
   std::optional<PoseWithCovariance> ToMap(const Pose2& T_odom_x, TimeNs time) const;
+  // T_x_robot of the same x, seen at `seen`, and the robot at `time`. Both were matched to the same map: only the
+  // errors of matching (match_sigma) and odometry's since lie between them, whatever the map's frame is away.
+  std::optional<PoseWithCovariance> WayFrom(const Pose2& T_odom_x, TimeNs seen, TimeNs time) const;
 
  private:
   std::vector<StampedPose> trajectory_;
   std::vector<Odometry> odometry_;
   double sigma_;
   double yaw_sigma_;
+  Eigen::Vector3d match_variances_;
 };
 
 }  // namespace enfilade

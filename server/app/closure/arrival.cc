@@ -1,6 +1,5 @@
 #include "server/app/closure/arrival.h"
 
-#include <cmath>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -103,19 +102,13 @@ void Begin(const PassageScene& passage, const std::vector<LinkPointId>& own, std
   point.direction = change.new_map->id;
   point.anchors = {{passage.map.id, passage.T_map_door.pose, passage.T_map_door.covariance},
                    OriginAnchor(change.new_map->id, passage.options)};
-  const Pose2 T_door_robot = Between(passage.T_map_door.pose, passage.T_map_robot.pose);
-  const double length = T_door_robot.translation().norm();
-  PoseWithCovariance T_new_robot{T_door_robot, point.anchors.back().covariance};
-  T_new_robot.covariance.diagonal() += Eigen::Vector3d(std::pow(passage.options.odometry_sigma * length, 2),
-                                                       std::pow(passage.options.odometry_sigma * length, 2),
-                                                       std::pow(passage.options.odometry_yaw_sigma * length, 2));
   KeepEvidenceHere(passage, point.id, change);
   KeepEvidenceBehind(passage, point.id, point.anchors.back(), change);
   DoorVerdict& verdict = change.verdict;
   verdict.decision = DoorDecision::kLinkPointMade;
   verdict.link_point = point.id;
   verdict.entered_map = change.new_map->id;
-  verdict.T_map_robot = T_new_robot;
+  verdict.T_map_robot = passage.scene.RobotFromDoor();  // the door is the new map's origin
   verdict.reason = std::move(why);
   change.new_link_point = std::move(made);
 }

@@ -18,6 +18,7 @@ constexpr auto kTimeout = std::chrono::seconds(60);
 // Other replicas' mapping does not wake this process: it looks this often.
 constexpr auto kPoll = std::chrono::milliseconds(500);
 constexpr auto kBusyPoll = std::chrono::milliseconds(50);
+constexpr auto kEarlyPoll = std::chrono::seconds(2);
 constexpr auto kLeaseTime = std::chrono::seconds(20);
 constexpr int kPendingAtOnce = 32;
 // The graph changes while a report is judged: people edit, other sites' replicas do not.
@@ -46,6 +47,8 @@ const char* InWords(DoorDecision decision) {
   }
   return "?";
 }
+
+std::string NameOf(const PendingDoors& pending) { return pending.site.value() + "/" + pending.session.value(); }
 
 }  // namespace
 
@@ -77,13 +80,26 @@ void DoorClosures::Run() {
   }
 }
 
+double DoorClosures::WaitedFor(const PendingDoors& pending) const {
+  const auto found = delays_.find(NameOf(pending));
+  if (found == delays_.end() || !found->second.early_since) return 0.0;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - *found->second.early_since).count();
+}
+
+void DoorClosures::Postpone(const PendingDoors& pending) {
+  Delay& delay = delays_[NameOf(pending)];
+  const auto now = std::chrono::steady_clock::now();
+  if (!delay.early_since) delay.early_since = now;
+  delay.until = now + kEarlyPoll;
+}
+
 bool DoorClosures::MayTry(const PendingDoors& pending) {
-  const auto found = delays_.find(pending.site.value() + "/" + pending.session.value());
+  const auto found = delays_.find(NameOf(pending));
   return found == delays_.end() || found->second.until <= std::chrono::steady_clock::now();
 }
 
 void DoorClosures::Failed(const PendingDoors& pending, const absl::Status& status) {
-  Delay& delay = delays_[pending.site.value() + "/" + pending.session.value()];
+  Delay& delay = delays_[NameOf(pending)];
   delay.failures = std::min(delay.failures + 1, 8);
   delay.until = std::chrono::steady_clock::now() + std::chrono::milliseconds(250) * (1 << delay.failures);
   spdlog::warn("doors of session {}: {}; again later", pending.session.value(), status.ToString());
@@ -101,34 +117,40 @@ bool DoorClosures::TakeTurn() {
       site_busy_ = true;
       continue;
     }
-    const absl::Status settled = Settle(**lease, next.session);
+    const absl::StatusOr<bool> settled = Settle(**lease, next.session);
     (void)stores_.leases.Release(Context(), **lease);
-    if (settled.ok()) {
-      delays_.erase(next.site.value() + "/" + next.session.value());
+    if (!settled.ok()) {
+      if (!stop_.is_set()) Failed(next, settled.status());
+    } else if (*settled) {
+      delays_.erase(NameOf(next));
       worked = true;
-    } else if (!stop_.is_set()) {
-      Failed(next, settled);
+    } else {
+      Postpone(next);
     }
   }
   return worked;
 }
 
-absl::Status DoorClosures::Settle(const SiteLease& lease, const SessionId& id) {
+absl::StatusOr<bool> DoorClosures::Settle(const SiteLease& lease, const SessionId& id) {
   const absl::StatusOr<Session> session = stores_.sessions.Get(Context(), lease.site, id);
-  // Deleted: those that came out of it still need a map.
-  if (absl::IsNotFound(session.status())) return SettleWaiting(lease, id);
+  if (absl::IsNotFound(session.status())) {  // deleted: those that came out of it still need a map
+    ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
+    return true;
+  }
   ENFILADE_RETURN_IF_ERROR(session.status());
   ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(Context(), lease.site, id));
   for (const StoredDoorReport& report : reports) {
     if (report.judged) continue;
-    ENFILADE_RETURN_IF_ERROR(SettleReport(lease, *session, report));
+    ENFILADE_ASSIGN_OR_RETURN(const bool settled, SettleReport(lease, *session, report));
+    if (!settled) return false;
   }
   ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
-  return stores_.verdicts.MarkJudged(Context(), lease, id);
+  ENFILADE_RETURN_IF_ERROR(stores_.verdicts.MarkJudged(Context(), lease, id));
+  return true;
 }
 
-absl::Status DoorClosures::SettleReport(const SiteLease& lease, const Session& session,
-                                        const StoredDoorReport& report) {
+absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Session& session,
+                                                const StoredDoorReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   const auto go_on = [&]() -> absl::Status {
     if (stop_.is_set()) return absl::CancelledError("the server is about to end");
@@ -140,7 +162,15 @@ absl::Status DoorClosures::SettleReport(const SiteLease& lease, const Session& s
     ENFILADE_RETURN_IF_ERROR(go_on());
     ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(Context(), lease.site));
     const ReportJudge judge(stores_, options_, graph, go_on);
-    ENFILADE_ASSIGN_OR_RETURN(const DoorChange change, judge.Judge(Context(), session, report, redundant));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const ReportJudge::Judgement judgement,
+        judge.Judge(Context(), session, report, redundant, WaitedFor(PendingDoors{lease.site, session.id})));
+    if (!judgement.wait_for.empty()) {
+      spdlog::debug("door {} of session {} waits for what is being mapped of{}", report.sequence, session.id.value(),
+                    judgement.wait_for);
+      return false;
+    }
+    const DoorChange& change = judgement.change;
     last = stores_.verdicts.Commit(Context(), lease, change);
     graphs_.MarkChanged(lease.site);
     if (last.ok()) {
@@ -148,7 +178,7 @@ absl::Status DoorClosures::SettleReport(const SiteLease& lease, const Session& s
       spdlog::info("door {} of session {}: {} in {:.0f} ms: {}", report.sequence, session.id.value(),
                    InWords(change.verdict.decision), took.count(), change.verdict.reason);
       if (change.verdict.entered_map) entered_();
-      return absl::OkStatus();
+      return true;
     }
     if (absl::IsAlreadyExists(last) && change.link_point) {
       redundant.insert(change.link_point->point.id);  // the database draws the line of "the same place" itself

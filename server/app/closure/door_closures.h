@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -34,11 +35,15 @@ class DoorClosures {
   void Run();
   // False where there was nothing to do.
   bool TakeTurn();
-  absl::Status Settle(const SiteLease& lease, const SessionId& session);
-  absl::Status SettleReport(const SiteLease& lease, const Session& session, const StoredDoorReport& report);
+  // False where it is too early to say: others are in the middle of mapping what may be behind the door.
+  absl::StatusOr<bool> Settle(const SiteLease& lease, const SessionId& session);
+  absl::StatusOr<bool> SettleReport(const SiteLease& lease, const Session& session, const StoredDoorReport& report);
   absl::Status SettleWaiting(const SiteLease& lease, const SessionId& previous);
   bool MayTry(const PendingDoors& pending);
   void Failed(const PendingDoors& pending, const absl::Status& status);
+  void Postpone(const PendingDoors& pending);
+  // s, since it was too early for the first time; 0 where it was not.
+  double WaitedFor(const PendingDoors& pending) const;
 
   const ClosureOptions options_;
   const ClosureStores stores_;
@@ -52,6 +57,7 @@ class DoorClosures {
   struct Delay {
     int failures = 0;
     std::chrono::steady_clock::time_point until;
+    std::optional<std::chrono::steady_clock::time_point> early_since;  // since it was too early for a verdict
   };
   std::map<std::string, Delay> delays_;  // by "site/session"
   bool site_busy_ = false;               // the worker's own, too: a site had to be left for later

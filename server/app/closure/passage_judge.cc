@@ -12,6 +12,7 @@
 #include "core/graph/pose_chain.h"
 #include "core/graph/search_radius.h"
 #include "server/app/closure/arrival.h"
+#include "server/app/closure/passage_location.h"
 
 namespace enfilade::server {
 namespace {
@@ -205,14 +206,14 @@ std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& plac
 
 }  // namespace
 
-absl::Status JudgePassage(const CallContext& context, const PassageScene& passage, StoredViews& views,
-                          DoorChange& change) {
+absl::StatusOr<std::string> JudgePassage(const CallContext& context, const PassageScene& passage, StoredViews& views,
+                                         DoorChange& change) {
   const std::vector<KnownPlace> passed =
       FindPassed(passage.graph.graph().ListLinkPoints(), passage.map.id, passage.T_map_door, passage.options);
   ENFILADE_ASSIGN_OR_RETURN(const ViewsBehind behind, LookBehind(context, passage, views, change.verdict.evidence));
   std::set<LinkPointId> contradicted;
   ENFILADE_ASSIGN_OR_RETURN(const bool known, TryPassed(context, passage, passed, behind, views, change, contradicted));
-  if (known) return absl::OkStatus();
+  if (known) return "";
 
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<Place> places, FindPlaces(context, passage, contradicted));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<PlaceEvidence> compared,
@@ -226,15 +227,25 @@ absl::Status JudgePassage(const CallContext& context, const PassageScene& passag
   for (const KnownPlace& place : passed) {
     if (place.link_point->is_candidate()) own.push_back(place.link_point->id);
   }
-  if (!choice.chosen) {
-    Begin(passage, own, choice.reason, change);
-    return absl::OkStatus();
+  if (choice.chosen) {
+    const std::size_t arrived = FindDoor(passage, places, choice);
+    const JudgedPlace& judged = choice.judged[arrived];
+    ENFILADE_RETURN_IF_ERROR(Arrive(
+        context, passage, {places[arrived].anchor->map, places[arrived].link_point, judged.T_map_robot, judged.reason},
+        own, change));
+    return "";
   }
-  const std::size_t arrived = FindDoor(passage, places, choice);
-  const JudgedPlace& judged = choice.judged[arrived];
-  return Arrive(context, passage,
-                {places[arrived].anchor->map, places[arrived].link_point, judged.T_map_robot, judged.reason}, own,
-                change);
+  // Look-alikes that images and clouds could not tell apart are none for scans either.
+  PassageLocation location;
+  if (!choice.ambiguous) {
+    ENFILADE_ASSIGN_OR_RETURN(location, LocatePassage(context, passage, compared));
+  }
+  if (location.found) {
+    ENFILADE_RETURN_IF_ERROR(Arrive(context, passage, *location.found, own, change));
+  } else if (location.wait_for.empty()) {
+    Begin(passage, own, choice.reason + location.reason, change);
+  }
+  return location.wait_for;
 }
 
 }  // namespace enfilade::server

@@ -22,6 +22,7 @@ struct PassageScene {
   PoseWithCovariance T_map_door;   // in it
   PoseWithCovariance T_map_robot;  // when it reports
   std::set<LinkPointId> excluded;  // not to be promoted
+  double waited;                   // s, for maps that others are in the middle of mapping
   std::function<absl::Status()> go_on;
 };
 

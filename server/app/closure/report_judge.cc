@@ -78,11 +78,12 @@ ReportJudge::ReportJudge(const ClosureStores& stores, const ClosureOptions& opti
                          std::shared_ptr<const SiteGraph> graph, std::function<absl::Status()> go_on)
     : stores_(stores), options_(options), graph_(std::move(graph)), go_on_(std::move(go_on)) {}
 
-absl::StatusOr<DoorChange> ReportJudge::Judge(const CallContext& context, const Session& session,
-                                              const StoredDoorReport& stored,
-                                              const std::set<LinkPointId>& excluded) const {
+absl::StatusOr<ReportJudge::Judgement> ReportJudge::Judge(const CallContext& context, const Session& session,
+                                                          const StoredDoorReport& stored,
+                                                          const std::set<LinkPointId>& excluded, double waited) const {
   const DoorReport& report = stored.report;
-  DoorChange change;
+  Judgement judgement;
+  DoorChange& change = judgement.change;
   change.verdict.session = session.id;
   change.verdict.sequence = stored.sequence;
   change.verdict.graph_version = graph_->graph().version();
@@ -92,7 +93,7 @@ absl::StatusOr<DoorChange> ReportJudge::Judge(const CallContext& context, const 
   }
   const auto not_judged = [&](std::string why) {
     NotJudged(map, stored, options_, std::move(why), change);
-    return change;
+    return judgement;
   };
   if (!map) return not_judged("the session was only recorded");
   if (session.state == SessionState::kFailed) return not_judged("mapping failed: " + session.error);
@@ -102,24 +103,25 @@ absl::StatusOr<DoorChange> ReportJudge::Judge(const CallContext& context, const 
   if (!T_map_door || !T_map_robot) return not_judged("nothing was mapped when the robot was at the door");
   if (report.kind == DoorReport::Kind::kCandidate) {
     JudgeSighting(options_, *graph_, scene, *map, report, *T_map_door, change);
-    return change;
+    return judgement;
   }
   StoredViews views(stores_, session.site, options_, go_on_);
-  ENFILADE_RETURN_IF_ERROR(JudgePassage(context,
-                                        {.stores = stores_,
-                                         .options = options_,
-                                         .graph = *graph_,
-                                         .scene = scene,
-                                         .report = report,
-                                         .map = *map,
-                                         .T_map_door = *T_map_door,
-                                         .T_map_robot = *T_map_robot,
-                                         .excluded = excluded,
-                                         .go_on = go_on_},
-                                        views, change));
+  ENFILADE_ASSIGN_OR_RETURN(judgement.wait_for, JudgePassage(context,
+                                                             {.stores = stores_,
+                                                              .options = options_,
+                                                              .graph = *graph_,
+                                                              .scene = scene,
+                                                              .report = report,
+                                                              .map = *map,
+                                                              .T_map_door = *T_map_door,
+                                                              .T_map_robot = *T_map_robot,
+                                                              .excluded = excluded,
+                                                              .waited = waited,
+                                                              .go_on = go_on_},
+                                                             views, change));
   change.verdict.T_odom_robot = scene.OdometryAt(report.time);
   if (const std::string faults = views.Faults(); !faults.empty()) change.verdict.reason += "; " + faults;
-  return change;
+  return judgement;
 }
 
 }  // namespace enfilade::server

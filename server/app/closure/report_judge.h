@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -21,10 +22,15 @@ class ReportJudge {
   ReportJudge(const ClosureStores& stores, const ClosureOptions& options, std::shared_ptr<const SiteGraph> graph,
               std::function<absl::Status()> go_on);
 
-  // `excluded`: candidates that would make a redundant link point. A report that cannot be judged has a verdict that
-  // says so; errors are the stores'.
-  absl::StatusOr<DoorChange> Judge(const CallContext& context, const Session& session, const StoredDoorReport& report,
-                                   const std::set<LinkPointId>& excluded) const;
+  // What comes of a report; where it is too early to say, what is waited for, and nothing is to be stored.
+  struct Judgement {
+    DoorChange change;
+    std::string wait_for;
+  };
+  // `waited`: s, since it was too early for the first time. `excluded`: candidates that would make a redundant link
+  // point. A report that cannot be judged has a verdict that says so; errors are the stores'.
+  absl::StatusOr<Judgement> Judge(const CallContext& context, const Session& session, const StoredDoorReport& report,
+                                  const std::set<LinkPointId>& excluded, double waited) const;
 
  private:
   const ClosureStores& stores_;

@@ -20,25 +20,29 @@ absl::StatusOr<SessionScene> SessionScene::Load(const ClosureStores& stores, con
                                                 const ClosureOptions& options) {
   const DoorReport& report = stored.report;
   ENFILADE_ASSIGN_OR_RETURN(Trajectory trajectory, stores.mappings.ReadTrajectory(context, session.site, session.id));
-  ENFILADE_ASSIGN_OR_RETURN(
-      std::vector<Record> records,
-      stores.records.ReadSelected(context, session.site, session.id,
-                                  {.kinds = {RecordKind::kOdometry, RecordKind::kImage, RecordKind::kPointCloud},
-                                   .from_time = report.door_time - kMargin,
-                                   .to_time = report.time + kMargin,
-                                   .first_sequence = stored.sequence - kRecordsBefore,
-                                   .last_sequence = stored.sequence + kRecordsAfter}));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<Record> records,
+                            stores.records.ReadSelected(context, session.site, session.id,
+                                                        {.kinds = {RecordKind::kLaserScan, RecordKind::kOdometry,
+                                                                   RecordKind::kImage, RecordKind::kPointCloud},
+                                                         .from_time = report.door_time - kMargin,
+                                                         .to_time = report.time + kMargin,
+                                                         .first_sequence = stored.sequence - kRecordsBefore,
+                                                         .last_sequence = stored.sequence + kRecordsAfter}));
   std::vector<Odometry> odometry;
   std::vector<SeenImage> images;
   std::vector<SeenCloud> clouds;
+  std::vector<LaserScan> scans;
   for (Record& record : records) {
     if (auto* sample = std::get_if<Odometry>(&record.payload)) odometry.push_back(*sample);
     if (auto* image = std::get_if<Image>(&record.payload)) images.push_back({record.sequence, std::move(*image)});
+    auto* scan = std::get_if<LaserScan>(&record.payload);
+    if (scan != nullptr && scan->time >= report.door_time) scans.push_back(std::move(*scan));
     if (auto* cloud = std::get_if<PointCloud>(&record.payload)) clouds.push_back({record.sequence, std::move(*cloud)});
   }
   SessionScene scene(SessionTrack(std::move(trajectory.poses), std::move(odometry), options), report);
   scene.images_ = std::move(images);
   scene.clouds_ = std::move(clouds);
+  scene.scans_ = std::move(scans);
   ENFILADE_ASSIGN_OR_RETURN(const auto keyframe,
                             stores.mappings.FindKeyframe(context, session.site, session.id, report.time));
   if (keyframe) scene.keyframe_covariance_ = keyframe->covariance;
@@ -81,6 +85,24 @@ std::optional<SessionScene::SeenCloud> SessionScene::CloudNear(TimeNs time, Time
   }
   if (nearest == nullptr) return std::nullopt;
   return *nearest;
+}
+
+std::vector<PlacedScan> SessionScene::ScansBetween(TimeNs from, TimeNs to) const {
+  constexpr double kLater = 0.5;     // of the way
+  constexpr double kSpacing = 0.25;  // m
+  const auto first = PoseAt(from);
+  const auto last = PoseAt(to);
+  std::vector<PlacedScan> placed;
+  if (!first || !last) return placed;
+  const double way = (last->pose.translation() - first->pose.translation()).norm();
+  for (auto scan = scans_.rbegin(); scan != scans_.rend(); ++scan) {
+    const auto pose = scan->time >= from && scan->time <= to ? PoseAt(scan->time) : std::nullopt;
+    if (!pose || (last->pose.translation() - pose->pose.translation()).norm() > kLater * way) continue;
+    const bool is_new =
+        placed.empty() || (placed.back().T_map_robot.pose.translation() - pose->pose.translation()).norm() >= kSpacing;
+    if (is_new) placed.push_back({*scan, *pose});
+  }
+  return placed;
 }
 
 }  // namespace enfilade::server

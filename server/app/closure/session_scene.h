@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/closure/closure_options.h"
+#include "core/closure/scan_location.h"
 #include "core/closure/session_track.h"
 #include "core/sensor/record.h"
 #include "server/app/closure/closure_stores.h"
@@ -26,6 +27,10 @@ class SessionScene {
   std::optional<Pose2> OdometryAt(TimeNs time) const { return track_.OdometryAt(time); }
   // The report's door; of a candidate where the robot was when it saw the door.
   std::optional<PoseWithCovariance> DoorPose() const;
+  // T_door_robot when it is reported, with what is unsure of it whatever the map's frame is away.
+  std::optional<PoseWithCovariance> RobotFromDoor() const {
+    return track_.WayFrom(report_.T_odom_door, report_.door_time, report_.time);
+  }
 
   struct SeenImage {
     std::int64_t sequence = 0;
@@ -38,6 +43,8 @@ class SessionScene {
   // At most `count` with from <= time <= to, the nearest to `time` first.
   std::vector<SeenImage> ImagesNear(Camera camera, TimeNs time, TimeNs from, TimeNs to, int count) const;
   std::optional<SeenCloud> CloudNear(TimeNs time, TimeNs from, TimeNs to) const;
+  // A few of the scans with from <= time <= to, in the later half of the way between, with the robot's poses.
+  std::vector<PlacedScan> ScansBetween(TimeNs from, TimeNs to) const;
 
  private:
   SessionScene(SessionTrack track, const DoorReport& report) : track_(std::move(track)), report_(report) {}
@@ -47,6 +54,7 @@ class SessionScene {
   Eigen::Matrix3d keyframe_covariance_ = Eigen::Matrix3d::Zero();
   std::vector<SeenImage> images_;
   std::vector<SeenCloud> clouds_;
+  std::vector<LaserScan> scans_;
 };
 
 }  // namespace enfilade::server

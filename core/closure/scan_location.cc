@@ -1,0 +1,115 @@
+#include "core/closure/scan_location.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/closure/pose_gate.h"
+#include "core/graph/search_radius.h"
+#include "core/slam/field_pyramid.h"
+#include "core/slam/loop_matching.h"
+#include "core/slam/scan_points.h"
+#include "fmt/format.h"
+
+namespace enfilade {
+namespace {
+
+constexpr double kBeforeDoor = 0.3;  // m: walls and frames about the door belong to both sides
+constexpr double kHalfDoor = 1.0;    // m
+constexpr double kSigmas = 3.0;
+// A window narrower than that would not show that the place is one of many.
+constexpr double kMinHalfWidth = 3.0;  // m
+constexpr double kMinHalfAngle = 0.3;  // rad
+
+SubmapGrid GridOf(const std::vector<PlacedScan>& scans, const SlamOptions& slam) {
+  SubmapGrid grid(slam.resolution, slam.occupancy);
+  const ScanRayOptions rays{.max_range = slam.max_range};
+  // A scan that does not fit into the grid (a pose far off) shows nothing of this place.
+  for (const PlacedScan& one : scans) grid.Insert(one.T_map_robot.pose, RobotRays(one.scan, rays)).IgnoreError();
+  return grid;
+}
+
+const PlacedScan& Nearest(const std::vector<PlacedScan>& scans, const Pose2& pose) {
+  return *std::min_element(scans.begin(), scans.end(), [&](const PlacedScan& a, const PlacedScan& b) {
+    return Between(pose, a.T_map_robot.pose).translation().norm() <
+           Between(pose, b.T_map_robot.pose).translation().norm();
+  });
+}
+
+ScanLocation Refused(std::string why) {
+  ScanLocation refused;
+  refused.reason = std::move(why);
+  return refused;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> PointsBehind(const std::vector<PlacedScan>& scans, const Pose2& T_map_door,
+                                          const Pose2& T_map_robot) {
+  const double max_range = SlamOptions().max_range;
+  std::vector<Eigen::Vector2d> points;
+  for (const PlacedScan& one : scans) {
+    const Pose2 T_door_then = Between(T_map_door, one.T_map_robot.pose);
+    const Pose2 T_now_then = Between(T_map_robot, one.T_map_robot.pose);
+    for (const Eigen::Vector2d& point : HitPoints(one.scan, max_range)) {
+      if ((T_door_then * point).x() >= -kBeforeDoor) points.push_back(T_now_then * point);
+    }
+  }
+  return points;
+}
+
+std::vector<PlacedScan> WithoutBeyond(std::vector<PlacedScan> scans, const std::vector<Pose2>& T_map_doors) {
+  for (PlacedScan& one : scans) {
+    LaserScan& scan = one.scan;
+    const Pose2 T_map_laser = one.T_map_robot.pose * scan.T_robot_laser;
+    for (const Pose2& T_map_door : T_map_doors) {
+      const Pose2 T_door_laser = Between(T_map_door, T_map_laser);
+      for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+        if (ClassifyBeam(scan, scan.ranges[i]) != BeamKind::kHit) continue;
+        const double angle = T_door_laser.yaw + scan.angle(i);
+        const double to_plane = -T_door_laser.x / std::cos(angle);  // along the beam
+        if (!(to_plane > 0.0 && to_plane < scan.ranges[i])) continue;
+        if (std::abs(T_door_laser.y + to_plane * std::sin(angle)) > kHalfDoor) continue;
+        scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+  }
+  return scans;
+}
+
+ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
+                           const PoseWithCovariance& predicted, const ClosureOptions& options) {
+  const double radius = ErrorEllipse95(predicted.covariance).semi_major_m;
+  const double yaw_sigma = std::sqrt(std::max(predicted.covariance(2, 2), 0.0));
+  if (radius > options.alike_distance || yaw_sigma > options.sure_yaw) {
+    return Refused(
+        fmt::format("the graph is not sure enough of where the robot is: {:.1f} m, {:.2f} rad", radius, yaw_sigma));
+  }
+  if (known.empty()) return Refused("nobody has seen it from inside yet");
+  SlamOptions slam;
+  const SubmapGrid grid = GridOf(known, slam);
+  const FieldPyramid pyramid(grid, slam.pyramid);
+  LoopCandidate window;
+  window.half_width = std::max(kSigmas / std::sqrt(kChiSquared2Dof95) * radius, kMinHalfWidth);
+  window.half_angle = std::max(kSigmas * yaw_sigma, kMinHalfAngle);
+  window.is_entry = true;
+  const LoopMatch match = MatchLoop(grid, pyramid, points, predicted.pose, window, slam);
+  if (!match.accepted) return Refused(match.reason);
+  ScanLocation location;
+  location.matched_share = match.score;
+  location.T_map_robot = {match.T_submap_node, match.information.inverse()};
+  location.T_map_robot.covariance += Nearest(known, match.T_submap_node).T_map_robot.covariance;
+  const double chi2 = PoseChiSquared(predicted, location.T_map_robot, options.pose_sigma, options.pose_yaw_sigma);
+  const double off = (match.T_submap_node.translation() - predicted.pose.translation()).norm();
+  location.reason = fmt::format(
+      "{:.0f} % of what the robot's scans show lies on walls of the map, {:.1f} m from where the graph has it to "
+      "{:.1f} m, "
+      "chi-squared {:.1f}",
+      100.0 * match.score, off, radius, chi2);
+  location.accepted =
+      match.score >= options.locate_min_share && chi2 <= Gate(options) && off + radius <= options.alike_distance;
+  return location;
+}
+
+}  // namespace enfilade

@@ -1,0 +1,138 @@
+#include "server/app/closure/known_scans.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/base/status_macros.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr int kMaxSessions = 20;  // the latest
+
+bool IsUnmapped(const Session& session) {
+  return session.state == SessionState::kRecording || session.state == SessionState::kFinished;
+}
+
+struct SeenFrom {
+  SessionId session;
+  std::int64_t sequence = 0;  // of the scan
+  PoseWithCovariance T_map_robot;
+};
+
+absl::StatusOr<std::optional<StoredDoorReport>> FindPassage(const CallContext& context, const PassageScene& passage,
+                                                            const SessionId& session) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto reports,
+                            passage.stores.verdicts.ReadReports(context, passage.map.site, session));
+  const auto found = std::find_if(reports.begin(), reports.end(), [](const StoredDoorReport& stored) {
+    return stored.report.kind == DoorReport::Kind::kPassage;
+  });
+  return found == reports.end() ? std::nullopt : std::optional(*found);
+}
+
+void DropTail(std::vector<SlamNode>& nodes, double length) {
+  double dropped = 0.0;
+  while (!nodes.empty() && dropped < length) {
+    const SlamNode last = nodes.back();
+    nodes.pop_back();
+    if (!nodes.empty()) dropped += Between(last.T_map_node, nodes.back().T_map_node).translation().norm();
+  }
+}
+
+// From keyframes that were certainly taken in the session's own map.
+absl::Status AddInside(const CallContext& context, const PassageScene& passage, const Session& session,
+                       std::vector<SeenFrom>& seen) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<SlamNode> nodes,
+                            passage.stores.mappings.ListKeyframes(context, session.site, session.id));
+  ENFILADE_ASSIGN_OR_RETURN(const auto left, FindPassage(context, passage, session.id));
+  if (left) std::erase_if(nodes, [&](const SlamNode& node) { return node.time >= left->report.door_time; });
+  const bool is_door_known = left ? left->judged : session.state != SessionState::kRecording;
+  if (!is_door_known) DropTail(nodes, passage.options.locate_tail);
+  for (const SlamNode& node : nodes) seen.push_back({session.id, node.sequence, {node.T_map_node, node.covariance}});
+  return absl::OkStatus();
+}
+
+// From the keyframes of a session that entered the map, beyond the door: the door's anchors say where that is.
+absl::Status AddEntering(const CallContext& context, const PassageScene& passage, const DoorVerdict& verdict,
+                         std::vector<SeenFrom>& seen) {
+  const LinkPoint* door = verdict.link_point ? passage.graph.graph().FindLinkPoint(*verdict.link_point) : nullptr;
+  if (door == nullptr) return absl::OkStatus();
+  const auto session = passage.stores.sessions.Get(context, passage.map.site, verdict.session);
+  if (absl::IsNotFound(session.status())) return absl::OkStatus();
+  ENFILADE_RETURN_IF_ERROR(session.status());
+  const Anchor* from = session->map ? door->FindAnchor(*session->map) : nullptr;
+  const Anchor* to = door->FindAnchor(*verdict.entered_map);
+  if (from == nullptr || to == nullptr) return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(const auto report, FindPassage(context, passage, session->id));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SlamNode> nodes,
+                            passage.stores.mappings.ListKeyframes(context, session->site, session->id));
+  for (const SlamNode& node : nodes) {
+    if (!report || node.time < report->report.door_time) continue;
+    const PoseWithCovariance T_door_robot{Between(from->T_map_place, node.T_map_node), Eigen::Matrix3d::Zero()};
+    seen.push_back({session->id, node.sequence, Compose({to->T_map_place, to->covariance}, T_door_robot)});
+  }
+  return absl::OkStatus();
+}
+
+// The scans of some of them, by session.
+absl::StatusOr<std::vector<PlacedScan>> ReadScans(const CallContext& context, const PassageScene& passage,
+                                                  const std::vector<SeenFrom>& seen) {
+  std::map<SessionId, std::map<std::int64_t, const SeenFrom*>> chosen;  // by sequence
+  const std::size_t count = std::min(static_cast<std::size_t>(passage.options.locate_scans), seen.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const SeenFrom& one = seen[i * seen.size() / count];
+    chosen[one.session][one.sequence] = &one;
+  }
+  std::vector<PlacedScan> scans;
+  for (const auto& [session, places] : chosen) {
+    std::vector<std::int64_t> sequences;
+    for (const auto& [sequence, place] : places) sequences.push_back(sequence);
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<Record> records,
+                              passage.stores.records.ReadEach(context, passage.map.site, session, sequences));
+    for (Record& record : records) {
+      auto* scan = std::get_if<LaserScan>(&record.payload);
+      if (scan != nullptr) scans.push_back({std::move(*scan), places.at(record.sequence)->T_map_robot});
+    }
+  }
+  return scans;
+}
+
+std::vector<Pose2> DoorsOf(const GraphSnapshot& graph, const MapId& map) {
+  std::vector<Pose2> doors;
+  for (const LinkPoint* link_point : graph.ListLinkPoints()) {
+    const Anchor* anchor = link_point->FindAnchor(map);
+    if (anchor != nullptr && !link_point->is_candidate()) doors.push_back(anchor->T_map_place);
+  }
+  return doors;
+}
+
+}  // namespace
+
+absl::StatusOr<KnownScans> ReadKnownScans(const CallContext& context, const PassageScene& passage, const MapId& map,
+                                          const Pose2& around) {
+  const SiteId& site = passage.map.site;
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto sessions,
+      passage.stores.sessions.List(context, site, {.robot = {}, .map = map, .state = {}}, kMaxSessions, std::nullopt));
+  ENFILADE_ASSIGN_OR_RETURN(const auto entries, passage.stores.verdicts.ListInto(context, site, map, kMaxSessions));
+  KnownScans known;
+  std::vector<SeenFrom> seen;
+  for (const Session& session : sessions) {
+    known.recording = known.recording || session.state == SessionState::kRecording;
+    known.mapping = known.mapping || (IsUnmapped(session) && session.state != SessionState::kRecording);
+    ENFILADE_RETURN_IF_ERROR(AddInside(context, passage, session, seen));
+  }
+  for (const DoorVerdict& verdict : entries) {
+    ENFILADE_RETURN_IF_ERROR(AddEntering(context, passage, verdict, seen));
+  }
+  std::erase_if(seen, [&](const SeenFrom& one) {
+    return Between(around, one.T_map_robot.pose).translation().norm() > passage.options.locate_reach;
+  });
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<PlacedScan> scans, ReadScans(context, passage, seen));
+  known.scans = WithoutBeyond(std::move(scans), DoorsOf(passage.graph.graph(), map));
+  return known;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,173 @@
+#include "core/closure/scan_location.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace enfilade {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Wall {
+  Eigen::Vector2d from;
+  Eigen::Vector2d to;
+};
+
+void AddBox(double x0, double y0, double x1, double y1, std::vector<Wall>& walls) {
+  const std::vector<Eigen::Vector2d> corners = {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+  for (std::size_t i = 0; i < 4; ++i) walls.push_back({corners[i], corners[(i + 1) % 4]});
+}
+
+// 9 m x 7 m with a table and a cupboard: no two places in it look the same.
+std::vector<Wall> Room() {
+  std::vector<Wall> walls;
+  AddBox(0, 0, 9, 7, walls);
+  AddBox(6, 4.5, 7.5, 5.5, walls);
+  AddBox(0, 5, 0.6, 7, walls);
+  return walls;
+}
+
+std::vector<Wall> Corridor() {
+  std::vector<Wall> walls;
+  AddBox(-40, 0, 40, 2.5, walls);
+  return walls;
+}
+
+PlacedScan ScanIn(const std::vector<Wall>& walls, const Pose2& pose, double sigma = 0.01) {
+  PlacedScan placed;
+  placed.T_map_robot = {pose, Eigen::Vector3d(sigma * sigma, sigma * sigma, 1e-6).asDiagonal()};
+  LaserScan& scan = placed.scan;
+  scan.time = 1;
+  scan.angle_min = -M_PI;
+  scan.angle_increment = M_PI / 180.0;
+  scan.range_min = 0.1F;
+  scan.range_max = 100.0F;
+  for (int i = 0; i < 360; ++i) {
+    const double angle = pose.yaw + scan.angle_min + i * scan.angle_increment;
+    const Eigen::Vector2d ray(std::cos(angle), std::sin(angle));
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Wall& wall : walls) {
+      const Eigen::Vector2d along = wall.to - wall.from;
+      const Eigen::Vector2d from = wall.from - pose.translation();
+      const double cross = ray.x() * along.y() - ray.y() * along.x();
+      if (std::abs(cross) < 1e-12) continue;
+      const double range = (from.x() * along.y() - from.y() * along.x()) / cross;
+      const double share = (from.x() * ray.y() - from.y() * ray.x()) / cross;
+      if (range > 0.0 && share >= 0.0 && share <= 1.0) nearest = std::min(nearest, range);
+    }
+    scan.ranges.push_back(static_cast<float>(nearest));
+  }
+  return placed;
+}
+
+std::vector<PlacedScan> SeenAlong(const std::vector<Wall>& walls, double y) {
+  std::vector<PlacedScan> scans;
+  for (double x = 2.0; x <= 5.0; x += 0.5) scans.push_back(ScanIn(walls, {x, y, 0.1}));
+  return scans;
+}
+
+std::vector<Eigen::Vector2d> PointsOf(const std::vector<Wall>& walls, const Pose2& robot) {
+  return PointsBehind({ScanIn(walls, robot)}, {-1000.0, 0.0, 0.0}, robot);
+}
+
+PoseWithCovariance Guess(const Pose2& pose, double sigma = 0.3, double yaw_sigma = 0.05) {
+  return {pose, Eigen::Vector3d(sigma * sigma, sigma * sigma, yaw_sigma * yaw_sigma).asDiagonal()};
+}
+
+TEST(ScanLocation, FindsTheRobotFromAnotherSideOfTheRoom) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const ScanLocation found =
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({7.4, 1.7, 2.06}), ClosureOptions());
+  ASSERT_TRUE(found.accepted) << found.reason;
+  EXPECT_LT((found.T_map_robot.pose.translation() - robot.translation()).norm(), 0.05);
+  EXPECT_LT(std::abs(found.T_map_robot.pose.yaw - robot.yaw), 0.01);
+  EXPECT_GT(found.T_map_robot.covariance(0, 0), 1e-4);  // at least that of the map's own scans there
+}
+
+TEST(ScanLocation, AnotherRoomIsNotTakenForIt) {
+  std::vector<Wall> other;
+  AddBox(0, 0, 6, 5, other);
+  AddBox(2, 2, 3, 2.6, other);
+  const ScanLocation found =
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(other, {4.5, 1.2, 1.0}), Guess({6.5, 2.5, 1.0}), ClosureOptions());
+  EXPECT_FALSE(found.accepted) << found.reason;
+}
+
+TEST(ScanLocation, ACorridorDoesNotSayWhereAlongItTheRobotIs) {
+  const ScanLocation found = LocateByScans(SeenAlong(Corridor(), 1.2), PointsOf(Corridor(), {6.0, 1.2, 0.0}),
+                                           Guess({6.3, 1.2, 0.0}), ClosureOptions());
+  EXPECT_FALSE(found.accepted) << found.reason;
+}
+
+TEST(ScanLocation, IsNotLookedForWhereTheGraphCannotTellRoomsApart) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const ScanLocation far =
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 1.5), ClosureOptions());
+  EXPECT_FALSE(far.accepted);
+  EXPECT_THAT(far.reason, HasSubstr("not sure enough"));
+  const ScanLocation turned =
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 0.1, 0.5), ClosureOptions());
+  EXPECT_FALSE(turned.accepted);
+}
+
+// The same room once more, next door, would look as this one does.
+TEST(ScanLocation, APoseThatMayBeThatOfALookAlikeIsNotBelieved) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
+  const ScanLocation near =
+      LocateByScans(SeenAlong(Room(), 3.0), points, Guess({6.8, 2.2, 2.0}, 0.5), ClosureOptions());
+  EXPECT_TRUE(near.accepted) << near.reason;
+  const ScanLocation far = LocateByScans(SeenAlong(Room(), 3.0), points, Guess({5.6, 2.2, 2.0}, 0.5), ClosureOptions());
+  EXPECT_FALSE(far.accepted) << far.reason;
+}
+
+TEST(ScanLocation, APoseThatTheGraphRulesOutIsNotBelieved) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const ScanLocation found =
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({5.5, 3.0, 2.0}, 0.1), ClosureOptions());
+  EXPECT_FALSE(found.accepted) << found.reason;
+}
+
+TEST(ScanLocation, NothingIsFoundWhereNobodyHasBeen) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  EXPECT_FALSE(LocateByScans({}, PointsOf(Room(), robot), Guess(robot), ClosureOptions()).accepted);
+  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), {}, Guess(robot), ClosureOptions()).accepted);
+}
+
+// A robot behind a door sees the room that it has left through it.
+TEST(ScanLocation, WhatLiesBeforeTheDoorIsNotOfTheMapBehindIt) {
+  const Pose2 robot{2.0, 3.0, 0.0};
+  const std::vector<Eigen::Vector2d> points = PointsBehind({ScanIn(Room(), robot)}, {1.0, 3.0, 0.0}, robot);
+  ASSERT_FALSE(points.empty());
+  for (const Eigen::Vector2d& point : points) EXPECT_GE((robot * point).x(), 0.69);
+}
+
+// Who stands before an open door sees half the next room.
+TEST(ScanLocation, WhatIsSeenThroughADoorIsNotOfTheMap) {
+  const Pose2 robot{4.0, 3.0, 0.7};
+  const Pose2 door{6.0, 3.0, 0.0};
+  const PlacedScan whole = ScanIn(Room(), robot);
+  const std::vector<PlacedScan> cut = WithoutBeyond({whole}, {door});
+  int removed = 0;
+  for (std::size_t i = 0; i < whole.scan.ranges.size(); ++i) {
+    const double angle = robot.yaw + whole.scan.angle(i);
+    const Eigen::Vector2d hit =
+        robot.translation() + whole.scan.ranges[i] * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const double y = robot.y + std::tan(angle) * 2.0;  // where the beam crosses the door's plane
+    const bool is_beyond = hit.x() > 6.0 && std::abs(y - 3.0) <= 1.0;
+    EXPECT_EQ(std::isnan(cut[0].scan.ranges[i]), is_beyond) << hit.transpose();
+    removed += is_beyond ? 1 : 0;
+  }
+  EXPECT_GT(removed, 20);
+  // Whichever way the door's pose looks.
+  const std::vector<PlacedScan> turned = WithoutBeyond({whole}, {{6.0, 3.0, M_PI}});
+  for (std::size_t i = 0; i < whole.scan.ranges.size(); ++i) {
+    EXPECT_EQ(std::isnan(turned[0].scan.ranges[i]), std::isnan(cut[0].scan.ranges[i]));
+  }
+}
+
+}  // namespace
+}  // namespace enfilade
