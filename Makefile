@@ -6,7 +6,9 @@ JOBS ?= $(shell nproc)
 PACKAGES ?=
 SEEDS ?= 20
 ROBOTS ?= r1
-.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean figure1
+CAMPUS ?= figure1
+VERDICTS ?= no
+.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean campus
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -32,9 +34,9 @@ configure: bootstrap
 bootstrap: ## install the Debian packages that are missing
 	@mkdir -p build && deploy/bootstrap $(PACKAGES)
 
-figure1: configure ## automatic mapping of the campus figure1 over SEEDS=20 seeds of noise (ROBOTS=r1,r2): a table
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server figure1_seeds
-	@$(BIN)/figure1_seeds --seeds $(SEEDS) --robots $(ROBOTS)
+campus: configure ## automatic mapping of CAMPUS=figure1 over SEEDS=20 seeds of noise, by ROBOTS=r1,r2 at once: a table
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server campus_seeds
+	@$(BIN)/campus_seeds --campus $(CAMPUS) --seeds $(SEEDS) --robots $(ROBOTS) --verdicts $(VERDICTS)
 
 bench: ## run the benchmarks; JSON in build/bench
 	@$(MAKE) build PACKAGES=analysis

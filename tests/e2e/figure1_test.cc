@@ -1,20 +1,31 @@
 // Automatic mapping of the campus of figure 1, from the robot's sensors to the solved graph: one seed of noise. `make
-// figure1` does many.
+// campus` does many.
 #include <gtest/gtest.h>
 
-#include "tests/e2e/figure1_run.h"
+#include <iostream>
+
+#include "tests/e2e/campus_run.h"
 
 namespace enfilade::testing {
 namespace {
 
 TEST(Figure1, IsMappedWithoutAHandOnIt) {
   WholeSystem system(Cluster::Durability::kFast, {});
-  const Figure1Result result = RunFigure1(system, 1, {"r1"});
+  const CampusResult result = RunCampus(system, {.campus = "figure1", .robots = {"r1"}, .seed = 1});
   EXPECT_TRUE(result.exact) << result.graph;
   EXPECT_EQ(result.false_closures, 0);
   EXPECT_LT(result.final_error, 0.6);
   EXPECT_LT(result.final_yaw_error, 0.07);
   EXPECT_GT(result.samples, 0);
+}
+
+// Each of them enters areas that the other one is in for the first time, too, by other doors.
+TEST(Figure1, IsTheSameGraphWhenTwoRobotsMapItAtOnce) {
+  WholeSystem system(Cluster::Durability::kFast, {});
+  const CampusResult result = RunCampus(system, {.campus = "figure1", .robots = {"r1", "r2"}, .seed = 1});
+  for (const std::string& verdict : result.verdicts) std::cout << verdict << "\n";
+  EXPECT_TRUE(result.exact) << result.graph;
+  EXPECT_EQ(result.false_closures, 0);
 }
 
 }  // namespace

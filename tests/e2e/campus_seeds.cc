@@ -1,14 +1,14 @@
-// usage: figure1_seeds [--seeds N] [--first SEED] [--robots r1,r2]
-// Automatic mapping of the campus of figure 1 over many seeds of noise, each on a site of its own of a private server
-// and database: a table, and what it comes to. Exit code 1 where less than 95 % of the graphs are exact or a closure is
-// false.
+// usage: campus_seeds [--campus NAME] [--seeds N] [--first SEED] [--robots r1,r2] [--verdicts yes]
+// Automatic mapping of a simulated campus over many seeds of noise, each on a site of its own of a private server
+// and database: a table, and what it comes to, with every verdict where asked for. Exit code 1 where less than 95 % of
+// the graphs are exact or a closure is false.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <sstream>
 
 #include "fmt/format.h"
-#include "tests/e2e/figure1_run.h"
+#include "tests/e2e/campus_run.h"
 
 namespace {
 
@@ -22,16 +22,18 @@ double MedianOf(std::vector<double> values) {
 int main(int argc, char** argv) {
   using namespace enfilade::testing;
   int seeds = 20;
-  std::uint64_t first = 1;
-  std::vector<std::string> robots = {"r1"};
+  CampusRun run;
+  bool with_verdicts = false;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string option = argv[i];
     if (option == "--seeds") seeds = std::stoi(argv[i + 1]);
-    if (option == "--first") first = std::stoull(argv[i + 1]);
+    if (option == "--first") run.seed = std::stoull(argv[i + 1]);
+    if (option == "--campus") run.campus = argv[i + 1];
+    if (option == "--verdicts") with_verdicts = std::string(argv[i + 1]) == "yes";
     if (option == "--robots") {
-      robots.clear();
+      run.robots.clear();
       std::stringstream names(argv[i + 1]);
-      for (std::string name; std::getline(names, name, ',');) robots.push_back(name);
+      for (std::string name; std::getline(names, name, ',');) run.robots.push_back(name);
     }
   }
   constexpr double kDegrees = 180.0 / M_PI;
@@ -44,14 +46,16 @@ int main(int argc, char** argv) {
   std::vector<double> yaw_errors;
   try {
     WholeSystem system(Cluster::Durability::kFast, {});
-    for (int i = 0; i < seeds; ++i) {
-      const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
-      const Figure1Result result = RunFigure1(system, seed, robots);
-      std::cout << fmt::format("{:4}  {:5}  {:14}  {:7.3f}  {:9.2f}  {:2}/{:2}  {:7.1f}  {}", seed,
+    for (int i = 0; i < seeds; ++i, ++run.seed) {
+      const CampusResult result = RunCampus(system, run);
+      std::cout << fmt::format("{:4}  {:5}  {:14}  {:7.3f}  {:9.2f}  {:2}/{:2}  {:7.1f}  {}", run.seed,
                                result.exact ? "yes" : "no", result.false_closures, result.final_error,
                                result.final_yaw_error * kDegrees, result.inside, result.samples, result.seconds,
                                result.graph)
                 << std::endl;
+      if (with_verdicts) {
+        for (const std::string& verdict : result.verdicts) std::cout << "    " << verdict << std::endl;
+      }
       exact += result.exact ? 1 : 0;
       false_closures += result.false_closures;
       samples += result.samples;
@@ -60,7 +64,7 @@ int main(int argc, char** argv) {
       yaw_errors.push_back(result.final_yaw_error * kDegrees);
     }
   } catch (const std::exception& error) {
-    std::cerr << "figure1_seeds: " << error.what() << '\n';
+    std::cerr << "campus_seeds: " << error.what() << '\n';
     return 2;
   }
   std::cout << fmt::format(
