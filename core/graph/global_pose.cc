@@ -51,6 +51,21 @@ std::vector<PathSource> SolvedMaps(const GraphSnapshot& graph, const PathOptions
   return sources;
 }
 
+MapTransform TransformAlong(const GraphSnapshot& graph, const Path& path) {
+  PoseChain chain = ChainAlong(graph, path, {}, {});
+  MapTransform result{.T_a_b = chain.T_start_end,
+                      .graph_version = graph.version(),
+                      .hops = std::move(chain.hops),
+                      .solution_version = std::nullopt};
+  const PoseWithCovariance* T_world_a = FindSolved(graph, graph.map_node(path.maps.front()).map->id);
+  const PoseWithCovariance* T_world_b = FindSolved(graph, graph.map_node(path.maps.back()).map->id);
+  if (T_world_a != nullptr && T_world_b != nullptr) {
+    result.T_a_b.pose = Between(T_world_a->pose, T_world_b->pose);
+    result.solution_version = graph.solution()->graph_version;
+  }
+  return result;
+}
+
 }  // namespace
 
 // From the posed maps to all others: made when it is first asked for.
@@ -107,18 +122,28 @@ absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& g
   const std::optional<Path> path = ShortestPath(graph, sources, {.map = slot_b, .position = std::nullopt}, options);
   if (!path.has_value()) return std::optional<MapTransform>();
 
-  PoseChain chain = ChainAlong(graph, *path, {}, {});
-  MapTransform result{.T_a_b = chain.T_start_end,
-                      .graph_version = graph.version(),
-                      .hops = std::move(chain.hops),
-                      .solution_version = std::nullopt};
-  const PoseWithCovariance* T_world_a = FindSolved(graph, a);
-  const PoseWithCovariance* T_world_b = FindSolved(graph, b);
-  if (T_world_a != nullptr && T_world_b != nullptr) {
-    result.T_a_b.pose = Between(T_world_a->pose, T_world_b->pose);
-    result.solution_version = graph.solution()->graph_version;
-  }
-  return std::optional<MapTransform>(std::move(result));
+  return std::optional<MapTransform>(TransformAlong(graph, *path));
+}
+
+TransformsTo::TransformsTo(const GraphSnapshot& graph, int b, const PathOptions& options)
+    : graph_(&graph), options_(options), sources_({{.map = b, .cost = 0.0, .position = std::nullopt}}) {
+  labels_ = ShortestPaths(*graph_, sources_, options_);
+}
+
+absl::StatusOr<TransformsTo> TransformsTo::Make(const GraphSnapshot& graph, const MapId& b,
+                                                const PathOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(graph, b));
+  return TransformsTo(graph, slot, options);
+}
+
+absl::StatusOr<std::optional<MapTransform>> TransformsTo::Find(const MapId& a) const {
+  ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(*graph_, a));
+  std::optional<Path> path = BestPath(*graph_, sources_, labels_, {.map = slot, .position = std::nullopt}, options_);
+  if (!path.has_value()) return std::optional<MapTransform>();
+  // It was found from b; legs cost the same either way.
+  std::reverse(path->maps.begin(), path->maps.end());
+  std::reverse(path->link_points.begin(), path->link_points.end());
+  return std::optional<MapTransform>(TransformAlong(*graph_, *path));
 }
 
 std::vector<PoseWithCovariance> TransformPoses(const MapTransform& T_a_b,

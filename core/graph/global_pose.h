@@ -80,6 +80,23 @@ struct MapTransform {
 absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& graph, const MapId& a, const MapId& b,
                                                           const PathOptions& options = {});
 
+// The frame of map b in those of any number of other maps, as FindTransform has it: one search for all of them.
+class TransformsTo {
+ public:
+  // `graph` must outlive it. NOT_FOUND: no such map.
+  static absl::StatusOr<TransformsTo> Make(const GraphSnapshot& graph, const MapId& b, const PathOptions& options = {});
+
+  absl::StatusOr<std::optional<MapTransform>> Find(const MapId& a) const;
+
+ private:
+  TransformsTo(const GraphSnapshot& graph, int b, const PathOptions& options);
+
+  const GraphSnapshot* graph_;
+  PathOptions options_;
+  std::vector<PathSource> sources_;
+  std::vector<PathLabel> labels_;
+};
+
 // The poses, given in map b, in the frame of map a.
 std::vector<PoseWithCovariance> TransformPoses(const MapTransform& T_a_b,
                                                const std::vector<PoseWithCovariance>& T_b_poses);

@@ -114,6 +114,7 @@ absl::StatusOr<bool> TryPassed(const CallContext& context, const PassageScene& p
 absl::StatusOr<std::vector<Place>> FindPlaces(const CallContext& context, const PassageScene& passage,
                                               const std::set<LinkPointId>& not_these) {
   const GraphSnapshot& graph = passage.graph.graph();
+  ENFILADE_ASSIGN_OR_RETURN(const TransformsTo to_this, TransformsTo::Make(graph, passage.map.id));
   std::map<MapId, std::optional<PoseWithCovariance>> transforms;  // T_other_this
   std::vector<Place> places;
   for (const LinkPoint* link_point : graph.ListLinkPoints()) {
@@ -123,7 +124,7 @@ absl::StatusOr<std::vector<Place>> FindPlaces(const CallContext& context, const 
       if (anchor.map == passage.map.id || !IsOnLevel(passage, anchor.map)) continue;
       auto [found, is_new] = transforms.try_emplace(anchor.map);
       if (is_new) {
-        ENFILADE_ASSIGN_OR_RETURN(const auto transform, FindTransform(graph, anchor.map, passage.map.id));
+        ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this.Find(anchor.map));
         if (transform) found->second = transform->T_a_b;
       }
       Place place{.link_point = link_point, .anchor = &anchor, .evidence = {}, .distance = {}, .predicted = {}};

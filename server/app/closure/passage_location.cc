@@ -27,17 +27,17 @@ struct Predicted {
 absl::StatusOr<std::vector<Predicted>> FindMaps(const PassageScene& passage) {
   const GraphSnapshot& graph = passage.graph.graph();
   const int level = passage.report.entered_level.value_or(passage.map.level);
+  ENFILADE_ASSIGN_OR_RETURN(const TransformsTo to_this, TransformsTo::Make(graph, passage.map.id));
   std::vector<Predicted> maps;
   for (const MapInGraph* map : graph.ListMaps()) {
     if (map->id == passage.map.id || map->level != level) continue;
-    ENFILADE_ASSIGN_OR_RETURN(const auto transform, FindTransform(graph, map->id, passage.map.id));
+    ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this.Find(map->id));
     if (!transform) continue;  // scans alone do not tell one room from another
     const PoseWithCovariance robot = Compose(transform->T_a_b, passage.T_map_robot);
     double nearest = std::numeric_limits<double>::infinity();
-    for (const LinkPoint* link_point : graph.ListLinkPoints()) {
-      const Anchor* anchor = link_point->FindAnchor(map->id);
-      if (anchor == nullptr) continue;
-      nearest = std::min(nearest, (anchor->T_map_place.translation() - robot.pose.translation()).norm());
+    for (const int link_point : graph.map_node(graph.MapSlot(map->id)).link_points) {
+      const Anchor& anchor = *graph.link_point_node(link_point).link_point->FindAnchor(map->id);
+      nearest = std::min(nearest, (anchor.T_map_place.translation() - robot.pose.translation()).norm());
     }
     const ClosureOptions& options = passage.options;
     if (nearest <= SearchRadius(robot.covariance, {options.search_base, options.search_factor})) {

@@ -288,6 +288,32 @@ TEST(TransformTest, AgreesWithTheSolutionWhereThereIsOne) {
               PoseNear(Find(graph, "m3").T_world_robot.pose, 1e-9, 1e-9));
 }
 
+TEST(TransformTest, ManyAreFoundWithOneSearch) {
+  std::mt19937_64 random(13);
+  World world = testing::RandomWorld(8, 40.0, random);
+  std::vector<LinkPoint> doors;
+  for (std::size_t i = 0; i < 14; ++i) {
+    const int a = static_cast<int>(random() % 7);  // m7 stays alone
+    const int b = (a + 1 + static_cast<int>(random() % 6)) % 7;
+    doors.push_back(world.See(Numbered("d", i), {Uniform(0, 40, random), Uniform(0, 40, random), 1}, {a, b},
+                              {RandomCovariance(0.05, 0.01, random), RandomCovariance(0.05, 0.01, random)}, random));
+  }
+  const GraphSnapshot graph = Graph(world.MapIds(), doors);
+  ASSERT_OK_AND_ASSIGN(const TransformsTo to_m2, TransformsTo::Make(graph, M("m2")));
+  for (const std::string& map : world.MapIds()) {
+    ASSERT_OK_AND_ASSIGN(const std::optional<MapTransform> expected, FindTransform(graph, M(map), M("m2")));
+    ASSERT_OK_AND_ASSIGN(const std::optional<MapTransform> found, to_m2.Find(M(map)));
+    ASSERT_EQ(found.has_value(), expected.has_value()) << map;
+    EXPECT_EQ(found.has_value(), map != "m7");
+    if (!found.has_value()) continue;
+    EXPECT_THAT(found->T_a_b.pose, PoseNear(expected->T_a_b.pose, 1e-12, 1e-12)) << map;
+    EXPECT_LT((found->T_a_b.covariance - expected->T_a_b.covariance).norm(), 1e-12) << map;
+    EXPECT_EQ(found->hops.size(), expected->hops.size());
+  }
+  EXPECT_THAT(TransformsTo::Make(graph, M("x")), HasStatus(absl::StatusCode::kNotFound, HasSubstr("x")));
+  EXPECT_THAT(to_m2.Find(M("x")), HasStatus(absl::StatusCode::kNotFound, HasSubstr("x")));
+}
+
 TEST(TransformTest, NoWayIsAnAnswer) {
   const auto none = FindTransform(Graph({"a", "b"}, {}), M("a"), M("b"));
   ASSERT_OK(none);
