@@ -104,8 +104,7 @@ ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vect
   const double off = (match.T_submap_node.translation() - predicted.pose.translation()).norm();
   location.reason = fmt::format(
       "{:.0f} % of what the robot's scans show lies on walls of the map, {:.1f} m from where the graph has it to "
-      "{:.1f} m, "
-      "chi-squared {:.1f}",
+      "{:.1f} m, chi-squared {:.1f}",
       100.0 * match.score, off, radius, chi2);
   location.accepted =
       match.score >= options.locate_min_share && chi2 <= Gate(options) && off + radius <= options.alike_distance;

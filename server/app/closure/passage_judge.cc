@@ -112,9 +112,8 @@ absl::StatusOr<bool> TryPassed(const CallContext& context, const PassageScene& p
 // Places of other maps that the robot may have come to: within the search radius, or where no link points lead there.
 // Those that are in reach first, the nearest first.
 absl::StatusOr<std::vector<Place>> FindPlaces(const CallContext& context, const PassageScene& passage,
-                                              const std::set<LinkPointId>& not_these) {
+                                              const TransformsTo& to_this, const std::set<LinkPointId>& not_these) {
   const GraphSnapshot& graph = passage.graph.graph();
-  ENFILADE_ASSIGN_OR_RETURN(const TransformsTo to_this, TransformsTo::Make(graph, passage.map.id));
   std::map<MapId, std::optional<PoseWithCovariance>> transforms;  // T_other_this
   std::vector<Place> places;
   for (const LinkPoint* link_point : graph.ListLinkPoints()) {
@@ -216,7 +215,8 @@ absl::StatusOr<std::string> JudgePassage(const CallContext& context, const Passa
   ENFILADE_ASSIGN_OR_RETURN(const bool known, TryPassed(context, passage, passed, behind, views, change, contradicted));
   if (known) return "";
 
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Place> places, FindPlaces(context, passage, contradicted));
+  ENFILADE_ASSIGN_OR_RETURN(const TransformsTo to_this, TransformsTo::Make(passage.graph.graph(), passage.map.id));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Place> places, FindPlaces(context, passage, to_this, contradicted));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<PlaceEvidence> compared,
                             ComparePlaces(context, passage, places, behind, views));
   const PassageChoice choice = ChoosePlace(compared, passage.options);
@@ -239,7 +239,7 @@ absl::StatusOr<std::string> JudgePassage(const CallContext& context, const Passa
   // Look-alikes that images and clouds could not tell apart are none for scans either.
   PassageLocation location;
   if (!choice.ambiguous) {
-    ENFILADE_ASSIGN_OR_RETURN(location, LocatePassage(context, passage, compared));
+    ENFILADE_ASSIGN_OR_RETURN(location, LocatePassage(context, passage, to_this, compared));
   }
   if (location.found) {
     ENFILADE_RETURN_IF_ERROR(Arrive(context, passage, *location.found, own, change));

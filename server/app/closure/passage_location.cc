@@ -24,10 +24,9 @@ struct Predicted {
 };
 
 // Those with a link point within the search radius of it.
-absl::StatusOr<std::vector<Predicted>> FindMaps(const PassageScene& passage) {
+absl::StatusOr<std::vector<Predicted>> FindMaps(const PassageScene& passage, const TransformsTo& to_this) {
   const GraphSnapshot& graph = passage.graph.graph();
   const int level = passage.report.entered_level.value_or(passage.map.level);
-  ENFILADE_ASSIGN_OR_RETURN(const TransformsTo to_this, TransformsTo::Make(graph, passage.map.id));
   std::vector<Predicted> maps;
   for (const MapInGraph* map : graph.ListMaps()) {
     if (map->id == passage.map.id || map->level != level) continue;
@@ -81,13 +80,13 @@ bool MayWait(const KnownScans& known, const PassageScene& passage) {
 }  // namespace
 
 absl::StatusOr<PassageLocation> LocatePassage(const CallContext& context, const PassageScene& passage,
-                                              const std::vector<PlaceEvidence>& compared) {
+                                              const TransformsTo& to_this, const std::vector<PlaceEvidence>& compared) {
   PassageLocation location;
   const std::vector<Eigen::Vector2d> points =
       PointsBehind(passage.scene.ScansBetween(passage.report.door_time, passage.report.time), passage.T_map_door.pose,
                    passage.T_map_robot.pose);
   if (points.empty()) return location;
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Predicted> maps, FindMaps(passage));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Predicted> maps, FindMaps(passage, to_this));
   std::vector<Destination> found;
   for (const Predicted& one : maps) {
     ENFILADE_RETURN_IF_ERROR(passage.go_on());

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/closure/judge_passage.h"
+#include "core/graph/global_pose.h"
 #include "server/app/closure/arrival.h"
 #include "server/app/closure/passage_scene.h"
 
@@ -21,8 +22,8 @@ struct PassageLocation {
 
 // Compares the scans behind the door with what robots have seen of each known map on the level that the graph has where
 // the robot is (core/closure: LocateByScans). None where two maps would do, or where clouds or images of the very door
-// speak against it (`compared`). Errors are the stores'.
+// speak against it (`compared`). `to_this`: the session's map. Errors are the stores'.
 absl::StatusOr<PassageLocation> LocatePassage(const CallContext& context, const PassageScene& passage,
-                                              const std::vector<PlaceEvidence>& compared);
+                                              const TransformsTo& to_this, const std::vector<PlaceEvidence>& compared);
 
 }  // namespace enfilade::server
