@@ -9,6 +9,7 @@ function(enfilade_library name)
     add_library(${target} STATIC ${arg_SOURCES})
     target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
     target_link_libraries(${target} PUBLIC ${arg_DEPS} PRIVATE ${arg_PRIVATE_DEPS} $<BUILD_INTERFACE:enfilade_warnings>)
+    enfilade_compile_together(${target})
   else()
     add_library(${target} INTERFACE)
     target_include_directories(${target} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
@@ -17,12 +18,16 @@ function(enfilade_library name)
   add_library(enfilade::${name} ALIAS ${target})
 endfunction()
 
-# For targets of many small sources that include the same large headers (gRPC, GoogleTest): most of the time to compile
-# them is spent in those. Their sources share a namespace then, so that helpers need names of their own. The presets dev
-# and tidy compile each source by itself, which finds includes that are missing.
+# Most of the time to compile a source is spent in the headers that it shares with its neighbours (gRPC, Eigen,
+# GoogleTest), so the sources of a target are compiled eight at a time. They share a namespace then: helpers in a target
+# need names of their own. The presets dev and tidy compile each source by itself, which finds includes that are missing.
 function(enfilade_compile_together target)
   set_target_properties(${target} PROPERTIES
     UNITY_BUILD ${ENFILADE_COMPILE_TOGETHER} UNITY_BUILD_MODE BATCH UNITY_BUILD_BATCH_SIZE 8)
+  if(ENFILADE_COMPILE_TOGETHER AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # GCC takes a source that is included for a header.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
 endfunction()
 
 # enfilade_program(enfilade-server SOURCES main.cc DEPS ...)

@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMaxGathered = 256;
 constexpr std::int64_t kMaxGatheredBytes = 4LL << 20;
 constexpr auto kMaxGatherTime = std::chrono::milliseconds(200);
-constexpr auto kLookRound = std::chrono::milliseconds(100);
+constexpr auto kSpacePoll = std::chrono::milliseconds(100);
 // Kept free for door reports while what the sensors deliver is refused.
 constexpr std::int64_t kReserveBytes = 16LL << 20;
 
@@ -34,8 +34,6 @@ int SeriesOf(const SpoolItem& item) {
   if (!image) return 0;
   return 1 + 2 * static_cast<int>(image->camera) + (image->encoding == ImageEncoding::kDepthPng16 ? 1 : 0);
 }
-
-TimeNs TimeOf(const SpoolItem& item) { return enfilade::TimeOf(Record{1, item.payload}); }
 
 std::int64_t BytesOf(const SpoolItem& item) {
   const auto* scan = std::get_if<LaserScan>(&item.payload);
@@ -263,7 +261,7 @@ absl::Status Agent::HoldUp(std::int64_t bytes) {
     Say("spool_full", "the spool is full: the source waits until the server takes some of it");
   }
   if (interrupted_()) return absl::CancelledError("interrupted while the spool was full");
-  spool_.WaitForSpace(bytes, Clock::now() + kLookRound);
+  spool_.WaitForSpace(bytes, Clock::now() + kSpacePoll);
   return absl::OkStatus();
 }
 

@@ -8,11 +8,10 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/geometry/pose2.h"
 
 namespace enfilade::robot {
 namespace {
-
-constexpr double kRadians = M_PI / 180.0;
 
 constexpr const char* kHelp =
     "  set-link-point [PLACE [LEVEL]]  the robot has left the map here: door, lift, stairs, ramp or opening\n"
@@ -132,7 +131,7 @@ absl::StatusOr<Command> ParseCommand(std::string_view line, const Eigen::Matrix3
     ENFILADE_ASSIGN_OR_RETURN(pose.x, NumberOf<double>(words[taken++]));
     ENFILADE_ASSIGN_OR_RETURN(pose.y, NumberOf<double>(words[taken++]));
     ENFILADE_ASSIGN_OR_RETURN(pose.yaw, NumberOf<double>(words[taken++]));
-    pose.yaw = WrapAngle(pose.yaw * kRadians);
+    pose.yaw = WrapAngle(pose.yaw * kDegree);
     if (!IsFinite(pose)) return InvalidArgument("old: the pose is not finite");
     arguments.pose = pose;
   }

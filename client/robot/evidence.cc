@@ -9,8 +9,6 @@ namespace {
 
 using client::SpoolItem;
 
-TimeNs TimeOf(const SpoolItem& item) { return enfilade::TimeOf(Record{1, item.payload}); }
-
 // `count` of `size` positions, the first and the last among them, evenly spread.
 std::vector<std::size_t> Spread(std::size_t size, std::size_t count) {
   std::vector<std::size_t> positions;

@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kLookRound = std::chrono::milliseconds(100);
+constexpr auto kCommandPoll = std::chrono::milliseconds(100);
 
 Clock::duration Seconds(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -64,7 +64,7 @@ class Runner {
       }
       ENFILADE_RETURN_IF_ERROR(TellStatus());
       const bool menu = agent_.state() == State::kMainMenu;
-      ENFILADE_RETURN_IF_ERROR(TakeCommand(menu && !options_.live ? kLookRound : std::chrono::milliseconds(0)));
+      ENFILADE_RETURN_IF_ERROR(TakeCommand(menu && !options_.live ? kCommandPoll : std::chrono::milliseconds(0)));
       if (menu && !options_.live) {
         pace_.Reset();
         continue;
@@ -80,7 +80,7 @@ class Runner {
       const Uploader::Progress progress = uploader_.progress();
       if (!progress.blocked.empty()) return FailedPrecondition("{}", progress.blocked);
       ENFILADE_RETURN_IF_ERROR(TellStatus());
-      std::this_thread::sleep_for(kLookRound);
+      std::this_thread::sleep_for(kCommandPoll);
     }
     return absl::OkStatus();
   }
@@ -115,9 +115,9 @@ class Runner {
     }
     if (const auto* item = std::get_if<client::SpoolItem>(&*waiting_)) {
       const auto now = Clock::now();
-      const auto due = pace_.DueOf(TimeOf(enfilade::Record{1, item->payload}), now);
+      const auto due = pace_.DueOf(TimeOf(*item), now);
       if (due > now) {
-        std::this_thread::sleep_for(std::min<Clock::duration>(due - now, kLookRound));
+        std::this_thread::sleep_for(std::min<Clock::duration>(due - now, kCommandPoll));
         return agent_.Flush();
       }
     }

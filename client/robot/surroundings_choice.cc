@@ -14,8 +14,6 @@ namespace {
 constexpr int kSsim = 1;
 constexpr int kScene = 3;
 
-TimeNs TimeOf(const client::SpoolItem& item) { return std::get<Image>(item.payload).time; }
-
 }  // namespace
 
 absl::StatusOr<SurroundingsChoice> SurroundingsChoice::Make(const ChoiceOptions& options) {

@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kLookRound = std::chrono::milliseconds(100);
+constexpr auto kUplinkPoll = std::chrono::milliseconds(100);
 
 std::string LastSegment(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 
@@ -99,12 +99,12 @@ void Uploader::Run() {
       MutexLock lock(mutex_);
       if (stopping_) return;
       uplink = uplink_;
-      if (!uplink) changed_.WaitUntil(mutex_, Clock::now() + kLookRound);
+      if (!uplink) changed_.WaitUntil(mutex_, Clock::now() + kUplinkPoll);
     }
     if (!uplink) {
       StartNext();
     } else {
-      const std::optional<absl::Status> end = uplink->WaitFor(kLookRound);
+      const std::optional<absl::Status> end = uplink->WaitFor(kUplinkPoll);
       Look();
       if (end) Ended(*end);
     }

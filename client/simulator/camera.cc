@@ -11,7 +11,6 @@
 namespace enfilade::simulator {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr float kSky = 0.85F;
 constexpr double kHorizon = 80.0;  // m, to which floors are painted
 

@@ -5,12 +5,12 @@
 #include "client/simulator/noise.h"
 #include "client/simulator/strict_yaml.h"
 #include "core/base/status_macros.h"
+#include "core/geometry/pose2.h"
 
 namespace enfilade::simulator {
 namespace {
 
 constexpr double kFar = 1e6;
-constexpr double kRadians = M_PI / 180.0;
 
 class CampusReader {
  public:
@@ -71,7 +71,7 @@ class CampusReader {
     if (map.Has("polygon")) return map.Points("polygon");
     const std::vector<double> r = map.Numbers("rect", 4);
     if (r[2] <= 0.0 || r[3] <= 0.0) map.Fail(map.Find("rect"), map.what() + ".rect: width and height are not positive");
-    return RectangleOutline(r[0], r[1], r[2], r[3], map.Number("yaw_deg", 0.0, -360.0, 360.0) * kRadians);
+    return RectangleOutline(r[0], r[1], r[2], r[3], map.Number("yaw_deg", 0.0, -360.0, 360.0) * kDegree);
   }
 
   void ReadArea(const YAML::Node& node) {
@@ -133,7 +133,7 @@ class CampusReader {
     door.state = state == "closed" ? DoorState::kClosed : state == "glass" ? DoorState::kGlass : DoorState::kOpen;
     door.height = map.Number("height", door.height, 0.5, 50.0);
     door.opening = map.Get<bool>("opening", false);
-    if (map.Has("leaf_deg")) door.leaf = map.Number("leaf_deg", 90.0, -180.0, 180.0) * kRadians;
+    if (map.Has("leaf_deg")) door.leaf = map.Number("leaf_deg", 90.0, -180.0, 180.0) * kDegree;
     map.Finish();
     campus_.doors.push_back(door);
   }
@@ -292,7 +292,7 @@ class CampusReader {
       step.value = map.Number("wait", 0.0, 0.0, 86400.0);
     } else if (map.Has("turn_to_deg")) {
       step.kind = RouteStep::Kind::kTurnTo;
-      step.value = map.Number("turn_to_deg", 0.0, -360.0, 360.0) * kRadians;
+      step.value = map.Number("turn_to_deg", 0.0, -360.0, 360.0) * kDegree;
     } else {
       step.kind = RouteStep::Kind::kLift;
       step.name = map.Required<std::string>("lift");

@@ -7,8 +7,6 @@
 namespace enfilade::simulator {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
 // Glass throws a beam back near its normal and lets it through elsewhere (Foster, Sun, Park, Kuipers 2013). `cosine`
 // of the angle between the beam and the normal.
 bool GlassAnswers(double cosine, Noise& noise) {

@@ -11,10 +11,10 @@
 namespace enfilade::simulator {
 namespace {
 
-constexpr double kArrived = 0.15;    // m, near enough to a point of the route to head for the next
-constexpr double kTurned = 0.02;     // rad
-constexpr double kBesideDoor = 0.9;  // m before and behind a door that a route names
-constexpr double kObstacle = 0.5;    // m: what begins lower stops the robot
+constexpr double kArrived = 0.15;      // m, near enough to a point of the route to head for the next
+constexpr double kTurned = 0.02;       // rad
+constexpr double kDoorApproach = 0.9;  // m before and behind a door that a route names
+constexpr double kObstacle = 0.5;      // m: what begins lower stops the robot
 
 }  // namespace
 
@@ -49,7 +49,7 @@ void RouteDriver::Expand() {
     const Eigen::Vector2d on = (door.b - door.a).normalized();
     Eigen::Vector2d through(-on.y(), on.x());
     if (through.dot(pose_.translation() - door.middle()) > 0.0) through = -through;
-    for (const double way : {-kBesideDoor, kBesideDoor}) {
+    for (const double way : {-kDoorApproach, kDoorApproach}) {
       RouteStep point;
       point.point = door.middle() + way * through;
       goals_.push_back({point, 0.0});

@@ -13,6 +13,9 @@
 
 namespace enfilade::simulator {
 
+// The distance to what a ray never meets, m.
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
 // What a surface looks like: the texture with the seed of this very surface.
 struct Paint {
   std::uint64_t seed = 0;
@@ -120,7 +123,6 @@ double MeetCircle(const Eigen::Vector2d& from, const Eigen::Vector2d& direction,
 template <typename Visit>
 void LevelWorld::Traverse(const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double limit, int gate,
                           Visit visit) const {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   // Enter the grid's box.
   double enter = 0.0;
   double leave = limit;

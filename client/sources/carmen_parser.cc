@@ -9,7 +9,7 @@
 namespace enfilade::sources {
 namespace {
 
-constexpr const char* kTimeNames[2] = {"ipc_timestamp", "logger_timestamp"};
+constexpr const char* kCarmenTimeNames[2] = {"ipc_timestamp", "logger_timestamp"};
 
 // CARMEN's logs (carmen.sourceforge.net, "Logger / Playback").
 class CarmenParser : public LogParser {
@@ -22,7 +22,8 @@ class CarmenParser : public LogParser {
   }
 
   void Conclude(LogFacts& facts) override {
-    log_.Conclude({.known_range_max = std::nullopt, .declared_range_max = declared_range_max_}, kTimeNames, facts);
+    log_.Conclude({.known_range_max = std::nullopt, .declared_range_max = declared_range_max_}, kCarmenTimeNames,
+                  facts);
   }
 
   absl::StatusOr<ParsedLine> Parse(std::string_view line) override {

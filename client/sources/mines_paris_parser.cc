@@ -10,15 +10,13 @@
 namespace enfilade::sources {
 namespace {
 
-constexpr const char* kTimeNames[2] = {"the line's time", "the line's time"};
-
 // The robot of Mines ParisTech (Steux, El Hamzaoui: CoreSLAM, ICARCV 2010).
 constexpr double kWheelRadius = 0.077;  // m
 constexpr double kTrack = 0.33;         // m, between the wheels
 constexpr double kTicksPerTurn = 2000.0;
 constexpr double kLaserForward = 0.145;  // m, before the axle
 // Its scanner, a Hokuyo URG-04LX: 1024 steps a turn, steps 44 to 725 of them delivered, step 384 straight ahead.
-constexpr std::int64_t kBeams = 682;
+constexpr std::int64_t kUrgBeams = 682;
 constexpr double kFrontBeam = 340.0;
 constexpr double kStep = 2.0 * M_PI / 1024.0;  // rad
 constexpr double kReach = 5.6;                 // m; readings below 20 mm are error codes
@@ -35,7 +33,7 @@ class MinesParisParser : public LogParser {
   }
 
   void Conclude(LogFacts& facts) override {
-    log_.Conclude({.known_range_max = kReach, .declared_range_max = 0.0}, kTimeNames, facts);
+    log_.Conclude({.known_range_max = kReach, .declared_range_max = 0.0}, kLineTimeNames, facts);
   }
 
   absl::StatusOr<ParsedLine> Parse(std::string_view line) override {
@@ -63,7 +61,7 @@ class MinesParisParser : public LogParser {
     reading.right_ticks = fields.Integer("right wheel ticks");
     fields.Skip("unused", 20);
     LaserScan scan;
-    scan.ranges = fields.Ranges("range", kBeams, 1e-3);
+    scan.ranges = fields.Ranges("range", kUrgBeams, 1e-3);
     fields.Skip("unused", 1);
     fields.ExpectEnd();
     if (!fields.ok()) return fields.status();

@@ -18,6 +18,9 @@ struct TimedLine {
   double declared_range_max = 0.0;  // m, of the scan; 0 where unknown
 };
 
+// The time fields' names in messages, of formats with one time a line.
+constexpr const char* kLineTimeNames[2] = {"the line's time", "the line's time"};
+
 // The rules that the older formats share: one clock and one "no return" range for the whole log, chosen from all of
 // its lines (survey.h), then applied line by line.
 class TimedLog {

@@ -10,9 +10,8 @@
 namespace enfilade::sources {
 namespace {
 
-constexpr const char* kTimeNames[2] = {"the line's time", "the line's time"};
 constexpr double kMetresPerCentimetre = 0.01;
-constexpr std::int64_t kBeams = 180;
+constexpr std::int64_t kSickBeams = 180;
 
 // The logs of CMU's particle filter course in Wean Hall, lengths in centimetres:
 //   O x y theta ts                                            odometry
@@ -26,7 +25,7 @@ class WeanHallParser : public LogParser {
     if (read.ok()) log_.Survey(*read);
   }
 
-  void Conclude(LogFacts& facts) override { log_.Conclude({}, kTimeNames, facts); }
+  void Conclude(LogFacts& facts) override { log_.Conclude({}, kLineTimeNames, facts); }
 
   absl::StatusOr<ParsedLine> Parse(std::string_view line) override {
     ENFILADE_ASSIGN_OR_RETURN(TimedLine read, Read(line));
@@ -47,7 +46,7 @@ class WeanHallParser : public LogParser {
     if (tag == "L") {
       LaserScan scan;
       scan.T_robot_laser = Between(T_odom_robot, fields.Pose("laser pose", kMetresPerCentimetre));
-      scan.ranges = fields.Ranges("range", kBeams, kMetresPerCentimetre);
+      scan.ranges = fields.Ranges("range", kSickBeams, kMetresPerCentimetre);
       SetSickAngles(options_, scan);
       read.scan = std::move(scan);
     }

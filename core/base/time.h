@@ -13,5 +13,6 @@ using DurationNs = std::int64_t;
 constexpr DurationNs kNsPerSecond = 1'000'000'000;
 
 constexpr double ToSeconds(DurationNs duration) { return static_cast<double>(duration) * 1e-9; }
+constexpr DurationNs DurationOf(double seconds) { return static_cast<DurationNs>(seconds * 1e9); }
 
 }  // namespace enfilade

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "core/doors/event_codec.h"
+#include "core/geometry/pose2.h"
 #include "fmt/format.h"
 
 namespace enfilade {
 namespace {
 
-constexpr double kRadians = M_PI / 180.0;
-constexpr double kTurnedRound = 120.0 * kRadians;
+constexpr double kTurnedRound = 120.0 * kDegree;
 using State = CriterionVerdict::State;
 
 }  // namespace
@@ -69,12 +69,12 @@ void DerivativeDetector::LookBehind(const LaserScan& scan, const Pose2& T_odom_r
   last_behind_ = scan.time;
   if (++behind_hits_ < o.hits) return;
   const double distance = Between(latch_->T_odom_robot, T_odom_robot).translation().norm();
-  const bool heading_kept = turned_round || turned < o.max_heading * kRadians;
+  const bool heading_kept = turned_round || turned < o.max_heading * kDegree;
   if (distance > o.min_distance && distance < o.max_distance && heading_kept) {
     behind_ = {State::kMet, fmt::format("{} hits{}, {}, {:.1f} m on", behind_hits_,
                                         turned_round ? " ahead after turning round" : "", search.reason, distance)};
   } else {
-    behind_.reason = fmt::format("seen, but {:.1f} m on and turned by {:.0f} deg", distance, turned / kRadians);
+    behind_.reason = fmt::format("seen, but {:.1f} m on and turned by {:.0f} deg", distance, turned / kDegree);
     behind_hits_ = 0;
   }
 }

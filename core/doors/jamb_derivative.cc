@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/pose2.h"
 #include "fmt/format.h"
 
 namespace enfilade {
 namespace {
-
-constexpr double kRadians = M_PI / 180.0;
 
 double RangeOf(const LaserScan& scan, std::size_t beam) {
   switch (ClassifyBeam(scan, scan.ranges[beam])) {
@@ -24,7 +23,7 @@ double RangeOf(const LaserScan& scan, std::size_t beam) {
 }
 
 std::size_t BeamsOf(const LaserScan& scan, double degrees) {
-  const double beams = std::round(degrees * kRadians / std::abs(scan.angle_increment));
+  const double beams = std::round(degrees * kDegree / std::abs(scan.angle_increment));
   return static_cast<std::size_t>(std::clamp(beams, 1.0, static_cast<double>(kMaxBeams)));
 }
 
@@ -64,7 +63,7 @@ Posts PostsOf(const LaserScan& scan, const DerivativeOptions& options) {
 std::string NoPosts(const char* which) { return fmt::format("no {} post: D stays below the threshold there", which); }
 
 JambSearch Judge(JambSearch search, const JambPair& pair, const DerivativeOptions& options) {
-  const double opening = pair.opening / kRadians;
+  const double opening = pair.opening / kDegree;
   if (opening > options.opening_min && opening < options.opening_max) {
     search.jambs = pair;
     search.reason = fmt::format("posts {:.0f} deg apart", opening);
@@ -90,7 +89,7 @@ JambSearch FindJambsAhead(const LaserScan& scan, const DerivativeOptions& option
   std::optional<std::size_t> right;
   std::optional<std::size_t> left;
   for (std::size_t i = 0; i < posts.ranges.size(); ++i) {
-    if (std::abs(order.BearingAt(i)) > options.front_sector * kRadians) continue;
+    if (std::abs(order.BearingAt(i)) > options.front_sector * kDegree) continue;
     search.sector_in_view = true;
     if (!posts.OnPost(i, options)) continue;
     if (!right && posts.derivative[i] > options.threshold) right = i;
@@ -117,7 +116,7 @@ JambSearch FindJambsBehind(const LaserScan& scan, const DerivativeOptions& optio
   bool right_side = false;
   for (std::size_t i = 0; i < posts.ranges.size(); ++i) {
     const double bearing = order.BearingAt(i);
-    if (std::abs(bearing) < options.back_sector * kRadians) continue;
+    if (std::abs(bearing) < options.back_sector * kDegree) continue;
     (bearing > 0.0 ? left_side : right_side) = true;
     if (!posts.OnPost(i, options)) continue;
     if (!gap_ends && posts.derivative[i] < -options.threshold) gap_ends = i;

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/pose2.h"
 #include "core/geometry/pose_codec.h"
 
 namespace enfilade {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kStep = 0.2;  // m between places along a beam
 
 }  // namespace

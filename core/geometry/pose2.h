@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 namespace enfilade {
 
@@ -14,6 +15,8 @@ struct Pose2 {
   Eigen::Vector2d translation() const { return {x, y}; }
   friend bool operator==(const Pose2&, const Pose2&) = default;
 };
+
+constexpr double kDegree = M_PI / 180.0;  // rad
 
 // `angle` modulo 2 pi, in [-pi, pi).
 double WrapAngle(double angle);

@@ -17,14 +17,8 @@ absl::StatusOr<int> GetMapSlot(const GraphSnapshot& graph, const MapId& map) {
 }
 
 // The pose that the solution has for the map, or null.
-const PoseWithCovariance* FindSolved(const GraphSnapshot& graph, const MapId& map) {
-  if (graph.solution() == nullptr || graph.solution()->root != graph.root()) return nullptr;
-  const auto found = graph.solution()->map_poses.find(map);
-  return found == graph.solution()->map_poses.end() ? nullptr : &found->second;
-}
-
 bool IsPosed(const GraphSnapshot& graph, const MapId& map) {
-  return map == graph.root() || FindSolved(graph, map) != nullptr;
+  return map == graph.root() || graph.FindSolvedPose(map) != nullptr;
 }
 
 // What paths that begin in a map posed so cost already.
@@ -57,8 +51,8 @@ MapTransform TransformAlong(const GraphSnapshot& graph, const Path& path) {
                       .graph_version = graph.version(),
                       .hops = std::move(chain.hops),
                       .solution_version = std::nullopt};
-  const PoseWithCovariance* T_world_a = FindSolved(graph, graph.map_node(path.maps.front()).map->id);
-  const PoseWithCovariance* T_world_b = FindSolved(graph, graph.map_node(path.maps.back()).map->id);
+  const PoseWithCovariance* T_world_a = graph.FindSolvedPose(graph.map_node(path.maps.front()).map->id);
+  const PoseWithCovariance* T_world_b = graph.FindSolvedPose(graph.map_node(path.maps.back()).map->id);
   if (T_world_a != nullptr && T_world_b != nullptr) {
     result.T_a_b.pose = Between(T_world_a->pose, T_world_b->pose);
     result.solution_version = graph.solution()->graph_version;
@@ -102,7 +96,7 @@ absl::StatusOr<std::optional<GlobalPose>> WorldPoses::Find(const MapId& map,
   if (!path.has_value()) return std::optional<GlobalPose>();
 
   GlobalPose result{.graph_version = graph_.version(), .base_map = graph_.map_node(path->maps.front()).map->id};
-  if (const PoseWithCovariance* solved = FindSolved(graph_, result.base_map)) {
+  if (const PoseWithCovariance* solved = graph_.FindSolvedPose(result.base_map)) {
     result.T_world_base = *solved;
     result.solution_version = graph_.solution()->graph_version;
   }

@@ -45,6 +45,12 @@ const MapInGraph* GraphSnapshot::FindMap(const MapId& id) const {
   return slot < 0 ? nullptr : maps_[Index(slot)].map.get();
 }
 
+const PoseWithCovariance* GraphSnapshot::FindSolvedPose(const MapId& map) const {
+  if (solution_ == nullptr || solution_->root != root_) return nullptr;
+  const auto found = solution_->map_poses.find(map);
+  return found == solution_->map_poses.end() ? nullptr : &found->second;
+}
+
 const LinkPoint* GraphSnapshot::FindLinkPoint(const LinkPointId& id) const {
   const int slot = link_point_index_.Find(id);
   return slot < 0 ? nullptr : link_points_[Index(slot)].link_point.get();

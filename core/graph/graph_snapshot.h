@@ -74,6 +74,8 @@ class GraphSnapshot {
   const MapId& root() const { return root_; }
   // Null where nothing was optimised.
   const SolvedGraph* solution() const { return solution_.get(); }
+  // T_world_map as solved from today's root; null where it was not.
+  const PoseWithCovariance* FindSolvedPose(const MapId& map) const;
 
   std::size_t map_count() const { return map_index_.size(); }
   std::size_t link_point_count() const { return link_point_index_.size(); }

@@ -42,13 +42,6 @@ bool TakesPart(const LinkPoint& link_point) {
   return link_point.use != LinkPointUse::kSuspended && !link_point.is_candidate();
 }
 
-const PoseWithCovariance* FindSolved(const GraphSnapshot& snapshot, const MapId& map) {
-  const SolvedGraph* solution = snapshot.solution();
-  if (solution == nullptr || solution->root != snapshot.root()) return nullptr;
-  const auto found = solution->map_poses.find(map);
-  return found == solution->map_poses.end() ? nullptr : &found->second;
-}
-
 // Breadth first from the root: the maps that it is joined to with the poses to begin at, in that order.
 std::vector<std::pair<int, Pose2>> Reach(const GraphSnapshot& snapshot, int root) {
   std::vector<std::pair<int, Pose2>> reached = {{root, Pose2()}};
@@ -65,7 +58,7 @@ std::vector<std::pair<int, Pose2>> Reach(const GraphSnapshot& snapshot, int root
         if (known != 0) continue;
         known = 1;
         const Anchor& there = node.link_point->anchors[i];
-        const PoseWithCovariance* solved = FindSolved(snapshot, there.map);
+        const PoseWithCovariance* solved = snapshot.FindSolvedPose(there.map);
         reached.emplace_back(node.maps[i], solved != nullptr
                                                ? solved->pose
                                                : T_world_map * here.T_map_place * Inverse(there.T_map_place));

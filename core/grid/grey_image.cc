@@ -10,8 +10,6 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kOpaque = 255;
-
 std::uint8_t GreyOf(int r, int g, int b, MapDialect dialect) {
   if (dialect == MapDialect::kRos1) return static_cast<std::uint8_t>((2 * (r + g + b) + 3) / 6);
   return static_cast<std::uint8_t>((306 * r + 601 * g + 117 * b + 512) / 1024);
@@ -40,7 +38,7 @@ class GreyReceiver : public PixelReceiver {
       has_color_ |= channels_ != 2 && (samples[0] != samples[1] || samples[1] != samples[2]);
       if (alpha == nullptr) continue;
       alpha[column] = samples[channels_ - 1];
-      has_transparency_ |= alpha[column] != kOpaque;
+      has_transparency_ |= alpha[column] != kOpaqueAlpha;
     }
   }
 
@@ -101,7 +99,7 @@ GreyCells SaveAsGrey(const std::vector<std::uint8_t>& occupancy, const GreySaveO
   cells.grey.resize(occupancy.size());
   for (std::size_t i = 0; i < occupancy.size(); ++i) cells.grey[i] = saved[occupancy[i]].grey;
   const bool has_unknown = std::find(occupancy.begin(), occupancy.end(), kUnknownCell) != occupancy.end();
-  if (has_unknown && saved[kUnknownCell].alpha != kOpaque) {
+  if (has_unknown && saved[kUnknownCell].alpha != kOpaqueAlpha) {
     cells.alpha.resize(occupancy.size());
     for (std::size_t i = 0; i < occupancy.size(); ++i) cells.alpha[i] = saved[occupancy[i]].alpha;
   }

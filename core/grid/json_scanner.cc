@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "absl/strings/ascii.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
@@ -11,15 +12,13 @@ namespace {
 
 constexpr int kMaxDepth = 64;
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
 // What std::from_chars takes beyond JSON: a point or sign without digits, leading zeros, words.
 bool IsJsonNumber(std::string_view token) {
   const std::string_view digits = token.substr(token.starts_with('-') ? 1 : 0);
-  if (digits.empty() || !IsDigit(digits.front()) || !IsDigit(digits.back())) return false;
-  if (digits.size() > 1 && digits[0] == '0' && IsDigit(digits[1])) return false;
+  if (digits.empty() || !absl::ascii_isdigit(digits.front()) || !absl::ascii_isdigit(digits.back())) return false;
+  if (digits.size() > 1 && digits[0] == '0' && absl::ascii_isdigit(digits[1])) return false;
   const std::size_t point = digits.find('.');
-  return point == std::string_view::npos || IsDigit(digits[point + 1]);
+  return point == std::string_view::npos || absl::ascii_isdigit(digits[point + 1]);
 }
 
 }  // namespace

@@ -9,11 +9,9 @@ namespace {
 
 constexpr std::int8_t kFree = 0;
 constexpr std::int8_t kOccupied = 100;
-constexpr int kOpaque = 255;
-
 std::int8_t Nav2Value(const GreyInterpretation& by, int grey, std::optional<int> alpha) {
   if (by.mode == MapMode::kRaw) return grey <= kOccupied ? static_cast<std::int8_t>(grey) : kUnknownValue;
-  if (alpha.value_or(kOpaque) < kOpaque) return kUnknownValue;
+  if (alpha.value_or(kOpaqueAlpha) < kOpaqueAlpha) return kUnknownValue;
   const auto occupied_thresh = static_cast<float>(by.occupied_thresh);
   const auto free_thresh = static_cast<float>(by.free_thresh);
   const float shade = static_cast<float>(grey) / 255.0F;
@@ -32,7 +30,7 @@ std::int8_t Ros1Value(const GreyInterpretation& by, int grey, std::optional<int>
   const double p = (255.0 - mean) / 255.0;
   if (p > by.occupied_thresh) return kOccupied;
   if (p < by.free_thresh) return kFree;
-  if (by.mode == MapMode::kTrinary || alpha.value_or(kOpaque) == 0) return kUnknownValue;
+  if (by.mode == MapMode::kTrinary || alpha.value_or(kOpaqueAlpha) == 0) return kUnknownValue;
   // Equal thresholds leave this one value in between.
   const double range = by.occupied_thresh - by.free_thresh;
   return static_cast<std::int8_t>(range > 0.0 ? 1.0 + 98.0 * (p - by.free_thresh) / range : 1.0);

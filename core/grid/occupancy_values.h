@@ -11,6 +11,7 @@ namespace enfilade {
 
 // The occupancy values of ROS' nav_msgs/OccupancyGrid, and how Nav2's map_server (and ROS 1's) makes them from grey
 // images and back. Source: nav2_map_server's map_io.cpp as of 2025; ROS 1: map_server's image_loader.cpp.
+constexpr std::uint8_t kOpaqueAlpha = 255;
 constexpr std::int8_t kUnknownValue = -1;  // 0 free ... 100 occupied
 
 // Loading. `grey` is 0..255; `alpha` 255 = opaque, unset where the image has no alpha channel.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "absl/strings/ascii.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/grid/map_raster.h"
@@ -13,8 +14,6 @@ namespace {
 constexpr std::size_t kMaxSurroundings = std::size_t{64} * 1024;
 
 bool IsSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
 struct Header {
   bool is_plain = false;
   std::int64_t width = 0;
@@ -36,10 +35,10 @@ class Scanner {
     if (position_ == bytes_.size()) return InvalidArgument("the PGM file ends before its {}", what);
     std::int64_t value = 0;
     const std::size_t begin = position_;
-    while (position_ < bytes_.size() && IsDigit(bytes_[position_]) && position_ - begin < 10) {
+    while (position_ < bytes_.size() && absl::ascii_isdigit(bytes_[position_]) && position_ - begin < 10) {
       value = value * 10 + (bytes_[position_++] - '0');
     }
-    if (position_ == begin || (position_ < bytes_.size() && IsDigit(bytes_[position_]))) {
+    if (position_ == begin || (position_ < bytes_.size() && absl::ascii_isdigit(bytes_[position_]))) {
       return InvalidArgument("the PGM file's {} is not a number of up to 10 digits (byte {})", what, begin);
     }
     return value;

@@ -16,7 +16,7 @@ namespace enfilade {
 namespace {
 
 // Maps have few values in long runs: beyond this level files shrink little and take much longer.
-constexpr int kCompressionLevel = 4;
+constexpr int kPngCompressionLevel = 4;
 constexpr int kMaxSide = 1'000'000;  // libpng's own default limit
 
 struct Session {
@@ -130,7 +130,7 @@ int ColorTypeOf(int channels) {
 bool Encode(png_structp png, png_infop info, const PixelRows& rows, Session& session) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_write_fn(png, &session, &OnWrite, &OnFlush);
-  png_set_compression_level(png, kCompressionLevel);
+  png_set_compression_level(png, kPngCompressionLevel);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
   png_set_IHDR(png, info, static_cast<png_uint_32>(rows.width), static_cast<png_uint_32>(rows.height), 8,
                ColorTypeOf(rows.channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);

@@ -2,14 +2,13 @@
 
 #include "core/base/binary.h"
 #include "core/base/error.h"
+#include "core/grid/occupancy_values.h"
 
 namespace enfilade {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x52464E45;  // "ENFR"
-constexpr std::uint8_t kVersion = 1;
-constexpr std::uint8_t kOpaque = 255;
-
+constexpr std::uint8_t kHeaderVersion = 1;
 enum class Encoding : std::uint8_t { kOccupancy = 0, kGrey = 1, kUnit = 2 };
 
 void Write(const OccupancyCells&, bool, BinaryWriter& writer) { writer.Put(Encoding::kOccupancy); }
@@ -94,7 +93,7 @@ std::vector<CellPlane<Byte>> Planes(Raster& raster, std::uint8_t background) {
   }
   auto& grey = std::get<GreyCells>(raster.cells);
   std::vector<CellPlane<Byte>> planes = {{grey.grey.data(), 1, background}};
-  if (!grey.alpha.empty()) planes.push_back({grey.alpha.data(), 1, kOpaque});
+  if (!grey.alpha.empty()) planes.push_back({grey.alpha.data(), 1, kOpaqueAlpha});
   return planes;
 }
 
@@ -104,7 +103,7 @@ std::string EncodeRasterHeader(const RasterHeader& header) {
   std::string bytes;
   BinaryWriter writer(bytes);
   writer.Put(kMagic);
-  writer.Put(kVersion);
+  writer.Put(kHeaderVersion);
   const GridGeometry& geometry = header.raster.geometry;
   writer.Put(geometry.resolution);
   writer.Put(geometry.T_map_grid.x);
@@ -123,9 +122,9 @@ absl::StatusOr<RasterHeader> DecodeRasterHeader(std::string_view bytes) {
   BinaryReader reader(bytes);
   if (reader.Get<std::uint32_t>() != kMagic) return DataLoss("the bytes are not a raster's header");
   const auto version = reader.Get<std::uint8_t>();
-  if (version > kVersion) {
+  if (version > kHeaderVersion) {
     return FailedPrecondition("the raster was stored by a newer release (format {}, known up to {})", version,
-                              kVersion);
+                              kHeaderVersion);
   }
   RasterHeader header;
   header.raster.geometry = ReadGeometry(reader);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr char kTileVersion = 1;
 // Rasters shrink little beyond this level, and it packs several hundred MB a second.
-constexpr int kCompressionLevel = 1;
+constexpr int kTileCompressionLevel = 1;
 constexpr std::size_t kTileCells = std::size_t{kTileSize} * kTileSize;
 
 struct FreeContext {
@@ -84,12 +84,12 @@ std::uint8_t MostFrequent(const std::vector<std::uint8_t>& values) {
 
 // See tiled_raster.h. Sums of whole cells differ from the lattice by rounding only.
 CellIndex LatticeMinOf(const GridGeometry& geometry) {
-  constexpr double kOffLattice = 1e-3;
+  constexpr double kRounding = 1e-3;
   constexpr double kLimit = 1 << 30;
   const double column = geometry.T_map_grid.x / geometry.resolution;
   const double row = geometry.T_map_grid.y / geometry.resolution;
   if (geometry.T_map_grid.yaw != 0.0 || !(std::abs(column) < kLimit) || !(std::abs(row) < kLimit) ||
-      std::abs(column - std::round(column)) > kOffLattice || std::abs(row - std::round(row)) > kOffLattice) {
+      std::abs(column - std::round(column)) > kRounding || std::abs(row - std::round(row)) > kRounding) {
     return {};
   }
   return {static_cast<int>(std::lround(column)), static_cast<int>(std::lround(row))};
@@ -128,7 +128,7 @@ class TilePacker {
     }
     packed_.resize(1 + ZSTD_compressBound(background_.size()));
     packed_[0] = kTileVersion;
-    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kCompressionLevel);
+    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kTileCompressionLevel);
     ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
   }
 

@@ -7,7 +7,7 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kRecordVersion = 1;
 
 struct PayloadWriter {
   BinaryWriter& writer;
@@ -123,7 +123,7 @@ DoorReport ReadDoorReport(BinaryReader& reader) {
 
 void AppendPayload(const Record& record, std::string& out) {
   BinaryWriter writer(out);
-  writer.Put(kVersion);
+  writer.Put(kRecordVersion);
   std::visit(PayloadWriter{writer}, record.payload);
 }
 
@@ -135,7 +135,7 @@ std::string EncodePayload(const Record& record) {
 
 absl::StatusOr<Record> DecodePayload(std::int64_t sequence, RecordKind kind, std::string_view bytes) {
   BinaryReader reader(bytes);
-  if (const auto version = reader.Get<std::uint8_t>(); version != kVersion) {
+  if (const auto version = reader.Get<std::uint8_t>(); version != kRecordVersion) {
     return DataLoss("record {}: payload version {} is unknown to this program", sequence, version);
   }
   Record record;

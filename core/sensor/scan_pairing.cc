@@ -11,7 +11,7 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kPairingVersion = 1;
 // Odometry older than this against the newest is of no use to a scan that is still to come.
 constexpr DurationNs kHistoryNs = 60 * kNsPerSecond;
 
@@ -88,7 +88,7 @@ std::optional<Pose2> ScanPairing::PoseAt(TimeNs time) const {
 std::string ScanPairing::Serialize() const {
   std::string bytes;
   BinaryWriter writer(bytes);
-  writer.Put(kVersion);
+  writer.Put(kPairingVersion);
   writer.Put(counts_.paired);
   writer.Put(counts_.unpaired);
   writer.Put(counts_.time_reversed);
@@ -106,7 +106,8 @@ std::string ScanPairing::Serialize() const {
 absl::StatusOr<ScanPairing> ScanPairing::Restore(const ScanPairingOptions& options, std::string_view bytes) {
   BinaryReader reader(bytes);
   ScanPairing pairing(options);
-  if (reader.Get<std::uint8_t>() != kVersion) return DataLoss("scan pairing: unknown version of the stored state");
+  if (reader.Get<std::uint8_t>() != kPairingVersion)
+    return DataLoss("scan pairing: unknown version of the stored state");
   pairing.counts_.paired = reader.Get<std::int64_t>();
   pairing.counts_.unpaired = reader.Get<std::int64_t>();
   pairing.counts_.time_reversed = reader.Get<std::int64_t>();

@@ -7,7 +7,7 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kEntryVersion = 1;
 
 }  // namespace
 
@@ -15,7 +15,7 @@ std::string Encode(const SessionEntry& entry) {
   std::string bytes;
   if (!entry.previous && !entry.T_map_robot && !entry.T_odom_robot) return bytes;
   BinaryWriter writer(bytes);
-  writer.Put(kVersion);
+  writer.Put(kEntryVersion);
   writer.PutString(entry.previous ? entry.previous->value() : "");
   writer.Put(entry.T_map_robot.has_value());
   if (entry.T_map_robot) {
@@ -31,7 +31,7 @@ absl::StatusOr<SessionEntry> DecodeSessionEntry(std::string_view bytes) {
   SessionEntry entry;
   if (bytes.empty()) return entry;
   BinaryReader reader(bytes);
-  if (const auto version = reader.Get<std::uint8_t>(); version != kVersion) {
+  if (const auto version = reader.Get<std::uint8_t>(); version != kEntryVersion) {
     return DataLoss("the session's entry: version {} is unknown to this program", version);
   }
   if (const std::string_view previous = reader.GetString(); !previous.empty()) {

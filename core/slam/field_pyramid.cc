@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kReachInCells = 8;
 constexpr int kMinReachInCells = 6;
-constexpr int kSearchLevels = 7;
+constexpr int kPyramidLevels = 7;
 
 // The level at which poses are searched: not coarser than `cell`.
 std::size_t SearchLevel(const std::vector<LikelihoodField>& levels, double cell) {
@@ -22,7 +22,7 @@ std::size_t SearchLevel(const std::vector<LikelihoodField>& levels, double cell)
 }  // namespace
 
 FieldPyramid::FieldPyramid(const SubmapGrid& grid, const PyramidOptions& options)
-    : table(options.search_sigma, kSearchLevels) {
+    : table(options.search_sigma, kPyramidLevels) {
   const std::vector<Eigen::Vector2d> points = grid.OccupiedPoints();
   for (int level = options.levels - 1; level >= 0; --level) {
     const double resolution = grid.resolution() * (1 << level);

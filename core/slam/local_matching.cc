@@ -9,7 +9,7 @@ namespace enfilade {
 namespace {
 
 constexpr double kFieldReach = 0.5;  // m: farther points pull nowhere
-constexpr int kSearchLevels = 5;
+constexpr int kLocalSearchLevels = 5;
 constexpr std::size_t kSearchPoints = 120;
 constexpr double kMinWideScore = 0.5;  // mean likelihood
 constexpr double kWider = 3.0;
@@ -46,7 +46,7 @@ bool IsSure(const LocalMatch& match, const LocalMatchOptions& options) {
 }
 
 LocalFields::LocalFields(double resolution, const LocalMatchOptions& options)
-    : field(resolution, kFieldReach), table(options.search_sigma, kSearchLevels) {}
+    : field(resolution, kFieldReach), table(options.search_sigma, kLocalSearchLevels) {}
 
 void LocalFields::Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed) {
   if (changed.empty()) return;

@@ -9,7 +9,7 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kLogMapperVersion = 1;
 
 }  // namespace
 
@@ -47,7 +47,7 @@ LogMapperCounts LogMapper::counts() const {
 std::string LogMapper::Checkpoint() const {
   std::string bytes;
   BinaryWriter writer(bytes);
-  writer.Put(kVersion);
+  writer.Put(kLogMapperVersion);
   writer.Put(counts_.used);
   writer.Put(counts_.keyframes);
   writer.Put(counts_.lost);
@@ -59,7 +59,8 @@ std::string LogMapper::Checkpoint() const {
 absl::StatusOr<LogMapper> LogMapper::Restore(const ScanPairingOptions& pairing_options, const SlamOptions& slam_options,
                                              const SlamMap& stored, std::string_view checkpoint) {
   BinaryReader reader(checkpoint);
-  if (reader.Get<std::uint8_t>() != kVersion) return DataLoss("the checkpoint has a version unknown to this program");
+  if (reader.Get<std::uint8_t>() != kLogMapperVersion)
+    return DataLoss("the checkpoint has a version unknown to this program");
   LogMapperCounts counts;
   counts.used = reader.Get<std::int64_t>();
   counts.keyframes = reader.Get<std::int64_t>();

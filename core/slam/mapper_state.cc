@@ -10,9 +10,9 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 4;
+constexpr std::uint8_t kMapperVersion = 4;
 constexpr std::uint8_t kVersionWithoutEntry = 3;
-constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
+constexpr std::size_t kMapNodeBytes = 48;  // of an ordered container, beside the element
 constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
 
 void PutOptional(BinaryWriter& writer, const std::optional<Pose2>& pose) {
@@ -149,22 +149,22 @@ void JoinAll(MapperState& state) {
 }
 
 std::size_t KeptBytes(const MapperState& state) {
-  std::size_t bytes = state.nodes.size() * (sizeof(std::pair<const std::int64_t, SlamNode>) + kTreeNodeBytes);
+  std::size_t bytes = state.nodes.size() * (sizeof(std::pair<const std::int64_t, SlamNode>) + kMapNodeBytes);
   for (const auto& [id, submap] : state.finished) {
-    bytes += sizeof(std::pair<const std::int64_t, FinishedSubmap>) + kTreeNodeBytes + submap.content.capacity() +
+    bytes += sizeof(std::pair<const std::int64_t, FinishedSubmap>) + kMapNodeBytes + submap.content.capacity() +
              submap.nodes.capacity() * sizeof(SubmapNode);
   }
   for (const auto& [id, closure] : state.closures) {
-    bytes += sizeof(std::pair<const std::int64_t, SlamClosure>) + kTreeNodeBytes + closure.reason.capacity();
+    bytes += sizeof(std::pair<const std::int64_t, SlamClosure>) + kMapNodeBytes + closure.reason.capacity();
   }
-  for (const auto& [id, others] : state.joined) bytes += (1 + others.size()) * (sizeof(id) + kTreeNodeBytes);
+  for (const auto& [id, others] : state.joined) bytes += (1 + others.size()) * (sizeof(id) + kMapNodeBytes);
   return bytes;
 }
 
 std::string EncodeCheckpoint(const MapperState& state) {
   std::string bytes;
   BinaryWriter writer(bytes);
-  writer.Put(kVersion);
+  writer.Put(kMapperVersion);
   writer.Put<std::uint64_t>(state.nodes.size());
   writer.Put<std::uint64_t>(state.finished.size());
   writer.Put<std::uint64_t>(state.closures.size());
@@ -184,7 +184,7 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, Decompress(checkpoint, kMaxCheckpointBytes));
   BinaryReader reader(bytes);
   const auto version = reader.Get<std::uint8_t>();
-  if (version != kVersion && version != kVersionWithoutEntry) {
+  if (version != kMapperVersion && version != kVersionWithoutEntry) {
     return DataLoss("the checkpoint is of a version unknown to this program");
   }
   MapperState state;

@@ -10,7 +10,7 @@
 namespace enfilade {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kSubmapVersion = 1;
 constexpr std::size_t kMaxContentBytes = std::size_t{1} << 30;
 
 void PutPoints(BinaryWriter& writer, const std::vector<Eigen::Vector2d>& points) {
@@ -103,7 +103,7 @@ std::size_t Submap::bytes() const {
 }
 
 void Serialize(const SubmapContent& content, BinaryWriter& writer) {
-  writer.Put(kVersion);
+  writer.Put(kSubmapVersion);
   PutAll(writer, content.nodes, PutNode);
   PutNext(writer, content.next);
   PutAll(writer, content.scans, PutRays);
@@ -111,7 +111,7 @@ void Serialize(const SubmapContent& content, BinaryWriter& writer) {
 }
 
 absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, const OccupancyOptions& options) {
-  if (reader.Get<std::uint8_t>() != kVersion)
+  if (reader.Get<std::uint8_t>() != kSubmapVersion)
     return DataLoss("a submap's content is of a version unknown to this program");
   std::vector<SubmapNode> nodes;
   std::vector<ScanRays> scans;

@@ -49,7 +49,7 @@ absl::Status ReadTypes(const std::vector<std::string_view>& words, std::vector<P
 }
 
 // Takes the header off `bytes`.
-absl::StatusOr<PcdHeader> ReadHeader(std::string_view& bytes) {
+absl::StatusOr<PcdHeader> ReadPcdHeader(std::string_view& bytes) {
   PcdHeader header;
   std::optional<std::size_t> points;
   std::size_t width = 0;
@@ -108,7 +108,7 @@ absl::StatusOr<std::string> Unpack(std::string_view bytes, std::size_t expected)
 }  // namespace
 
 absl::StatusOr<Cloud> DecodePcd(std::string_view bytes) {
-  ENFILADE_ASSIGN_OR_RETURN(const PcdHeader header, ReadHeader(bytes));
+  ENFILADE_ASSIGN_OR_RETURN(const PcdHeader header, ReadPcdHeader(bytes));
   ENFILADE_ASSIGN_OR_RETURN(const auto xyz, FindXyz(header.fields));
   const std::size_t expected = header.points * PointSize(header.fields);
   if (header.data == "ascii") return ReadText(bytes, header.points, header.fields, xyz);

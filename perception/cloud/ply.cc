@@ -33,7 +33,7 @@ absl::StatusOr<PointField> FieldOf(std::string_view type, std::string_view name)
 }
 
 // Takes the header off `bytes`. Elements after the vertices are of no interest; before them they would have to be read.
-absl::StatusOr<PlyHeader> ReadHeader(std::string_view& bytes) {
+absl::StatusOr<PlyHeader> ReadPlyHeader(std::string_view& bytes) {
   PlyHeader header;
   bool has_format = false;
   bool has_vertices = false;
@@ -76,7 +76,7 @@ absl::StatusOr<PlyHeader> ReadHeader(std::string_view& bytes) {
 }  // namespace
 
 absl::StatusOr<Cloud> DecodePly(std::string_view bytes) {
-  ENFILADE_ASSIGN_OR_RETURN(const PlyHeader header, ReadHeader(bytes));
+  ENFILADE_ASSIGN_OR_RETURN(const PlyHeader header, ReadPlyHeader(bytes));
   ENFILADE_ASSIGN_OR_RETURN(const auto xyz, FindXyz(header.fields));
   if (header.is_ascii) return ReadText(bytes, header.points, header.fields, xyz);
   const std::size_t expected = header.points * PointSize(header.fields);

@@ -7,7 +7,7 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kTimeout = std::chrono::seconds(30);
+constexpr auto kSweepTimeout = std::chrono::seconds(30);
 constexpr auto kFiguresInterval = std::chrono::seconds(1);
 // A robot may send a blob and come back with the record that refers to it only after an outage.
 constexpr auto kBlobGrace = std::chrono::hours(24);
@@ -54,7 +54,7 @@ void MaintenanceLoop::CleanUp() {
   for (const Job& job : jobs) {
     std::int64_t deleted = 0;
     while (!stop_.is_set()) {
-      const auto portion = job.run(CallContext::WithTimeout(kTimeout));
+      const auto portion = job.run(CallContext::WithTimeout(kSweepTimeout));
       if (!portion.ok()) {
         spdlog::warn("maintenance: {}: {}", job.what, portion.status().ToString());
         break;

@@ -13,12 +13,12 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kTimeout = std::chrono::seconds(30);
+constexpr auto kWorkTimeout = std::chrono::seconds(30);
 constexpr auto kTurn = std::chrono::seconds(3);
 // Turns this short come no faster than this, so that a robot's records are stored in the map by the dozen.
 constexpr auto kShortestTurn = std::chrono::milliseconds(100);
 // Other replicas' records do not wake this process: it looks for them this often.
-constexpr auto kPoll = std::chrono::seconds(1);
+constexpr auto kWorkPoll = std::chrono::seconds(1);
 constexpr std::size_t kMaxParked = 4;
 
 std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
@@ -72,7 +72,7 @@ void Mapping::Stop() {
 }
 
 void Mapping::WaitForRecords() {
-  const auto deadline = std::chrono::steady_clock::now() + kPoll;
+  const auto deadline = std::chrono::steady_clock::now() + kWorkPoll;
   MutexLock lock(mutex_);
   while (!woken_ && changed_.WaitUntil(mutex_, deadline)) {
   }
@@ -92,7 +92,7 @@ void Mapping::Work(int worker) {
 }
 
 bool Mapping::TakeTurn(const std::string& owner) {
-  const auto leased = stores_.mappings.Acquire(CallContext::WithTimeout(kTimeout), owner, LeaseTime(options_));
+  const auto leased = stores_.mappings.Acquire(CallContext::WithTimeout(kWorkTimeout), owner, LeaseTime(options_));
   if (!leased.ok() || !*leased) return false;  // readiness tells of an unreachable database
   const auto turn = std::make_shared<Turn>();
   turn->lease = (*leased)->lease;
@@ -133,7 +133,7 @@ void Mapping::MapSession(const LeasedSession& leased, Turn& turn) {
     spdlog::warn("mapping: session {} goes on from its checkpoint later: {}", session, status.ToString());
   }
   // Where the database is away the lease just ends in time.
-  (void)stores_.mappings.Release(CallContext::WithTimeout(kTimeout), leased.lease);
+  (void)stores_.mappings.Release(CallContext::WithTimeout(kWorkTimeout), leased.lease);
   if (ended && mapped_) mapped_();
 }
 

@@ -12,7 +12,7 @@
 namespace enfilade::server {
 namespace {
 
-constexpr std::int64_t kPortionBytes = 16 << 20;
+constexpr std::int64_t kTilePortionBytes = 16 << 20;
 
 }  // namespace
 
@@ -58,7 +58,7 @@ absl::Status PutTiles(const CallContext& context, const BlobStore& blobs, const 
     if (known.contains(tile.sha256)) continue;
     portion.push_back({tile.sha256, tile.data});
     bytes += static_cast<std::int64_t>(tile.data.size());
-    if (bytes < kPortionBytes) continue;
+    if (bytes < kTilePortionBytes) continue;
     ENFILADE_RETURN_IF_ERROR(blobs.Put(context, site, portion));
     portion.clear();
     bytes = 0;
@@ -71,8 +71,9 @@ absl::StatusOr<MapRaster> ReadRaster(const CallContext& context, const RevisionS
   ENFILADE_ASSIGN_OR_RETURN(RasterAssembler assembler, RasterAssembler::Create(revision.raster_header));
   std::optional<TileKey> last;
   while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::vector<Tile> tiles, revisions.ReadTiles(context, revision.site, revision.map,
-                                                                                 revision.number, last, kPortionBytes));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const std::vector<Tile> tiles,
+        revisions.ReadTiles(context, revision.site, revision.map, revision.number, last, kTilePortionBytes));
     if (tiles.empty()) return std::move(assembler).Finish();
     for (const Tile& tile : tiles) {
       ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, tile.data));

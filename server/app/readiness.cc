@@ -10,7 +10,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kInterval = std::chrono::seconds(1);
-constexpr auto kTimeout = std::chrono::seconds(3);
+constexpr auto kPingTimeout = std::chrono::seconds(3);
 
 Readiness::State StateFrom(const absl::StatusOr<SchemaState>& schema) {
   if (!schema.ok()) {
@@ -70,7 +70,7 @@ void Readiness::Drain() {
 }
 
 void Readiness::Look() {
-  State found = StateFrom(CheckSchema(CallContext::WithTimeout(kTimeout), pool_));
+  State found = StateFrom(CheckSchema(CallContext::WithTimeout(kPingTimeout), pool_));
   bool changed = false;
   {
     MutexLock lock(mutex_);

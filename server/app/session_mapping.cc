@@ -11,12 +11,12 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kTimeout = std::chrono::seconds(60);
-constexpr std::int64_t kPortionBytes = 128 << 10;
+constexpr auto kMappingTimeout = std::chrono::seconds(60);
+constexpr std::int64_t kRecordPortionBytes = 128 << 10;
 // Of laying layers together, while other sessions of the same map change theirs.
 constexpr int kMaxAttempts = 100;
 
-CallContext Context() { return CallContext::WithTimeout(kTimeout); }
+CallContext MappingContext() { return CallContext::WithTimeout(kMappingTimeout); }
 
 MappingCounts ToStored(const LogMapperCounts& counts) {
   return {.paired = counts.pairing.paired,
@@ -29,7 +29,7 @@ MappingCounts ToStored(const LogMapperCounts& counts) {
 
 absl::StatusOr<SlamOptions> SlamOptionsOf(const SessionMappingStores& stores, const SlamProfiles& profiles,
                                           const Session& session) {
-  ENFILADE_ASSIGN_OR_RETURN(const Map map, stores.maps.Get(Context(), session.site, *session.map));
+  ENFILADE_ASSIGN_OR_RETURN(const Map map, stores.maps.Get(MappingContext(), session.site, *session.map));
   if (const SlamOptions* own = profiles.Find(map.slam_profile)) return *own;
   const char* fitting = map.environment == Environment::kOutdoor ? SlamProfiles::kOutdoor : SlamProfiles::kIndoor;
   if (!map.slam_profile.empty()) {
@@ -43,9 +43,9 @@ absl::StatusOr<LogMapper> Begin(const SessionMappingStores& stores, const ScanPa
                                 const SlamOptions& slam, const Session& session) {
   if (!session.entry.T_map_robot) return LogMapper(pairing, slam);
   OldMap old_map{{}, {*session.entry.T_map_robot, session.entry.T_odom_robot}};
-  const auto revision = stores.revisions.Get(Context(), session.site, *session.map, 0);
+  const auto revision = stores.revisions.Get(MappingContext(), session.site, *session.map, 0);
   if (revision.ok()) {
-    ENFILADE_ASSIGN_OR_RETURN(const MapRaster raster, ReadRaster(Context(), stores.revisions, *revision));
+    ENFILADE_ASSIGN_OR_RETURN(const MapRaster raster, ReadRaster(MappingContext(), stores.revisions, *revision));
     ENFILADE_ASSIGN_OR_RETURN(old_map.grid, OnMapLattice(raster, slam.resolution));
   } else if (!absl::IsNotFound(revision.status())) {
     return revision.status();
@@ -69,7 +69,7 @@ SessionMapping::SessionMapping(const SessionMappingStores& stores, const Session
 absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const SessionMappingStores& stores,
                                                                      const SessionMappingOptions& options,
                                                                      const Session& session) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto stored, stores.mappings.Load(Context(), session.site, session.id));
+  ENFILADE_ASSIGN_OR_RETURN(const auto stored, stores.mappings.Load(MappingContext(), session.site, session.id));
   ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, SlamOptionsOf(stores, options.slam, session));
   absl::StatusOr<LogMapper> mapper = stored ? LogMapper::Restore(options.pairing, slam, stored->map, stored->checkpoint)
                                             : Begin(stores, options.pairing, slam, session);
@@ -81,7 +81,7 @@ absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const Sessi
 
 absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const SessionLease& lease) {
   absl::StatusOr<std::vector<Record>> records =
-      stores_.records.Read(Context(), site_, session_, mapped_sequence_ + 1, kPortionBytes);
+      stores_.records.Read(MappingContext(), site_, session_, mapped_sequence_ + 1, kRecordPortionBytes);
   // A mapped session whose records are gone by retention may still have its graph solved again.
   const bool records_are_gone = absl::IsFailedPrecondition(records.status());
   if (!records.ok() && !records_are_gone) return records.status();
@@ -98,7 +98,7 @@ absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const SessionLease
 }
 
 absl::StatusOr<SessionMapping::Progress> SessionMapping::AtEndOfLog(const SessionLease& lease) {
-  ENFILADE_ASSIGN_OR_RETURN(const Session session, stores_.sessions.Get(Context(), site_, session_));
+  ENFILADE_ASSIGN_OR_RETURN(const Session session, stores_.sessions.Get(MappingContext(), site_, session_));
   if (session.state == SessionState::kRecording) return Progress::kWaiting;
   if (mapped_sequence_ < session.acknowledged_sequence) {
     if (!session.records_deleted) return Progress::kWorked;  // more came just before the end
@@ -130,7 +130,7 @@ absl::Status SessionMapping::Commit(const SessionLease& lease, bool with_revisio
                    .error = {}};
   const OccupancyGrid own = with_revision ? mapper_.RenderGrid() : OccupancyGrid{};
   if (own.cells.empty()) {
-    ENFILADE_RETURN_IF_ERROR(stores_.mappings.Commit(Context(), lease, step).status());
+    ENFILADE_RETURN_IF_ERROR(stores_.mappings.Commit(MappingContext(), lease, step).status());
   } else {
     ENFILADE_RETURN_IF_ERROR(CommitRevision(lease, own, step));
   }
@@ -144,28 +144,28 @@ absl::Status SessionMapping::Commit(const SessionLease& lease, bool with_revisio
 // Where another session of the map is faster, its layer is laid together with this one's anew.
 absl::Status SessionMapping::CommitRevision(const SessionLease& lease, const OccupancyGrid& own, MappingStep& step) {
   ENFILADE_ASSIGN_OR_RETURN(RasterRevision layer, ToRevision(FromOccupancyGrid(own)));
-  ENFILADE_RETURN_IF_ERROR(PutTiles(Context(), stores_.blobs, site_, layer, stored_tiles_));
+  ENFILADE_RETURN_IF_ERROR(PutTiles(MappingContext(), stores_.blobs, site_, layer, stored_tiles_));
   std::set<std::string> tiles;
   for (const TileRef& tile : layer.revision.tiles) tiles.insert(tile.sha256);
   absl::Status status;
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const LayersBeside beside,
-                              stores_.revisions.ReadLayersBeside(Context(), site_, map_, session_));
+                              stores_.revisions.ReadLayersBeside(MappingContext(), site_, map_, session_));
     RasterRevision whole;
     whole.revision = layer.revision;
     if (!beside.below.empty() || !beside.above.empty()) {
-      ENFILADE_ASSIGN_OR_RETURN(OccupancyGrid grid, overlay_.Lay(Context(), beside, own));
+      ENFILADE_ASSIGN_OR_RETURN(OccupancyGrid grid, overlay_.Lay(MappingContext(), beside, own));
       ENFILADE_ASSIGN_OR_RETURN(whole, ToRevision(FromOccupancyGrid(std::move(grid))));
       std::set<std::string> known = stored_tiles_;
       known.insert(tiles.begin(), tiles.end());
-      ENFILADE_RETURN_IF_ERROR(PutTiles(Context(), stores_.blobs, site_, whole, known));
+      ENFILADE_RETURN_IF_ERROR(PutTiles(MappingContext(), stores_.blobs, site_, whole, known));
       whole.revision.layer = StoredRaster{layer.revision.raster_header, layer.revision.tiles};
     }
     whole.revision.source = RevisionSource::kMapping;
     whole.revision.session = session_;
     whole.revision.layers_version = beside.version;
     step.revision = &whole.revision;
-    status = stores_.mappings.Commit(Context(), lease, step).status();
+    status = stores_.mappings.Commit(MappingContext(), lease, step).status();
     step.revision = nullptr;
     if (AreLayersChanged(status)) continue;
     ENFILADE_RETURN_IF_ERROR(status);
@@ -181,14 +181,14 @@ void SessionMapping::StorePose() const {
   const std::optional<PresentPose> pose = mapper_.FindPresentPose();
   if (!pose || pose->lost) return;
   const absl::Status status =
-      stores_.robot_poses.Report(Context(), {site_, robot_, map_, session_, pose->T_map_robot, pose->time, 0});
+      stores_.robot_poses.Report(MappingContext(), {site_, robot_, map_, session_, pose->T_map_robot, pose->time, 0});
   if (!status.ok()) spdlog::warn("mapping: the pose of robot {} is not stored: {}", robot_.value(), status.ToString());
 }
 
 absl::Status SessionMapping::Fail(const SessionMappingStores& stores, const LeasedSession& leased,
                                   const absl::Status& error) {
   ENFILADE_ASSIGN_OR_RETURN(const auto stored,
-                            stores.mappings.Load(Context(), leased.lease.site, leased.lease.session));
+                            stores.mappings.Load(MappingContext(), leased.lease.site, leased.lease.session));
   const SlamDelta nothing;
   const MappingStep step{.delta = nothing,
                          .checkpoint = stored ? stored->checkpoint : std::string(),
@@ -198,7 +198,7 @@ absl::Status SessionMapping::Fail(const SessionMappingStores& stores, const Leas
                          .blobs = {},
                          .final_state = SessionState::kFailed,
                          .error = std::string(error.message())};
-  return stores.mappings.Commit(Context(), leased.lease, step).status();
+  return stores.mappings.Commit(MappingContext(), leased.lease, step).status();
 }
 
 }  // namespace enfilade::server

@@ -10,7 +10,7 @@ using postgres::Params;
 using postgres::Row;
 using postgres::Statement;
 
-constexpr Statement kList{
+constexpr Statement kListAuditEntries{
     "reading the audit trail",
     "SELECT audit_id, time, actor, action, resource, before::text, after::text"
     " FROM enfilade.audit_log WHERE site_id = $1 AND ($3 = 0 OR audit_id < $3)"
@@ -33,8 +33,8 @@ AuditEntry ReadEntry(Row& row) {
 absl::StatusOr<std::vector<AuditEntry>> AuditStore::List(const CallContext& context, const SiteId& site,
                                                          const std::string& resource, std::int64_t before,
                                                          int limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kList, Params(site, resource, before, std::int64_t{limit})));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListAuditEntries,
+                                                            Params(site, resource, before, std::int64_t{limit})));
   return ReadRows(result, ReadEntry);
 }
 

@@ -19,11 +19,12 @@ using postgres::Statement;
 using postgres::Transaction;
 
 // Touches a row only where its grace time is due to be renewed.
-constexpr Statement kPut{"storing a blob",
-                         "INSERT INTO enfilade.blobs AS b (site_id, sha256, data) VALUES ($1, $2, $3)"
-                         " ON CONFLICT (site_id, sha256) DO UPDATE SET put_time = now()"
-                         " WHERE b.put_time < now() - interval '1 minute'"};
-constexpr Statement kSelect{"reading the blob", "SELECT data FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2"};
+constexpr Statement kPutBlob{"storing a blob",
+                             "INSERT INTO enfilade.blobs AS b (site_id, sha256, data) VALUES ($1, $2, $3)"
+                             " ON CONFLICT (site_id, sha256) DO UPDATE SET put_time = now()"
+                             " WHERE b.put_time < now() - interval '1 minute'"};
+constexpr Statement kSelectBlob{"reading the blob",
+                                "SELECT data FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2"};
 constexpr Statement kSelectRange{
     "reading a part of the blob",
     "SELECT size, substring(data FROM $3 FOR $4) FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2"};
@@ -57,7 +58,8 @@ void QueueBlobs(Transaction& transaction, const SiteId& site, absl::Span<const B
   std::vector<const BlobView*> ordered;
   for (const BlobView& blob : blobs) ordered.push_back(&blob);
   std::sort(ordered.begin(), ordered.end(), [](auto* a, auto* b) { return a->sha256 < b->sha256; });
-  for (const BlobView* blob : ordered) transaction.Queue(kPut, Params(site, Bytes{blob->sha256}, Bytes{blob->data}));
+  for (const BlobView* blob : ordered)
+    transaction.Queue(kPutBlob, Params(site, Bytes{blob->sha256}, Bytes{blob->data}));
 }
 
 }  // namespace postgres
@@ -73,7 +75,7 @@ absl::Status BlobStore::Put(const CallContext& context, const SiteId& site, absl
 
 absl::StatusOr<std::string> BlobStore::Get(const CallContext& context, const SiteId& site,
                                            std::string_view sha256) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, Bytes{sha256})));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectBlob, Params(site, Bytes{sha256})));
   return ReadOne(
       result, [](Row& row) { return std::string(row.Bytes()); }, NameOfBlob(site, sha256));
 }

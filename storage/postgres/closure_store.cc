@@ -4,6 +4,7 @@
 #include "core/base/status_macros.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
+#include "storage/postgres/session_row.h"
 #include "storage/postgres/slam_rows.h"
 
 namespace enfilade {
@@ -16,15 +17,13 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr Statement kSessionExists{
-    "looking for the session",
-    "SELECT true FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL"};
-constexpr Statement kList{"listing closures", "SELECT " ENFILADE_CLOSURE_COLUMNS
-                                              " FROM enfilade.slam_closures WHERE site_id = $1 AND session_id = $2"
-                                              " AND closure_id > $3 ORDER BY closure_id LIMIT $4"};
-constexpr Statement kSelect{"reading the closure",
-                            "SELECT " ENFILADE_CLOSURE_COLUMNS
-                            " FROM enfilade.slam_closures WHERE site_id = $1 AND session_id = $2 AND closure_id = $3"};
+constexpr Statement kListClosures{"listing closures",
+                                  "SELECT " ENFILADE_CLOSURE_COLUMNS
+                                  " FROM enfilade.slam_closures WHERE site_id = $1 AND session_id = $2"
+                                  " AND closure_id > $3 ORDER BY closure_id LIMIT $4"};
+constexpr Statement kSelectClosure{
+    "reading the closure", "SELECT " ENFILADE_CLOSURE_COLUMNS
+                           " FROM enfilade.slam_closures WHERE site_id = $1 AND session_id = $2 AND closure_id = $3"};
 // Whoever maps the session finds at the next commit that the lease is lost, and the next holder reads the new state.
 constexpr Statement kTakeLeaseAway{"taking the lease away",
                                    "INSERT INTO enfilade.session_leases AS l"
@@ -32,10 +31,10 @@ constexpr Statement kTakeLeaseAway{"taking the lease away",
                                    " VALUES ($1, $2, '', 1, clock_timestamp())"
                                    " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = '', token = l.token + 1,"
                                    " expires_at = clock_timestamp()"};
-constexpr Statement kSetState{"changing the closure's state",
-                              "UPDATE enfilade.slam_closures SET state = $4"
-                              " WHERE site_id = $1 AND session_id = $2 AND closure_id = $3"
-                              " RETURNING " ENFILADE_CLOSURE_COLUMNS};
+constexpr Statement kSetClosureState{"changing the closure's state",
+                                     "UPDATE enfilade.slam_closures SET state = $4"
+                                     " WHERE site_id = $1 AND session_id = $2 AND closure_id = $3"
+                                     " RETURNING " ENFILADE_CLOSURE_COLUMNS};
 constexpr Statement kReopen{"opening the session for mapping",
                             "UPDATE enfilade.sessions SET state = 2"
                             " WHERE site_id = $1 AND session_id = $2 AND state = 3 AND delete_time IS NULL"};
@@ -50,8 +49,8 @@ absl::StatusOr<std::vector<SlamClosure>> ClosureStore::List(const CallContext& c
                                                             const SessionId& session, std::int64_t after,
                                                             int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kSessionExists, Params(site, session));
-  transaction.Queue(kList, Params(site, session, after, std::int64_t{limit}));
+  transaction.Queue(postgres::kSessionExists, Params(site, session));
+  transaction.Queue(kListClosures, Params(site, session, after, std::int64_t{limit}));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
   return ReadRows(results[1], postgres::ReadClosure);
@@ -63,7 +62,7 @@ absl::StatusOr<SlamClosure> ClosureStore::SetSuspended(const CallContext& contex
   const std::string name = ClosureName(site, session, closure);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   transaction.Queue(kTakeLeaseAway, Params(site, session));
-  transaction.Queue(kSelect, Params(site, session, closure));
+  transaction.Queue(kSelectClosure, Params(site, session, closure));
   const auto locked = transaction.Flush();
   // The lease's row refers to the session.
   if (!locked.ok() && absl::IsFailedPrecondition(locked.status())) return NotFound("{} does not exist", name);
@@ -71,7 +70,7 @@ absl::StatusOr<SlamClosure> ClosureStore::SetSuspended(const CallContext& contex
   ENFILADE_ASSIGN_OR_RETURN(const SlamClosure stored, ReadOne((*locked)[1], postgres::ReadClosure, name));
   if ((stored.state == ClosureState::kSuspended) == suspended) return stored;  // rolls the lease back
   const ClosureState state = suspended ? ClosureState::kSuspended : ClosureState::kAccepted;
-  transaction.Queue(kSetState, Params(site, session, closure, static_cast<std::int16_t>(state)));
+  transaction.Queue(kSetClosureState, Params(site, session, closure, static_cast<std::int16_t>(state)));
   transaction.Queue(kReopen, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto changed, transaction.FlushAndCommit());
   return ReadOne(changed[0], postgres::ReadClosure, name);

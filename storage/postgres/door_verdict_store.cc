@@ -8,6 +8,7 @@
 #include "storage/postgres/placement.h"
 #include "storage/postgres/pose_columns.h"
 #include "storage/postgres/rows.h"
+#include "storage/postgres/session_row.h"
 
 namespace enfilade {
 namespace {
@@ -42,13 +43,13 @@ constexpr Statement kListWaiting{"looking for sessions that wait",
                                  "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
                                  " AND previous_session_id = $2 AND map_id IS NULL AND delete_time IS NULL"
                                  " ORDER BY create_time, session_id"};
-constexpr Statement kLockLease{"locking the site's lease",
-                               "SELECT token FROM enfilade.site_leases WHERE site_id = $1 FOR SHARE"};
+constexpr Statement kLockSiteLease{"locking the site's lease",
+                                   "SELECT token FROM enfilade.site_leases WHERE site_id = $1 FOR SHARE"};
 constexpr Statement kIsJudged{
     "looking for the verdict",
     "SELECT true FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2 AND sequence = $3"};
 // The graph's lock keeps others from taking the same number.
-constexpr Statement kInsertMap{
+constexpr Statement kInsertMapBehind{
     "making the map",
     "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile)"
     " SELECT $1, $2, $3 || ' ' || min(n), $4, $5, $6"
@@ -72,15 +73,13 @@ constexpr Statement kEnter{
 constexpr Statement kMarkJudged{"closing the session's doors",
                                 "UPDATE enfilade.sessions SET doors_judged = true"
                                 " WHERE site_id = $1 AND session_id = $2"};
-constexpr Statement kSessionExists{
-    "looking for the session",
-    "SELECT true FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL"};
 #define ENFILADE_VERDICT_COLUMNS                                                                           \
   "session_id, sequence, decision, link_point_id, map_id, x, y, yaw, coalesce(covariance, '{}'), odom_x, " \
   "odom_y, odom_yaw, evidence::float8[], reason, graph_version, create_time"
-constexpr Statement kList{"listing verdicts", "SELECT " ENFILADE_VERDICT_COLUMNS
-                                              " FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2"
-                                              " AND sequence > $3 ORDER BY sequence LIMIT $4"};
+constexpr Statement kListVerdicts{"listing verdicts",
+                                  "SELECT " ENFILADE_VERDICT_COLUMNS
+                                  " FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2"
+                                  " AND sequence > $3 ORDER BY sequence LIMIT $4"};
 constexpr Statement kFindPassage{"looking for the verdict on the passage",
                                  "SELECT " ENFILADE_VERDICT_COLUMNS
                                  " FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2"
@@ -135,7 +134,7 @@ ComparisonRow ReadComparison(Row& row) {
 }
 
 absl::Status LockLease(Transaction& transaction, const SiteLease& lease) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockLease, Params(lease.site)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockSiteLease, Params(lease.site)));
   if (locked.rows() > 0) {
     Row row(locked, 0);
     if (row.Int64() == lease.token) return absl::OkStatus();
@@ -151,8 +150,8 @@ absl::Status LockGraphAt(Transaction& transaction, const SiteId& site, std::int6
 
 // The graph's version is raised by a trigger.
 void QueueMap(Transaction& transaction, const SiteId& site, const NewMap& map) {
-  transaction.Queue(kInsertMap, Params(site, map.id, map.name_prefix, std::int32_t{map.level},
-                                       static_cast<std::int16_t>(map.environment), map.slam_profile));
+  transaction.Queue(kInsertMapBehind, Params(site, map.id, map.name_prefix, std::int32_t{map.level},
+                                             static_cast<std::int16_t>(map.environment), map.slam_profile));
 }
 
 absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, const DoorChange& change) {
@@ -290,8 +289,8 @@ absl::StatusOr<std::vector<DoorVerdict>> DoorVerdictStore::List(const CallContex
                                                                 const SessionId& session, std::int64_t after,
                                                                 int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kSessionExists, Params(site, session));
-  transaction.Queue(kList, Params(site, session, after, std::int64_t{limit}));
+  transaction.Queue(postgres::kSessionExists, Params(site, session));
+  transaction.Queue(kListVerdicts, Params(site, session, after, std::int64_t{limit}));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
   ENFILADE_ASSIGN_OR_RETURN(std::vector<DoorVerdict> verdicts, ReadRows(results[1], ReadVerdict));

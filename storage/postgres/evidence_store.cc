@@ -18,13 +18,13 @@ using postgres::Transaction;
 // FOR KEY SHARE: it is not collected meanwhile.
 constexpr Statement kLockBlob{"looking for the blob",
                               "SELECT size FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2 FOR KEY SHARE"};
-constexpr Statement kList{"listing the evidence",
-                          "SELECT e.link_point_id, e.map_id, e.kind, e.encoding, e.sha256, b.size, e.time_ns,"
-                          " e.x, e.y, e.yaw"
-                          " FROM enfilade.link_point_evidence e JOIN enfilade.blobs b"
-                          "   ON b.site_id = e.site_id AND b.sha256 = e.sha256"
-                          " WHERE e.site_id = $1 AND e.link_point_id = ANY ($2)"
-                          " ORDER BY e.link_point_id, e.map_id, e.kind, e.ordinal"};
+constexpr Statement kListEvidence{"listing the evidence",
+                                  "SELECT e.link_point_id, e.map_id, e.kind, e.encoding, e.sha256, b.size, e.time_ns,"
+                                  " e.x, e.y, e.yaw"
+                                  " FROM enfilade.link_point_evidence e JOIN enfilade.blobs b"
+                                  "   ON b.site_id = e.site_id AND b.sha256 = e.sha256"
+                                  " WHERE e.site_id = $1 AND e.link_point_id = ANY ($2)"
+                                  " ORDER BY e.link_point_id, e.map_id, e.kind, e.ordinal"};
 
 Evidence ReadEvidence(Row& row) {
   Evidence evidence;
@@ -66,7 +66,7 @@ absl::StatusOr<std::vector<Evidence>> LinkPointStore::ListEvidence(const CallCon
   if (link_points.empty()) return std::vector<Evidence>();
   std::vector<std::string_view> ids;
   for (const LinkPointId& id : link_points) ids.push_back(id.value());
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kList, Params(site, ids)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListEvidence, Params(site, ids)));
   return ReadRows(result, ReadEvidence);
 }
 

@@ -13,10 +13,10 @@ using postgres::Statement;
 
 constexpr Statement kFind{"reading an image's features",
                           "SELECT features FROM enfilade.image_features WHERE site_id = $1 AND sha256 = $2"};
-constexpr Statement kPut{"storing an image's features",
-                         "INSERT INTO enfilade.image_features (site_id, sha256, features)"
-                         " SELECT site_id, sha256, $3 FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2"
-                         " ON CONFLICT (site_id, sha256) DO UPDATE SET features = excluded.features"};
+constexpr Statement kPutFeatures{"storing an image's features",
+                                 "INSERT INTO enfilade.image_features (site_id, sha256, features)"
+                                 " SELECT site_id, sha256, $3 FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2"
+                                 " ON CONFLICT (site_id, sha256) DO UPDATE SET features = excluded.features"};
 
 }  // namespace
 
@@ -30,7 +30,7 @@ absl::StatusOr<std::string> FeatureStore::Find(const CallContext& context, const
 
 absl::Status FeatureStore::Put(const CallContext& context, const SiteId& site, std::string_view sha256,
                                std::string_view features) const {
-  return ExecuteAlone(pool_, context, kPut, Params(site, Bytes{sha256}, Bytes{features})).status();
+  return ExecuteAlone(pool_, context, kPutFeatures, Params(site, Bytes{sha256}, Bytes{features})).status();
 }
 
 }  // namespace enfilade

@@ -6,8 +6,8 @@
 namespace enfilade::postgres {
 namespace {
 
-constexpr Statement kLock{"locking the graph",
-                          "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR UPDATE"};
+constexpr Statement kLockGraph{"locking the graph",
+                               "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR UPDATE"};
 constexpr Statement kRaise{"raising the graph's version",
                            "INSERT INTO enfilade.site_graphs AS g (site_id, graph_version, cause, resource)"
                            " VALUES ($1, 1, $2, $3) ON CONFLICT (site_id) DO UPDATE"
@@ -29,10 +29,10 @@ absl::StatusOr<std::int64_t> ReadGraphVersion(const Result& result) {
       result, [](Row& row) { return row.Int64(); }, "the graph");
 }
 
-void QueueGraphLock(Transaction& transaction, const SiteId& site) { transaction.Queue(kLock, Params(site)); }
+void QueueGraphLock(Transaction& transaction, const SiteId& site) { transaction.Queue(kLockGraph, Params(site)); }
 
 absl::StatusOr<std::int64_t> LockGraph(Transaction& transaction, const SiteId& site) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLock, Params(site)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockGraph, Params(site)));
   return ReadGraphVersion(locked);
 }
 

@@ -35,13 +35,13 @@ constexpr Statement kSelectRemovals{"reading what is gone from the graph",
                                     " WHERE site_id = $1 AND removed_version > $2 ORDER BY kind, id"};
 constexpr int kAttempts = 3;
 
-struct MapRow {
+struct GraphMapRow {
   GraphMap map;
   std::string outline;
 };
 
-MapRow ReadMapRow(Row& row) {
-  MapRow out;
+GraphMapRow ReadGraphMapRow(Row& row) {
+  GraphMapRow out;
   out.map.id = MapId(std::string(row.Text()));
   out.map.display_name = row.Text();
   out.map.level = row.Int32();
@@ -58,8 +58,8 @@ MapRow ReadMapRow(Row& row) {
 
 absl::Status Read(const postgres::Result& maps, const postgres::Result& link_points, const postgres::Result& removals,
                   GraphChanges& changes) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<MapRow> rows, ReadRows(maps, ReadMapRow));
-  for (MapRow& row : rows) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<GraphMapRow> rows, ReadRows(maps, ReadGraphMapRow));
+  for (GraphMapRow& row : rows) {
     if (!row.outline.empty()) {
       ENFILADE_ASSIGN_OR_RETURN(row.map.outline, postgres::DecodePolygon(row.outline));
     }

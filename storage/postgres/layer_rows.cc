@@ -19,8 +19,8 @@ using postgres::Transaction;
 constexpr Statement kSelectVersion{
     "reading the version of the map's layers",
     "SELECT coalesce(max(version), 0) FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
-constexpr Statement kDelete{"deleting the map's layers",
-                            "DELETE FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kDeleteLayer{"deleting the map's layers",
+                                 "DELETE FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
 constexpr Statement kInsertImport{"storing the map's layer",
                                   "INSERT INTO enfilade.map_layers (site_id, map_id, position, revision)"
                                   " VALUES ($1, $2, 1, $3)"};
@@ -140,7 +140,7 @@ absl::Status CheckLayers(Transaction& transaction, const SiteId& site, const Map
 void QueueLayer(Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision,
                 std::int64_t number) {
   if (!revision.session) {
-    transaction.Queue(kDelete, Params(site, map));
+    transaction.Queue(kDeleteLayer, Params(site, map));
     transaction.Queue(kInsertImport, Params(site, map, number));
     return;
   }

@@ -23,31 +23,31 @@ constexpr Statement kFindWork{"looking for sessions to map",
                               " AND (s.state = 2 OR s.acknowledged_sequence > coalesce(c.mapped_sequence, 0))"
                               " AND (l.expires_at IS NULL OR l.expires_at <= clock_timestamp())"
                               " ORDER BY l.expires_at NULLS FIRST, s.create_time LIMIT 8"};
-constexpr Statement kTake{
+constexpr Statement kTakeSessionLease{
     "taking the lease",
     "INSERT INTO enfilade.session_leases AS l (site_id, session_id, owner, token, expires_at)"
     " VALUES ($1, $2, $3, 1, clock_timestamp() + $4 * interval '1 millisecond')"
     " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
     " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= clock_timestamp() RETURNING token"};
 // A statement of its own, after the lease is taken: it sees a deletion that came in between.
-constexpr Statement kSelectSession{"reading the session",
-                                   "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
-                                   " WHERE s.site_id = $1 AND s.session_id = $2 AND s.map_id IS NOT NULL"};
-constexpr Statement kRenew{"renewing the lease",
-                           "UPDATE enfilade.session_leases"
-                           " SET expires_at = clock_timestamp() + $5 * interval '1 millisecond'"
-                           " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
-constexpr Statement kRelease{"giving the lease back",
-                             "UPDATE enfilade.session_leases SET owner = '', expires_at = clock_timestamp()"
-                             " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
+constexpr Statement kSelectLeasedSession{"reading the session",
+                                         "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
+                                         " WHERE s.site_id = $1 AND s.session_id = $2 AND s.map_id IS NOT NULL"};
+constexpr Statement kRenewSessionLease{"renewing the lease",
+                                       "UPDATE enfilade.session_leases"
+                                       " SET expires_at = clock_timestamp() + $5 * interval '1 millisecond'"
+                                       " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
+constexpr Statement kReleaseSessionLease{"giving the lease back",
+                                         "UPDATE enfilade.session_leases SET owner = '', expires_at = clock_timestamp()"
+                                         " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
 
 // Unset where another has been faster, or the session is deleted.
 absl::StatusOr<std::optional<LeasedSession>> Take(postgres::Pool& pool, const CallContext& context, const SiteId& site,
                                                   const SessionId& session, const std::string& owner,
                                                   std::chrono::milliseconds ttl) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  transaction.Queue(kTake, Params(site, session, owner, std::int64_t{ttl.count()}));
-  transaction.Queue(kSelectSession, Params(site, session));
+  transaction.Queue(kTakeSessionLease, Params(site, session, owner, std::int64_t{ttl.count()}));
+  transaction.Queue(kSelectLeasedSession, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0 || results[1].rows() == 0) return std::nullopt;
   LeasedSession leased;
@@ -77,7 +77,7 @@ absl::StatusOr<std::optional<LeasedSession>> MappingStore::Acquire(const CallCon
 
 absl::Status MappingStore::Renew(const CallContext& context, const SessionLease& lease,
                                  std::chrono::milliseconds ttl) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto renewed, ExecuteAlone(pool_, context, kRenew,
+  ENFILADE_ASSIGN_OR_RETURN(const auto renewed, ExecuteAlone(pool_, context, kRenewSessionLease,
                                                              Params(lease.site, lease.session, lease.owner, lease.token,
                                                                     std::int64_t{ttl.count()})));
   if (renewed.affected() > 0) return absl::OkStatus();
@@ -85,7 +85,8 @@ absl::Status MappingStore::Renew(const CallContext& context, const SessionLease&
 }
 
 absl::Status MappingStore::Release(const CallContext& context, const SessionLease& lease) const {
-  return ExecuteAlone(pool_, context, kRelease, Params(lease.site, lease.session, lease.owner, lease.token)).status();
+  return ExecuteAlone(pool_, context, kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token))
+      .status();
 }
 
 }  // namespace enfilade

@@ -11,18 +11,19 @@
 namespace enfilade::postgres {
 namespace {
 
-constexpr Statement kInsert{"creating the link point",
-                            "INSERT INTO enfilade.link_points (site_id, link_point_id, kind, tag, direction_map_id,"
-                            " difficulty, environment, state, valid_until, forced, changed_version, request_id)"
-                            " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)"};
-constexpr Statement kUpdate{"updating the link point",
-                            "UPDATE enfilade.link_points SET kind = $4, tag = $5, direction_map_id = $6,"
-                            " difficulty = $7, environment = $8, state = $9, valid_until = $10, forced = $11,"
-                            " changed_version = $12, etag = nextval('enfilade.etags'), update_time = now()"
-                            " WHERE site_id = $1 AND link_point_id = $2 AND etag = $3 RETURNING etag"};
-constexpr Statement kDelete{"deleting the link point",
-                            "DELETE FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = $2"
-                            " AND $3 IN (0, etag) RETURNING etag"};
+constexpr Statement kInsertLinkPoint{
+    "creating the link point",
+    "INSERT INTO enfilade.link_points (site_id, link_point_id, kind, tag, direction_map_id,"
+    " difficulty, environment, state, valid_until, forced, changed_version, request_id)"
+    " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)"};
+constexpr Statement kUpdateLinkPoint{"updating the link point",
+                                     "UPDATE enfilade.link_points SET kind = $4, tag = $5, direction_map_id = $6,"
+                                     " difficulty = $7, environment = $8, state = $9, valid_until = $10, forced = $11,"
+                                     " changed_version = $12, etag = nextval('enfilade.etags'), update_time = now()"
+                                     " WHERE site_id = $1 AND link_point_id = $2 AND etag = $3 RETURNING etag"};
+constexpr Statement kDeleteLinkPoint{"deleting the link point",
+                                     "DELETE FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = $2"
+                                     " AND $3 IN (0, etag) RETURNING etag"};
 // One statement for all, so that the check for redundancy sees all.
 constexpr Statement kPutAnchors{
     "storing the anchors",
@@ -80,10 +81,10 @@ absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& li
                              const std::string& request_id) {
   const SiteId& site = link_point.site;
   const LinkPoint& point = link_point.point;
-  transaction.Queue(
-      kInsert, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
-                      std::int32_t{point.difficulty}, EnvironmentOf(link_point), static_cast<std::int16_t>(point.state),
-                      ValidUntilOf(point), link_point.forced, version, NullIfEmpty(request_id)));
+  transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
+                                             DirectionOf(point), std::int32_t{point.difficulty},
+                                             EnvironmentOf(link_point), static_cast<std::int16_t>(point.state),
+                                             ValidUntilOf(point), link_point.forced, version, NullIfEmpty(request_id)));
   QueueAnchors(transaction, site, point.id, point.anchors);
   return ExplainLinkPoint(transaction.Flush().status(), site, point);
 }
@@ -92,9 +93,10 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   const SiteId& site = link_point.site;
   const LinkPoint& point = link_point.point;
   const auto updated = transaction.Execute(
-      kUpdate, Params(site, point.id, link_point.etag, static_cast<std::int16_t>(point.kind), point.tag,
-                      DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(link_point),
-                      static_cast<std::int16_t>(point.state), ValidUntilOf(point), link_point.forced, version));
+      kUpdateLinkPoint,
+      Params(site, point.id, link_point.etag, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
+             std::int32_t{point.difficulty}, EnvironmentOf(link_point), static_cast<std::int16_t>(point.state),
+             ValidUntilOf(point), link_point.forced, version));
   if (!updated.ok()) return ExplainLinkPoint(updated.status(), site, point);
   if (updated->rows() == 0) return WhyUntouched(transaction, site, point.id);
   std::vector<std::string_view> maps;
@@ -105,7 +107,7 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
 }
 
 absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto deleted, transaction.Execute(kDelete, Params(site, id, etag)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto deleted, transaction.Execute(kDeleteLinkPoint, Params(site, id, etag)));
   if (deleted.rows() == 0) return WhyUntouched(transaction, site, id);
   QueueRemoval(transaction, site, id);
   return absl::OkStatus();

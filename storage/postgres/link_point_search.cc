@@ -35,7 +35,7 @@ constexpr Statement kListUnplaced{"listing link points without a place",
                                   "   ORDER BY link_point_id LIMIT $2) p" ENFILADE_JOIN_ANCHORS
                                   " ORDER BY p.link_point_id, a.ordinal"};
 // A parameter that is NULL filters nothing.
-constexpr Statement kList{
+constexpr Statement kListLinkPoints{
     "listing link points",
     "SELECT " ENFILADE_LINK_POINT_COLUMNS
     " FROM (SELECT * FROM enfilade.link_points l WHERE site_id = $1 AND link_point_id > $2"
@@ -140,7 +140,7 @@ absl::StatusOr<std::vector<StoredLinkPoint>> LinkPointStore::List(const CallCont
                                                                   const PageRequest& page) const {
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
-      ExecuteAlone(pool_, context, filter.map ? kListInMap : kList,
+      ExecuteAlone(pool_, context, filter.map ? kListInMap : kListLinkPoints,
                    Params(site, page.after, filter.map, NumberOf(filter.kind), NumberOf(filter.state),
                           NumberOf(filter.use), filter.candidate, filter.tag, std::int64_t{page.limit})));
   return postgres::ReadLinkPoints(result);

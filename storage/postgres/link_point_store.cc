@@ -19,12 +19,12 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr Statement kSelect{"reading the link point",
-                            "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
-                            " WHERE p.site_id = $1 AND p.link_point_id = $2 ORDER BY a.ordinal"};
-constexpr Statement kFindRequest{"looking for an earlier request",
-                                 "SELECT link_point_id FROM enfilade.link_points"
-                                 " WHERE site_id = $1 AND request_id = $2"};
+constexpr Statement kSelectLinkPoint{
+    "reading the link point", "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
+                              " WHERE p.site_id = $1 AND p.link_point_id = $2 ORDER BY a.ordinal"};
+constexpr Statement kFindLinkPointRequest{"looking for an earlier request",
+                                          "SELECT link_point_id FROM enfilade.link_points"
+                                          " WHERE site_id = $1 AND request_id = $2"};
 // $3 = 0: whatever the etag is.
 constexpr Statement kTouch{"updating the link point",
                            "UPDATE enfilade.link_points SET changed_version = $4, etag = nextval('enfilade.etags'),"
@@ -42,7 +42,7 @@ constexpr Statement kHasAnchor{"looking for the anchor",
 absl::StatusOr<StoredLinkPoint> FinishChange(Transaction& transaction, const SiteId& site, const LinkPointId& id,
                                              std::int64_t version) {
   ENFILADE_RETURN_IF_ERROR(postgres::PlaceLinkPoint(transaction, site, version, id));
-  transaction.Queue(kSelect, Params(site, id));
+  transaction.Queue(kSelectLinkPoint, Params(site, id));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   return postgres::ReadLinkPoint(results.back(), site, id);
 }
@@ -58,11 +58,11 @@ absl::StatusOr<StoredLinkPoint> LinkPointStore::Create(const CallContext& contex
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
                             RaiseGraphVersion(transaction, site, GraphCause::kLinkPointAdded, ResourceOf(point.id)));
   if (!request_id.empty()) {  // the graph's lock makes this sure
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, transaction.Execute(kFindRequest, Params(site, request_id)));
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, transaction.Execute(kFindLinkPointRequest, Params(site, request_id)));
     if (earlier.rows() > 0) {
       Row row(earlier, 0);
       const LinkPointId id{std::string(row.Text())};
-      ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelect, Params(site, id)));
+      ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelectLinkPoint, Params(site, id)));
       return postgres::ReadLinkPoint(stored, site, id);
     }
   }
@@ -133,7 +133,7 @@ absl::Status LinkPointStore::Delete(const CallContext& context, const SiteId& si
 
 absl::StatusOr<StoredLinkPoint> LinkPointStore::Get(const CallContext& context, const SiteId& site,
                                                     const LinkPointId& id) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, id)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectLinkPoint, Params(site, id)));
   return postgres::ReadLinkPoint(result, site, id);
 }
 

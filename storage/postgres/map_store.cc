@@ -22,30 +22,30 @@ using postgres::Transaction;
   "site_id, map_id, display_name, level, environment, slam_profile, ST_AsBinary(outline, 'NDR'), state," \
   " current_revision, etag, create_time, update_time"
 
-constexpr Statement kInsert{
+constexpr Statement kInsertMap{
     "creating the map",
     "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile, outline, request_id)"
     " VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8) RETURNING " ENFILADE_MAP_COLUMNS};
-constexpr Statement kFindRequest{"looking for an earlier request",
-                                 "SELECT " ENFILADE_MAP_COLUMNS
-                                 " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
-constexpr Statement kSelect{"reading the map",
-                            "SELECT " ENFILADE_MAP_COLUMNS " FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kFindMapRequest{"looking for an earlier request",
+                                    "SELECT " ENFILADE_MAP_COLUMNS
+                                    " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
+constexpr Statement kSelectMap{"reading the map",
+                               "SELECT " ENFILADE_MAP_COLUMNS " FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
 constexpr Statement kSelectByDisplayName{"looking for the map",
                                          "SELECT " ENFILADE_MAP_COLUMNS
                                          " FROM enfilade.maps WHERE site_id = $1 AND display_name = $2"};
-constexpr Statement kList{"listing maps", "SELECT " ENFILADE_MAP_COLUMNS
-                                          " FROM enfilade.maps WHERE site_id = $1 AND map_id > $2"
-                                          " ORDER BY map_id LIMIT $3"};
+constexpr Statement kListMaps{"listing maps", "SELECT " ENFILADE_MAP_COLUMNS
+                                              " FROM enfilade.maps WHERE site_id = $1 AND map_id > $2"
+                                              " ORDER BY map_id LIMIT $3"};
 constexpr Statement kFindByOutline{"looking for maps by outline",
                                    "SELECT " ENFILADE_MAP_COLUMNS
                                    " FROM enfilade.maps WHERE site_id = $1 AND level = $2"
                                    " AND ST_Intersects(outline, ST_MakeEnvelope($3, $4, $5, $6)) ORDER BY map_id"};
-constexpr Statement kUpdate{"updating the map",
-                            "UPDATE enfilade.maps SET display_name = $4, level = $5, environment = $6,"
-                            " slam_profile = $7, outline = ST_GeomFromWKB($8, 0),"
-                            " etag = nextval('enfilade.etags'), update_time = now()"
-                            " WHERE site_id = $1 AND map_id = $2 AND etag = $3 RETURNING " ENFILADE_MAP_COLUMNS};
+constexpr Statement kUpdateMap{"updating the map",
+                               "UPDATE enfilade.maps SET display_name = $4, level = $5, environment = $6,"
+                               " slam_profile = $7, outline = ST_GeomFromWKB($8, 0),"
+                               " etag = nextval('enfilade.etags'), update_time = now()"
+                               " WHERE site_id = $1 AND map_id = $2 AND etag = $3 RETURNING " ENFILADE_MAP_COLUMNS};
 constexpr Statement kFindSessions{
     "looking for the map's sessions",
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 AND map_id = $2 ORDER BY session_id"};
@@ -82,9 +82,9 @@ constexpr Statement kPlaceRoot{
     "UPDATE enfilade.graph_maps m SET x = 0, y = 0, yaw = 0, covariance = array_fill(0::double precision, '{9}'),"
     " changed_version = g.graph_version FROM enfilade.site_graphs g"
     " WHERE g.site_id = $1 AND m.site_id = $1 AND m.map_id = g.root_map_id AND m.x IS NULL"};
-constexpr Statement kLock{"locking the map",
-                          "SELECT etag FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR UPDATE"};
-constexpr Statement kDelete{"deleting the map", "DELETE FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kLockMap{"locking the map",
+                             "SELECT etag FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR UPDATE"};
+constexpr Statement kDeleteMap{"deleting the map", "DELETE FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
 
 struct MapRow {
   Map map;
@@ -204,21 +204,21 @@ absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map,
   const std::string outline = postgres::EncodePolygon(map.outline);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   postgres::QueueGraphLock(transaction, map.site);
-  transaction.Queue(kInsert, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
-                                    static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline),
-                                    postgres::NullIfEmpty(request_id)));
+  transaction.Queue(kInsertMap, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
+                                       static_cast<std::int16_t>(map.environment), map.slam_profile,
+                                       BytesOrNull(outline), postgres::NullIfEmpty(request_id)));
   const auto inserted = transaction.FlushAndCommit();
   if (inserted.ok()) return ReadMap(inserted->back(), NameOf(map.site, map.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindRequest, Params(map.site, request_id)));
+                              ExecuteAlone(pool_, context, kFindMapRequest, Params(map.site, request_id)));
     if (earlier.rows() > 0) return ReadMap(earlier, NameOf(map.site, map.id));
   }
   return Explain(inserted.status(), map);
 }
 
 absl::StatusOr<Map> MapStore::Get(const CallContext& context, const SiteId& site, const MapId& map) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, map)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectMap, Params(site, map)));
   return ReadMap(result, NameOf(site, map));
 }
 
@@ -233,7 +233,7 @@ absl::StatusOr<std::vector<Map>> MapStore::List(const CallContext& context, cons
                                                 const PageRequest& page) const {
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
-      ExecuteAlone(pool_, context, kList, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
+      ExecuteAlone(pool_, context, kListMaps, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
   return ReadMaps(result);
 }
 
@@ -254,11 +254,11 @@ absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map)
       const std::int64_t version,
       postgres::RaiseGraphVersion(transaction, map.site, GraphCause::kMapChanged, "maps/" + map.id.value()));
   const auto updated = transaction.Execute(
-      kUpdate, Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
-                      static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
+      kUpdateMap, Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
+                         static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
   if (!updated.ok()) return Explain(updated.status(), map);
   if (updated->rows() == 0) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelect, Params(map.site, map.id)));
+    ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelectMap, Params(map.site, map.id)));
     ENFILADE_RETURN_IF_ERROR(ReadMap(stored, NameOf(map.site, map.id)).status());
     return postgres::StaleEtag(NameOf(map.site, map.id));
   }
@@ -283,7 +283,7 @@ absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, co
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> link_points, ids_of(found[1]));
   const std::vector<std::string_view> session_views(sessions.begin(), sessions.end());
   if (force) transaction.Queue(postgres::kRevokeLeases, Params(site, session_views));
-  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLock, Params(site, map)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockMap, Params(site, map)));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
                             ReadOne(
                                 locked, [](Row& row) { return row.Int64(); }, NameOf(site, map)));
@@ -291,7 +291,7 @@ absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, co
   if (!force) ENFILADE_RETURN_IF_ERROR(RefuseWhereNeeded(NameOf(site, map), sessions, link_points));
   ENFILADE_RETURN_IF_ERROR(TakeFromGraph(transaction, site, map, version, link_points));
   transaction.Queue(postgres::kMarkSessionsDeleted, Params(site, session_views));
-  transaction.Queue(kDelete, Params(site, map));
+  transaction.Queue(kDeleteMap, Params(site, map));
   const absl::Status committed = transaction.Commit();
   if (postgres::SqlStateOf(committed) == "23503") {
     return Aborted("{} got another session meanwhile: repeat the deletion", NameOf(site, map));

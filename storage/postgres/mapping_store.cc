@@ -4,8 +4,10 @@
 #include "storage/postgres/blob_rows.h"
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/names.h"
+#include "storage/postgres/pose_columns.h"
 #include "storage/postgres/revision_rows.h"
 #include "storage/postgres/rows.h"
+#include "storage/postgres/session_row.h"
 #include "storage/postgres/slam_rows.h"
 
 namespace enfilade {
@@ -19,11 +21,11 @@ using postgres::Statement;
 using postgres::Transaction;
 
 // Whoever wants to take the lease, or to delete the session, waits for this transaction.
-constexpr Statement kLockLease{"locking the lease",
-                               "SELECT token FROM enfilade.session_leases"
-                               " WHERE site_id = $1 AND session_id = $2 FOR UPDATE"};
+constexpr Statement kLockSessionLease{"locking the lease",
+                                      "SELECT token FROM enfilade.session_leases"
+                                      " WHERE site_id = $1 AND session_id = $2 FOR UPDATE"};
 // A statement of its own: it sees a deletion that the lock has waited for.
-constexpr Statement kSelectSession{
+constexpr Statement kSelectMappedSession{
     "reading the session",
     "SELECT s.map_id, s.state, coalesce(c.mapped_sequence, 0) FROM enfilade.sessions s"
     " LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)"
@@ -53,9 +55,6 @@ constexpr Statement kSetMapReady{"updating the map",
 constexpr Statement kLockCheckpoint{"reading the checkpoint",
                                     "SELECT mapped_sequence, state FROM enfilade.mapping_checkpoints"
                                     " WHERE site_id = $1 AND session_id = $2 FOR SHARE"};
-constexpr Statement kSessionExists{
-    "looking for the session",
-    "SELECT true FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL"};
 constexpr Statement kSelectTrajectory{
     "reading the trajectory",
     "SELECT p.time_ns, n.x, n.y, n.yaw, p.x, p.y, p.yaw FROM enfilade.trajectory_points p"
@@ -81,15 +80,9 @@ Target ReadTarget(Row& row) {
   return target;
 }
 
-Pose2 ReadPose(Row& row) {
-  const double x = row.Double();
-  const double y = row.Double();
-  return {x, y, row.Double()};
-}
-
 absl::StatusOr<Target> LockTarget(Transaction& transaction, const SessionLease& lease) {
-  transaction.Queue(kLockLease, Params(lease.site, lease.session));
-  transaction.Queue(kSelectSession, Params(lease.site, lease.session));
+  transaction.Queue(kLockSessionLease, Params(lease.site, lease.session));
+  transaction.Queue(kSelectMappedSession, Params(lease.site, lease.session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
   const absl::Status lost = Aborted("{} has lost the lease on {}", lease.owner, NameOf(lease.site, lease.session));
   if (results[0].rows() == 0 || results[1].rows() == 0) return lost;
@@ -174,7 +167,7 @@ absl::StatusOr<Trajectory> MappingStore::ReadTrajectory(const CallContext& conte
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   transaction.Queue(kLockCheckpoint, Params(site, session));
   transaction.Queue(kSelectTrajectory, Params(site, session));
-  transaction.Queue(kSessionExists, Params(site, session));
+  transaction.Queue(postgres::kSessionExists, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[2].rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
   Trajectory trajectory;

@@ -29,6 +29,11 @@ struct PoseColumns {
 };
 
 // From three columns.
+inline Pose2 ReadPose(Row& row) {
+  const double x = row.Double();
+  const double y = row.Double();
+  return {x, y, row.Double()};
+}
 inline std::optional<Pose2> ReadOptionalPose(Row& row) {
   const auto x = row.OptionalDouble();
   const auto y = row.OptionalDouble();

@@ -18,7 +18,7 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr Statement kSelectSession{
+constexpr Statement kSelectRetention{
     "reading the session",
     "SELECT records_deleted FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL"};
 // Takes as many rows as would fit by the session's mean size, and of those no more than really fit: so neither many
@@ -105,7 +105,7 @@ absl::StatusOr<std::vector<Record>> RecordStore::Read(const CallContext& context
                                                       std::int64_t max_bytes) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   transaction.Queue(kRead, Params(site, session, from_sequence, max_bytes));
-  transaction.Queue(kSelectSession, Params(site, session));
+  transaction.Queue(kSelectRetention, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   ENFILADE_ASSIGN_OR_RETURN(const bool deleted,
                             ReadOne(

@@ -16,7 +16,7 @@ constexpr Statement kLockMap{
     " FROM enfilade.maps m LEFT JOIN enfilade.map_revisions r"
     " ON (r.site_id, r.map_id, r.revision) = (m.site_id, m.map_id, m.current_revision)"
     " WHERE m.site_id = $1 AND m.map_id = $2 FOR NO KEY UPDATE OF m"};
-constexpr Statement kInsert{
+constexpr Statement kInsertRevision{
     "storing the revision",
     "INSERT INTO enfilade.map_revisions (site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y,"
     " origin_yaw, width, height, raster_header, content_sha256, tile_count, tile_bytes)"
@@ -27,9 +27,9 @@ constexpr Statement kInsertTiles{
     "storing the revision's tiles",
     "INSERT INTO enfilade.map_revision_tiles (site_id, map_id, revision, tile_row, tile_column, sha256)"
     " SELECT $1, $2, $3, u.* FROM unnest($4::integer[], $5::integer[], $6::bytea[]) u"};
-constexpr Statement kSetState{"updating the map",
-                              "UPDATE enfilade.maps SET current_revision = $3, state = $4"
-                              " WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kSetRevisionState{"updating the map",
+                                      "UPDATE enfilade.maps SET current_revision = $3, state = $4"
+                                      " WHERE site_id = $1 AND map_id = $2"};
 
 }  // namespace
 
@@ -58,14 +58,14 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const SiteId&
       digests.push_back(Bytes{tile.sha256});
     }
     const GridGeometry& grid = revision.geometry;
-    transaction.Queue(
-        kInsert, Params(site, map, number, source, revision.session, grid.resolution, grid.T_map_grid.x,
-                        grid.T_map_grid.y, grid.T_map_grid.yaw, std::int32_t{grid.width}, std::int32_t{grid.height},
-                        Bytes{revision.raster_header}, Bytes{revision.content_sha256}, digests));
+    transaction.Queue(kInsertRevision, Params(site, map, number, source, revision.session, grid.resolution,
+                                              grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw,
+                                              std::int32_t{grid.width}, std::int32_t{grid.height},
+                                              Bytes{revision.raster_header}, Bytes{revision.content_sha256}, digests));
     transaction.Queue(kInsertTiles, Params(site, map, number, rows, columns, digests));
   }
   QueueLayer(transaction, site, map, revision, number);
-  transaction.Queue(kSetState, Params(site, map, number, static_cast<std::int16_t>(state)));
+  transaction.Queue(kSetRevisionState, Params(site, map, number, static_cast<std::int16_t>(state)));
   return number;
 }
 

@@ -21,17 +21,17 @@ using postgres::Transaction;
   "site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height," \
   " raster_header, content_sha256, tile_count, tile_bytes, create_time"
 
-constexpr Statement kSelect{"reading the revision",
-                            "SELECT " ENFILADE_REVISION_COLUMNS
-                            " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision ="
-                            " CASE $3 WHEN 0 THEN (SELECT current_revision FROM enfilade.maps"
-                            "   WHERE site_id = $1 AND map_id = $2) ELSE $3 END"};
-constexpr Statement kSelectMap{"looking for the map",
-                               "SELECT current_revision FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
-constexpr Statement kList{"listing revisions",
-                          "SELECT " ENFILADE_REVISION_COLUMNS
-                          " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision < $3"
-                          " ORDER BY revision DESC LIMIT $4"};
+constexpr Statement kSelectRevision{"reading the revision",
+                                    "SELECT " ENFILADE_REVISION_COLUMNS
+                                    " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision ="
+                                    " CASE $3 WHEN 0 THEN (SELECT current_revision FROM enfilade.maps"
+                                    "   WHERE site_id = $1 AND map_id = $2) ELSE $3 END"};
+constexpr Statement kSelectCurrentRevision{
+    "looking for the map", "SELECT current_revision FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kListRevisions{"listing revisions",
+                                   "SELECT " ENFILADE_REVISION_COLUMNS
+                                   " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision < $3"
+                                   " ORDER BY revision DESC LIMIT $4"};
 constexpr Statement kListTiles{"listing tiles",
                                "SELECT tile_row, tile_column, sha256 FROM enfilade.map_revision_tiles"
                                " WHERE site_id = $1 AND map_id = $2 AND revision = $3"
@@ -84,7 +84,7 @@ absl::StatusOr<MapRevision> RevisionStore::Add(const CallContext& context, const
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   const auto number = AddRevision(transaction, site, map, revision, blobs, MapState::kReady);
   if (!number.ok()) return postgres::ExplainRevisionError(number.status(), site, map);
-  transaction.Queue(kSelect, Params(site, map, *number));
+  transaction.Queue(kSelectRevision, Params(site, map, *number));
   const auto results = transaction.FlushAndCommit();
   if (!results.ok()) return postgres::ExplainRevisionError(results.status(), site, map);
   return ReadOne(results->back(), ReadRevision, NameOfRevision(site, map, *number));
@@ -92,7 +92,8 @@ absl::StatusOr<MapRevision> RevisionStore::Add(const CallContext& context, const
 
 absl::StatusOr<MapRevision> RevisionStore::Get(const CallContext& context, const SiteId& site, const MapId& map,
                                                std::int64_t number) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, map, number)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
   return ReadOne(result, ReadRevision, NameOfRevision(site, map, number));
 }
 
@@ -100,8 +101,8 @@ absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& 
                                                              const MapId& map, std::int64_t before, int limit) const {
   const std::int64_t below = before > 0 ? before : std::numeric_limits<std::int64_t>::max();
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kSelectMap, Params(site, map));
-  transaction.Queue(kList, Params(site, map, below, static_cast<std::int64_t>(limit)));
+  transaction.Queue(kSelectCurrentRevision, Params(site, map));
+  transaction.Queue(kListRevisions, Params(site, map, below, static_cast<std::int64_t>(limit)));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
   return ReadRows(results[1], ReadRevision);
@@ -110,7 +111,7 @@ absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& 
 absl::StatusOr<std::vector<TileRef>> RevisionStore::ListTiles(const CallContext& context, const SiteId& site,
                                                               const MapId& map, std::int64_t number) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kSelect, Params(site, map, number));
+  transaction.Queue(kSelectRevision, Params(site, map, number));
   transaction.Queue(kListTiles, Params(site, map, number));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOfRevision(site, map, number));

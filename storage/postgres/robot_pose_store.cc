@@ -23,13 +23,14 @@ constexpr Statement kReport{
     " OR (p.time_ns = excluded.time_ns AND p.session_id IS NOT DISTINCT FROM excluded.session_id)"};
 #define ENFILADE_ROBOT_POSE_COLUMNS \
   "site_id, robot_id, map_id, session_id, ST_X(point), ST_Y(point), yaw, covariance, time_ns, version"
-constexpr Statement kSelect{"reading the robot's pose", "SELECT " ENFILADE_ROBOT_POSE_COLUMNS
-                                                        " FROM enfilade.robot_poses"
-                                                        " WHERE site_id = $1 AND robot_id = $2"};
-constexpr Statement kList{"listing robots' poses", "SELECT " ENFILADE_ROBOT_POSE_COLUMNS
-                                                   " FROM enfilade.robot_poses WHERE site_id = $1 ORDER BY robot_id"};
+constexpr Statement kSelectRobotPose{"reading the robot's pose", "SELECT " ENFILADE_ROBOT_POSE_COLUMNS
+                                                                 " FROM enfilade.robot_poses"
+                                                                 " WHERE site_id = $1 AND robot_id = $2"};
+constexpr Statement kListRobotPoses{"listing robots' poses",
+                                    "SELECT " ENFILADE_ROBOT_POSE_COLUMNS
+                                    " FROM enfilade.robot_poses WHERE site_id = $1 ORDER BY robot_id"};
 
-RobotPose ReadPose(Row& row) {
+RobotPose ReadRobotPose(Row& row) {
   RobotPose pose;
   pose.site = SiteId(std::string(row.Text()));
   pose.robot = RobotId(std::string(row.Text()));
@@ -62,13 +63,13 @@ absl::Status RobotPoseStore::Report(const CallContext& context, const RobotPose&
 
 absl::StatusOr<RobotPose> RobotPoseStore::Get(const CallContext& context, const SiteId& site,
                                               const RobotId& robot) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, robot)));
-  return ReadOne(result, ReadPose, "a pose of " + NameOf(site, robot));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectRobotPose, Params(site, robot)));
+  return ReadOne(result, ReadRobotPose, "a pose of " + NameOf(site, robot));
 }
 
 absl::StatusOr<std::vector<RobotPose>> RobotPoseStore::List(const CallContext& context, const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kList, Params(site)));
-  return ReadRows(result, ReadPose);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListRobotPoses, Params(site)));
+  return ReadRows(result, ReadRobotPose);
 }
 
 }  // namespace enfilade

@@ -14,25 +14,25 @@ using postgres::Statement;
 
 #define ENFILADE_ROBOT_COLUMNS "site_id, robot_id, display_name, etag, create_time, update_time"
 
-constexpr Statement kInsert{"creating the robot",
-                            "INSERT INTO enfilade.robots (site_id, robot_id, display_name, request_id)"
-                            " VALUES ($1, $2, $3, $4) RETURNING " ENFILADE_ROBOT_COLUMNS};
+constexpr Statement kInsertRobot{"creating the robot",
+                                 "INSERT INTO enfilade.robots (site_id, robot_id, display_name, request_id)"
+                                 " VALUES ($1, $2, $3, $4) RETURNING " ENFILADE_ROBOT_COLUMNS};
 constexpr Statement kInsertIfMissing{"creating the robot",
                                      "INSERT INTO enfilade.robots (site_id, robot_id, display_name)"
                                      " VALUES ($1, $2, $3) ON CONFLICT (site_id, robot_id) DO NOTHING"};
-constexpr Statement kFindRequest{"looking for an earlier request",
-                                 "SELECT " ENFILADE_ROBOT_COLUMNS
-                                 " FROM enfilade.robots WHERE site_id = $1 AND request_id = $2"};
-constexpr Statement kSelect{
+constexpr Statement kFindRobotRequest{"looking for an earlier request",
+                                      "SELECT " ENFILADE_ROBOT_COLUMNS
+                                      " FROM enfilade.robots WHERE site_id = $1 AND request_id = $2"};
+constexpr Statement kSelectRobot{
     "reading the robot", "SELECT " ENFILADE_ROBOT_COLUMNS " FROM enfilade.robots WHERE site_id = $1 AND robot_id = $2"};
-constexpr Statement kList{"listing robots", "SELECT " ENFILADE_ROBOT_COLUMNS
-                                            " FROM enfilade.robots WHERE site_id = $1 AND robot_id > $2"
-                                            " ORDER BY robot_id LIMIT $3"};
-constexpr Statement kUpdate{"updating the robot",
-                            "UPDATE enfilade.robots SET display_name = $4, etag = nextval('enfilade.etags'),"
-                            " update_time = now() WHERE site_id = $1 AND robot_id = $2 AND etag = $3"
-                            " RETURNING " ENFILADE_ROBOT_COLUMNS};
-constexpr Statement kDelete{
+constexpr Statement kListRobots{"listing robots", "SELECT " ENFILADE_ROBOT_COLUMNS
+                                                  " FROM enfilade.robots WHERE site_id = $1 AND robot_id > $2"
+                                                  " ORDER BY robot_id LIMIT $3"};
+constexpr Statement kUpdateRobot{"updating the robot",
+                                 "UPDATE enfilade.robots SET display_name = $4, etag = nextval('enfilade.etags'),"
+                                 " update_time = now() WHERE site_id = $1 AND robot_id = $2 AND etag = $3"
+                                 " RETURNING " ENFILADE_ROBOT_COLUMNS};
+constexpr Statement kDeleteRobot{
     "deleting the robot", "DELETE FROM enfilade.robots WHERE site_id = $1 AND robot_id = $2 AND ($3 = 0 OR etag = $3)"};
 
 Robot ReadRobot(Row& row) {
@@ -58,12 +58,13 @@ absl::Status Explain(const absl::Status& status, const Robot& robot) {
 
 absl::StatusOr<Robot> RobotStore::Create(const CallContext& context, const Robot& robot,
                                          const std::string& request_id) const {
-  const auto inserted = ExecuteAlone(
-      pool_, context, kInsert, Params(robot.site, robot.id, robot.display_name, postgres::NullIfEmpty(request_id)));
+  const auto inserted =
+      ExecuteAlone(pool_, context, kInsertRobot,
+                   Params(robot.site, robot.id, robot.display_name, postgres::NullIfEmpty(request_id)));
   if (inserted.ok()) return ReadOne(*inserted, ReadRobot, NameOf(robot.site, robot.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindRequest, Params(robot.site, request_id)));
+                              ExecuteAlone(pool_, context, kFindRobotRequest, Params(robot.site, request_id)));
     if (earlier.rows() > 0) return ReadOne(earlier, ReadRobot, NameOf(robot.site, robot.id));
   }
   return Explain(inserted.status(), robot);
@@ -77,7 +78,7 @@ absl::StatusOr<Robot> RobotStore::Ensure(const CallContext& context, const Robot
 }
 
 absl::StatusOr<Robot> RobotStore::Get(const CallContext& context, const SiteId& site, const RobotId& robot) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, robot)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectRobot, Params(site, robot)));
   return ReadOne(result, ReadRobot, NameOf(site, robot));
 }
 
@@ -85,13 +86,13 @@ absl::StatusOr<std::vector<Robot>> RobotStore::List(const CallContext& context, 
                                                     const PageRequest& page) const {
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
-      ExecuteAlone(pool_, context, kList, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
+      ExecuteAlone(pool_, context, kListRobots, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
   return ReadRows(result, ReadRobot);
 }
 
 absl::StatusOr<Robot> RobotStore::Update(const CallContext& context, const Robot& robot) const {
   const auto updated =
-      ExecuteAlone(pool_, context, kUpdate, Params(robot.site, robot.id, robot.etag, robot.display_name));
+      ExecuteAlone(pool_, context, kUpdateRobot, Params(robot.site, robot.id, robot.etag, robot.display_name));
   if (!updated.ok()) return Explain(updated.status(), robot);
   if (updated->rows() > 0) return ReadOne(*updated, ReadRobot, NameOf(robot.site, robot.id));
   ENFILADE_RETURN_IF_ERROR(Get(context, robot.site, robot.id).status());
@@ -100,7 +101,7 @@ absl::StatusOr<Robot> RobotStore::Update(const CallContext& context, const Robot
 
 absl::Status RobotStore::Delete(const CallContext& context, const SiteId& site, const RobotId& robot,
                                 std::int64_t etag) const {
-  const auto deleted = ExecuteAlone(pool_, context, kDelete, Params(site, robot, etag));
+  const auto deleted = ExecuteAlone(pool_, context, kDeleteRobot, Params(site, robot, etag));
   if (absl::IsFailedPrecondition(deleted.status()) && postgres::SqlStateOf(deleted.status()) == "23503") {
     return FailedPrecondition("{} still has sessions: delete them first", NameOf(site, robot));
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "storage/postgres/connection.h"
 #include "storage/postgres/result.h"
 #include "storage/session_store.h"
 
@@ -18,6 +19,10 @@ namespace enfilade::postgres {
   " s.initial_odom_yaw"
 #define ENFILADE_SESSION_TABLES \
   "enfilade.sessions s LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)"
+
+constexpr Statement kSessionExists{
+    "looking for the session",
+    "SELECT true FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL"};
 
 Session ReadSession(Row& row);
 

@@ -19,26 +19,26 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr Statement kInsert{"creating the session",
-                            "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id,"
-                            " previous_session_id, initial_x, initial_y, initial_yaw, initial_covariance,"
-                            " initial_odom_x, initial_odom_y, initial_odom_yaw)"
-                            " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)"};
-constexpr Statement kFindRequest{"looking for an earlier request",
-                                 "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
-                                 " WHERE s.site_id = $1 AND s.request_id = $2 AND s.delete_time IS NULL"};
-constexpr Statement kSelect{"reading the session",
-                            "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
-                            " WHERE s.site_id = $1 AND s.session_id = $2 AND s.delete_time IS NULL"};
-constexpr Statement kList{
+constexpr Statement kInsertSession{"creating the session",
+                                   "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id,"
+                                   " previous_session_id, initial_x, initial_y, initial_yaw, initial_covariance,"
+                                   " initial_odom_x, initial_odom_y, initial_odom_yaw)"
+                                   " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)"};
+constexpr Statement kFindSessionRequest{"looking for an earlier request",
+                                        "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
+                                        " WHERE s.site_id = $1 AND s.request_id = $2 AND s.delete_time IS NULL"};
+constexpr Statement kSelectSession{"reading the session",
+                                   "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
+                                   " WHERE s.site_id = $1 AND s.session_id = $2 AND s.delete_time IS NULL"};
+constexpr Statement kListSessions{
     "listing sessions",
     "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
     " WHERE s.site_id = $1 AND s.delete_time IS NULL AND (s.create_time, s.session_id) < ($2, $3)"
     " AND ($4::text IS NULL OR s.robot_id = $4) AND ($5::text IS NULL OR s.map_id = $5)"
     " AND ($6::smallint IS NULL OR s.state = $6) ORDER BY s.create_time DESC, s.session_id DESC LIMIT $7"};
-constexpr Statement kLock{"locking the session",
-                          "SELECT acknowledged_sequence, highest_sequence, finish_time FROM enfilade.sessions"
-                          " WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL FOR NO KEY UPDATE"};
+constexpr Statement kLockSession{"locking the session",
+                                 "SELECT acknowledged_sequence, highest_sequence, finish_time FROM enfilade.sessions"
+                                 " WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL FOR NO KEY UPDATE"};
 // Of a session whose mapping has failed the state stays.
 constexpr Statement kFinish{
     "finishing the session",
@@ -75,13 +75,13 @@ absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const S
   const PoseColumns initial(entry.T_map_robot);
   const PoseColumns odom(entry.T_odom_robot);
   const auto inserted = ExecuteAlone(
-      pool_, context, kInsert,
+      pool_, context, kInsertSession,
       Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id), entry.previous,
              initial.x, initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw));
   if (inserted.ok()) return Get(context, session.site, session.id);
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindRequest, Params(session.site, request_id)));
+                              ExecuteAlone(pool_, context, kFindSessionRequest, Params(session.site, request_id)));
     if (earlier.rows() > 0) return ReadOne(earlier, ReadSession, NameOf(session.site, session.id));
   }
   return Explain(inserted.status(), session);
@@ -89,7 +89,7 @@ absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const S
 
 absl::StatusOr<Session> SessionStore::Get(const CallContext& context, const SiteId& site,
                                           const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site, session)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectSession, Params(site, session)));
   return ReadOne(result, ReadSession, NameOf(site, session));
 }
 
@@ -101,7 +101,7 @@ absl::StatusOr<std::vector<Session>> SessionStore::List(const CallContext& conte
   std::optional<std::int16_t> state;
   if (filter.state) state = static_cast<std::int16_t>(*filter.state);
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kList,
+                            ExecuteAlone(pool_, context, kListSessions,
                                          Params(site, postgres::Timestamp{before.create_time}, before.id, filter.robot,
                                                 filter.map, state, static_cast<std::int64_t>(limit))));
   return ReadRows(result, ReadSession);
@@ -110,7 +110,7 @@ absl::StatusOr<std::vector<Session>> SessionStore::List(const CallContext& conte
 absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const SiteId& site, const SessionId& session,
                                              std::int64_t last_sequence) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLock, Params(site, session)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockSession, Params(site, session)));
   if (locked.rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
   Row row(locked, 0);
   const std::int64_t acknowledged = row.Int64();
@@ -125,7 +125,7 @@ absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const S
     return FailedPrecondition("{} cannot finish: record {} is missing", NameOf(site, session), acknowledged + 1);
   }
   if (!finished) transaction.Queue(kFinish, Params(site, session));
-  transaction.Queue(kSelect, Params(site, session));
+  transaction.Queue(kSelectSession, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   return ReadOne(results.back(), ReadSession, NameOf(site, session));
 }

@@ -18,27 +18,27 @@ using postgres::Transaction;
 
 #define ENFILADE_SITE_COLUMNS "site_id, display_name, raw_retention_s, etag, create_time, update_time"
 
-constexpr Statement kInsert{"creating the site",
-                            "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s, request_id)"
-                            " VALUES ($1, $2, $3, $4) RETURNING " ENFILADE_SITE_COLUMNS};
-constexpr Statement kFindRequest{"looking for an earlier request",
-                                 "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE request_id = $1"};
-constexpr Statement kSelect{"reading the site",
-                            "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE site_id = $1"};
-constexpr Statement kList{"listing sites", "SELECT " ENFILADE_SITE_COLUMNS
-                                           " FROM enfilade.sites WHERE site_id > $1 ORDER BY site_id LIMIT $2"};
-constexpr Statement kUpdate{"updating the site",
-                            "UPDATE enfilade.sites SET display_name = $3, raw_retention_s = $4,"
-                            " etag = nextval('enfilade.etags'), update_time = now()"
-                            " WHERE site_id = $1 AND etag = $2 RETURNING " ENFILADE_SITE_COLUMNS};
-constexpr Statement kLock{"locking the site", "SELECT etag FROM enfilade.sites WHERE site_id = $1 FOR UPDATE"};
+constexpr Statement kInsertSite{"creating the site",
+                                "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s, request_id)"
+                                " VALUES ($1, $2, $3, $4) RETURNING " ENFILADE_SITE_COLUMNS};
+constexpr Statement kFindSiteRequest{"looking for an earlier request",
+                                     "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE request_id = $1"};
+constexpr Statement kSelectSite{"reading the site",
+                                "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE site_id = $1"};
+constexpr Statement kListSites{"listing sites", "SELECT " ENFILADE_SITE_COLUMNS
+                                                " FROM enfilade.sites WHERE site_id > $1 ORDER BY site_id LIMIT $2"};
+constexpr Statement kUpdateSite{"updating the site",
+                                "UPDATE enfilade.sites SET display_name = $3, raw_retention_s = $4,"
+                                " etag = nextval('enfilade.etags'), update_time = now()"
+                                " WHERE site_id = $1 AND etag = $2 RETURNING " ENFILADE_SITE_COLUMNS};
+constexpr Statement kLockSite{"locking the site", "SELECT etag FROM enfilade.sites WHERE site_id = $1 FOR UPDATE"};
 constexpr Statement kCountContent{
     "looking for what belongs to the site",
     "SELECT (SELECT count(*) FROM enfilade.maps WHERE site_id = $1),"
     " (SELECT count(*) FROM enfilade.robots WHERE site_id = $1),"
     " (SELECT count(*) FROM enfilade.sessions WHERE site_id = $1 AND delete_time IS NULL)"};
 // Writers of records hold their session's row and nothing else.
-constexpr Statement kLockSessions{
+constexpr Statement kLockSessionsOfSite{
     "locking the site's sessions",
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 ORDER BY session_id FOR UPDATE"};
 // In an order that no foreign key objects to.
@@ -93,31 +93,31 @@ std::optional<std::int64_t> RetentionSeconds(const Site& site) {
 absl::StatusOr<Site> SiteStore::Create(const CallContext& context, const Site& site,
                                        const std::string& request_id) const {
   const auto inserted =
-      ExecuteAlone(pool_, context, kInsert,
+      ExecuteAlone(pool_, context, kInsertSite,
                    Params(site.id, site.display_name, RetentionSeconds(site), postgres::NullIfEmpty(request_id)));
   if (inserted.ok()) return ReadOne(*inserted, ReadSite, NameOf(site.id));
   if (!absl::IsAlreadyExists(inserted.status())) return WithContext(inserted.status(), NameOf(site.id));
   if (!request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, ExecuteAlone(pool_, context, kFindRequest, Params(request_id)));
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, ExecuteAlone(pool_, context, kFindSiteRequest, Params(request_id)));
     if (earlier.rows() > 0) return ReadOne(earlier, ReadSite, NameOf(site.id));
   }
   return AlreadyExists("{} exists already", NameOf(site.id));
 }
 
 absl::StatusOr<Site> SiteStore::Get(const CallContext& context, const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelect, Params(site)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectSite, Params(site)));
   return ReadOne(result, ReadSite, NameOf(site));
 }
 
 absl::StatusOr<std::vector<Site>> SiteStore::List(const CallContext& context, const PageRequest& page) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kList,
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListSites,
                                                             Params(page.after, static_cast<std::int64_t>(page.limit))));
   return ReadRows(result, ReadSite);
 }
 
 absl::StatusOr<Site> SiteStore::Update(const CallContext& context, const Site& site) const {
   const auto updated =
-      ExecuteAlone(pool_, context, kUpdate, Params(site.id, site.etag, site.display_name, RetentionSeconds(site)));
+      ExecuteAlone(pool_, context, kUpdateSite, Params(site.id, site.etag, site.display_name, RetentionSeconds(site)));
   if (!updated.ok()) return WithContext(updated.status(), NameOf(site.id));
   if (updated->rows() > 0) return ReadOne(*updated, ReadSite, NameOf(site.id));
   ENFILADE_RETURN_IF_ERROR(Get(context, site.id).status());
@@ -127,7 +127,7 @@ absl::StatusOr<Site> SiteStore::Update(const CallContext& context, const Site& s
 absl::Status SiteStore::Delete(const CallContext& context, const SiteId& site, std::int64_t etag, bool force) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   postgres::QueueGraphLock(transaction, site);
-  transaction.Queue(kLock, Params(site));
+  transaction.Queue(kLockSite, Params(site));
   transaction.Queue(kCountContent, Params(site));
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Flush());
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
@@ -143,7 +143,7 @@ absl::Status SiteStore::Delete(const CallContext& context, const SiteId& site, s
     return FailedPrecondition("{} still has {} maps, {} robots and {} sessions: delete them first, or use force",
                               NameOf(site), maps, robots, sessions);
   }
-  transaction.Queue(kLockSessions, Params(site));
+  transaction.Queue(kLockSessionsOfSite, Params(site));
   for (const Statement& statement : kDeletes) transaction.Queue(statement, Params(site));
   return WithContext(transaction.Commit(), NameOf(site));
 }

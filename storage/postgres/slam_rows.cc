@@ -1,5 +1,6 @@
 #include "storage/postgres/slam_rows.h"
 
+#include "storage/postgres/pose_columns.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade::postgres {
@@ -68,12 +69,6 @@ Eigen::Matrix3d ReadMatrix(Row& row) {
     matrix(static_cast<int>(i) / 3, static_cast<int>(i) % 3) = numbers[i];
   }
   return matrix;
-}
-
-Pose2 ReadPose(Row& row) {
-  const double x = row.Double();
-  const double y = row.Double();
-  return {x, y, row.Double()};
 }
 
 SlamSubmap ReadSubmap(Row& row) {

@@ -14,12 +14,11 @@
 #include "client/simulator/simulation_files.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/geometry/pose2.h"
 #include "fmt/ranges.h"
 
 namespace enfilade::cli {
 namespace {
-
-constexpr double kRadians = M_PI / 180.0;
 
 struct SimCommandOptions {
   std::string campus;
@@ -62,7 +61,7 @@ void PrintSim(const Globals& globals, const std::vector<simulator::DriveReport>&
 
 absl::Status RunSim(const Globals& globals, SimCommandOptions options) {
   ENFILADE_ASSIGN_OR_RETURN(simulator::Campus campus, simulator::LoadCampus(options.campus));
-  options.simulation.scanner.field_of_view = options.field_of_view_deg * kRadians;
+  options.simulation.scanner.field_of_view = options.field_of_view_deg * kDegree;
   if (options.laps > 0) options.simulation.laps = options.laps;
   const auto world = std::make_shared<const simulator::World>(std::move(campus));
   if (options.robots.empty()) {

@@ -1,7 +1,5 @@
 #include "client/cpp/spool/spool.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -16,10 +14,6 @@ namespace {
 
 // Records are dropped in transactions of this size, so that appending never waits long.
 constexpr std::int64_t kTrimSlice = 2000;
-
-std::int64_t Crc(std::string_view bytes) {
-  return static_cast<std::int64_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 // What is left of a record that can no longer be read.
 Record Damaged(std::int64_t sequence, const std::string& why) {
@@ -55,6 +49,8 @@ absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database,
 }
 
 }  // namespace
+
+TimeNs TimeOf(const SpoolItem& item) { return enfilade::TimeOf(Record{1, item.payload}); }
 
 Spool::Spool(std::string path, const SpoolOptions& options, FileLock lock, SqliteDatabase writer, SqliteDatabase reader)
     : path_(std::move(path)),

@@ -53,6 +53,8 @@ struct SpoolItem {
   decltype(Record::payload) payload;
   std::string content;
 };
+// When it was measured or, of a report, made.
+TimeNs TimeOf(const SpoolItem& item);
 
 struct SpoolUsage {
   std::int64_t bytes = 0;  // counts against max_bytes

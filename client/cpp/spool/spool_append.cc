@@ -1,11 +1,10 @@
 // The appending half of the spool: the group commit, and waiting for what it changes.
-#include <zlib.h>
-
 #include <algorithm>
 #include <set>
 #include <utility>
 
 #include "client/cpp/spool/spool.h"
+#include "client/cpp/spool/spool_schema.h"
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
@@ -25,10 +24,6 @@ absl::Status Check(const SpoolItem& item) {
   }
   if (Sha256(item.content) != blob->sha256) return InvalidArgument("content.sha256 is not that of the bytes given");
   return absl::OkStatus();
-}
-
-std::int64_t Crc(std::string_view bytes) {
-  return static_cast<std::int64_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "client/cpp/spool/spool_schema.h"
 
-#include <cstdint>
-#include <string>
+#include <zlib.h>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -71,6 +70,10 @@ absl::Status Upgrade(SqliteDatabase& database, std::int64_t version) {
 }
 
 }  // namespace
+
+std::int64_t Crc(std::string_view bytes) {
+  return static_cast<std::int64_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
 
 absl::Status PrepareSpoolFile(SqliteDatabase& database, const std::string& path, bool check) {
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t tables, database.QueryInt("SELECT count(*) FROM sqlite_master"));

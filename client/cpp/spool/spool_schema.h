@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+#include <string_view>
+
 #include "absl/status/status.h"
 #include "client/cpp/spool/sqlite.h"
 
@@ -14,5 +18,8 @@ absl::Status PrepareSpoolFile(SqliteDatabase& database, const std::string& path,
 
 // What every connection to a spool is set to.
 absl::Status ConfigureConnection(SqliteDatabase& database);
+
+// Of a record's encoded bytes, as the spool keeps it beside them.
+std::int64_t Crc(std::string_view bytes);
 
 }  // namespace enfilade::client

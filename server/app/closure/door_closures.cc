@@ -14,18 +14,18 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kTimeout = std::chrono::seconds(60);
+constexpr auto kJudgingTimeout = std::chrono::seconds(60);
 // Other replicas' mapping does not wake this process: it looks this often.
-constexpr auto kPoll = std::chrono::milliseconds(500);
+constexpr auto kJudgingPoll = std::chrono::milliseconds(500);
 constexpr auto kBusyPoll = std::chrono::milliseconds(50);
 constexpr auto kEarlyPoll = std::chrono::seconds(2);
-constexpr auto kLeaseTime = std::chrono::seconds(20);
+constexpr auto kJudgingLeaseTime = std::chrono::seconds(20);
 constexpr int kPendingAtOnce = 32;
 // The graph changes while a report is judged: people edit, other sites' replicas do not.
-constexpr int kAttempts = 10;
+constexpr int kJudgingAttempts = 10;
 
-CallContext Context() {
-  CallContext context = CallContext::WithTimeout(kTimeout);
+CallContext JudgingContext() {
+  CallContext context = CallContext::WithTimeout(kJudgingTimeout);
   context.actor = "closure at a door";
   return context;
 }
@@ -76,7 +76,7 @@ void DoorClosures::Stop() {
 void DoorClosures::Run() {
   while (!stop_.is_set()) {
     site_busy_ = false;
-    if (!TakeTurn()) wake_.WaitFor(site_busy_ ? kBusyPoll : kPoll);
+    if (!TakeTurn()) wake_.WaitFor(site_busy_ ? kBusyPoll : kJudgingPoll);
   }
 }
 
@@ -106,19 +106,19 @@ void DoorClosures::Failed(const PendingDoors& pending, const absl::Status& statu
 }
 
 bool DoorClosures::TakeTurn() {
-  const auto pending = stores_.verdicts.FindPending(Context(), kPendingAtOnce);
+  const auto pending = stores_.verdicts.FindPending(JudgingContext(), kPendingAtOnce);
   if (!pending.ok()) return false;  // readiness tells of an unreachable database
   bool worked = false;
   for (const PendingDoors& next : *pending) {
     if (stop_.is_set()) return false;
     if (!MayTry(next)) continue;
-    const auto lease = stores_.leases.Acquire(Context(), next.site, owner_, kLeaseTime);
+    const auto lease = stores_.leases.Acquire(JudgingContext(), next.site, owner_, kJudgingLeaseTime);
     if (!lease.ok() || !*lease) {  // another one is at this site
       site_busy_ = true;
       continue;
     }
     const absl::StatusOr<bool> settled = Settle(**lease, next.session);
-    (void)stores_.leases.Release(Context(), **lease);
+    (void)stores_.leases.Release(JudgingContext(), **lease);
     if (!settled.ok()) {
       if (!stop_.is_set()) Failed(next, settled.status());
     } else if (*settled) {
@@ -132,20 +132,20 @@ bool DoorClosures::TakeTurn() {
 }
 
 absl::StatusOr<bool> DoorClosures::Settle(const SiteLease& lease, const SessionId& id) {
-  const absl::StatusOr<Session> session = stores_.sessions.Get(Context(), lease.site, id);
+  const absl::StatusOr<Session> session = stores_.sessions.Get(JudgingContext(), lease.site, id);
   if (absl::IsNotFound(session.status())) {  // deleted: those that came out of it still need a map
     ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
     return true;
   }
   ENFILADE_RETURN_IF_ERROR(session.status());
-  ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(Context(), lease.site, id));
+  ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(JudgingContext(), lease.site, id));
   for (const StoredDoorReport& report : reports) {
     if (report.judged) continue;
     ENFILADE_ASSIGN_OR_RETURN(const bool settled, SettleReport(lease, *session, report));
     if (!settled) return false;
   }
   ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
-  ENFILADE_RETURN_IF_ERROR(stores_.verdicts.MarkJudged(Context(), lease, id));
+  ENFILADE_RETURN_IF_ERROR(stores_.verdicts.MarkJudged(JudgingContext(), lease, id));
   return true;
 }
 
@@ -154,24 +154,24 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Se
   const auto begin = std::chrono::steady_clock::now();
   const auto go_on = [&]() -> absl::Status {
     if (stop_.is_set()) return absl::CancelledError("the server is about to end");
-    return stores_.leases.Renew(Context(), lease, kLeaseTime);
+    return stores_.leases.Renew(JudgingContext(), lease, kJudgingLeaseTime);
   };
   std::set<LinkPointId> redundant;
   absl::Status last;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kJudgingAttempts; ++attempt) {
     ENFILADE_RETURN_IF_ERROR(go_on());
-    ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(Context(), lease.site));
+    ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(JudgingContext(), lease.site));
     const ReportJudge judge(stores_, options_, graph, go_on);
     ENFILADE_ASSIGN_OR_RETURN(
         const ReportJudge::Judgement judgement,
-        judge.Judge(Context(), session, report, redundant, WaitedFor(PendingDoors{lease.site, session.id})));
+        judge.Judge(JudgingContext(), session, report, redundant, WaitedFor(PendingDoors{lease.site, session.id})));
     if (!judgement.wait_for.empty()) {
       spdlog::debug("door {} of session {} waits for what is being mapped of{}", report.sequence, session.id.value(),
                     judgement.wait_for);
       return false;
     }
     const DoorChange& change = judgement.change;
-    last = stores_.verdicts.Commit(Context(), lease, change);
+    last = stores_.verdicts.Commit(JudgingContext(), lease, change);
     graphs_.MarkChanged(lease.site);
     if (last.ok()) {
       const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
@@ -190,12 +190,12 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Se
 }
 
 absl::Status DoorClosures::SettleWaiting(const SiteLease& lease, const SessionId& previous) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto waiting, stores_.verdicts.ListWaiting(Context(), lease.site, previous));
+  ENFILADE_ASSIGN_OR_RETURN(const auto waiting, stores_.verdicts.ListWaiting(JudgingContext(), lease.site, previous));
   if (waiting.empty()) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const auto passage, stores_.verdicts.FindPassage(Context(), lease.site, previous));
+  ENFILADE_ASSIGN_OR_RETURN(const auto passage, stores_.verdicts.FindPassage(JudgingContext(), lease.site, previous));
   absl::Status entered = absl::NotFoundError("");
   if (passage) {
-    entered = stores_.verdicts.Enter(Context(), lease,
+    entered = stores_.verdicts.Enter(JudgingContext(), lease,
                                      {.previous = previous,
                                       .new_map = {},
                                       .map = *passage->entered_map,
@@ -206,7 +206,8 @@ absl::Status DoorClosures::SettleWaiting(const SiteLease& lease, const SessionId
     // No passage was reported, or its map has been deleted: a new one that nothing joins.
     const NewMap map = MapBehind(std::nullopt, nullptr, options_);
     entered = stores_.verdicts.Enter(
-        Context(), lease, {.previous = previous, .new_map = map, .map = map.id, .T_map_robot = {}, .T_odom_robot = {}});
+        JudgingContext(), lease,
+        {.previous = previous, .new_map = map, .map = map.id, .T_map_robot = {}, .T_odom_robot = {}});
     graphs_.MarkChanged(lease.site);
   }
   ENFILADE_RETURN_IF_ERROR(entered);

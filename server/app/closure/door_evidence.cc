@@ -6,8 +6,6 @@
 namespace enfilade::server {
 namespace {
 
-TimeNs Seconds(double seconds) { return static_cast<TimeNs>(seconds * static_cast<double>(kNsPerSecond)); }
-
 std::optional<Pose2> PoseOf(const std::optional<PoseWithCovariance>& pose) {
   return pose ? std::optional<Pose2>(pose->pose) : std::nullopt;
 }
@@ -42,7 +40,7 @@ void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point
   const SessionScene& scene = passage.scene;
   // Where the robot was when it had the door before it, as a candidate is seen.
   TimeNs before = report.door_time;
-  for (TimeNs time = report.door_time; time > report.door_time - Seconds(10.0); time -= Seconds(0.25)) {
+  for (TimeNs time = report.door_time; time > report.door_time - DurationOf(10.0); time -= DurationOf(0.25)) {
     const auto pose = scene.PoseAt(time);
     if (!pose) break;
     before = time;
@@ -50,7 +48,7 @@ void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point
       break;
     }
   }
-  const TimeNs window = Seconds(passage.options.image_window);
+  const TimeNs window = DurationOf(passage.options.image_window);
   auto evidence = EvidenceAt(
       scene, link_point, passage.map.id, before, before - window, report.door_time,
       [&scene](TimeNs time) { return PoseOf(scene.PoseAt(time)); }, passage.options, change.verdict.evidence);
@@ -62,7 +60,8 @@ void KeepEvidenceBehind(const PassageScene& passage, const LinkPointId& link_poi
   const SessionScene& scene = passage.scene;
   const Pose2 T_there_here = there.T_map_place * Inverse(passage.T_map_door.pose);
   auto evidence = EvidenceAt(
-      scene, link_point, there.map, passage.report.time, passage.report.door_time, passage.report.time + Seconds(0.5),
+      scene, link_point, there.map, passage.report.time, passage.report.door_time,
+      passage.report.time + DurationOf(0.5),
       [&](TimeNs time) -> std::optional<Pose2> {
         const auto pose = scene.PoseAt(time);
         return pose ? std::optional<Pose2>(T_there_here * pose->pose) : std::nullopt;

@@ -6,11 +6,11 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kTimeout = std::chrono::seconds(10);
+constexpr auto kEntryTimeout = std::chrono::seconds(10);
 // What another replica judges is found by looking this often.
-constexpr auto kPoll = std::chrono::seconds(1);
+constexpr auto kEntryPoll = std::chrono::seconds(1);
 
-CallContext Context() { return CallContext::WithTimeout(kTimeout); }
+CallContext EntryContext() { return CallContext::WithTimeout(kEntryTimeout); }
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void MapEntries::Await(const SessionName& session, std::weak_ptr<const void> own
 
 void MapEntries::Run() {
   while (true) {
-    wake_.WaitFor(kPoll);
+    wake_.WaitFor(kEntryPoll);
     if (stop_.is_set()) return;
     std::list<Waiting> waiting;
     {
@@ -51,14 +51,14 @@ void MapEntries::Run() {
 
 bool MapEntries::Tell(const Waiting& waiting) const {
   if (waiting.owner.expired()) return true;
-  const auto session = sessions_.Get(Context(), waiting.session.site, waiting.session.session);
+  const auto session = sessions_.Get(EntryContext(), waiting.session.site, waiting.session.session);
   if (!session.ok()) return absl::IsNotFound(session.status());
   if (!session->map) return false;
-  const auto map = maps_.Get(Context(), waiting.session.site, *session->map);
+  const auto map = maps_.Get(EntryContext(), waiting.session.site, *session->map);
   if (!map.ok()) return absl::IsNotFound(map.status());
   MapEntry entry{*map, session->entry, {}};
   if (session->entry.previous) {
-    auto verdict = verdicts_.FindPassage(Context(), waiting.session.site, *session->entry.previous);
+    auto verdict = verdicts_.FindPassage(EntryContext(), waiting.session.site, *session->entry.previous);
     if (!verdict.ok()) return false;
     entry.verdict = *std::move(verdict);
   }

@@ -17,14 +17,12 @@
 namespace enfilade::server {
 namespace {
 
-TimeNs Seconds(double seconds) { return static_cast<TimeNs>(seconds * static_cast<double>(kNsPerSecond)); }
-
 // What the robot saw between the door and its report: of what lies behind.
 absl::StatusOr<ViewsBehind> LookBehind(const CallContext& context, const PassageScene& passage, StoredViews& views,
                                        std::vector<std::int64_t>& seen) {
   const DoorReport& report = passage.report;
   ViewsBehind behind;
-  const TimeNs late = report.time + Seconds(0.5);
+  const TimeNs late = report.time + DurationOf(0.5);
   for (const Camera camera : {Camera::kFront, Camera::kRear}) {
     for (const auto& image :
          passage.scene.ImagesNear(camera, report.time, report.door_time, late, passage.options.images_now)) {

@@ -12,8 +12,6 @@
 namespace enfilade::server {
 namespace {
 
-TimeNs Seconds(double seconds) { return static_cast<TimeNs>(seconds * static_cast<double>(kNsPerSecond)); }
-
 // It cannot be judged. After a passage a new map begins that nothing joins.
 void NotJudged(const std::optional<Map>& map, const StoredDoorReport& stored, const ClosureOptions& options,
                std::string why, DoorChange& change) {
@@ -40,7 +38,7 @@ void JudgeSighting(const ClosureOptions& options, const SiteGraph& graph, const 
   candidate.point.id = LinkPointId(NewUuid());
   candidate.point.kind = report.place;
   candidate.point.anchors = {{map.id, T_map_robot.pose, T_map_robot.covariance}};
-  const TimeNs window = Seconds(options.image_window);
+  const TimeNs window = DurationOf(options.image_window);
   change.evidence = EvidenceAt(
       scene, candidate.point.id, map.id, report.door_time, report.door_time - window, report.door_time + window,
       [&scene](TimeNs time) -> std::optional<Pose2> {

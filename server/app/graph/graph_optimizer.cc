@@ -15,11 +15,11 @@
 namespace enfilade::server {
 namespace {
 
-constexpr int kAttempts = 5;
+constexpr int kSolveAttempts = 5;
 // Changes come in bunches: a closure is a link point, its evidence, and often the next one.
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
-constexpr auto kTimeout = std::chrono::seconds(60);
-constexpr auto kLeaseTime = std::chrono::seconds(30);
+constexpr auto kSolveTimeout = std::chrono::seconds(60);
+constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
 constexpr auto kHeldPoll = std::chrono::milliseconds(50);
 // Solutions that differ by less are the same, m and rad.
 constexpr double kSame = 1e-6;
@@ -80,7 +80,7 @@ void GraphOptimizer::Stop() { stop_.Set(); }
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& context, const SiteId& site) {
   while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kLeaseTime));
+    ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
     if (lease) {
       absl::StatusOr<OptimizedGraph> optimized = OptimizeHeld(context, site);
       (void)leases_.Release(context, *lease);
@@ -95,7 +95,7 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& conte
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::OptimizeHeld(const CallContext& context, const SiteId& site) {
   absl::Status last;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kSolveAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
     ENFILADE_ASSIGN_OR_RETURN(SolvedGraph solution, OptimizeGraph(graph->graph()));
     const absl::StatusOr<std::int64_t> version = Store(store_, context, site, graph->graph(), solution);
@@ -120,13 +120,13 @@ void GraphOptimizer::Run() {
 }
 
 absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
-  const CallContext context = CallContext::WithTimeout(kTimeout);
+  const CallContext context = CallContext::WithTimeout(kSolveTimeout);
   ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
   if (graph->graph().root().empty()) return absl::OkStatus();
   std::string digest = DigestOf(graph->graph());
   std::string& solved = solved_[site];
   if (solved == digest) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kLeaseTime));
+  ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
   if (!lease) return Aborted("another one is at work on site {}", site.value());
   const absl::Status optimized = OptimizeChanged(context, site, *graph);
   (void)leases_.Release(context, *lease);
