@@ -6,11 +6,9 @@
 #include <thread>
 
 #include "core/base/sha256.h"
-#include "core/base/status_macros.h"
 #include "core/geometry/pose2.h"
-#include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "fmt/format.h"
-#include "tests/rpc/server_test.h"
+#include "tests/rpc/link_point_fixture.h"
 #include "tests/support/pose_matchers.h"
 
 namespace enfilade::testing {
@@ -21,73 +19,6 @@ using ::testing::HasSubstr;
 using Stub = v1::LinkPointService::Stub;
 
 Pose2 ToPose(const v1::Pose2& pose) { return {pose.x(), pose.y(), pose.yaw()}; }
-
-class LinkPointTest : public ServerTest {
- protected:
-  LinkPointTest() { CreateMap("lab", 0); }
-
-  void CreateMap(const std::string& id, int level) {
-    v1::CreateMapRequest request;
-    request.set_parent("sites/s");
-    request.set_map_id(id);
-    request.mutable_map()->set_display_name(id);
-    request.mutable_map()->set_level(level);
-    ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request));
-  }
-  static v1::Anchor MakeAnchor(const std::string& map, const Pose2& pose) {
-    v1::Anchor anchor;
-    anchor.set_map("sites/s/maps/" + map);
-    anchor.mutable_pose_map_place()->mutable_pose()->set_x(pose.x);
-    anchor.mutable_pose_map_place()->mutable_pose()->set_y(pose.y);
-    anchor.mutable_pose_map_place()->mutable_pose()->set_yaw(pose.yaw);
-    return anchor;
-  }
-  static v1::CreateLinkPointRequest MakeRequest(const std::string& id, const std::vector<v1::Anchor>& anchors) {
-    v1::CreateLinkPointRequest request;
-    request.set_parent("sites/s");
-    request.set_link_point_id(id);
-    request.mutable_link_point()->mutable_anchors()->Add(anchors.begin(), anchors.end());
-    return request;
-  }
-  absl::StatusOr<v1::LinkPoint> Create(const std::string& id, const std::vector<v1::Anchor>& anchors) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto response, Call(&Stub::CreateLinkPoint, MakeRequest(id, anchors)));
-    return response.link_point();
-  }
-  absl::StatusOr<v1::LinkPoint> AddAnchor(const std::string& id, const v1::Anchor& anchor) {
-    v1::AddLinkPointAnchorRequest request;
-    request.set_name("sites/s/linkPoints/" + id);
-    *request.mutable_anchor() = anchor;
-    ENFILADE_ASSIGN_OR_RETURN(const auto response, Call(&Stub::AddLinkPointAnchor, request));
-    return response.link_point();
-  }
-  std::vector<std::string> Find(const v1::FindLinkPointsRequest& request) {
-    const auto response = Call(&Stub::FindLinkPoints, request);
-    EXPECT_OK(response);
-    std::vector<std::string> ids;
-    for (const auto& found : response->found()) {
-      ids.push_back(found.link_point().name().substr(std::string("sites/s/linkPoints/").size()));
-    }
-    return ids;
-  }
-  absl::Status Attach(const std::string& id, const v1::Evidence& evidence, const std::string& bytes) {
-    const auto stub = v1::LinkPointService::NewStub(connection_->channel());
-    grpc::ClientContext context;
-    v1::AttachEvidenceResponse response;
-    const auto writer = stub->AttachEvidence(&context, &response);
-    v1::AttachEvidenceRequest request;
-    request.mutable_manifest()->set_parent("sites/s/linkPoints/" + id);
-    *request.mutable_manifest()->mutable_evidence() = evidence;
-    writer->Write(request);
-    if (!bytes.empty()) {
-      v1::AttachEvidenceRequest chunk;
-      *chunk.mutable_chunk()->mutable_blob() = evidence.image().content();
-      chunk.mutable_chunk()->set_data(bytes);
-      writer->Write(chunk);
-    }
-    writer->WritesDone();
-    return FromGrpcStatus(writer->Finish());
-  }
-};
 
 // map_manager's canonical scenario (reference 1.7): four maps around a loop, five link points, the candidates LC0 and
 // LC1 waiting for the closures L3 and L4; with ids that are not consecutive.
@@ -250,54 +181,6 @@ TEST_F(LinkPointTest, PagesGoThroughEverythingOnce) {
   } while (!request.page_token().empty());
   EXPECT_EQ(names.size(), 25U);
   EXPECT_EQ(pages, 4);
-}
-
-TEST_F(LinkPointTest, FindsAroundAPoseWithinTheRadiusOfItsUncertainty) {
-  ASSERT_OK(Create("near", {MakeAnchor("m", {0, 19, 0})}));
-  ASSERT_OK(Create("far", {MakeAnchor("m", {21, 0, 0})}));
-  v1::FindLinkPointsRequest request;
-  request.set_parent("sites/s");
-  v1::MapPose& pose = *request.mutable_pose_in_map();
-  pose.set_map("sites/s/maps/m");
-  pose.mutable_pose_map_robot()->mutable_pose();
-  EXPECT_THAT(Find(request), ElementsAre("near"));
-  // 20 m + 2 sqrt(5.991 lambda_max), with lambda_max = 0.25 m^2: 22.45 m.
-  for (const double value : {0.25, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.001}) {
-    pose.mutable_pose_map_robot()->add_covariance(value);
-  }
-  ASSERT_OK_AND_ASSIGN(const auto response, Call(&Stub::FindLinkPoints, request));
-  EXPECT_NEAR(response.radius_m(), 20.0 + 2.0 * std::sqrt(5.991 * 0.25), 1e-12);
-  ASSERT_EQ(response.found_size(), 2);
-  EXPECT_DOUBLE_EQ(response.found(0).distance_m(), 19.0);
-  EXPECT_DOUBLE_EQ(response.found(0).bearing_rad(), std::numbers::pi / 2);
-  EXPECT_NEAR(response.found(0).mahalanobis_distance(), 19.0 / std::sqrt(0.01 + 0.0015), 1e-9);
-  EXPECT_NEAR(response.found(1).mahalanobis_distance(), 21.0 / std::sqrt(0.25 + 0.0015), 1e-9);
-  request.set_base_radius_m(1.0);
-  EXPECT_THAT(Find(request), ElementsAre());
-
-  request.mutable_point_world()->set_x(21.0);
-  EXPECT_THAT(Find(request), ElementsAre("far", "near"));
-  request.set_max_count(1);
-  EXPECT_THAT(Find(request), ElementsAre("far"));
-  request.set_radius_m(0.0);
-  EXPECT_THAT(Find(request), ElementsAre("far"));
-  request.set_radius_m(-1.0);
-  EXPECT_THAT(Call(&Stub::FindLinkPoints, request), HasCode(absl::StatusCode::kInvalidArgument));
-}
-
-TEST_F(LinkPointTest, InAMapWithoutAPlaceEverythingWithoutOneIsConsidered) {
-  ASSERT_OK(Create("placed", {MakeAnchor("m", {0, 1, 0})}));
-  ASSERT_OK(Create("alone", {MakeAnchor("lab", {0, 1, 0})}));
-  v1::FindLinkPointsRequest request;
-  request.set_parent("sites/s");
-  request.mutable_pose_in_map()->set_map("sites/s/maps/lab");
-  request.mutable_pose_in_map()->mutable_pose_map_robot()->mutable_pose();
-  EXPECT_THAT(Find(request), ElementsAre("alone"));
-  request.mutable_pose_in_map()->set_map("sites/s/maps/cellar");
-  EXPECT_THAT(Call(&Stub::FindLinkPoints, request), HasCode(absl::StatusCode::kNotFound));
-  request.mutable_point_world();
-  request.set_include_unplaced(true);
-  EXPECT_THAT(Find(request), ElementsAre("placed", "alone"));
 }
 
 TEST_F(LinkPointTest, EvidenceComesInChunksOrByWhatIsStoredAlready) {

@@ -1,108 +1,21 @@
 #include "client/cpp/uplink/uplink.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <thread>
 
-#include "proto/convert/record.h"
 #include "tests/support/cutting_proxy.h"
-#include "tests/support/fake_server.h"
-#include "tests/support/status_matchers.h"
-#include "tests/support/test_data.h"
-#include "tests/unit/client/spool/spool_samples.h"
+#include "tests/unit/client/uplink/uplink_fixture.h"
 
 namespace enfilade {
 namespace {
 
-using client::Spool;
-using client::SpoolItem;
-using client::SpoolSession;
 using testing::CuttingProxy;
 using testing::FakeServer;
 using testing::HasCode;
-using testing::HasStatus;
 using ::testing::HasSubstr;
-using testing::ImageItem;
+using testing::kRun;
 using testing::Moment;
-using testing::NumberedScan;
-using testing::SampleSession;
-using testing::TemporaryDirectory;
-
-const SessionId kRun("run-1");
-constexpr const char* kRunName = "sites/campus/sessions/run-1";
-
-// A spool with a session, and a server to bring it to.
-class UplinkTest : public ::testing::Test {
- protected:
-  UplinkTest() {
-    spool_ = *Spool::Open((directory_.path() / "robot.spool").string());
-    EXPECT_OK(spool_->CreateSession(SampleSession()));
-    options_.min_backoff_s = 0.001;
-    options_.max_backoff_s = 0.02;
-    options_.stream.max_batch_records = 20;
-  }
-
-  void Serve(FakeServer::Behaviour behaviour = {}) {
-    server_ = std::make_unique<FakeServer>("unix:" + (directory_.path() / "server").string(), std::move(behaviour));
-  }
-  // Appends items, each one unlike the others; every `image_every`-th is an image of `image_bytes`.
-  void Record(int items, int image_every = 0, std::size_t image_bytes = 1000) {
-    std::vector<SpoolItem> batch;
-    for (int i = 0; i < items; ++i) {
-      ++recorded_;
-      if (image_every > 0 && recorded_ % image_every == 0) {
-        batch.push_back(ImageItem(std::to_string(recorded_) + std::string(image_bytes, 'p')));
-      } else {
-        batch.push_back({NumberedScan(recorded_, 30), {}});
-      }
-    }
-    ASSERT_OK(spool_->Append(kRun, batch));
-  }
-  void RecordAll(int items, int image_every = 0, std::size_t image_bytes = 1000) {
-    Record(items, image_every, image_bytes);
-    ASSERT_OK(spool_->MarkFinished(kRun));
-  }
-  // Brings everything over `address` and gives the outcome.
-  absl::Status Bring(const std::string& address) {
-    Uplink uplink(Connection(address, std::chrono::seconds(20)), *spool_, kRun, options_);
-    uplink.Start();
-    const auto result = uplink.WaitFor(std::chrono::minutes(2));
-    progress_ = uplink.progress();
-    return result.value_or(absl::DeadlineExceededError("the uplink has not come to an end"));
-  }
-  absl::Status Bring() { return Bring(server_->address()); }
-
-  // The session is finished on the server and holds every record once, as it was recorded.
-  void ExpectAllStored(const std::set<std::int64_t>& withheld = {}) {
-    const auto sessions = server_->sessions();
-    ASSERT_EQ(sessions.size(), 1U);
-    const FakeServer::Session& session = sessions.begin()->second;
-    EXPECT_TRUE(session.finished);
-    EXPECT_EQ(session.conflicts, 0);
-    ASSERT_EQ(session.records.size(), static_cast<std::size_t>(recorded_));
-    for (const auto& [sequence, stored] : session.records) {
-      if (withheld.contains(sequence)) {
-        EXPECT_TRUE(stored.has_withheld());
-      } else if (stored.has_laser_scan()) {
-        ASSERT_EQ(*FromProto(stored), (enfilade::Record{sequence, NumberedScan(static_cast<int>(sequence), 30)}));
-      } else {
-        ASSERT_TRUE(stored.has_image());
-        const std::string content = server_->blobs()[stored.image().content().sha256()];
-        ASSERT_EQ(content.substr(0, content.find('p')), std::to_string(sequence));
-      }
-    }
-    EXPECT_TRUE(spool_->FindSession(kRun)->closed);
-    EXPECT_EQ(spool_->usage().records, 0);
-  }
-
-  TemporaryDirectory directory_;
-  std::unique_ptr<Spool> spool_;
-  std::unique_ptr<FakeServer> server_;
-  UplinkOptions options_;
-  UplinkProgress progress_;
-  int recorded_ = 0;
-};
+using testing::UplinkTest;
 
 TEST_F(UplinkTest, BringsEverythingOnce) {
   Serve();
@@ -257,106 +170,6 @@ TEST_F(UplinkTest, SendsNoMoreThanItsWindowAhead) {
   server_->HoldAcknowledgements(false);
   ASSERT_OK(uplink.WaitFor(std::chrono::minutes(2)).value());
   ExpectAllStored();
-}
-
-TEST_F(UplinkTest, PutsRefusedRecordsAsideAndSendsTheRest) {
-  const std::set<std::int64_t> bad = {1, 2, 77, 78, 110, 299, 300};
-  FakeServer::Behaviour behaviour;
-  behaviour.refuse = [&](const v1::Record& record) -> std::optional<std::string> {
-    if (!bad.contains(record.sequence()) || record.has_withheld()) return std::nullopt;
-    return "record " + std::to_string(record.sequence()) + ": I do not like it";
-  };
-  Serve(behaviour);
-  RecordAll(300);
-  ASSERT_OK(Bring());
-  ExpectAllStored(bad);
-  EXPECT_EQ(progress_.quarantined, 7);
-  ASSERT_OK_AND_ASSIGN(const auto kept, spool_->ListQuarantined(kRun));
-  ASSERT_EQ(kept.size(), bad.size());
-  EXPECT_EQ(kept[2].record, (enfilade::Record{77, NumberedScan(77, 30)}));
-  EXPECT_EQ(kept[2].reason, "record 77: I do not like it");
-}
-
-TEST_F(UplinkTest, EndsWhereEvenTheWithheldRecordIsRefused) {
-  FakeServer::Behaviour behaviour;
-  behaviour.refuse = [](const v1::Record& record) -> std::optional<std::string> {
-    return record.sequence() == 30 ? std::optional<std::string>("never") : std::nullopt;
-  };
-  Serve(behaviour);
-  RecordAll(100);
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("record 30 is refused (never)")));
-}
-
-TEST_F(UplinkTest, EndsWithThePermanentErrorsAndKeepsTheSpool) {
-  FakeServer::Behaviour behaviour;
-  behaviour.interfere = [](Moment moment, int count) {
-    if (moment != Moment::kBatchReceived || count < 3) return grpc::Status::OK;
-    return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "the session is deleted");
-  };
-  Serve(behaviour);
-  RecordAll(100);
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("the session is deleted")));
-  EXPECT_EQ(spool_->FindSession(kRun)->last_sequence, 100);
-  EXPECT_GE(spool_->usage().records, 60);
-}
-
-TEST_F(UplinkTest, EndsWhereAnotherRobotRecordsUnderTheSameSession) {
-  Serve();
-  RecordAll(10);
-  ASSERT_OK(Bring());
-  server_->Edit(kRunName, [](FakeServer::Session& session) { session.session.set_robot("sites/campus/robots/other"); });
-  ASSERT_OK(spool_->RemoveSession(kRun));
-  SpoolSession again = SampleSession();
-  again.request_id = "99999999-2222-4333-8444-555555555555";
-  ASSERT_OK(spool_->CreateSession(again));
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("recorded by sites/campus/robots/other")));
-}
-
-TEST_F(UplinkTest, GoesOnWithANewDiskWhereTheServerHasMoreThanTheSpool) {
-  Serve();
-  Record(100);
-  ASSERT_OK(spool_->MarkFinished(kRun));
-  ASSERT_OK(Bring());
-  // The same recording again, from a spool that knows of nothing.
-  ASSERT_OK(spool_->RemoveSession(kRun));
-  SpoolSession again = SampleSession();
-  again.request_id = "99999999-2222-4333-8444-555555555555";
-  ASSERT_OK(spool_->CreateSession(again));
-  recorded_ = 0;
-  RecordAll(150);
-  ASSERT_OK(Bring());
-  ExpectAllStored();
-}
-
-TEST_F(UplinkTest, EndsOnConflictingRecords) {
-  Serve();
-  Record(20);
-  options_.create_missing = true;
-  server_->Edit(kRunName, [](FakeServer::Session& session) {
-    session.request_id = SampleSession().request_id;
-    session.records[5] = ToProto(enfilade::Record{5, NumberedScan(999, 30)});
-  });
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("two robots")));
-}
-
-TEST_F(UplinkTest, EndsWhereTheServerHasLostWhatItAcknowledged) {
-  Serve();
-  Record(100);
-  {
-    Uplink uplink(Connection(server_->address(), std::chrono::seconds(20)), *spool_, kRun, options_);
-    uplink.Start();
-    while (spool_->usage().records > 0) std::this_thread::yield();
-  }
-  server_->Edit(kRunName, [](FakeServer::Session& session) { session.records.erase(50); });
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("up to 49 but has acknowledged up to 100")));
-}
-
-TEST_F(UplinkTest, CreatesNothingWhereThatIsNotWanted) {
-  Serve();
-  options_.create_missing = false;
-  RecordAll(5);
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kNotFound, HasSubstr("has no map \"hall\"")));
-  EXPECT_TRUE(server_->maps().empty());
 }
 
 TEST_F(UplinkTest, FiftyReconnectsMakeOneSession) {
