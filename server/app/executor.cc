@@ -21,16 +21,20 @@ void Executor::Stop() {
 }
 
 bool Executor::Post(std::function<void()> task) {
-  MutexLock lock(mutex_);
-  if (tasks_.size() >= max_queued_) return false;
-  tasks_.push_back(std::move(task));
-  changed_.NotifyOne();
+  {
+    MutexLock lock(mutex_);
+    if (tasks_.size() >= max_queued_) return false;
+    tasks_.push_back(std::move(task));
+  }
+  changed_.NotifyOne();  // not under the lock, which whoever is woken takes first
   return true;
 }
 
 void Executor::PostNext(std::function<void()> task) {
-  MutexLock lock(mutex_);
-  tasks_.push_back(std::move(task));
+  {
+    MutexLock lock(mutex_);
+    tasks_.push_back(std::move(task));
+  }
   changed_.NotifyOne();
 }
 

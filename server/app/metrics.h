@@ -17,6 +17,7 @@ class Metrics {
   static absl::StatusOr<std::unique_ptr<Metrics>> Create(const std::string& address);
   ~Metrics();
 
+  // `name` must outlive this.
   void CountCall(const char* name, absl::StatusCode code, std::chrono::steady_clock::duration took);
   void CountRecordsStored(std::int64_t inserted, std::int64_t duplicates);
   void CountBatchRefused();
