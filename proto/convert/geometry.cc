@@ -8,17 +8,19 @@
 namespace enfilade {
 
 void SetMatrix(const Eigen::Matrix3d& matrix, google::protobuf::RepeatedField<double>* out) {
-  out->Clear();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) out->Add(matrix(row, column));
-  }
+  out->Resize(9, 0.0);
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(out->mutable_data()) = matrix;
 }
 
 v1::PoseWithCovariance ToProto(const PoseWithCovariance& pose) {
   v1::PoseWithCovariance out;
+  ToProto(pose, out);
+  return out;
+}
+
+void ToProto(const PoseWithCovariance& pose, v1::PoseWithCovariance& out) {
   *out.mutable_pose() = ToProto(pose.pose);
   SetMatrix(pose.covariance, out.mutable_covariance());
-  return out;
 }
 
 absl::StatusOr<PoseWithCovariance> FromProto(const std::string& field, const v1::PoseWithCovariance& pose) {

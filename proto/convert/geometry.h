@@ -11,6 +11,8 @@
 namespace enfilade {
 
 v1::PoseWithCovariance ToProto(const PoseWithCovariance& pose);
+// Into a message that is a part of another, without a copy.
+void ToProto(const PoseWithCovariance& pose, v1::PoseWithCovariance& out);
 
 // INVALID_ARGUMENT naming `field`: a pose that is missing or not finite, a covariance that is no covariance. Without
 // one it is zero.

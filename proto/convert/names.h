@@ -41,6 +41,8 @@ struct ClosureName {
 };
 
 std::string NameOf(const SiteId& site);
+std::string NameOf(const SiteId& site, const MapId& map);
+std::string NameOf(const SiteId& site, const LinkPointId& link_point);
 std::string NameOf(const MapName& name);
 std::string NameOf(const RevisionName& name);
 std::string NameOf(const LinkPointName& name);

@@ -8,6 +8,7 @@
 #include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
+#include "server/rpc/arena_messages.h"
 #include "server/rpc/graph/export_graph.h"
 #include "server/rpc/graph/get_global_pose.h"
 #include "server/rpc/graph/handlers.h"
@@ -136,7 +137,9 @@ class MapApi final : public v1::MapService::WithRawCallbackMethod_ExportMap<v1::
 
 class LinkPointApi final : public v1::LinkPointService::CallbackService {
  public:
-  explicit LinkPointApi(const Services& services) : services_(services) {}
+  explicit LinkPointApi(const Services& services) : services_(services) {
+    SetMessageAllocatorFor_FindLinkPoints(&find_messages_);
+  }
 
   grpc::ServerUnaryReactor* CreateLinkPoint(Call* call, const v1::CreateLinkPointRequest* request,
                                             v1::CreateLinkPointResponse* response) override {
@@ -181,6 +184,7 @@ class LinkPointApi final : public v1::LinkPointService::CallbackService {
 
  private:
   const Services& services_;
+  ArenaMessages<v1::FindLinkPointsRequest, v1::FindLinkPointsResponse> find_messages_;
 };
 
 class SessionApi final : public v1::SessionService::CallbackService {

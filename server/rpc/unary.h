@@ -12,12 +12,32 @@
 
 namespace enfilade::server {
 
-// The body of every unary RPC: `handle(services, context, request)` runs on the executor and its answer is sent.
-// `name` is the RPC's, for the metrics. `answer_at_once`, which must not wait, may answer without the executor.
+// What answers a unary RPC: by a response, or, where that is large, into one.
 template <typename Request, typename Response>
+using Handle = absl::StatusOr<Response> (*)(const Services&, const CallContext&, const Request&);
+template <typename Request, typename Response>
+using HandleInto = absl::Status (*)(const Services&, const CallContext&, const Request&, Response&);
+
+template <typename Request, typename Response>
+absl::Status Answer(Handle<Request, Response> handle, const Services& services, const CallContext& context,
+                    const Request& request, Response& response) {
+  absl::StatusOr<Response> answer = handle(services, context, request);
+  if (answer.ok()) response = *std::move(answer);
+  return answer.status();
+}
+
+template <typename Request, typename Response>
+absl::Status Answer(HandleInto<Request, Response> handle, const Services& services, const CallContext& context,
+                    const Request& request, Response& response) {
+  return handle(services, context, request, response);
+}
+
+// The body of every unary RPC: `handle` runs on the executor and its answer is sent. `name` is the RPC's, for the
+// metrics. `answer_at_once`, which must not wait, may answer without the executor.
+template <typename Request, typename Response, typename AnyHandle>
 grpc::ServerUnaryReactor* RunUnary(
     const Services& services, grpc::CallbackServerContext* call, const char* name, const Request* request,
-    Response* response, absl::StatusOr<Response> (*handle)(const Services&, const CallContext&, const Request&),
+    Response* response, AnyHandle handle,
     std::optional<absl::StatusOr<Response>> (*answer_at_once)(const Services&, const Request&) = nullptr) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   const CallContext context =
@@ -38,9 +58,7 @@ grpc::ServerUnaryReactor* RunUnary(
     if (context.deadline <= std::chrono::steady_clock::now()) {
       return finish(absl::DeadlineExceededError("the deadline passed while the call waited for its turn"));
     }
-    absl::StatusOr<Response> answer = handle(services, context, *request);
-    if (answer.ok()) *response = *std::move(answer);
-    finish(answer.status());
+    finish(Answer<Request, Response>(handle, services, context, *request, *response));
   });
   if (!queued) finish(absl::ResourceExhaustedError("too many calls are waiting: try again later"));
   return reactor;

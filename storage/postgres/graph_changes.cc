@@ -50,7 +50,7 @@ GraphMapRow ReadGraphMapRow(Row& row) {
   const bool placed = row.Bool();
   PoseWithCovariance place;
   place.pose = {row.Double(), row.Double(), row.Double()};
-  place.covariance = postgres::ToCovariance(row.Doubles());
+  place.covariance = postgres::ReadCovariance(row);
   if (placed) out.map.T_world_map = place;
   out.map.graph_version = row.Int64();
   return out;

@@ -64,7 +64,7 @@ MapPose ReadMapPose(Row& row) {
   MapPose pose;
   pose.map = MapId(std::string(row.Text()));
   pose.T_world_map.pose = {row.Double(), row.Double(), row.Double()};
-  pose.T_world_map.covariance = postgres::ToCovariance(row.Doubles());
+  pose.T_world_map.covariance = postgres::ReadCovariance(row);
   return pose;
 }
 

@@ -31,7 +31,7 @@ StoredLinkPoint ReadWithoutAnchors(Row& row) {
   const bool placed = row.Bool();
   PoseWithCovariance world;
   world.pose = {row.Double(), row.Double(), row.Double()};
-  world.covariance = ToCovariance(row.Doubles());
+  world.covariance = ReadCovariance(row);
   if (placed) stored.T_world_place = world;
   point.graph_version = row.Int64();
   stored.etag = row.Int64();
@@ -44,7 +44,7 @@ Anchor ReadAnchor(Row& row) {
   Anchor anchor;
   anchor.map = MapId(std::string(row.Text()));
   anchor.T_map_place = {row.Double(), row.Double(), row.Double()};
-  anchor.covariance = ToCovariance(row.Doubles());
+  anchor.covariance = ReadCovariance(row);
   return anchor;
 }
 
@@ -80,9 +80,10 @@ std::vector<double> ToRow(const Eigen::Matrix3d& covariance) {
   return values;
 }
 
-Eigen::Matrix3d ToCovariance(const std::vector<double>& values) {
-  if (values.size() != 9) return Eigen::Matrix3d::Zero();
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+Eigen::Matrix3d ReadCovariance(Row& row) {
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> covariance;
+  if (!row.DoublesInto(absl::MakeSpan(covariance.data(), 9))) covariance.setZero();
+  return covariance;
 }
 
 absl::Status ValidateCovariance(const std::string& field, const Eigen::Matrix3d& covariance) {

@@ -25,8 +25,8 @@ absl::StatusOr<StoredLinkPoint> ReadLinkPoint(const Result& result, const SiteId
 
 // 3x3, row by row.
 std::vector<double> ToRow(const Eigen::Matrix3d& covariance);
-// Zeros where `values` are not nine.
-Eigen::Matrix3d ToCovariance(const std::vector<double>& values);
+// The next column, row by row; zeros where it has not nine numbers.
+Eigen::Matrix3d ReadCovariance(Row& row);
 
 // INVALID_ARGUMENT naming `field`: not finite, not symmetric, or not positive semi-definite.
 absl::Status ValidateCovariance(const std::string& field, const Eigen::Matrix3d& covariance);

@@ -198,7 +198,7 @@ absl::StatusOr<std::optional<PoseWithCovariance>> MappingStore::FindKeyframe(con
   Row row(found, 0);
   PoseWithCovariance keyframe;
   keyframe.pose = ReadPose(row);
-  keyframe.covariance = postgres::ToCovariance(row.Doubles());
+  keyframe.covariance = postgres::ReadCovariance(row);
   ENFILADE_RETURN_IF_ERROR(row.status());
   return std::optional<PoseWithCovariance>(keyframe);
 }

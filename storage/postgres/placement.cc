@@ -75,7 +75,7 @@ absl::Status ReadPlaces(Transaction& transaction, const SiteId& site, const std:
     const MapId map{std::string(row.Text())};
     PoseWithCovariance& place = places[map];
     place.pose = {row.Double(), row.Double(), row.Double()};
-    place.covariance = ToCovariance(row.Doubles());
+    place.covariance = ReadCovariance(row);
     ENFILADE_RETURN_IF_ERROR(row.status());
   }
   return absl::OkStatus();

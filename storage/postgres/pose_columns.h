@@ -45,9 +45,9 @@ inline std::optional<Pose2> ReadOptionalPose(Row& row) {
 // From four; the covariance is read as {} where it is NULL.
 inline std::optional<PoseWithCovariance> ReadOptionalPoseWithCovariance(Row& row) {
   const std::optional<Pose2> pose = ReadOptionalPose(row);
-  const std::vector<double> covariance = row.Doubles();
+  const Eigen::Matrix3d covariance = ReadCovariance(row);
   if (!pose) return std::nullopt;
-  return PoseWithCovariance{*pose, ToCovariance(covariance)};
+  return PoseWithCovariance{*pose, covariance};
 }
 
 }  // namespace enfilade::postgres

@@ -7,6 +7,17 @@
 #include "core/base/error.h"
 
 namespace enfilade::postgres {
+namespace {
+
+constexpr std::size_t kDoubleElement = 12;  // bytes: its length, then the number
+
+void CopyDoubles(std::string_view elements, absl::Span<double> numbers) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = DecodeBinary<double>(elements.data() + i * kDoubleElement + 4);
+  }
+}
+
+}  // namespace
 
 int Result::rows() const { return PQntuples(result_.get()); }
 int Result::columns() const { return PQnfields(result_.get()); }
@@ -20,20 +31,32 @@ std::int64_t Result::affected() const {
 
 void Result::Clear::operator()(pg_result* result) const { PQclear(result); }
 
-std::vector<double> Row::Doubles() {
+std::string_view Row::DoubleElements() {
   const auto value = Value(TypeOid::kFloat8Array);
   constexpr std::size_t kHeader = 20;  // dimensions, flags, type, length, lower bound
   if (!value || value->size() < kHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return {};
   const std::size_t count = ReadNetwork<std::uint32_t>(value->data() + 12);
-  if (!HasSize(*value, kHeader + count * 12)) return {};
-  std::vector<double> numbers(count);
-  for (std::size_t i = 0; i < count; ++i) numbers[i] = DecodeBinary<double>(value->data() + kHeader + i * 12 + 4);
+  if (!HasSize(*value, kHeader + count * kDoubleElement)) return {};
+  return value->substr(kHeader);
+}
+
+std::vector<double> Row::Doubles() {
+  const std::string_view elements = DoubleElements();
+  std::vector<double> numbers(elements.size() / kDoubleElement);
+  CopyDoubles(elements, absl::MakeSpan(numbers));
   return numbers;
+}
+
+bool Row::DoublesInto(absl::Span<double> numbers) {
+  const std::string_view elements = DoubleElements();
+  if (elements.size() != numbers.size() * kDoubleElement) return false;
+  CopyDoubles(elements, numbers);
+  return true;
 }
 
 std::vector<std::string> Row::OptionalTexts() {
   const auto value = NullableValue(TypeOid::kTextArray);
-  constexpr std::size_t kHeader = 20;  // as in Doubles
+  constexpr std::size_t kHeader = 20;  // as in DoubleElements
   std::vector<std::string> texts;
   if (!value || value->size() < kHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return texts;
   const std::size_t count = ReadNetwork<std::uint32_t>(value->data() + 12);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/types/span.h"
 #include "core/base/time.h"
 #include "storage/postgres/types.h"
 
@@ -50,6 +51,8 @@ class Row {
   std::string_view Bytes() { return Value(TypeOid::kBytea).value_or(""); }
   // A one-dimensional float8[] without nulls.
   std::vector<double> Doubles();
+  // The same into `numbers`. False, and nothing is written, where it has another count.
+  bool DoublesInto(absl::Span<double> numbers);
   // A one-dimensional text[] without nulls; none for NULL.
   std::vector<std::string> OptionalTexts();
   std::optional<double> OptionalDouble();
@@ -69,6 +72,8 @@ class Row {
     return value && HasSize(*value, sizeof(T)) ? DecodeBinary<T>(value->data()) : T{};
   }
 
+  // The elements of a float8[], each after its length.
+  std::string_view DoubleElements();
   bool HasSize(std::string_view value, std::size_t size);
   std::optional<std::string_view> Value(TypeOid type);
   std::optional<std::string_view> NullableValue(TypeOid type);

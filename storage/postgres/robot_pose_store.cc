@@ -37,7 +37,7 @@ RobotPose ReadRobotPose(Row& row) {
   pose.map = MapId(std::string(row.Text()));
   if (const auto session = row.OptionalText()) pose.session = SessionId(std::string(*session));
   pose.T_map_robot.pose = {row.Double(), row.Double(), row.Double()};
-  pose.T_map_robot.covariance = postgres::ToCovariance(row.Doubles());
+  pose.T_map_robot.covariance = postgres::ReadCovariance(row);
   pose.time = row.Int64();
   pose.version = row.Int64();
   return pose;

@@ -26,19 +26,18 @@ absl::Status Unknown(const char* field, int value) {
 
 }  // namespace
 
-v1::LinkPoint ToProto(const StoredLinkPoint& link_point) {
+void ToProto(const StoredLinkPoint& link_point, v1::LinkPoint& out) {
   const LinkPoint& point = link_point.point;
-  v1::LinkPoint out;
-  out.set_name(NameOf(LinkPointName{link_point.site, point.id}));
+  out.set_name(NameOf(link_point.site, point.id));
   static_assert(static_cast<int>(LinkPointKind::kOpening) == v1::LinkPoint::KIND_OPENING);
   out.set_kind(static_cast<v1::LinkPoint::Kind>(point.kind));
   out.set_tag(point.tag);
   for (const Anchor& anchor : point.anchors) {
     v1::Anchor& added = *out.add_anchors();
-    added.set_map(NameOf(MapName{link_point.site, anchor.map}));
-    *added.mutable_pose_map_place() = enfilade::ToProto(PoseWithCovariance{anchor.T_map_place, anchor.covariance});
+    added.set_map(NameOf(link_point.site, anchor.map));
+    enfilade::ToProto({anchor.T_map_place, anchor.covariance}, *added.mutable_pose_map_place());
   }
-  if (!point.direction.empty()) out.set_direction_map(NameOf(MapName{link_point.site, point.direction}));
+  if (!point.direction.empty()) out.set_direction_map(NameOf(link_point.site, point.direction));
   out.set_difficulty(point.difficulty);
   if (link_point.environment) out.set_environment(static_cast<v1::Map::Environment>(*link_point.environment));
   static_assert(static_cast<int>(PassageState::kBlocked) == v1::LinkPoint::STATE_BLOCKED);
@@ -46,12 +45,17 @@ v1::LinkPoint ToProto(const StoredLinkPoint& link_point) {
   if (point.state_valid_until) *out.mutable_state_valid_until() = ToTimestamp(*point.state_valid_until);
   static_assert(static_cast<int>(LinkPointUse::kSuspended) == v1::LinkPoint::USE_SUSPENDED);
   out.set_use(static_cast<v1::LinkPoint::Use>(point.use));
-  if (link_point.T_world_place) *out.mutable_pose_world_place() = enfilade::ToProto(*link_point.T_world_place);
+  if (link_point.T_world_place) enfilade::ToProto(*link_point.T_world_place, *out.mutable_pose_world_place());
   out.set_forced(link_point.forced);
   out.set_graph_version(point.graph_version);
   out.set_etag(std::to_string(link_point.etag));
   *out.mutable_create_time() = ToTimestamp(link_point.create_time);
   *out.mutable_update_time() = ToTimestamp(link_point.update_time);
+}
+
+v1::LinkPoint ToProto(const StoredLinkPoint& link_point) {
+  v1::LinkPoint out;
+  ToProto(link_point, out);
   return out;
 }
 

@@ -14,6 +14,8 @@ namespace enfilade::server {
 // Stored link points as the API's resources, and the API's values as rows.
 
 v1::LinkPoint ToProto(const StoredLinkPoint& link_point);
+// Into a message that is a part of another, without a copy.
+void ToProto(const StoredLinkPoint& link_point, v1::LinkPoint& out);
 v1::Evidence ToProto(const SiteId& site, const Evidence& evidence);
 
 // INVALID_ARGUMENT naming the field. Name, etag and output-only fields are not read.

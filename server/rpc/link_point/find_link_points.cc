@@ -93,15 +93,15 @@ absl::StatusOr<Search> SearchOf(const Services& services, const CallContext& con
   return InvalidArgument("nothing says where to look: set pose_in_map, pose_world, point_world or polygon_world");
 }
 
-v1::FoundLinkPoint Describe(const StoredLinkPoint& link_point, const std::optional<PoseWithCovariance>& center) {
-  v1::FoundLinkPoint found;
-  *found.mutable_link_point() = ToProto(link_point);
+void Describe(const StoredLinkPoint& link_point, const std::optional<PoseWithCovariance>& center,
+              v1::FoundLinkPoint& found) {
+  ToProto(link_point, *found.mutable_link_point());
   if (!center || !link_point.T_world_place) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     found.set_distance_m(kNone);
     found.set_bearing_rad(kNone);
     found.set_mahalanobis_distance(kNone);
-    return found;
+    return;
   }
   const Eigen::Vector2d place = link_point.T_world_place->pose.translation();
   const Pose2 world_axes_at_center = {center->pose.x, center->pose.y, 0.0};
@@ -109,34 +109,32 @@ v1::FoundLinkPoint Describe(const StoredLinkPoint& link_point, const std::option
   found.set_bearing_rad(Bearing(world_axes_at_center, place));
   found.set_mahalanobis_distance(
       MahalanobisDistance(*center, *link_point.T_world_place).value_or(std::numeric_limits<double>::infinity()));
-  return found;
 }
 
 }  // namespace
 
-absl::StatusOr<v1::FindLinkPointsResponse> FindLinkPoints(const Services& services, const CallContext& context,
-                                                          const v1::FindLinkPointsRequest& request) {
-  v1::FindLinkPointsResponse response;
+absl::Status FindLinkPoints(const Services& services, const CallContext& context,
+                            const v1::FindLinkPointsRequest& request, v1::FindLinkPointsResponse& response) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(const Search search, SearchOf(services, context, site, request));
   if (search.query) {
     ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.Find(context, site, *search.query));
     for (const StoredLinkPoint& link_point : found.link_points) {
-      *response.add_found() = Describe(link_point, search.center);
+      Describe(link_point, search.center, *response.add_found());
     }
     response.set_graph_version(found.graph_version);
     if (const auto* circle = std::get_if<LinkPointCircle>(&search.query->area)) response.set_radius_m(circle->radius);
   }
-  if (search.center) *response.mutable_pose_world() = enfilade::ToProto(*search.center);
+  if (search.center) enfilade::ToProto(*search.center, *response.mutable_pose_world());
   if (search.unplaced) {
     ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.ListUnplaced(context, site, kMaxCount));
-    for (const StoredLinkPoint& link_point : found) *response.add_found() = Describe(link_point, std::nullopt);
+    for (const StoredLinkPoint& link_point : found) Describe(link_point, std::nullopt, *response.add_found());
   }
   if (!search.query) {
     ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.GetVersion(context, site));
     response.set_graph_version(version);
   }
-  return response;
+  return absl::OkStatus();
 }
 
 }  // namespace enfilade::server

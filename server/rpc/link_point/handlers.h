@@ -25,7 +25,8 @@ absl::StatusOr<v1::SuspendLinkPointResponse> SuspendLinkPoint(const Services& se
                                                               const v1::SuspendLinkPointRequest& request);
 absl::StatusOr<v1::ResumeLinkPointResponse> ResumeLinkPoint(const Services& services, const CallContext& context,
                                                             const v1::ResumeLinkPointRequest& request);
-absl::StatusOr<v1::FindLinkPointsResponse> FindLinkPoints(const Services& services, const CallContext& context,
-                                                          const v1::FindLinkPointsRequest& request);
+// Answers into `response`, which lies in an arena (ArenaMessages).
+absl::Status FindLinkPoints(const Services& services, const CallContext& context,
+                            const v1::FindLinkPointsRequest& request, v1::FindLinkPointsResponse& response);
 
 }  // namespace enfilade::server
