@@ -136,12 +136,10 @@ void GapDetector::LookBehind(std::vector<DoorEvent>& events) {
       for (Track& one : tracks_) {
         if (one.hits >= o.hits && (one.narrows.middle() - search.narrows->middle()).norm() < o.same_place) track = &one;
       }
-      Decide(search.narrows, track, at + search.narrows->along, search.reason, events);
+      Decide(*search.narrows, track, at + search.narrows->along, search.reason, events);
     }
     for (Track& track : tracks_) {
       if (track.crossed_at < 0.0 || track.crossed_at + 2.0 * kCrossing > at) continue;
-      if (track.crossed_at - last_passage_ > o.spacing)
-        Decide(std::nullopt, &track, track.crossed_at, search.reason, events);
       track.hits = 0;  // done with
       track.crossed_at = -1.0;
     }
@@ -174,9 +172,8 @@ CriterionVerdict GapDetector::JudgeEnvironment(const Narrows& door, double cross
   return verdict;
 }
 
-void GapDetector::Decide(const std::optional<Narrows>& behind, Track* track, double crossing, std::string behind_reason,
+void GapDetector::Decide(const Narrows& door, Track* track, double crossing, std::string behind_reason,
                          std::vector<DoorEvent>& events) {
-  const Narrows& door = behind ? *behind : track->narrows;
   DoorEvent event;
   event.kind = DoorEvent::Kind::kPassage;
   event.door = track ? track->door : 0;
@@ -197,17 +194,14 @@ void GapDetector::Decide(const std::optional<Narrows>& behind, Track* track, dou
                       fmt::format("{} scans saw {:.2f} m between posts ahead", track->hits, track->narrows.width())};
   else
     evidence.ahead.reason = "not seen ahead often enough";
-  evidence.behind = {behind ? State::kMet : State::kOpen, std::move(behind_reason)};
+  evidence.behind = {State::kMet, std::move(behind_reason)};
   evidence.environment = JudgeEnvironment(door, crossing, &evidence.hidden);
   evidence.walls = FindJambWalls(map_, door.left, door.right, options_.gap.wall_reach);
   evidence.parallel = ParallelSurfaces(map_, door.left, door.right, 2.0 * options_.gap.parallel);
   evidence.way_round =
       map_.Joined(before, after, evidence.walls.left_end, evidence.walls.right_end, door.middle(), options_.gap.detour);
   PassageVerdict verdict = JudgePassage(evidence, options_);
-  if (track) {
-    track->hits = 0;
-    track->crossed_at = -1.0;
-  }
+  // What was seen ahead still counts where the place is looked back on again, from further on.
   if (!verdict.passage) return;
   event.ahead = std::move(evidence.ahead);
   event.behind = std::move(evidence.behind);

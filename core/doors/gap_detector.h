@@ -1,7 +1,6 @@
 #pragma once
 
 #include <deque>
-#include <optional>
 #include <vector>
 
 #include "core/base/binary.h"
@@ -48,7 +47,8 @@ class GapDetector {
   void LookAhead(std::vector<DoorEvent>& events);
   void NoteCrossings();
   void LookBehind(std::vector<DoorEvent>& events);
-  void Decide(const std::optional<Narrows>& behind, Track* track, double crossing, std::string behind_reason,
+  // `track`: the same place as it was seen ahead, or nullptr.
+  void Decide(const Narrows& door, Track* track, double crossing, std::string behind_reason,
               std::vector<DoorEvent>& events);
   CriterionVerdict JudgeEnvironment(const Narrows& door, double crossing, double* hidden) const;
   void TellCandidates(bool all, std::vector<DoorEvent>& events);
