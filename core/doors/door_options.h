@@ -78,11 +78,13 @@ struct GapOptions {
   // Once it is behind the robot its walls are known, and judged instead of the way's widths, so that these may be:
   double behind_depth = 1.2;     // m, as max_depth
   double behind_repeated = 1.6;  // m, as repeated
+  double behind_widening = 0.1;  // m, as widening
   double wall_reach = 2.2;       // m beyond each post in which the wall is looked for
   double wall_beside = 0.8;      // m of wall in line with the posts, from both together, uninterrupted, at least
   double wall = 1.9;             // m, the same with what is seen again behind a pane or the like
   double wall_across = 0.3;      // m, instead of both, of a wall across a corridor, from one of its walls to the other
   double long_wall = 2.0;        // m of it outweigh a way round or ground that stays in sight
+  double slender = 5.0;          // times as long as deep along the way at the posts: a wall; what stands about is not
   double parallel = 0.5;         // m of walls beside the way at both posts: a corridor's, and no door
 };
 
@@ -154,11 +156,13 @@ void VisitDoorOptions(Options& o, Visit visit) {
   visit("gap.spacing", o.gap.spacing);
   visit("gap.behind_depth", o.gap.behind_depth);
   visit("gap.behind_repeated", o.gap.behind_repeated);
+  visit("gap.behind_widening", o.gap.behind_widening);
   visit("gap.wall_reach", o.gap.wall_reach);
   visit("gap.wall_beside", o.gap.wall_beside);
   visit("gap.wall", o.gap.wall);
   visit("gap.wall_across", o.gap.wall_across);
   visit("gap.long_wall", o.gap.long_wall);
+  visit("gap.slender", o.gap.slender);
   visit("gap.parallel", o.gap.parallel);
 }
 

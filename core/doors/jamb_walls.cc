@@ -9,7 +9,7 @@ namespace {
 constexpr double kTurnStep = 3.0 * M_PI / 180.0;
 constexpr double kThickest = 0.3;     // m, of a wall
 constexpr double kOffset = 0.15;      // m, of the line from the posts' middle
-constexpr double kInterrupted = 0.2;  // m without a hit that do not end a wall
+constexpr double kInterrupted = 0.2;  // m without a hit that do not end a surface
 constexpr double kPane = 1.3;         // m at most of an interruption behind which the wall goes on
 constexpr double kCorner = 0.6;       // m at least of the wall that it meets, before and behind
 constexpr double kAgain = 0.2;        // m at least of wall behind it
@@ -20,8 +20,9 @@ struct Run {
   double end = 0.0;    // m beyond the post
 };
 
-// Along `outward` (unit) from `post`.
-Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit) {
+// Along `outward` (unit) from `post`; `missing` m without a hit do not end the wall.
+Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit,
+            double missing) {
   const Eigen::Vector2d aside = map.cell() * Eigen::Vector2d(-outward.y(), outward.x());
   const auto occupied = [&](double s) {
     const Eigen::Vector2d at = post + s * outward;
@@ -33,7 +34,7 @@ Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vecto
   };
   Run run;
   double s = 0.0;
-  for (; s <= limit && s - run.wall <= kInterrupted; s += map.cell()) {
+  for (; s <= limit && s - run.wall <= missing; s += map.cell()) {
     if (occupied(s)) run.wall = s;
   }
   run.end = run.wall;
@@ -43,7 +44,7 @@ Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vecto
     if (occupied(s)) {
       if (begin < 0.0) begin = s;
       last = s;
-    } else if (begin >= 0.0 && s - last > kInterrupted) {
+    } else if (begin >= 0.0 && s - last > missing) {
       if (last - begin >= kAgain) break;
       begin = -1.0;
     }
@@ -84,7 +85,8 @@ bool Cornered(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vec
 
 }  // namespace
 
-JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit) {
+JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit,
+                        double missing) {
   const Eigen::Vector2d edge = left - right;
   const double width = std::max(edge.norm(), map.cell());
   const Eigen::Vector2d middle = (left + right) / 2.0;
@@ -100,8 +102,8 @@ JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const 
       const Eigen::Vector2d origin = middle + offset * map.cell() * aside;
       const Eigen::Vector2d left_post = origin + width / 2.0 * outward;
       const Eigen::Vector2d right_post = origin - width / 2.0 * outward;
-      const Run on_left = RunFrom(map, left_post, outward, limit);
-      const Run on_right = RunFrom(map, right_post, -outward, limit);
+      const Run on_left = RunFrom(map, left_post, outward, limit, missing);
+      const Run on_right = RunFrom(map, right_post, -outward, limit, missing);
       // Of lines that are as good the one nearest to the posts'.
       const double score = on_left.wall + on_right.wall + 0.5 * (on_left.again + on_right.again) -
                            0.01 * (std::abs(turn) + std::abs(offset));

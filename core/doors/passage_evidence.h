@@ -28,9 +28,9 @@ struct PassageVerdict {
 };
 
 // A passage is one through a gap in a wall: the criterion behind and as many others as are asked for hold, the posts
-// are the ends of a wall long enough, and no walls run beside the way at both. Against it speak ground that stays in
-// sight, unless the wall is long or closes a corridor, and a way round, unless the wall is long and the environment has
-// changed.
+// are the ends of a wall that is long enough and slender, and no walls run beside the way at both. Against it speak
+// ground that stays in sight, unless the wall is long or closes a corridor, and a way round, unless the wall is long
+// and the environment has changed, or it is far more slender than asked for.
 PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& options);
 
 }  // namespace enfilade

@@ -66,6 +66,13 @@ TEST(JambWalls, GoOnBehindAPaneOfGlass) {
   EXPECT_FALSE(map.Joined(before, behind, walls.left_end, walls.right_end, {0.0, 0.0}, 2.0));
 }
 
+TEST(JambWalls, MayMissMoreWhereTheCallerSaysSo) {
+  const LocalMap map =
+      MapOf({{{0.01, 0.5}, {0.01, 0.7}}, {{0.01, 1.1}, {0.01, 2.0}}, {{0.01, -0.5}, {0.01, -2.0}}}, kWayEast);
+  EXPECT_NEAR(FindJambWalls(map, {0.0, 0.5}, {0.0, -0.5}, 2.0).left, 0.2, 0.1);
+  EXPECT_NEAR(FindJambWalls(map, {0.0, 0.5}, {0.0, -0.5}, 2.0, 0.5).left, 1.5, 0.1);
+}
+
 TEST(JambWalls, MayBeTurnedAgainstThePostsOfAThickWall) {
   // The posts were found on the two faces of a wall of 0.3 m.
   const LocalMap map = MapOf({{{-0.15, 0.4}, {-0.15, 2.0}},

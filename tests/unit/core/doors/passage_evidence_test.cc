@@ -56,17 +56,43 @@ TEST(JudgePassage, TakesAWallAcrossACorridorFromCornerToCorner) {
   EXPECT_FALSE(JudgePassage(evidence, {}).passage);
   evidence.walls.right_cornered = true;
   EXPECT_TRUE(JudgePassage(evidence, {}).passage);
+  evidence.walls.left = evidence.walls.right = 0.55;
+  evidence.environment.state = State::kOpen;
   evidence.hidden = 0.05;
   EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "down the corridor most stays in sight through the door";
 }
 
-TEST(JudgePassage, AsksForNoWallWhereTheScannerLooksAheadOnly) {
+TEST(JudgePassage, TakesFurnitureForNoWall) {
   PassageEvidence evidence = ADoor();
-  evidence.walls.left = evidence.walls.right = 0.2;
-  EXPECT_FALSE(JudgePassage(evidence, {}).passage);
+  evidence.parallel = 0.42;
+  EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("1.90 m of it are 4.5 times as long as deep along the way"));
+  evidence.walls.left_again = 0.5;
+  EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "half of what is seen again counts";
+  evidence.walls.left_again = 0.0;
+  DoorOptions options;
+  options.gap.slender = 4.0;
+  EXPECT_TRUE(JudgePassage(evidence, options).passage);
+}
+
+TEST(JudgePassage, TakesACupboardInACorridorForNoWallAcrossIt) {
+  PassageEvidence evidence = ADoor();
+  evidence.walls.left = 0.4;
+  evidence.walls.right = 0.1;
+  evidence.walls.left_cornered = evidence.walls.right_cornered = true;
+  evidence.parallel = 0.3;
+  EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "it hides the ground behind it";
+  evidence.environment.state = State::kOpen;
+  evidence.hidden = 0.25;
+  EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("1.7 times as long as deep"));
+}
+
+TEST(JudgePassage, AsksForTheWallAlsoWhereTheScannerLooksAheadOnly) {
+  PassageEvidence evidence = ADoor();
   evidence.environment.state = State::kDropped;
   evidence.hidden = -1.0;
   EXPECT_TRUE(JudgePassage(evidence, {}).passage);
+  evidence.walls.left = evidence.walls.right = 0.2;
+  EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("no gap in a wall"));
 }
 
 TEST(JudgePassage, RefusesWallsBesideTheWay) {
@@ -83,6 +109,8 @@ TEST(JudgePassage, ALongWallOutweighsGroundInSightAndAWayRound) {
   evidence.walls.left = 2.0;
   EXPECT_TRUE(JudgePassage(evidence, {}).passage);
   evidence.way_round = true;
+  EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "14 times as long as deep";
+  evidence.parallel = 0.35;
   EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("leads round"));
   evidence.environment.state = State::kMet;
   EXPECT_TRUE(JudgePassage(evidence, {}).passage);
