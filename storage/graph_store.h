@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -114,6 +115,13 @@ class GraphStore {
   // Stores `solution` as a new version, which is returned. ABORTED where the graph is no longer at `version`.
   absl::StatusOr<std::int64_t> Apply(const CallContext& context, const SiteId& site, std::int64_t version,
                                      const GraphSolution& solution) const;
+  // Solves the graph while nobody else changes it, for one that hardly ever rests: `solve` is given what has changed
+  // since version `since`, as ReadChanges tells it, and its solution is stored as a new version, which is returned. Who
+  // would change the graph waits meanwhile, so that `solve` should not take long; who reads it does not. An error of
+  // `solve` is returned, and nothing is stored.
+  absl::StatusOr<std::int64_t> SolveHeld(
+      const CallContext& context, const SiteId& site, std::int64_t since,
+      const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const;
   // The newest first, those before `before` (0: from the newest).
   absl::StatusOr<std::vector<GraphVersion>> ListVersions(const CallContext& context, const SiteId& site,
                                                          std::int64_t before, int limit) const;

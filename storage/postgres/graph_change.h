@@ -22,6 +22,8 @@ absl::StatusOr<std::int64_t> ReadGraphVersion(const Result& result);
 void QueueGraphLock(Transaction& transaction, const SiteId& site);
 // Holds it at once and gives its version; 0 where the site has no maps.
 absl::StatusOr<std::int64_t> LockGraph(Transaction& transaction, const SiteId& site);
+// As GraphStore::ReadChanges, of a graph that this transaction holds.
+absl::StatusOr<GraphChanges> ReadHeldGraph(Transaction& transaction, const SiteId& site, std::int64_t since);
 // Holds the site's graph and gives its new version, made by a change of `resource`. NOT_FOUND where the site is
 // missing.
 absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const SiteId& site, GraphCause cause,

@@ -1,6 +1,8 @@
+#include <span>
 #include <string>
 
 #include "storage/graph_store.h"
+#include "storage/postgres/graph_change.h"
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
@@ -81,32 +83,41 @@ absl::Status Read(const postgres::Result& maps, const postgres::Result& link_poi
   return absl::OkStatus();
 }
 
-// Each statement sees what was committed before it: all of one version where the version is the same before and after.
-absl::StatusOr<std::optional<GraphChanges>> TryRead(postgres::Pool& pool, const CallContext& context,
-                                                    const SiteId& site, std::int64_t since, bool hold) {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  if (hold) transaction.Queue(kHoldGraph, Params(site));
-  const std::size_t first = hold ? 1 : 0;
+void QueueChanges(Transaction& transaction, const SiteId& site, std::int64_t since) {
   transaction.Queue(kSelectGraph, Params(site));
   transaction.Queue(kSelectMaps, Params(site, since));
   transaction.Queue(kSelectLinkPoints, Params(site, since));
   transaction.Queue(kSelectRemovals, Params(site, since));
   transaction.Queue(kSelectGraph, Params(site));
-  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+}
+
+// Of what QueueChanges has queued. Each statement sees what was committed before it: all of one version where the
+// version is the same before and after; nothing where it is not.
+absl::StatusOr<std::optional<GraphChanges>> ReadQueued(std::span<const postgres::Result> results, const SiteId& site,
+                                                       std::int64_t since) {
   GraphChanges changes;
   std::int64_t after = 0;
-  for (const std::size_t i : {first + 4, first}) {
-    if (results[i].rows() == 0) return NotFound("{} does not exist", NameOf(site));
-    Row row(results[i], 0);
+  for (const postgres::Result* result : {&results[4], &results[0]}) {
+    if (result->rows() == 0) return NotFound("{} does not exist", NameOf(site));
+    Row row(*result, 0);
     changes.version = row.Int64();
     changes.root = MapId(std::string(row.OptionalText().value_or("")));
     ENFILADE_RETURN_IF_ERROR(row.status());
-    if (i != first) after = changes.version;
+    if (result == &results[4]) after = changes.version;
   }
   if (after != changes.version) return std::nullopt;
   changes.complete = since == 0;
-  ENFILADE_RETURN_IF_ERROR(Read(results[first + 1], results[first + 2], results[first + 3], changes));
+  ENFILADE_RETURN_IF_ERROR(Read(results[1], results[2], results[3], changes));
   return changes;
+}
+
+absl::StatusOr<std::optional<GraphChanges>> TryRead(postgres::Pool& pool, const CallContext& context,
+                                                    const SiteId& site, std::int64_t since, bool hold) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  if (hold) transaction.Queue(kHoldGraph, Params(site));
+  QueueChanges(transaction, site, since);
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  return ReadQueued(std::span(results).subspan(hold ? 1 : 0), site, since);
 }
 
 }  // namespace
@@ -119,6 +130,15 @@ absl::StatusOr<GraphChanges> GraphStore::ReadChanges(const CallContext& context,
     if (changes) return *std::move(changes);
   }
   return Aborted("{} was deleted and made again meanwhile: repeat the call", NameOf(site));
+}
+
+absl::StatusOr<GraphChanges> postgres::ReadHeldGraph(Transaction& transaction, const SiteId& site, std::int64_t since) {
+  QueueChanges(transaction, site, since);
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
+  ENFILADE_ASSIGN_OR_RETURN(auto changes, ReadQueued(results, site, since));
+  if (!changes) return Internal("the graph of {} changed while it was held", NameOf(site));
+  if (changes->version < since) return ReadHeldGraph(transaction, site, 0);
+  return *std::move(changes);
 }
 
 }  // namespace enfilade

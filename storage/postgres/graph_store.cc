@@ -86,6 +86,30 @@ GraphVersion ReadVersion(Row& row) {
   return version;
 }
 
+absl::StatusOr<std::int64_t> LockExistingGraph(Transaction& transaction, const SiteId& site) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, postgres::LockGraph(transaction, site));
+  if (version == 0) return NotFound("the graph of {} does not exist", NameOf(site));
+  return version;
+}
+
+// Of a graph that `transaction` holds.
+absl::StatusOr<std::int64_t> StoreAndCommit(Transaction& transaction, const SiteId& site,
+                                            const GraphSolution& solution) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t raised,
+                            postgres::RaiseGraphVersion(transaction, site, GraphCause::kOptimized, ""));
+  postgres::QueuePlaces(transaction, site, raised, solution.maps, solution.link_points);
+  std::vector<std::string_view> switched_off, maps;
+  for (const LinkPointId& id : solution.switched_off) switched_off.push_back(id.value());
+  for (const MapPose& pose : solution.maps) maps.push_back(pose.map.value());
+  transaction.Queue(kUseLinkPoints, Params(site, raised, switched_off));
+  transaction.Queue(kStoreResult, Params(site, raised, solution.chi2_before, solution.chi2_after, switched_off,
+                                         static_cast<std::int64_t>(maps.size()), solution.residual_count));
+  transaction.Queue(kStorePoses, Params(site, raised, maps));
+  transaction.Queue(kForgetPoses, Params(site, std::int64_t{GraphStore::kKeptOptimizations - 1}));
+  ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(site)));
+  return raised;
+}
+
 }  // namespace
 
 absl::StatusOr<std::int64_t> GraphStore::GetVersion(const CallContext& context, const SiteId& site) const {
@@ -97,25 +121,22 @@ absl::StatusOr<std::int64_t> GraphStore::GetVersion(const CallContext& context, 
 absl::StatusOr<std::int64_t> GraphStore::Apply(const CallContext& context, const SiteId& site, std::int64_t version,
                                                const GraphSolution& solution) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present, postgres::LockGraph(transaction, site));
-  if (present == 0) return NotFound("the graph of {} does not exist", NameOf(site));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present, LockExistingGraph(transaction, site));
   if (present != version) {
     return Aborted("the graph of {} is at version {}, no longer at {}: optimise it again", NameOf(site), present,
                    version);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t raised,
-                            postgres::RaiseGraphVersion(transaction, site, GraphCause::kOptimized, ""));
-  postgres::QueuePlaces(transaction, site, raised, solution.maps, solution.link_points);
-  std::vector<std::string_view> switched_off, maps;
-  for (const LinkPointId& id : solution.switched_off) switched_off.push_back(id.value());
-  for (const MapPose& pose : solution.maps) maps.push_back(pose.map.value());
-  transaction.Queue(kUseLinkPoints, Params(site, raised, switched_off));
-  transaction.Queue(kStoreResult, Params(site, raised, solution.chi2_before, solution.chi2_after, switched_off,
-                                         static_cast<std::int64_t>(maps.size()), solution.residual_count));
-  transaction.Queue(kStorePoses, Params(site, raised, maps));
-  transaction.Queue(kForgetPoses, Params(site, std::int64_t{kKeptOptimizations - 1}));
-  ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(site)));
-  return raised;
+  return StoreAndCommit(transaction, site, solution);
+}
+
+absl::StatusOr<std::int64_t> GraphStore::SolveHeld(
+    const CallContext& context, const SiteId& site, std::int64_t since,
+    const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_RETURN_IF_ERROR(LockExistingGraph(transaction, site).status());
+  ENFILADE_ASSIGN_OR_RETURN(const GraphChanges changes, postgres::ReadHeldGraph(transaction, site, since));
+  ENFILADE_ASSIGN_OR_RETURN(const GraphSolution solution, solve(changes));
+  return StoreAndCommit(transaction, site, solution);
 }
 
 absl::StatusOr<std::vector<GraphVersion>> GraphStore::ListVersions(const CallContext& context, const SiteId& site,

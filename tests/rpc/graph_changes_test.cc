@@ -129,6 +129,33 @@ TEST_F(GraphTest, ReadersGetWholeVersionsWhileEditorsAndOptimisationsChangeThem)
   EXPECT_NEAR(graph.maps(1).pose_world_map().pose().x(), 10.78, 1e-6);
 }
 
+TEST_F(GraphTest, AGraphThatIsEditedWithoutPauseIsOptimised) {
+  for (int i = 0; i < 60; ++i) {
+    MakeMapNamed(fmt::format("room{}", i));
+    Join(fmt::format("door{}", i), i == 0 ? "m" : fmt::format("room{}", i - 1), fmt::format("room{}", i));
+  }
+  std::atomic<bool> done{false};
+  std::vector<std::thread> editors;
+  for (const char* door : {"door10", "door30"}) {
+    editors.emplace_back([this, &done, id = LinkPointId(door)] {
+      for (int i = 0; !done; ++i) {
+        auto present = link_points_.Get(Soon(), site_, id);
+        ASSERT_OK(present);
+        present->point.anchors[0].T_map_place.x = 5.0 + 0.001 * (i % 100);
+        const auto updated = link_points_.Update(Soon(), *present);
+        ASSERT_TRUE(updated.ok() || absl::IsAborted(updated.status())) << updated.status();
+      }
+    });
+  }
+  v1::OptimizeGraphRequest request;
+  request.set_site("sites/s");
+  for (int i = 0; i < 5; ++i) EXPECT_OK(Call(&Stub::OptimizeGraph, request));
+  const v1::Graph before = GetGraph();
+  AwaitGraph([&](const v1::Graph& graph) { return graph.solution_version() > before.solution_version() + 10; });
+  done = true;
+  for (std::thread& editor : editors) editor.join();
+}
+
 TEST_F(GraphTest, WatchersHearWhatChangesAndResumeWhereTheyWere) {
   AwaitSolution();
   Report("b", {1, 0, 0}, 1'000'000'000);

@@ -15,7 +15,8 @@
 namespace enfilade::server {
 namespace {
 
-constexpr int kSolveAttempts = 5;
+// Of solving what may change meanwhile; then nobody else may change it.
+constexpr int kFreeAttempts = 3;
 // Changes come in bunches: a closure is a link point, its evidence, and often the next one.
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
@@ -56,11 +57,16 @@ bool IsSame(const GraphSnapshot& graph, const SolvedGraph& solution) {
   return ChangesOf(graph, solution, 0).link_points.empty();
 }
 
+// As it will be: link points' places follow from the new solution.
+absl::StatusOr<GraphSolution> StoredSolution(const GraphSnapshot& graph, const SolvedGraph& solution) {
+  ENFILADE_ASSIGN_OR_RETURN(GraphSnapshot solved, Apply(graph, ChangesOf(graph, solution, graph.version() + 1)));
+  return ToStored(WorldPoses(std::move(solved)), solution);
+}
+
 absl::StatusOr<std::int64_t> Store(const GraphStore& store, const CallContext& context, const SiteId& site,
                                    const GraphSnapshot& graph, const SolvedGraph& solution) {
-  // As it will be: link points' places follow from the new solution.
-  ENFILADE_ASSIGN_OR_RETURN(GraphSnapshot solved, Apply(graph, ChangesOf(graph, solution, graph.version() + 1)));
-  return store.Apply(context, site, graph.version(), ToStored(WorldPoses(std::move(solved)), solution));
+  ENFILADE_ASSIGN_OR_RETURN(const GraphSolution stored, StoredSolution(graph, solution));
+  return store.Apply(context, site, graph.version(), stored);
 }
 
 }  // namespace
@@ -82,7 +88,7 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& conte
   while (true) {
     ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
     if (lease) {
-      absl::StatusOr<OptimizedGraph> optimized = OptimizeHeld(context, site);
+      absl::StatusOr<OptimizedGraph> optimized = SolveAndStore(context, site);
       (void)leases_.Release(context, *lease);
       return optimized;
     }
@@ -93,18 +99,30 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& conte
   }
 }
 
-absl::StatusOr<OptimizedGraph> GraphOptimizer::OptimizeHeld(const CallContext& context, const SiteId& site) {
-  absl::Status last;
-  for (int attempt = 0; attempt < kSolveAttempts; ++attempt) {
+absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const CallContext& context, const SiteId& site) {
+  for (int attempt = 0; attempt < kFreeAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
     ENFILADE_ASSIGN_OR_RETURN(SolvedGraph solution, OptimizeGraph(graph->graph()));
     const absl::StatusOr<std::int64_t> version = Store(store_, context, site, graph->graph(), solution);
     graphs_.MarkChanged(site);
     if (version.ok()) return OptimizedGraph{*version, std::move(solution)};
     if (!absl::IsAborted(version.status())) return version.status();
-    last = version.status();
   }
-  return last;
+  return SolveAtRest(context, site);
+}
+
+absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAtRest(const CallContext& context, const SiteId& site) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> known, graphs_.Get(context, site));
+  OptimizedGraph optimized;
+  const auto solve = [&](const GraphChanges& changes) -> absl::StatusOr<GraphSolution> {
+    ENFILADE_ASSIGN_OR_RETURN(const GraphSnapshot graph, Apply(changes.complete ? GraphSnapshot() : known->graph(),
+                                                               ToSnapshotChanges(changes)));
+    ENFILADE_ASSIGN_OR_RETURN(optimized.solution, OptimizeGraph(graph));
+    return StoredSolution(graph, optimized.solution);
+  };
+  ENFILADE_ASSIGN_OR_RETURN(optimized.version, store_.SolveHeld(context, site, known->graph().version(), solve));
+  graphs_.MarkChanged(site);
+  return optimized;
 }
 
 void GraphOptimizer::Run() {
@@ -128,7 +146,8 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   if (solved == digest) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
   if (!lease) return Aborted("another one is at work on site {}", site.value());
-  const absl::Status optimized = OptimizeChanged(context, site, *graph);
+  absl::Status optimized = OptimizeChanged(context, site, *graph);
+  if (absl::IsAborted(optimized)) optimized = SolveAndStore(context, site).status();
   (void)leases_.Release(context, *lease);
   if (optimized.ok()) solved = std::move(digest);
   return optimized;

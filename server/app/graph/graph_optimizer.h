@@ -24,8 +24,9 @@ struct OptimizedGraph {
 
 // Solves sites' graphs: on request, and by itself some time after what is measured in them has changed. Whoever solves
 // holds the site's lease, as whoever judges its doors, so that of any number of processes one does it; a solution is
-// stored only where the graph is still at the version that it was made from, whoever edits it meanwhile. Readers keep
-// what they have meanwhile. Thread-safe.
+// stored only where the graph is still at the version that it was made from, whoever edits it meanwhile. Where it is
+// edited without a pause, editors wait for one solution at last; readers never do: they keep what they have meanwhile.
+// Thread-safe.
 class GraphOptimizer {
  public:
   GraphOptimizer(const GraphStore& store, const SiteLeaseStore& leases, SiteGraphs& graphs, ChangedSites& changed);
@@ -34,8 +35,7 @@ class GraphOptimizer {
   GraphOptimizer& operator=(const GraphOptimizer&) = delete;
 
   // Now, whether anything has changed or not; waits for whoever holds the site. FAILED_PRECONDITION where the site has
-  // no maps; ABORTED where the graph changed meanwhile, time and again, or another one holds the site until the
-  // deadline; NOT_FOUND.
+  // no maps; ABORTED where another one holds the site until the deadline; NOT_FOUND.
   absl::StatusOr<OptimizedGraph> Optimize(const CallContext& context, const SiteId& site);
 
   // Begins what the destructor waits for.
@@ -45,7 +45,9 @@ class GraphOptimizer {
   void Run();
   // Where its solution is not what the graph says now. ABORTED where another one holds the site.
   absl::Status OptimizeIfDue(const SiteId& site);
-  absl::StatusOr<OptimizedGraph> OptimizeHeld(const CallContext& context, const SiteId& site);
+  // Both with the site's lease in hand.
+  absl::StatusOr<OptimizedGraph> SolveAndStore(const CallContext& context, const SiteId& site);
+  absl::StatusOr<OptimizedGraph> SolveAtRest(const CallContext& context, const SiteId& site);
   absl::Status OptimizeChanged(const CallContext& context, const SiteId& site, const SiteGraph& graph);
 
   const GraphStore& store_;

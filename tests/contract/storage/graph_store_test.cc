@@ -69,6 +69,39 @@ TEST_F(GraphStoreTest, GivesWhatHasChangedSinceAVersion) {
   EXPECT_TRUE(Read(before + 100).complete);
 }
 
+TEST_F(GraphStoreTest, AGraphIsSolvedAtRestWhileEditorsWaitAndReadersDoNot) {
+  Create("door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)});
+  const std::int64_t since = Read(0).version;
+  Create("later", {MakeAnchor("hall", 9, 0), MakeAnchor("lab", 1, 0)});
+  std::thread editor;
+  std::atomic<bool> edited{false};
+  const auto solve = [&](const GraphChanges& changes) -> absl::StatusOr<GraphSolution> {
+    EXPECT_EQ(changes.version, since + 1);
+    EXPECT_THAT(changes.link_points, SizeIs(1));
+    editor = std::thread([&] {
+      Create("waits", {MakeAnchor("hall", 5, 0), MakeAnchor("lab", 2, 0)});
+      edited = true;
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    EXPECT_EQ(Read(0).version, changes.version);
+    EXPECT_FALSE(edited);
+    GraphSolution solution;
+    solution.maps = {{MapId("lab"), {{1.5, 0.5, 0.25}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()}}};
+    return solution;
+  };
+  const auto solved = graph_.SolveHeld(Soon(), site_, since, solve);
+  editor.join();
+  ASSERT_OK(solved);
+  EXPECT_EQ(*solved, since + 2);
+  EXPECT_EQ(Read(0).version, since + 3);
+  EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, since), *solved);
+
+  const auto fail = [](const GraphChanges&) { return absl::StatusOr<GraphSolution>(absl::InternalError("no")); };
+  EXPECT_THAT(graph_.SolveHeld(Soon(), site_, since, fail), HasCode(absl::StatusCode::kInternal));
+  EXPECT_EQ(Read(0).version, since + 3);
+  EXPECT_THAT(graph_.SolveHeld(Soon(), SiteId("nowhere"), 0, fail), HasCode(absl::StatusCode::kNotFound));
+}
+
 TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   Create("door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)});
   Create("bad", {MakeAnchor("hall", 9, 0), MakeAnchor("lab", 1, 0)});
