@@ -135,6 +135,7 @@ struct Load {
 Load Ask(const std::string& address, unsigned seed, Clock::time_point until) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);  // pgbench repeats nothing, either
   const auto stub =
       v1::LinkPointService::NewStub(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
   std::mt19937_64 random(seed);

@@ -23,10 +23,11 @@ absl::StatusOr<ViewsBehind> LookBehind(const CallContext& context, const Passage
   const DoorReport& report = passage.report;
   ViewsBehind behind;
   const TimeNs late = report.time + DurationOf(0.5);
+  const bool judged_before = passage.waited > 0.0;
   for (const Camera camera : {Camera::kFront, Camera::kRear}) {
     for (const auto& image :
          passage.scene.ImagesNear(camera, report.time, report.door_time, late, passage.options.images_now)) {
-      ENFILADE_ASSIGN_OR_RETURN(const auto* features, views.Features(context, image.image.content, /*keep=*/false));
+      ENFILADE_ASSIGN_OR_RETURN(const auto* features, views.Features(context, image.image.content, judged_before));
       seen.push_back(image.sequence);
       if (features == nullptr) continue;
       (camera == Camera::kFront ? behind.ahead : behind.back).push_back(features);

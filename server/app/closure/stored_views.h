@@ -27,7 +27,7 @@ class StoredViews {
       : stores_(stores), site_(site), options_(options), go_on_(std::move(go_on)) {}
 
   // Null where there is nothing to see in it. `keep`: its features are read from the database or stored there, for
-  // images that will be compared again.
+  // images that are compared more than once.
   absl::StatusOr<const perception::FeatureSet*> Features(const CallContext& context, const BlobRef& image, bool keep);
   // Null where it has no points, or is none.
   absl::StatusOr<const perception::Cloud*> Points(const CallContext& context, const BlobRef& cloud,
