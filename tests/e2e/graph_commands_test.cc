@@ -8,7 +8,7 @@
 #include "nlohmann/json.hpp"
 #include "tests/e2e/whole_system.h"
 #include "tests/support/command.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::testing {
 namespace {

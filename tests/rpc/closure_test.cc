@@ -70,7 +70,7 @@ TEST_F(ClosureTest, TheRobotHearsOnItsStreamWhichMapItHasEntered) {
   EXPECT_EQ(page.next_page_token(), "");
   list.set_parent("sites/s/sessions/none");
   list.clear_page_token();
-  EXPECT_THAT(Call(&v1::SessionService::Stub::ListDoorVerdicts, list), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&v1::SessionService::Stub::ListDoorVerdicts, list), absl::StatusCode::kNotFound);
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST_F(GraphTest, WatchersHearWhatChangesAndResumeWhereTheyWere) {
 TEST_F(GraphTest, ARobotsGlobalPoseIsThatOfItsLastReport) {
   v1::GetGlobalPoseRequest request;
   request.set_robot("sites/s/robots/r");
-  EXPECT_THAT(Call(&Stub::GetGlobalPose, request), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&Stub::GetGlobalPose, request), absl::StatusCode::kNotFound);
   Report("b", {1, 0, 0}, 1'500'000'000);
   ASSERT_OK_AND_ASSIGN(const v1::GetGlobalPoseResponse response, Call(&Stub::GetGlobalPose, request));
   EXPECT_NEAR(response.global_pose().pose_world_robot().pose().x(), 6.0, 1e-6);

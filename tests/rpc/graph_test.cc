@@ -39,7 +39,7 @@ TEST_F(GraphTest, GetGraphGivesAnEarlierVersionThatItHasSeen) {
   ASSERT_OK_AND_ASSIGN(const v1::GetGraphResponse old, Call(&Stub::GetGraph, request));
   EXPECT_EQ(old.graph().SerializeAsString(), before.SerializeAsString());
   request.set_graph_version(1'000'000);
-  EXPECT_THAT(Call(&Stub::GetGraph, request), HasStatus(absl::StatusCode::kNotFound, HasSubstr("1000000")));
+  EXPECT_STATUS(Call(&Stub::GetGraph, request), absl::StatusCode::kNotFound, HasSubstr("1000000"));
 }
 
 TEST_F(GraphTest, AGlobalPoseExplainsItself) {
@@ -83,8 +83,7 @@ TEST_F(GraphTest, TransformsManyPosesAtOnce) {
   EXPECT_NEAR(response.poses(42).pose().x(), 47.0, 1e-6);
   EXPECT_EQ(response.hops_size(), 1);
   request.mutable_poses(7)->add_covariance(1.0);
-  EXPECT_THAT(Call(&Stub::TransformPoses, request),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("poses[7]")));
+  EXPECT_STATUS(Call(&Stub::TransformPoses, request), absl::StatusCode::kInvalidArgument, HasSubstr("poses[7]"));
 }
 
 TEST_F(GraphTest, RoutesRespectDoors) {
@@ -134,8 +133,7 @@ TEST_F(GraphTest, AGeoreferenceMakesGeoJsonOfLongitudeAndLatitude) {
     point.set_longitude(longitude);
   };
   add("sites/s/maps/m", 0.0, 9.7);
-  EXPECT_THAT(Call(&Stub::SetGeoreference, request),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("at least two")));
+  EXPECT_STATUS(Call(&Stub::SetGeoreference, request), absl::StatusCode::kInvalidArgument, HasSubstr("at least two"));
   add("sites/s/maps/c", 3.62, 9.7002);  // 13.62 m east
   ASSERT_OK_AND_ASSIGN(const v1::SetGeoreferenceResponse response, Call(&Stub::SetGeoreference, request));
   EXPECT_NEAR(response.georeference().yaw_east_world(), 0.0, 1e-3);
@@ -165,15 +163,14 @@ TEST_F(GraphTest, AGeoreferenceMakesGeoJsonOfLongitudeAndLatitude) {
 }
 
 TEST_F(GraphTest, EveryMethodRefusesAnEmptyMessage) {
-  EXPECT_THAT(Call(&Stub::GetGraph, v1::GetGraphRequest()), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Call(&Stub::ListGraphVersions, v1::ListGraphVersionsRequest()),
-              HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Call(&Stub::OptimizeGraph, v1::OptimizeGraphRequest()), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Call(&Stub::GetGlobalPose, v1::GetGlobalPoseRequest()), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Call(&Stub::TransformPoses, v1::TransformPosesRequest()), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Call(&Stub::FindRoutes, v1::FindRoutesRequest()), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Call(&Stub::SetGeoreference, v1::SetGeoreferenceRequest()), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Call(&Stub::GetGeoreference, v1::GetGeoreferenceRequest()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Call(&Stub::GetGraph, v1::GetGraphRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::ListGraphVersions, v1::ListGraphVersionsRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::OptimizeGraph, v1::OptimizeGraphRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::GetGlobalPose, v1::GetGlobalPoseRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::TransformPoses, v1::TransformPosesRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::FindRoutes, v1::FindRoutesRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::SetGeoreference, v1::SetGeoreferenceRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::GetGeoreference, v1::GetGeoreferenceRequest()), absl::StatusCode::kInvalidArgument);
   const auto stub = v1::GraphService::NewStub(connection_->channel());
   {
     grpc::ClientContext context;
@@ -196,17 +193,17 @@ TEST_F(GraphTest, RefusesWhatMakesNoSense) {
   request.set_goal_map("sites/s/maps/c");
   request.mutable_pose_map_goal();
   request.set_cost(static_cast<v1::PathCost>(99));
-  EXPECT_THAT(Call(&Stub::FindRoutes, request), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("99")));
+  EXPECT_STATUS(Call(&Stub::FindRoutes, request), absl::StatusCode::kInvalidArgument, HasSubstr("99"));
   request.set_cost(v1::PATH_COST_HOPS);
   request.set_max_routes(1000);
-  EXPECT_THAT(Call(&Stub::FindRoutes, request), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Call(&Stub::FindRoutes, request), absl::StatusCode::kInvalidArgument);
   request.set_max_routes(1);
   request.mutable_pose_map_goal()->set_x(std::nan(""));
-  EXPECT_THAT(Call(&Stub::FindRoutes, request), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Call(&Stub::FindRoutes, request), absl::StatusCode::kInvalidArgument);
   v1::GetGraphRequest nowhere;
   nowhere.set_site("sites/nowhere");
-  EXPECT_THAT(Call(&Stub::GetGraph, nowhere), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(Call(&Stub::GetGlobalPose, At("nowhere", {})), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&Stub::GetGraph, nowhere), absl::StatusCode::kNotFound);
+  EXPECT_CODE(Call(&Stub::GetGlobalPose, At("nowhere", {})), absl::StatusCode::kNotFound);
 }
 }  // namespace
 }  // namespace enfilade::testing

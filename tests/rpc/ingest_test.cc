@@ -141,12 +141,12 @@ TEST_F(IngestTest, LateDataOfADeletedSessionFail) {
   ASSERT_OK(Call(&v1::SessionService::Stub::DeleteSession, request));
 
   open_before.SendBatch(ScanRecords(1, 5));
-  EXPECT_THAT(open_before.Finish(), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(open_before.Finish(), absl::StatusCode::kFailedPrecondition);
   v1::SubmitScanRequest scan;
   scan.set_session(session);
   scan.set_sequence(1);
   *scan.mutable_laser_scan() = ScanRecord(1).laser_scan();
-  EXPECT_THAT(Call(&v1::IngestService::Stub::SubmitScan, scan), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(Call(&v1::IngestService::Stub::SubmitScan, scan), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(StoredCount(), "0");
 }
 
@@ -187,11 +187,11 @@ TEST_F(IngestTest, TheFirstMessageMustOpenASessionThatExists) {
   misnamed.mutable_open()->set_session("'; DROP TABLE sessions; --");
   v1::StreamRecordsRequest good;
   good.mutable_open()->set_session(CreateSession(false));
-  EXPECT_THAT(status_of({empty}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(status_of({batch}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(status_of({unknown}), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(status_of({misnamed}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(status_of({good, good}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(status_of({empty}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(status_of({batch}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(status_of({unknown}), absl::StatusCode::kNotFound);
+  EXPECT_CODE(status_of({misnamed}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(status_of({good, good}), absl::StatusCode::kInvalidArgument);
   EXPECT_OK(status_of({good}));
 }
 
@@ -212,8 +212,8 @@ TEST_F(IngestTest, UnaryCallsStoreOnceAndCountHoles) {
   v1::SubmitOdometryRequest odometry;
   odometry.set_session(session);
   odometry.set_sequence(4);
-  EXPECT_THAT(Call(&v1::IngestService::Stub::SubmitOdometry, odometry),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("payload is not set")));
+  EXPECT_STATUS(Call(&v1::IngestService::Stub::SubmitOdometry, odometry), absl::StatusCode::kInvalidArgument,
+                HasSubstr("payload is not set"));
   *odometry.mutable_odometry() = OdometryRecord(4, 2.0).odometry();
   EXPECT_EQ(Call(&v1::IngestService::Stub::SubmitOdometry, odometry)->acknowledged_sequence(), 4);
 }
@@ -276,7 +276,7 @@ TEST_F(IngestTest, UnaryImagesUpTo64MegabytesAreStoredOnce) {
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM blobs"), "1");
   request.set_sequence(3);
   request.mutable_image()->mutable_content()->set_sha256(std::string(32, 'x'));
-  EXPECT_THAT(Call(&v1::IngestService::Stub::SubmitImage, request), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Call(&v1::IngestService::Stub::SubmitImage, request), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(IngestTest, RefusesBlobChunksThatDoNotFit) {
@@ -285,7 +285,7 @@ TEST_F(IngestTest, RefusesBlobChunksThatDoNotFit) {
   {
     TestStream stream(*connection_, session);
     stream.SendBlob(bytes, Sha256("other"));
-    EXPECT_THAT(stream.Finish(), HasCode(absl::StatusCode::kDataLoss));
+    EXPECT_CODE(stream.Finish(), absl::StatusCode::kDataLoss);
   }
   TestStream stream(*connection_, session);
   v1::StreamRecordsRequest request;
@@ -293,7 +293,7 @@ TEST_F(IngestTest, RefusesBlobChunksThatDoNotFit) {
   request.mutable_blob_chunk()->mutable_blob()->set_size_bytes(65LL << 20);
   request.mutable_blob_chunk()->set_data("a");
   stream.Send(request);
-  EXPECT_THAT(stream.Finish(), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("67108864")));
+  EXPECT_STATUS(stream.Finish(), absl::StatusCode::kInvalidArgument, HasSubstr("67108864"));
 }
 
 TEST_F(IngestTest, AStreamFarAheadOfTheDatabaseIsSlowedAndLosesNothing) {

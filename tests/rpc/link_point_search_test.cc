@@ -39,7 +39,7 @@ TEST_F(LinkPointTest, FindsAroundAPoseWithinTheRadiusOfItsUncertainty) {
   request.set_radius_m(0.0);
   EXPECT_THAT(Find(request), ElementsAre("far"));
   request.set_radius_m(-1.0);
-  EXPECT_THAT(Call(&SearchStub::FindLinkPoints, request), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Call(&SearchStub::FindLinkPoints, request), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(LinkPointTest, InAMapWithoutAPlaceEverythingWithoutOneIsConsidered) {
@@ -51,7 +51,7 @@ TEST_F(LinkPointTest, InAMapWithoutAPlaceEverythingWithoutOneIsConsidered) {
   request.mutable_pose_in_map()->mutable_pose_map_robot()->mutable_pose();
   EXPECT_THAT(Find(request), ElementsAre("alone"));
   request.mutable_pose_in_map()->set_map("sites/s/maps/cellar");
-  EXPECT_THAT(Call(&SearchStub::FindLinkPoints, request), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&SearchStub::FindLinkPoints, request), absl::StatusCode::kNotFound);
   request.mutable_point_world();
   request.set_include_unplaced(true);
   EXPECT_THAT(Find(request), ElementsAre("placed", "alone"));

@@ -70,8 +70,8 @@ TEST_F(LinkPointTest, TheCanonicalScenarioGivesFiveLinkPointsAndEightEdges) {
               PoseNear(Pose2{}, 1e-9, 1e-9));
   EXPECT_THAT(between("l0", 0, 1) * between("l1", 1, 2) * between("l4", 2, 0), PoseNear(Pose2{}, 1e-9, 1e-9));
   EXPECT_THAT(ToPose(all.at("sites/s/linkPoints/l2").pose_world_place().pose()), PoseNear(l2, 1e-9, 1e-9));
-  EXPECT_THAT(Create("again", {anchor(0, l4), anchor(2, l4)}),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("linkPoints/l4")));
+  EXPECT_STATUS(Create("again", {anchor(0, l4), anchor(2, l4)}), absl::StatusCode::kAlreadyExists,
+                HasSubstr("linkPoints/l4"));
 }
 
 TEST_F(LinkPointTest, TagsHoldAnyCharacters) {
@@ -90,7 +90,7 @@ TEST_F(LinkPointTest, TagsHoldAnyCharacters) {
   }
   auto request = MakeRequest("long", {MakeAnchor("m", {})});
   request.mutable_link_point()->set_tag(std::string(201, 'x'));
-  EXPECT_THAT(Call(&Stub::CreateLinkPoint, request), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("tag")));
+  EXPECT_STATUS(Call(&Stub::CreateLinkPoint, request), absl::StatusCode::kInvalidArgument, HasSubstr("tag"));
 }
 
 TEST_F(LinkPointTest, UpdatesOnlyWhatTheMaskNamesAndOnlyWithTheLatestEtag) {
@@ -111,9 +111,9 @@ TEST_F(LinkPointTest, UpdatesOnlyWhatTheMaskNamesAndOnlyWithTheLatestEtag) {
   EXPECT_EQ(updated.link_point().tag(), "");
   EXPECT_EQ(updated.link_point().anchors_size(), 2);
   EXPECT_GT(updated.link_point().graph_version(), door.graph_version());
-  EXPECT_THAT(Call(&Stub::UpdateLinkPoint, request), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(Call(&Stub::UpdateLinkPoint, request), absl::StatusCode::kAborted);
   request.mutable_update_mask()->add_paths("use");
-  EXPECT_THAT(Call(&Stub::UpdateLinkPoint, request), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("use")));
+  EXPECT_STATUS(Call(&Stub::UpdateLinkPoint, request), absl::StatusCode::kInvalidArgument, HasSubstr("use"));
 
   v1::SuspendLinkPointRequest suspend;
   suspend.set_name(door.name());
@@ -122,37 +122,35 @@ TEST_F(LinkPointTest, UpdatesOnlyWhatTheMaskNamesAndOnlyWithTheLatestEtag) {
   v1::ResumeLinkPointRequest resume;
   resume.set_name(door.name());
   resume.set_etag(updated.link_point().etag());
-  EXPECT_THAT(Call(&Stub::ResumeLinkPoint, resume), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(Call(&Stub::ResumeLinkPoint, resume), absl::StatusCode::kAborted);
   resume.clear_etag();
   EXPECT_OK(Call(&Stub::ResumeLinkPoint, resume));
   v1::DeleteLinkPointRequest remove;
   remove.set_name(door.name());
   EXPECT_OK(Call(&Stub::DeleteLinkPoint, remove));
-  EXPECT_THAT(Call(&Stub::DeleteLinkPoint, remove), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&Stub::DeleteLinkPoint, remove), absl::StatusCode::kNotFound);
 }
 
 TEST_F(LinkPointTest, RefusesWhatItDoesNotUnderstand) {
   auto request = MakeRequest("p", {MakeAnchor("m", {})});
   request.mutable_link_point()->set_kind(static_cast<v1::LinkPoint::Kind>(99));
-  EXPECT_THAT(Call(&Stub::CreateLinkPoint, request), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("kind")));
+  EXPECT_STATUS(Call(&Stub::CreateLinkPoint, request), absl::StatusCode::kInvalidArgument, HasSubstr("kind"));
   request = MakeRequest("p", {MakeAnchor("m", {std::nan(""), 0, 0})});
-  EXPECT_THAT(Call(&Stub::CreateLinkPoint, request),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("anchors[0]")));
+  EXPECT_STATUS(Call(&Stub::CreateLinkPoint, request), absl::StatusCode::kInvalidArgument, HasSubstr("anchors[0]"));
   request = MakeRequest("p", {MakeAnchor("m", {})});
   request.mutable_link_point()->mutable_anchors(0)->set_map("sites/other/maps/m");
-  EXPECT_THAT(Call(&Stub::CreateLinkPoint, request), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("site")));
+  EXPECT_STATUS(Call(&Stub::CreateLinkPoint, request), absl::StatusCode::kInvalidArgument, HasSubstr("site"));
   request = MakeRequest("No valid id", {MakeAnchor("m", {})});
-  EXPECT_THAT(Call(&Stub::CreateLinkPoint, request), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Create("p", {MakeAnchor("cellar", {})}), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&Stub::CreateLinkPoint, request), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Create("p", {MakeAnchor("cellar", {})}), absl::StatusCode::kNotFound);
   v1::FindLinkPointsRequest find;
   find.set_parent("sites/s");
-  EXPECT_THAT(Call(&Stub::FindLinkPoints, find),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("where to look")));
+  EXPECT_STATUS(Call(&Stub::FindLinkPoints, find), absl::StatusCode::kInvalidArgument, HasSubstr("where to look"));
   find.mutable_point_world();
   find.set_subset(static_cast<v1::LinkPointSubset>(7));
-  EXPECT_THAT(Call(&Stub::FindLinkPoints, find), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("subset")));
+  EXPECT_STATUS(Call(&Stub::FindLinkPoints, find), absl::StatusCode::kInvalidArgument, HasSubstr("subset"));
   const auto refuses_empty = [&](auto method, auto empty) {
-    EXPECT_THAT(Call(method, empty), HasCode(absl::StatusCode::kInvalidArgument)) << empty.GetTypeName();
+    EXPECT_CODE(Call(method, empty), absl::StatusCode::kInvalidArgument) << empty.GetTypeName();
   };
   refuses_empty(&Stub::CreateLinkPoint, v1::CreateLinkPointRequest());
   refuses_empty(&Stub::AddLinkPointAnchor, v1::AddLinkPointAnchorRequest());
@@ -163,7 +161,7 @@ TEST_F(LinkPointTest, RefusesWhatItDoesNotUnderstand) {
   refuses_empty(&Stub::SuspendLinkPoint, v1::SuspendLinkPointRequest());
   refuses_empty(&Stub::ResumeLinkPoint, v1::ResumeLinkPointRequest());
   refuses_empty(&Stub::FindLinkPoints, v1::FindLinkPointsRequest());
-  EXPECT_THAT(Attach("", v1::Evidence(), ""), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Attach("", v1::Evidence(), ""), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(LinkPointTest, PagesGoThroughEverythingOnce) {
@@ -194,11 +192,11 @@ TEST_F(LinkPointTest, EvidenceComesInChunksOrByWhatIsStoredAlready) {
   image.set_encoding(v1::Image::ENCODING_PNG);
   image.mutable_content()->set_sha256(Sha256(bytes));
   image.mutable_content()->set_size_bytes(static_cast<std::int64_t>(bytes.size()));
-  EXPECT_THAT(Attach("door", evidence, ""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("send it")));
+  EXPECT_STATUS(Attach("door", evidence, ""), absl::StatusCode::kInvalidArgument, HasSubstr("send it"));
   EXPECT_OK(Attach("door", evidence, bytes));
   evidence.set_map("sites/s/maps/lab");
   EXPECT_OK(Attach("door", evidence, ""));
-  EXPECT_THAT(Attach("gate", evidence, ""), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Attach("gate", evidence, ""), absl::StatusCode::kNotFound);
   v1::GetLinkPointRequest get;
   get.set_name("sites/s/linkPoints/door");
   ASSERT_OK_AND_ASSIGN(const auto door, Call(&Stub::GetLinkPoint, get));
@@ -231,7 +229,7 @@ TEST_F(LinkPointTest, TheAuditTrailNamesTheActor) {
   } while (!request.page_token().empty());
   EXPECT_THAT(resources, ElementsAre("sites/s/linkPoints/door/anchors/m", "sites/s/linkPoints/door"));
   request.set_resource("sites/other/maps/m");
-  EXPECT_THAT(Call(&v1::SiteService::Stub::ListAuditEntries, request), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Call(&v1::SiteService::Stub::ListAuditEntries, request), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(LinkPointTest, MapsHaveOutlinesThatAreKeptAndChecked) {
@@ -245,8 +243,8 @@ TEST_F(LinkPointTest, MapsHaveOutlinesThatAreKeptAndChecked) {
   ASSERT_OK_AND_ASSIGN(const auto updated, Call(&v1::MapService::Stub::UpdateMap, request));
   EXPECT_EQ(updated.map().outline().SerializeAsString(), request.map().outline().SerializeAsString());
   request.mutable_map()->mutable_outline()->mutable_corners()->RemoveLast();
-  EXPECT_THAT(Call(&v1::MapService::Stub::UpdateMap, request),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("outline")));
+  EXPECT_STATUS(Call(&v1::MapService::Stub::UpdateMap, request), absl::StatusCode::kInvalidArgument,
+                HasSubstr("outline"));
   request.mutable_map()->clear_outline();
   request.mutable_update_mask()->add_paths("outline");
   ASSERT_OK_AND_ASSIGN(const auto cleared, Call(&v1::MapService::Stub::UpdateMap, request));

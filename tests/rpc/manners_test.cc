@@ -12,7 +12,7 @@ class MannersTest : public ServerTest {};
 template <typename Service, typename Request, typename Response>
 void ExpectRefusesEmpty(const Connection& connection,
                         grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*)) {
-  EXPECT_THAT(connection.Call(method, Request()), HasCode(absl::StatusCode::kInvalidArgument))
+  EXPECT_CODE(connection.Call(method, Request()), absl::StatusCode::kInvalidArgument)
       << Request::descriptor()->full_name();
 }
 
@@ -60,17 +60,17 @@ TEST_F(MannersTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   const auto sessions = SessionService::NewStub(connection_->channel());
   const auto ingest = IngestService::NewStub(connection_->channel());
   grpc::ClientContext contexts[4];
-  EXPECT_THAT(first_of(std::pair(v1::ExportMapResponse(), maps->ExportMap(&contexts[0], {}))),
-              HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(first_of(std::pair(v1::ExportTrajectoryResponse(), sessions->ExportTrajectory(&contexts[1], {}))),
-              HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(first_of(std::pair(v1::DownloadBlobResponse(), ingest->DownloadBlob(&contexts[2], {}))),
-              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(first_of(std::pair(v1::ExportMapResponse(), maps->ExportMap(&contexts[0], {}))),
+              absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(first_of(std::pair(v1::ExportTrajectoryResponse(), sessions->ExportTrajectory(&contexts[1], {}))),
+              absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(first_of(std::pair(v1::DownloadBlobResponse(), ingest->DownloadBlob(&contexts[2], {}))),
+              absl::StatusCode::kInvalidArgument);
   v1::ImportMapResponse imported;
   const auto import = maps->ImportMap(&contexts[3], &imported);
   import->Write(v1::ImportMapRequest());
   import->WritesDone();
-  EXPECT_THAT(FromGrpcStatus(import->Finish()), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(FromGrpcStatus(import->Finish()), absl::StatusCode::kInvalidArgument);
 
   ASSERT_OK_AND_ASSIGN(const auto status,
                        Call(&v1::ServerService::Stub::GetServerStatus, v1::GetServerStatusRequest()));
@@ -85,7 +85,7 @@ TEST_F(MannersTest, StreamsAreToldToComeAgainWhenTheServerEnds) {
   stream.SendBatch(ScanRecords(1, 100));
   ASSERT_TRUE(stream.AwaitAcknowledged(100));
   std::thread shutdown([this] { server_->Shutdown(); });
-  EXPECT_THAT(stream.AwaitEnd(), HasCode(absl::StatusCode::kUnavailable));
+  EXPECT_CODE(stream.AwaitEnd(), absl::StatusCode::kUnavailable);
   shutdown.join();
 }
 
@@ -95,8 +95,8 @@ TEST_F(MannersTest, ASecondServerOnTheSameAddressSaysSo) {
   options.listen.address = "127.0.0.1:0";
   ASSERT_OK_AND_ASSIGN(const auto first, server::Server::Start(options, SlamOptions()));
   options.listen.address = first->address();
-  EXPECT_THAT(server::Server::Start(options, SlamOptions()),
-              HasStatus(absl::StatusCode::kUnavailable, ::testing::HasSubstr(first->address())));
+  EXPECT_STATUS(server::Server::Start(options, SlamOptions()), absl::StatusCode::kUnavailable,
+                ::testing::HasSubstr(first->address()));
 }
 
 TEST_F(MannersTest, ManyClientsComeAndGoWhileOthersList) {

@@ -97,7 +97,7 @@ TEST_F(MapTransferTest, APgmComesBackBitForBit) {
   EXPECT_THAT(exported.at("Map.yaml"), HasSubstr("0.0125"));
   ASSERT_OK(Export("sites/s/maps/m", v1::MAP_FORMAT_PNG));
   ASSERT_OK(Export("sites/s/maps/m/revisions/1", v1::MAP_FORMAT_PGM));
-  EXPECT_THAT(Export("sites/s/maps/m/revisions/2", v1::MAP_FORMAT_PGM), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Export("sites/s/maps/m/revisions/2", v1::MAP_FORMAT_PGM), absl::StatusCode::kNotFound);
 }
 
 TEST_F(MapTransferTest, AnExportOfANewRevisionIsNotTheOldOnes) {
@@ -120,13 +120,13 @@ TEST_F(MapTransferTest, JsonValuesComeBackExactly) {
 
 TEST_F(MapTransferTest, WhatIsWrongWithFilesIsSaidAndNothingIsStored) {
   const std::string pgm = Pgm(10, 10);
-  EXPECT_THAT(Import({{"hall.pgm", pgm}, {"hall.yaml", kYaml}}, "hall.pgm"),
-              HasStatus(absl::StatusCode::kDataLoss, HasSubstr("hall.pgm")));
-  EXPECT_THAT(Import({{"hall.pgm", pgm.substr(0, 60)}, {"hall.yaml", kYaml}}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("hall.pgm")));
-  EXPECT_THAT(Import({{"hall.yaml", kYaml}}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Import({}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Export("sites/s/maps/m", v1::MAP_FORMAT_PGM), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_STATUS(Import({{"hall.pgm", pgm}, {"hall.yaml", kYaml}}, "hall.pgm"), absl::StatusCode::kDataLoss,
+                HasSubstr("hall.pgm"));
+  EXPECT_STATUS(Import({{"hall.pgm", pgm.substr(0, 60)}, {"hall.yaml", kYaml}}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("hall.pgm"));
+  EXPECT_CODE(Import({{"hall.yaml", kYaml}}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Import({}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Export("sites/s/maps/m", v1::MAP_FORMAT_PGM), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM map_revisions"), "0");
 }
 

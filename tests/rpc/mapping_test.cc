@@ -147,9 +147,9 @@ TEST_F(MappingTest, ASuspendedClosureLeavesTheMapAndAResumedOneComesBack) {
     EXPECT_EQ(closure.state(), v1::Closure::STATE_ACCEPTED);
   }
   suspend.set_name(session + "/closures/99999");
-  EXPECT_THAT(Call(&v1::SessionService::Stub::SuspendClosure, suspend), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&v1::SessionService::Stub::SuspendClosure, suspend), absl::StatusCode::kNotFound);
   suspend.set_name("sites/s/sessions/unknown/closures/1");
-  EXPECT_THAT(Call(&v1::SessionService::Stub::SuspendClosure, suspend), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&v1::SessionService::Stub::SuspendClosure, suspend), absl::StatusCode::kNotFound);
 }
 
 }  // namespace

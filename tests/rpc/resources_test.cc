@@ -27,9 +27,9 @@ TEST_F(ResourcesTest, NamesHoldAnyCharacters) {
     ASSERT_EQ(found.maps_size(), 1) << name;
     EXPECT_EQ(found.maps(0).display_name(), name);
   }
-  EXPECT_THAT(CreateMap(""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("map.display_name")));
-  EXPECT_THAT(CreateMap(std::string("a\0b", 3)), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(CreateMap(std::string(201, 'x')), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_STATUS(CreateMap(""), absl::StatusCode::kInvalidArgument, HasSubstr("map.display_name"));
+  EXPECT_CODE(CreateMap(std::string("a\0b", 3)), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(CreateMap(std::string(201, 'x')), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(ResourcesTest, CreatingIsSafeToRepeatWithTheSameRequestId) {
@@ -37,7 +37,7 @@ TEST_F(ResourcesTest, CreatingIsSafeToRepeatWithTheSameRequestId) {
   ASSERT_OK_AND_ASSIGN(const v1::CreateMapResponse first, CreateMap("Hall", request_id));
   ASSERT_OK_AND_ASSIGN(const v1::CreateMapResponse again, CreateMap("Hall", request_id));
   EXPECT_EQ(first.map().name(), again.map().name());
-  EXPECT_THAT(CreateMap("Hall"), HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(CreateMap("Hall"), absl::StatusCode::kAlreadyExists);
 }
 
 TEST_F(ResourcesTest, UpdatesOnlyWhatTheMaskNamesAndOnlyWithTheLatestEtag) {
@@ -52,10 +52,10 @@ TEST_F(ResourcesTest, UpdatesOnlyWhatTheMaskNamesAndOnlyWithTheLatestEtag) {
   request.mutable_map()->set_etag(updated.map().etag());
   request.mutable_map()->set_display_name("Newer name");
   ASSERT_OK(Call(&v1::MapService::Stub::UpdateMap, request));
-  EXPECT_THAT(Call(&v1::MapService::Stub::UpdateMap, request), HasCode(absl::StatusCode::kAborted)) << "stale etag";
+  EXPECT_CODE(Call(&v1::MapService::Stub::UpdateMap, request), absl::StatusCode::kAborted) << "stale etag";
   request.mutable_update_mask()->add_paths("latest_revision");
-  EXPECT_THAT(Call(&v1::MapService::Stub::UpdateMap, request),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("latest_revision")));
+  EXPECT_STATUS(Call(&v1::MapService::Stub::UpdateMap, request), absl::StatusCode::kInvalidArgument,
+                HasSubstr("latest_revision"));
 }
 
 TEST_F(ResourcesTest, PagesGoThroughEverythingOnce) {
@@ -75,11 +75,11 @@ TEST_F(ResourcesTest, PagesGoThroughEverythingOnce) {
   EXPECT_EQ(names.size(), 26U);
   EXPECT_EQ(pages, 4);
   request.set_page_token("garbage");
-  EXPECT_THAT(Call(&v1::MapService::Stub::ListMaps, request),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("page_token")));
+  EXPECT_STATUS(Call(&v1::MapService::Stub::ListMaps, request), absl::StatusCode::kInvalidArgument,
+                HasSubstr("page_token"));
   request.clear_page_token();
   request.set_page_size(-1);
-  EXPECT_THAT(Call(&v1::MapService::Stub::ListMaps, request), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Call(&v1::MapService::Stub::ListMaps, request), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(ResourcesTest, SessionsPageFromTheNewest) {
@@ -101,16 +101,16 @@ TEST_F(ResourcesTest, DeletionTellsWhatDependsAndForceRemovesIt) {
   CreateSession(true);
   v1::DeleteMapRequest request;
   request.set_name("sites/s/maps/m");
-  EXPECT_THAT(Call(&v1::MapService::Stub::DeleteMap, request), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(Call(&v1::MapService::Stub::DeleteMap, request), absl::StatusCode::kFailedPrecondition);
   request.set_force(true);
   EXPECT_OK(Call(&v1::MapService::Stub::DeleteMap, request));
   v1::GetMapRequest get;
   get.set_name("sites/s/maps/m");
-  EXPECT_THAT(Call(&v1::MapService::Stub::GetMap, get), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&v1::MapService::Stub::GetMap, get), absl::StatusCode::kNotFound);
 
   v1::DeleteSiteRequest site;
   site.set_name("sites/s");
-  EXPECT_THAT(Call(&v1::SiteService::Stub::DeleteSite, site), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(Call(&v1::SiteService::Stub::DeleteSite, site), absl::StatusCode::kFailedPrecondition);
   site.set_force(true);
   EXPECT_OK(Call(&v1::SiteService::Stub::DeleteSite, site));
 }
@@ -123,10 +123,10 @@ TEST_F(ResourcesTest, SitesAreKeptApart) {
   v1::CreateSessionRequest request;
   request.set_parent("sites/other");
   request.mutable_session()->set_robot("sites/s/robots/r");
-  EXPECT_THAT(Call(&v1::SessionService::Stub::CreateSession, request),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("session.robot")));
+  EXPECT_STATUS(Call(&v1::SessionService::Stub::CreateSession, request), absl::StatusCode::kInvalidArgument,
+                HasSubstr("session.robot"));
   request.mutable_session()->set_robot("sites/other/robots/r");
-  EXPECT_THAT(Call(&v1::SessionService::Stub::CreateSession, request), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Call(&v1::SessionService::Stub::CreateSession, request), absl::StatusCode::kNotFound);
 }
 
 TEST_F(ResourcesTest, FinishingNeedsTheWholeLog) {
@@ -134,7 +134,7 @@ TEST_F(ResourcesTest, FinishingNeedsTheWholeLog) {
   TestStream stream(*connection_, session);
   stream.SendBatch(ScanRecords(1, 5));
   ASSERT_TRUE(stream.AwaitAcknowledged(5));
-  EXPECT_THAT(FinishSession(session, 7), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(FinishSession(session, 7), absl::StatusCode::kFailedPrecondition);
   EXPECT_OK(FinishSession(session, 5));
   EXPECT_OK(FinishSession(session, 5)) << "may be repeated";
   EXPECT_EQ(GetSession(session).state(), v1::Session::STATE_MAPPED) << "there is no map to make";

@@ -14,7 +14,7 @@
 #include "grpcpp/grpcpp.h"
 #include "server/server.h"
 #include "tests/support/database.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade::testing {

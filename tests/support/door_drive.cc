@@ -6,7 +6,7 @@
 #include "client/simulator/campus_yaml.h"
 #include "client/simulator/simulation_files.h"
 #include "core/doors/door_detector.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::testing {
 namespace {

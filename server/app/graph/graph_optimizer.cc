@@ -115,8 +115,8 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAtRest(const CallContext& co
   ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> known, graphs_.Get(context, site));
   OptimizedGraph optimized;
   const auto solve = [&](const GraphChanges& changes) -> absl::StatusOr<GraphSolution> {
-    ENFILADE_ASSIGN_OR_RETURN(const GraphSnapshot graph, Apply(changes.complete ? GraphSnapshot() : known->graph(),
-                                                               ToSnapshotChanges(changes)));
+    ENFILADE_ASSIGN_OR_RETURN(const GraphSnapshot graph,
+                              Apply(changes.complete ? GraphSnapshot() : known->graph(), ToSnapshotChanges(changes)));
     ENFILADE_ASSIGN_OR_RETURN(optimized.solution, OptimizeGraph(graph));
     return StoredSolution(graph, optimized.solution);
   };

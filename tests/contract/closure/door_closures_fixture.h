@@ -16,7 +16,7 @@
 #include "server/app/mapping.h"
 #include "tests/contract/storage/store_test.h"
 #include "tests/support/door_drive.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::testing {
 

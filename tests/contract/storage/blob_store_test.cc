@@ -38,11 +38,10 @@ TEST_F(BlobStoreTest, StoresTheSameBytesOnce) {
 TEST_F(BlobStoreTest, RefusesBytesThatAreNotWhatWasSaid) {
   const TestBlob good("good");
   const TestBlob other("other");
-  EXPECT_THAT(blobs_.Put(Soon(), site_, {good.view(), {other.sha256(), "evil"}}),
-              HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(blobs_.Put(Soon(), site_, {TestBlob("").view()}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(blobs_.Get(Soon(), site_, good.sha256()), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(blobs_.Put(Soon(), SiteId("nowhere"), {good.view()}), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(blobs_.Put(Soon(), site_, {good.view(), {other.sha256(), "evil"}}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(blobs_.Put(Soon(), site_, {TestBlob("").view()}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(blobs_.Get(Soon(), site_, good.sha256()), absl::StatusCode::kNotFound);
+  EXPECT_CODE(blobs_.Put(Soon(), SiteId("nowhere"), {good.view()}), absl::StatusCode::kNotFound);
 }
 
 TEST_F(BlobStoreTest, TheLargestBlobComesBackWholeAndInParts) {
@@ -55,7 +54,7 @@ TEST_F(BlobStoreTest, TheLargestBlobComesBackWholeAndInParts) {
   ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), kMaxBlobBytes - 3, 100));
   EXPECT_EQ(end, blob.data().substr(kMaxBlobBytes - 3));
   const TestBlob too_large(std::string(kMaxBlobBytes + 1, 'x'));
-  EXPECT_THAT(blobs_.Put(Soon(), site_, {too_large.view()}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(blobs_.Put(Soon(), site_, {too_large.view()}), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(BlobStoreTest, SaysWhereABlobEnds) {
@@ -63,16 +62,16 @@ TEST_F(BlobStoreTest, SaysWhereABlobEnds) {
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), 10, 5));
   EXPECT_THAT(end, IsEmpty());
-  EXPECT_THAT(blobs_.GetRange(Soon(), site_, blob.sha256(), 11, 5), HasCode(absl::StatusCode::kOutOfRange));
-  EXPECT_THAT(blobs_.GetRange(Soon(), site_, blob.sha256(), -1, 5), HasCode(absl::StatusCode::kOutOfRange));
-  EXPECT_THAT(blobs_.GetRange(Soon(), site_, TestBlob("x").sha256(), 0, 5), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(blobs_.GetRange(Soon(), site_, blob.sha256(), 11, 5), absl::StatusCode::kOutOfRange);
+  EXPECT_CODE(blobs_.GetRange(Soon(), site_, blob.sha256(), -1, 5), absl::StatusCode::kOutOfRange);
+  EXPECT_CODE(blobs_.GetRange(Soon(), site_, TestBlob("x").sha256(), 0, 5), absl::StatusCode::kNotFound);
 }
 
 TEST_F(BlobStoreTest, BelongsToItsSite) {
   const TestBlob blob("content");
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
-  EXPECT_THAT(blobs_.Get(Soon(), SiteId("other"), blob.sha256()), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(blobs_.Get(Soon(), SiteId("other"), blob.sha256()), absl::StatusCode::kNotFound);
   const std::vector<std::string> digests = {blob.sha256(), TestBlob("y").sha256(), TestBlob("y").sha256()};
   ASSERT_OK_AND_ASSIGN(const auto missing, blobs_.Missing(Soon(), site_, digests));
   EXPECT_THAT(missing, ElementsAre(TestBlob("y").sha256()));

@@ -124,7 +124,7 @@ TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
   ASSERT_THAT(listed[0].comparisons, SizeIs(1));
   EXPECT_EQ(listed[0].comparisons[0].image_matches, 7);
   EXPECT_FALSE(listed[0].comparisons[0].chi2.has_value());
-  EXPECT_THAT(verdicts_.List(Soon(), site_, SessionId("none"), 0, 10), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(verdicts_.List(Soon(), site_, SessionId("none"), 0, 10), absl::StatusCode::kNotFound);
   ASSERT_OK_AND_ASSIGN(const auto passage, verdicts_.FindPassage(Soon(), site_, first_));
   EXPECT_EQ(passage->entered_map, MapId("yard"));
 }
@@ -166,12 +166,12 @@ TEST_F(DoorVerdictStoreTest, ALaterGraphOrALostLeaseStoresNothing) {
   const SiteLease lease = Lease();
   const DoorChange change = Through();
   ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "seen", {MakeAnchor("hall", 1, 1)}), ""));
-  EXPECT_THAT(verdicts_.Commit(Soon(), lease, change), HasStatus(absl::StatusCode::kAborted, HasSubstr("judge again")));
+  EXPECT_STATUS(verdicts_.Commit(Soon(), lease, change), absl::StatusCode::kAborted, HasSubstr("judge again"));
   ASSERT_OK(leases_.Release(Soon(), lease));
   Lease("another");
-  EXPECT_THAT(verdicts_.Commit(Soon(), lease, Through()),
-              HasStatus(absl::StatusCode::kAborted, HasSubstr("has lost the lease")));
-  EXPECT_THAT(verdicts_.MarkJudged(Soon(), lease, first_), HasCode(absl::StatusCode::kAborted));
+  EXPECT_STATUS(verdicts_.Commit(Soon(), lease, Through()), absl::StatusCode::kAborted,
+                HasSubstr("has lost the lease"));
+  EXPECT_CODE(verdicts_.MarkJudged(Soon(), lease, first_), absl::StatusCode::kAborted);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM maps WHERE map_id = 'yard'"), "0");
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM door_verdicts"), "0");
   EXPECT_EQ(sessions_.Get(Soon(), site_, second_)->map, std::nullopt);
@@ -189,7 +189,7 @@ TEST_F(DoorVerdictStoreTest, ARedundantLinkPointIsRefusedAndNothingIsHalfDone) {
   change.new_link_point.reset();
   ASSERT_OK_AND_ASSIGN(change.link_point, link_points_.Get(Soon(), site_, LinkPointId("candidate")));
   change.link_point->point.anchors.push_back(MakeAnchor("hall", 4.1, 5));
-  EXPECT_THAT(verdicts_.Commit(Soon(), Lease(), change), HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(verdicts_.Commit(Soon(), Lease(), change), absl::StatusCode::kAlreadyExists);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM door_verdicts"), "0");
   EXPECT_EQ(link_points_.Get(Soon(), site_, LinkPointId("candidate"))->point.anchors.size(), 1U);
 }
@@ -213,7 +213,7 @@ TEST_F(DoorVerdictStoreTest, APromotedCandidateMovesAndTakesItsOwnSideAlong) {
   change.evidence = {seen, seen};
   change.evidence[1].T_map_robot = Pose2{4, 3.5, 1.5};
   ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
-  EXPECT_THAT(link_points_.Get(Soon(), site_, LinkPointId("own")), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(link_points_.Get(Soon(), site_, LinkPointId("own")), absl::StatusCode::kNotFound);
   ASSERT_OK_AND_ASSIGN(const auto evidence, link_points_.ListEvidence(Soon(), site_, {LinkPointId("candidate")}));
   ASSERT_THAT(evidence, SizeIs(2));
   EXPECT_EQ(evidence[0].T_map_robot, (Pose2{4, 4, 1.5}));
@@ -263,7 +263,7 @@ TEST_F(DoorVerdictStoreTest, ASessionAfterADeletedOneIsNotForgotten) {
   EXPECT_EQ(next.map, MapId("new"));
   EXPECT_FALSE(next.entry.T_map_robot.has_value());
   const EnteredMap again{.previous = first_, .new_map = {}, .map = MapId("new"), .T_map_robot = {}, .T_odom_robot = {}};
-  EXPECT_THAT(verdicts_.Enter(Soon(), SiteLease{site_, "me", 99}, again), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(verdicts_.Enter(Soon(), SiteLease{site_, "me", 99}, again), absl::StatusCode::kAborted);
 }
 
 TEST_F(DoorVerdictStoreTest, NewMapsTakeTheLeastNumberThatIsFree) {
@@ -291,10 +291,10 @@ TEST_F(DoorVerdictStoreTest, ASitesLeaseHasOneHolderAndTokensOnlyGrow) {
   ASSERT_OK(leases_.Release(Soon(), lease));
   const SiteLease next = Lease("other");
   EXPECT_GT(next.token, lease.token);
-  EXPECT_THAT(leases_.Renew(Soon(), lease, kTtl), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(leases_.Renew(Soon(), lease, kTtl), absl::StatusCode::kAborted);
   ASSERT_OK(leases_.Release(Soon(), lease));  // lost: nothing happens
   EXPECT_FALSE(leases_.Acquire(Soon(), site_, "third", kTtl)->has_value());
-  EXPECT_THAT(leases_.Acquire(Soon(), SiteId("none"), "me", kTtl), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(leases_.Acquire(Soon(), SiteId("none"), "me", kTtl), absl::StatusCode::kNotFound);
   // One that dies is followed when its time is over.
   database_.Sql("UPDATE site_leases SET expires_at = now() - interval '1 second'");
   EXPECT_TRUE(leases_.Acquire(Soon(), site_, "third", kTtl)->has_value());

@@ -42,7 +42,7 @@ TEST_F(GraphStoreTest, TheFirstMapIsTheRootAndCarriesTheWorldFrame) {
   ASSERT_OK_AND_ASSIGN(const GraphChanges empty, graph_.ReadChanges(Soon(), SiteId("empty"), 0));
   EXPECT_EQ(empty.version, 0);
   EXPECT_TRUE(empty.root.empty());
-  EXPECT_THAT(graph_.ReadChanges(Soon(), SiteId("nowhere"), 0), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(graph_.ReadChanges(Soon(), SiteId("nowhere"), 0), absl::StatusCode::kNotFound);
 }
 
 TEST_F(GraphStoreTest, GivesWhatHasChangedSinceAVersion) {
@@ -97,9 +97,9 @@ TEST_F(GraphStoreTest, AGraphIsSolvedAtRestWhileEditorsWaitAndReadersDoNot) {
   EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, since), *solved);
 
   const auto fail = [](const GraphChanges&) { return absl::StatusOr<GraphSolution>(absl::InternalError("no")); };
-  EXPECT_THAT(graph_.SolveHeld(Soon(), site_, since, fail), HasCode(absl::StatusCode::kInternal));
+  EXPECT_CODE(graph_.SolveHeld(Soon(), site_, since, fail), absl::StatusCode::kInternal);
   EXPECT_EQ(Read(0).version, since + 3);
-  EXPECT_THAT(graph_.SolveHeld(Soon(), SiteId("nowhere"), 0, fail), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(graph_.SolveHeld(Soon(), SiteId("nowhere"), 0, fail), absl::StatusCode::kNotFound);
 }
 
 TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
@@ -113,7 +113,7 @@ TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   solution.chi2_before = 100.0;
   solution.chi2_after = 2.5;
   solution.residual_count = 2;
-  EXPECT_THAT(graph_.Apply(Soon(), site_, version - 1, solution), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(graph_.Apply(Soon(), site_, version - 1, solution), absl::StatusCode::kAborted);
   ASSERT_OK_AND_ASSIGN(const std::int64_t applied, graph_.Apply(Soon(), site_, version, solution));
   EXPECT_EQ(applied, version + 1);
   const GraphChanges changes = Read(version);
@@ -128,7 +128,7 @@ TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   ASSERT_OK_AND_ASSIGN(const auto poses, graph_.GetMapPoses(Soon(), site_, applied));
   ASSERT_THAT(poses, SizeIs(1));
   EXPECT_EQ(poses[0].T_world_map.pose, solution.maps[0].T_world_map.pose);
-  EXPECT_THAT(graph_.GetMapPoses(Soon(), site_, version), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, version), absl::StatusCode::kNotFound);
   EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, version), applied);
   EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, applied), 0);
   ASSERT_OK_AND_ASSIGN(const auto versions, graph_.ListVersions(Soon(), site_, 0, 2));
@@ -151,7 +151,7 @@ TEST_F(GraphStoreTest, KeepsThePosesOfTheLastOptimisationsOnly) {
   for (int i = 0; i <= GraphStore::kKeptOptimizations; ++i) {
     ASSERT_OK_AND_ASSIGN(version, graph_.Apply(Soon(), site_, version, solution));
   }
-  EXPECT_THAT(graph_.GetMapPoses(Soon(), site_, first), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, first), absl::StatusCode::kNotFound);
   EXPECT_OK(graph_.GetMapPoses(Soon(), site_, first + 1));
   EXPECT_OK(graph_.GetMapPoses(Soon(), site_, version));
 }
@@ -191,10 +191,8 @@ TEST_F(GraphStoreTest, ControlPointsAreReplacedAsAWhole) {
   const std::int64_t version = Read(0).version;
   ASSERT_OK_AND_ASSIGN(const std::int64_t raised, graph_.SetControlPoints(Soon(), site_, points));
   EXPECT_EQ(raised, version + 1);
-  EXPECT_THAT(graph_.SetControlPoints(Soon(), site_, {{MapId("cellar"), {0, 0}, 0, 0}}),
-              HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(graph_.SetControlPoints(Soon(), site_, {{map_, {0, 0}, 90.5, 0}}),
-              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(graph_.SetControlPoints(Soon(), site_, {{MapId("cellar"), {0, 0}, 0, 0}}), absl::StatusCode::kNotFound);
+  EXPECT_CODE(graph_.SetControlPoints(Soon(), site_, {{map_, {0, 0}, 90.5, 0}}), absl::StatusCode::kInvalidArgument);
   ASSERT_OK_AND_ASSIGN(const auto stored, graph_.GetControlPoints(Soon(), site_));
   ASSERT_THAT(stored, SizeIs(2));
   EXPECT_EQ(stored[0].position, points[0].position);

@@ -91,11 +91,11 @@ TEST_F(LinkPointSearchTest, FindsInsideAPolygonOnly) {
   query.level = 2;
   EXPECT_THAT(Find(query), IsEmpty());
   query.area = std::vector<Eigen::Vector2d>{{0, 0}, {4, 0}};
-  EXPECT_THAT(link_points_.Find(Soon(), site_, query), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(link_points_.Find(Soon(), site_, query), absl::StatusCode::kInvalidArgument);
   query.area = LinkPointCircle{{0, 0}, -1.0};
-  EXPECT_THAT(link_points_.Find(Soon(), site_, query), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(link_points_.Find(Soon(), site_, query), absl::StatusCode::kInvalidArgument);
   query.area = LinkPointCircle{{std::nan(""), 0}, 1.0};
-  EXPECT_THAT(link_points_.Find(Soon(), site_, query), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(link_points_.Find(Soon(), site_, query), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(LinkPointSearchTest, PlacesFollowFromTheRootThroughLinkPoints) {

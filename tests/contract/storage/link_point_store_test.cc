@@ -64,23 +64,23 @@ TEST_F(LinkPointStoreTest, GivesBackWhatWasStored) {
 
 TEST_F(LinkPointStoreTest, SaysWhatIsMissingTakenOrWrong) {
   ASSERT_OK(Create("door", {MakeAnchor("hall", 0, 0)}));
-  EXPECT_THAT(Create("door", {MakeAnchor("hall", 9, 9)}),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("linkPoints/door exists")));
-  EXPECT_THAT(Create("d2", {MakeAnchor("hall", 0, 0), MakeAnchor("cellar", 0, 0)}),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("cellar")));
-  EXPECT_THAT(link_points_.Create(Soon(), MakeLinkPoint(SiteId("nowhere"), "d", {MakeAnchor("hall", 0, 0)}), ""),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sites/nowhere")));
-  EXPECT_THAT(Create("d2", {}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("anchors")));
-  EXPECT_THAT(Create("d2", {MakeAnchor("hall", 0, 0), MakeAnchor("hall", 1, 0)}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("anchors[1]")));
-  EXPECT_THAT(Create("d2", {MakeAnchor("hall", std::nan(""), 0)}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("pose")));
+  EXPECT_STATUS(Create("door", {MakeAnchor("hall", 9, 9)}), absl::StatusCode::kAlreadyExists,
+                HasSubstr("linkPoints/door exists"));
+  EXPECT_STATUS(Create("d2", {MakeAnchor("hall", 0, 0), MakeAnchor("cellar", 0, 0)}), absl::StatusCode::kNotFound,
+                HasSubstr("cellar"));
+  EXPECT_STATUS(link_points_.Create(Soon(), MakeLinkPoint(SiteId("nowhere"), "d", {MakeAnchor("hall", 0, 0)}), ""),
+                absl::StatusCode::kNotFound, HasSubstr("sites/nowhere"));
+  EXPECT_STATUS(Create("d2", {}), absl::StatusCode::kInvalidArgument, HasSubstr("anchors"));
+  EXPECT_STATUS(Create("d2", {MakeAnchor("hall", 0, 0), MakeAnchor("hall", 1, 0)}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("anchors[1]"));
+  EXPECT_STATUS(Create("d2", {MakeAnchor("hall", std::nan(""), 0)}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("pose"));
   Anchor anchor = MakeAnchor("hall", 0, 0);
   anchor.covariance(0, 1) = 1.0;
-  EXPECT_THAT(Create("d2", {anchor}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("symmetric")));
+  EXPECT_STATUS(Create("d2", {anchor}), absl::StatusCode::kInvalidArgument, HasSubstr("symmetric"));
   anchor.covariance(1, 0) = 1.0;
-  EXPECT_THAT(Create("d2", {anchor}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("semi-definite")));
-  EXPECT_THAT(Get("d2"), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_STATUS(Create("d2", {anchor}), absl::StatusCode::kInvalidArgument, HasSubstr("semi-definite"));
+  EXPECT_CODE(Get("d2"), absl::StatusCode::kNotFound);
 }
 
 TEST_F(LinkPointStoreTest, CreatingIsSafeToRepeat) {
@@ -96,25 +96,25 @@ TEST_F(LinkPointStoreTest, CreatingIsSafeToRepeat) {
 TEST_F(LinkPointStoreTest, ACandidateIsPromotedByItsSecondAnchor) {
   ASSERT_OK_AND_ASSIGN(const auto candidate, Create("door", {MakeAnchor("hall", 3, 4, 0.5)}));
   EXPECT_TRUE(candidate.point.is_candidate());
-  EXPECT_THAT(
+  EXPECT_CODE(
       link_points_.AddAnchor(Soon(), site_, LinkPointId("door"), candidate.etag + 1, MakeAnchor("lab", 0, 0), false),
-      HasCode(absl::StatusCode::kAborted));
+      absl::StatusCode::kAborted);
   ASSERT_OK_AND_ASSIGN(const auto promoted, link_points_.AddAnchor(Soon(), site_, LinkPointId("door"), candidate.etag,
                                                                    MakeAnchor("lab", 1, 2), false));
   EXPECT_FALSE(promoted.point.is_candidate());
   ASSERT_THAT(promoted.point.anchors, SizeIs(2));
   EXPECT_EQ(promoted.point.anchors[1].map, MapId("lab"));
-  EXPECT_THAT(link_points_.AddAnchor(Soon(), site_, LinkPointId("door"), 0, MakeAnchor("lab", 1, 2), false),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("\"lab\"")));
-  EXPECT_THAT(link_points_.AddAnchor(Soon(), site_, LinkPointId("gate"), 0, MakeAnchor("lab", 1, 2), false),
-              HasCode(absl::StatusCode::kNotFound));
+  EXPECT_STATUS(link_points_.AddAnchor(Soon(), site_, LinkPointId("door"), 0, MakeAnchor("lab", 1, 2), false),
+                absl::StatusCode::kAlreadyExists, HasSubstr("\"lab\""));
+  EXPECT_CODE(link_points_.AddAnchor(Soon(), site_, LinkPointId("gate"), 0, MakeAnchor("lab", 1, 2), false),
+              absl::StatusCode::kNotFound);
 }
 
 TEST_F(LinkPointStoreTest, RefusesWhatIsRedundantUnlessForced) {
   ASSERT_OK(Create("door", {MakeAnchor("hall", 10, 0), MakeAnchor("lab", 0, 0)}));
-  EXPECT_THAT(Create("again", {MakeAnchor("lab", 0.1, 0), MakeAnchor("hall", 10.2, 0)}),
-              HasStatus(absl::StatusCode::kAlreadyExists, AllOf(HasSubstr("linkPoints/door"), HasSubstr("0.20 m"))));
-  EXPECT_THAT(Get("again"), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_STATUS(Create("again", {MakeAnchor("lab", 0.1, 0), MakeAnchor("hall", 10.2, 0)}),
+                absl::StatusCode::kAlreadyExists, AllOf(HasSubstr("linkPoints/door"), HasSubstr("0.20 m")));
+  EXPECT_CODE(Get("again"), absl::StatusCode::kNotFound);
   // Two doors between the same rooms; another pair of maps; seen at the same place from one of the maps only.
   EXPECT_OK(Create("second", {MakeAnchor("hall", 12, 0), MakeAnchor("lab", 2, 0)}));
   EXPECT_OK(Create("other", {MakeAnchor("hall", 10, 0), MakeAnchor("yard", 0, 0)}));
@@ -124,7 +124,7 @@ TEST_F(LinkPointStoreTest, RefusesWhatIsRedundantUnlessForced) {
   vague.covariance = Eigen::Vector3d(0.25, 0.25, 0.01).asDiagonal();
   Anchor vague_lab = MakeAnchor("lab", 1.1, 0);
   vague_lab.covariance = vague.covariance;
-  EXPECT_THAT(Create("vague", {vague, vague_lab}), HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(Create("vague", {vague, vague_lab}), absl::StatusCode::kAlreadyExists);
   ASSERT_OK_AND_ASSIGN(const auto forced,
                        Create("forced", {MakeAnchor("hall", 10, 0.1), MakeAnchor("lab", 0, 0)}, true));
   EXPECT_TRUE(forced.forced);
@@ -137,8 +137,8 @@ TEST_F(LinkPointStoreTest, RefusesWhatIsRedundantUnlessForced) {
 TEST_F(LinkPointStoreTest, PromotionIsCheckedForRedundancyToo) {
   ASSERT_OK(Create("door", {MakeAnchor("hall", 10, 0), MakeAnchor("lab", 0, 0)}));
   ASSERT_OK(Create("candidate", {MakeAnchor("hall", 10, 0)}));
-  EXPECT_THAT(link_points_.AddAnchor(Soon(), site_, LinkPointId("candidate"), 0, MakeAnchor("lab", 0, 0), false),
-              HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(link_points_.AddAnchor(Soon(), site_, LinkPointId("candidate"), 0, MakeAnchor("lab", 0, 0), false),
+              absl::StatusCode::kAlreadyExists);
   EXPECT_OK(link_points_.AddAnchor(Soon(), site_, LinkPointId("candidate"), 0, MakeAnchor("lab", 0, 0), true));
 }
 
@@ -147,12 +147,12 @@ TEST_F(LinkPointStoreTest, WhatReplacesASuspendedOneStandsBesideItAndKeepsItOut)
   ASSERT_OK_AND_ASSIGN(const auto suspended, link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), 0, true));
   EXPECT_EQ(suspended.point.use, LinkPointUse::kSuspended);
   ASSERT_OK(Create("right", {MakeAnchor("hall", 10.1, 0), MakeAnchor("lab", 0, 0)}));
-  EXPECT_THAT(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), suspended.etag, false),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("right")));
+  EXPECT_STATUS(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), suspended.etag, false),
+                absl::StatusCode::kAlreadyExists, HasSubstr("right"));
   ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("right"), 0));
   EXPECT_OK(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), suspended.etag, false));
-  EXPECT_THAT(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), suspended.etag, true),
-              HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), suspended.etag, true),
+              absl::StatusCode::kAborted);
 }
 
 TEST_F(LinkPointStoreTest, UpdatesOnlyUnderTheStoredEtag) {
@@ -165,12 +165,12 @@ TEST_F(LinkPointStoreTest, UpdatesOnlyUnderTheStoredEtag) {
   ASSERT_THAT(updated.point.anchors, SizeIs(2));
   EXPECT_EQ(updated.point.anchors[0].T_map_place.x, 1.0);
   EXPECT_EQ(updated.point.anchors[1].map, MapId("yard"));
-  EXPECT_THAT(link_points_.Update(Soon(), first), HasCode(absl::StatusCode::kAborted));
-  EXPECT_THAT(link_points_.Delete(Soon(), site_, LinkPointId("door"), first.etag), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(link_points_.Update(Soon(), first), absl::StatusCode::kAborted);
+  EXPECT_CODE(link_points_.Delete(Soon(), site_, LinkPointId("door"), first.etag), absl::StatusCode::kAborted);
   door.point.id = LinkPointId("gate");
-  EXPECT_THAT(link_points_.Update(Soon(), door), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(link_points_.Update(Soon(), door), absl::StatusCode::kNotFound);
   ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), updated.etag));
-  EXPECT_THAT(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0), absl::StatusCode::kNotFound);
 }
 
 TEST_F(LinkPointStoreTest, DeletedInTheMiddleAndMadeAgain) {
@@ -224,11 +224,10 @@ TEST_F(LinkPointStoreTest, EvidenceKeepsItsBlobs) {
   evidence.encoding = 2;
   ASSERT_OK(link_points_.PutEvidence(Soon(), site_, evidence));
   evidence.map = MapId("lab");
-  EXPECT_THAT(link_points_.PutEvidence(Soon(), site_, evidence),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("\"lab\"")));
+  EXPECT_STATUS(link_points_.PutEvidence(Soon(), site_, evidence), absl::StatusCode::kNotFound, HasSubstr("\"lab\""));
   evidence.map = map_;
   evidence.content = TestBlob("never sent").ref();
-  EXPECT_THAT(link_points_.PutEvidence(Soon(), site_, evidence), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(link_points_.PutEvidence(Soon(), site_, evidence), absl::StatusCode::kInvalidArgument);
 
   Maintenance maintenance(*pool_);
   ASSERT_OK_AND_ASSIGN(const std::int64_t collected, maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
@@ -274,7 +273,7 @@ TEST_F(LinkPointStoreTest, TheAuditTrailSaysWhoDidWhat) {
   EXPECT_EQ(versions[2].cause, GraphCause::kLinkPointAdded);
   EXPECT_EQ(versions[2].resource, "linkPoints/door");
   // A change that fails leaves no trace.
-  EXPECT_THAT(link_points_.Update(ann, door), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(link_points_.Update(ann, door), absl::StatusCode::kNotFound);
   ASSERT_OK_AND_ASSIGN(const auto after, audit_.List(Soon(), site_, "linkPoints/door", 0, 100));
   EXPECT_THAT(after, SizeIs(5));
 }

@@ -74,9 +74,9 @@ TEST_F(MaintenanceTest, PurgesDeletedSessionsInPortionsAndKeepsTheirIds) {
     EXPECT_EQ(CountIn(table), "0") << table;
   }
   EXPECT_EQ(CountIn("session_records"), "5");
-  EXPECT_THAT(Append(deleted, ScanRecords(52, 53)), HasCode(absl::StatusCode::kFailedPrecondition));
-  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, deleted, robot_, map_), ""),
-              HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(Append(deleted, ScanRecords(52, 53)), absl::StatusCode::kFailedPrecondition);
+  EXPECT_CODE(sessions_.Create(Soon(), MakeSession(site_, deleted, robot_, map_), ""),
+              absl::StatusCode::kAlreadyExists);
 }
 
 TEST_F(MaintenanceTest, DeletesRecordsPastTheSitesRetention) {
@@ -89,8 +89,8 @@ TEST_F(MaintenanceTest, DeletesRecordsPastTheSitesRetention) {
   EXPECT_EQ(DeleteExpired(), 0);
   SetRetention(seconds(1800));
   EXPECT_EQ(DeleteExpired(10), 10);
-  EXPECT_THAT(records_.Read(Soon(), site_, session, 1, 1000),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("retention")));
+  EXPECT_STATUS(records_.Read(Soon(), site_, session, 1, 1000), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("retention"));
   EXPECT_EQ(DeleteExpired(10), 10);
   EXPECT_EQ(DeleteExpired(10), 5);
   EXPECT_EQ(DeleteExpired(10), 0);
@@ -143,7 +143,7 @@ TEST_F(MaintenanceTest, CollectsBlobsThatNothingRefersTo) {
   ASSERT_OK(revisions_.Add(Soon(), site_, map_, revision, {}));
   EXPECT_EQ(Collect(seconds(3600)), 0);
   EXPECT_EQ(Collect(seconds(0)), 1);
-  EXPECT_THAT(blobs_.Get(Soon(), site_, unused.sha256()), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(blobs_.Get(Soon(), site_, unused.sha256()), absl::StatusCode::kNotFound);
   EXPECT_EQ(Collect(seconds(0)), 0);
 
   ASSERT_OK(maps_.Delete(Soon(), site_, map_, 0, false));

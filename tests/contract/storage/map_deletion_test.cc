@@ -27,9 +27,8 @@ TEST_F(MapDeletionTest, TellsWhichSessionsAndLinkPointsDependOnTheMap) {
   const SessionId session("s1");
   ASSERT_OK(sessions_.Create(Soon(), MakeSession(site_, session, robot_, MapId("lab")), ""));
   const auto version = graph_.GetVersion(Soon(), site_);
-  EXPECT_THAT(maps_.Delete(Soon(), site_, MapId("lab"), 0, false),
-              HasStatus(absl::StatusCode::kFailedPrecondition,
-                        AllOf(HasSubstr("s1"), HasSubstr("candidate, door, lift"), HasSubstr("force"))));
+  EXPECT_STATUS(maps_.Delete(Soon(), site_, MapId("lab"), 0, false), absl::StatusCode::kFailedPrecondition,
+                AllOf(HasSubstr("s1"), HasSubstr("candidate, door, lift"), HasSubstr("force")));
   EXPECT_EQ(graph_.GetVersion(Soon(), site_), version);
 }
 

@@ -92,7 +92,7 @@ TEST_F(MapLayerTest, WhatWasLaidTogetherFromOldLayersIsRefusedWhole) {
   NewRevision stale = RevisionOf(second_, {"b"});
   stale.layers_version = version;
   const absl::Status refused = Add(stale);
-  EXPECT_THAT(refused, HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(refused, absl::StatusCode::kAborted);
   EXPECT_TRUE(AreLayersChanged(refused));
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.map_revisions"), "1");
   EXPECT_THAT(Beside("s1").above, IsEmpty());

@@ -50,16 +50,16 @@ TEST_F(MapStoreTest, GivesBackWhatWasStored) {
   EXPECT_THAT(Get("hall").outline, IsEmpty());
   ASSERT_OK_AND_ASSIGN(const Map named, maps_.GetByDisplayName(Soon(), site_, map.display_name));
   EXPECT_EQ(named.id, map.id);
-  EXPECT_THAT(maps_.GetByDisplayName(Soon(), site_, "lab"), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(maps_.GetByDisplayName(Soon(), site_, "lab"), absl::StatusCode::kNotFound);
 }
 
 TEST_F(MapStoreTest, SaysWhatIsTaken) {
-  EXPECT_THAT(maps_.Create(Soon(), MakeMap(site_, map_, "Other"), ""),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("sites/campus/maps/hall exists")));
-  EXPECT_THAT(maps_.Create(Soon(), MakeMap(site_, MapId("hall2"), "Hall"), ""),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("\"Hall\"")));
-  EXPECT_THAT(maps_.Create(Soon(), MakeMap(SiteId("nowhere"), map_, "Hall"), ""),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sites/nowhere")));
+  EXPECT_STATUS(maps_.Create(Soon(), MakeMap(site_, map_, "Other"), ""), absl::StatusCode::kAlreadyExists,
+                HasSubstr("sites/campus/maps/hall exists"));
+  EXPECT_STATUS(maps_.Create(Soon(), MakeMap(site_, MapId("hall2"), "Hall"), ""), absl::StatusCode::kAlreadyExists,
+                HasSubstr("\"Hall\""));
+  EXPECT_STATUS(maps_.Create(Soon(), MakeMap(SiteId("nowhere"), map_, "Hall"), ""), absl::StatusCode::kNotFound,
+                HasSubstr("sites/nowhere"));
   ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("a"), "A"), "request"));
   ASSERT_OK_AND_ASSIGN(const Map repeated, maps_.Create(Soon(), MakeMap(site_, MapId("b"), "A"), "request"));
   EXPECT_EQ(repeated.id, MapId("a"));
@@ -68,14 +68,14 @@ TEST_F(MapStoreTest, SaysWhatIsTaken) {
 TEST_F(MapStoreTest, RefusesOutlinesThatAreNoSimplePolygons) {
   Map map = MakeMap(site_, MapId("m"), "M");
   map.outline = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
-  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("outline")));
+  EXPECT_STATUS(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument, HasSubstr("outline"));
   map.outline = {{0, 0}, {1, 1}};
-  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("2 corners")));
+  EXPECT_STATUS(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument, HasSubstr("2 corners"));
   map.outline = {{0, 0}, {1, std::numeric_limits<double>::quiet_NaN()}, {1, 0}};
-  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("finite")));
+  EXPECT_STATUS(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument, HasSubstr("finite"));
   map.outline = {};
   map.environment = static_cast<Environment>(7);
-  EXPECT_THAT(maps_.Create(Soon(), map, ""), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(MapStoreTest, UpdatesOnlyUnderTheStoredEtag) {
@@ -86,13 +86,13 @@ TEST_F(MapStoreTest, UpdatesOnlyUnderTheStoredEtag) {
   ASSERT_OK_AND_ASSIGN(const Map updated, maps_.Update(Soon(), map));
   EXPECT_EQ(updated.outline, map.outline);
   EXPECT_EQ(Get("hall").level, 3);
-  EXPECT_THAT(maps_.Update(Soon(), map), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(maps_.Update(Soon(), map), absl::StatusCode::kAborted);
   ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), ""));
   map.etag = updated.etag;
   map.display_name = "Lab";
-  EXPECT_THAT(maps_.Update(Soon(), map), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("\"Lab\"")));
+  EXPECT_STATUS(maps_.Update(Soon(), map), absl::StatusCode::kAlreadyExists, HasSubstr("\"Lab\""));
   map.id = MapId("nowhere");
-  EXPECT_THAT(maps_.Update(Soon(), map), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(maps_.Update(Soon(), map), absl::StatusCode::kNotFound);
 }
 
 TEST_F(MapStoreTest, FindsMapsByOutlineOnOneLevelOfOneSite) {
@@ -137,16 +137,16 @@ TEST_F(MapStoreTest, TheOutlinesIndexServesTheSearch) {
 TEST_F(MapStoreTest, IsKeptWhileSessionsMapIntoIt) {
   const SessionId first = NewSession("s1");
   NewSession("s2");
-  EXPECT_THAT(maps_.Delete(Soon(), site_, map_, 0, false),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("s1, s2")));
+  EXPECT_STATUS(maps_.Delete(Soon(), site_, map_, 0, false), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("s1, s2"));
   ASSERT_OK(Append(first, ScanRecords(1, 3)));
   ASSERT_OK_AND_ASSIGN(const auto leased, mapping_.Acquire(Soon(), "worker", std::chrono::seconds(60)));
   ASSERT_TRUE(leased);
   ASSERT_OK(maps_.Delete(Soon(), site_, map_, 0, true));
-  EXPECT_THAT(maps_.Get(Soon(), site_, map_), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(sessions_.Get(Soon(), site_, first), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(Append(first, {ScanRecord(4)}), HasCode(absl::StatusCode::kFailedPrecondition));
-  EXPECT_THAT(mapping_.Renew(Soon(), leased->lease, std::chrono::seconds(60)), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(maps_.Get(Soon(), site_, map_), absl::StatusCode::kNotFound);
+  EXPECT_CODE(sessions_.Get(Soon(), site_, first), absl::StatusCode::kNotFound);
+  EXPECT_CODE(Append(first, {ScanRecord(4)}), absl::StatusCode::kFailedPrecondition);
+  EXPECT_CODE(mapping_.Renew(Soon(), leased->lease, std::chrono::seconds(60)), absl::StatusCode::kAborted);
 }
 
 TEST_F(MapStoreTest, AMapMadeAgainUnderAnOldIdStartsAnew) {
@@ -158,13 +158,13 @@ TEST_F(MapStoreTest, AMapMadeAgainUnderAnOldIdStartsAnew) {
   revision.tiles = {{{0, 0}, blob.sha256()}};
   ASSERT_OK(revisions_.Add(Soon(), site_, MapId("b"), revision, {blob.view()}));
   const Map old = Get("b");
-  EXPECT_THAT(maps_.Delete(Soon(), site_, MapId("b"), old.etag + 1, false), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(maps_.Delete(Soon(), site_, MapId("b"), old.etag + 1, false), absl::StatusCode::kAborted);
   ASSERT_OK(maps_.Delete(Soon(), site_, MapId("b"), old.etag, false));
-  EXPECT_THAT(maps_.Delete(Soon(), site_, MapId("b"), 0, false), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(maps_.Delete(Soon(), site_, MapId("b"), 0, false), absl::StatusCode::kNotFound);
   ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("b"), "b"), ""));
   EXPECT_EQ(Get("b").current_revision, 0);
   EXPECT_EQ(Get("b").state, MapState::kEmpty);
-  EXPECT_THAT(revisions_.Get(Soon(), site_, MapId("b"), 1), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(revisions_.Get(Soon(), site_, MapId("b"), 1), absl::StatusCode::kNotFound);
   ASSERT_OK_AND_ASSIGN(const auto page, maps_.List(Soon(), site_, {2, "a"}));
   ASSERT_EQ(page.size(), 2U);
   EXPECT_EQ(page[0].id, MapId("b"));

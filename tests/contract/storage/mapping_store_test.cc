@@ -130,8 +130,8 @@ TEST_F(MappingStoreTest, ALeaseThatRanOutGoesToAnotherWithAHigherToken) {
   const LeasedSession held = AcquireOne("second");
   EXPECT_EQ(held.lease.session, session);
   EXPECT_GT(held.lease.token, lost.lease.token);
-  EXPECT_THAT(CommitStep(lost.lease, FirstDelta(), 3), HasStatus(absl::StatusCode::kAborted, HasSubstr("first")));
-  EXPECT_THAT(mapping_.Renew(Soon(), lost.lease, seconds(60)), HasCode(absl::StatusCode::kAborted));
+  EXPECT_STATUS(CommitStep(lost.lease, FirstDelta(), 3), absl::StatusCode::kAborted, HasSubstr("first"));
+  EXPECT_CODE(mapping_.Renew(Soon(), lost.lease, seconds(60)), absl::StatusCode::kAborted);
   EXPECT_OK(mapping_.Release(Soon(), lost.lease));
   EXPECT_FALSE(FindsWork());
   EXPECT_OK(CommitStep(held.lease, FirstDelta(), 3));
@@ -233,7 +233,7 @@ TEST_F(MappingStoreTest, RefusesStepsThatGoBack) {
   SessionWithRecords("s1", 30);
   const LeasedSession leased = AcquireOne();
   ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 20));
-  EXPECT_THAT(CommitStep(leased.lease, {}, 19), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("20")));
+  EXPECT_STATUS(CommitStep(leased.lease, {}, 19), absl::StatusCode::kInvalidArgument, HasSubstr("20"));
 }
 
 TEST_F(MappingStoreTest, PublishesRevisionsAndClosesTheSession) {
@@ -256,8 +256,8 @@ TEST_F(MappingStoreTest, PublishesRevisionsAndClosesTheSession) {
   const SlamDelta nothing;
   MappingStep last = StepOf(nothing, "c", 3);
   last.final_state = SessionState::kMapped;
-  EXPECT_THAT(mapping_.Commit(Soon(), leased.lease, last),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("not finished")));
+  EXPECT_STATUS(mapping_.Commit(Soon(), leased.lease, last), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("not finished"));
   ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
   const TestBlob last_tile("last");
   const NewRevision second = RevisionOf(session, last_tile);
@@ -291,7 +291,7 @@ TEST_F(MappingStoreTest, AFailureIsOnRecordAndTheSessionGoesOnRecording) {
   ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 4));
   EXPECT_EQ(finished.state, SessionState::kFailed);
   EXPECT_EQ(finished.error, step.error);
-  EXPECT_THAT(Append(session, {ScanRecord(5)}), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(Append(session, {ScanRecord(5)}), absl::StatusCode::kFailedPrecondition);
 }
 
 TEST_F(MappingStoreTest, AStepThatCannotBeStoredWholeIsNotStoredAtAll) {
@@ -301,10 +301,10 @@ TEST_F(MappingStoreTest, AStepThatCannotBeStoredWholeIsNotStoredAtAll) {
   const SlamDelta delta = FirstDelta();
   MappingStep step = StepOf(delta, "c", 3);
   step.revision = &missing_tile;
-  EXPECT_THAT(mapping_.Commit(Soon(), leased.lease, step), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(mapping_.Commit(Soon(), leased.lease, step), absl::StatusCode::kFailedPrecondition);
   SlamDelta dangling = FirstDelta();
   dangling.trajectory.push_back({30, 4 * kNsPerSecond, 99, {0, 0, 0}});
-  EXPECT_THAT(CommitStep(leased.lease, dangling, 3), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(CommitStep(leased.lease, dangling, 3), absl::StatusCode::kFailedPrecondition);
   ASSERT_OK_AND_ASSIGN(const auto stored, mapping_.Load(Soon(), site_, session));
   EXPECT_FALSE(stored);
 }
@@ -314,11 +314,11 @@ TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
   const LeasedSession leased = AcquireOne();
   ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 1));
   ASSERT_OK(sessions_.Delete(Soon(), site_, session));
-  EXPECT_THAT(CommitStep(leased.lease, {}, 2), HasCode(absl::StatusCode::kAborted));
-  EXPECT_THAT(mapping_.Renew(Soon(), leased.lease, seconds(60)), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(CommitStep(leased.lease, {}, 2), absl::StatusCode::kAborted);
+  EXPECT_CODE(mapping_.Renew(Soon(), leased.lease, seconds(60)), absl::StatusCode::kAborted);
   EXPECT_OK(mapping_.Release(Soon(), leased.lease));
   EXPECT_FALSE(FindsWork());
-  EXPECT_THAT(mapping_.ReadTrajectory(Soon(), site_, session), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(mapping_.ReadTrajectory(Soon(), site_, session), absl::StatusCode::kNotFound);
 }
 
 TEST_F(MappingStoreTest, TheTrajectoryFollowsTheNodes) {
@@ -345,7 +345,7 @@ TEST_F(MappingStoreTest, TheTrajectoryFollowsTheNodes) {
   ASSERT_OK(CommitStep(leased.lease, moved, 12));
   map.Apply(moved);
   expect_poses_of(map, 12);
-  EXPECT_THAT(mapping_.ReadTrajectory(Soon(), site_, SessionId("s9")), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(mapping_.ReadTrajectory(Soon(), site_, SessionId("s9")), absl::StatusCode::kNotFound);
 }
 
 TEST_F(MappingStoreTest, ListsKeyframesAsTheyAreNow) {

@@ -8,13 +8,11 @@
 #include "storage/postgres/transaction.h"
 #include "tests/support/cluster.h"
 #include "tests/support/database.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::postgres {
 namespace {
 
-using enfilade::testing::HasCode;
-using enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 constexpr Statement kOne{"selecting one", "SELECT 1::bigint"};
@@ -36,12 +34,12 @@ class PoolTest : public enfilade::testing::DatabaseTest {
 };
 
 TEST_F(PoolTest, RefusesMalformedOptions) {
-  EXPECT_THAT(Pool::Create({}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("url")));
-  EXPECT_THAT(Pool::Create({.url = "postgresql://[half"}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(Pool::Create({.url = "postgresql:///x?no_such_option=1"}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("no_such_option")));
-  EXPECT_THAT(Pool::Create({.url = database_.url(), .max_connections = 0}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("max_connections")));
+  EXPECT_STATUS(Pool::Create({}), absl::StatusCode::kInvalidArgument, HasSubstr("url"));
+  EXPECT_CODE(Pool::Create({.url = "postgresql://[half"}), absl::StatusCode::kInvalidArgument);
+  EXPECT_STATUS(Pool::Create({.url = "postgresql:///x?no_such_option=1"}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("no_such_option"));
+  EXPECT_STATUS(Pool::Create({.url = database_.url(), .max_connections = 0}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("max_connections"));
 }
 
 TEST_F(PoolTest, KeepsConnectionsForTheNextCaller) {
@@ -73,8 +71,8 @@ TEST_F(PoolTest, ServesManyThreadsWithFewConnections) {
 TEST_F(PoolTest, SaysThatAllConnectionsAreBusy) {
   const auto pool = Make({.url = database_.url(), .max_connections = 1});
   ASSERT_OK_AND_ASSIGN(const Pool::Lease lease, pool->Acquire(Soon()));
-  EXPECT_THAT(pool->Acquire(CallContext::WithTimeout(std::chrono::milliseconds(20))),
-              HasStatus(absl::StatusCode::kDeadlineExceeded, HasSubstr("busy")));
+  EXPECT_STATUS(pool->Acquire(CallContext::WithTimeout(std::chrono::milliseconds(20))),
+                absl::StatusCode::kDeadlineExceeded, HasSubstr("busy"));
 }
 
 TEST_F(PoolTest, AWaitingCallerGetsTheConnectionThatComesBack) {
@@ -128,7 +126,7 @@ TEST_F(PoolTest, AnUnreachableServerIsUnavailableAtOnceWhileItBacksOff) {
                           .first_backoff = std::chrono::seconds(60),
                           .max_backoff = std::chrono::seconds(60)});
   const absl::Status first = pool->Ping(Soon());
-  EXPECT_THAT(first, HasStatus(absl::StatusCode::kUnavailable, HasSubstr("/nonexistent")));
+  EXPECT_STATUS(first, absl::StatusCode::kUnavailable, HasSubstr("/nonexistent"));
   EXPECT_EQ(pool->Ping(Soon()), first);
   EXPECT_EQ(pool->stats().failures, 1);
   EXPECT_EQ(pool->stats().open, 0);
@@ -137,8 +135,7 @@ TEST_F(PoolTest, AnUnreachableServerIsUnavailableAtOnceWhileItBacksOff) {
 TEST_F(PoolTest, AMissingDatabaseIsAFailedPrecondition) {
   std::string url = database_.url();
   url.replace(url.find("/enfilade_test_"), 15, "/no_such_thing_");
-  EXPECT_THAT(Make({.url = url})->Ping(Soon()),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("no_such_thing")));
+  EXPECT_STATUS(Make({.url = url})->Ping(Soon()), absl::StatusCode::kFailedPrecondition, HasSubstr("no_such_thing"));
 }
 
 TEST_F(PoolTest, ConnectsAgainWhenAKilledServerIsBack) {
@@ -153,7 +150,7 @@ TEST_F(PoolTest, ConnectsAgainWhenAKilledServerIsBack) {
     status = pool->Ping(Soon());
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  EXPECT_THAT(status, HasCode(absl::StatusCode::kUnavailable));
+  EXPECT_CODE(status, absl::StatusCode::kUnavailable);
   cluster.Restart();
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
   EXPECT_OK(pool->Ping(Soon()));

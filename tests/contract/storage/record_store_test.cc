@@ -83,7 +83,7 @@ TEST_F(RecordStoreTest, AnotherContentUnderAStoredSequenceRefusesTheWholeBatch) 
   std::vector<Record> records = ScanRecords(1, 8);
   records[2] = OdometryRecord(3);
   const auto refused = Append(session, records);
-  EXPECT_THAT(refused, HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("record 3 of sites/campus/sessions/s1")));
+  EXPECT_STATUS(refused, absl::StatusCode::kAlreadyExists, HasSubstr("record 3 of sites/campus/sessions/s1"));
   EXPECT_EQ(RefusedSequenceOf(refused.status()), 3);
   EXPECT_EQ(Get(session).acknowledged_sequence, 5);
   std::get<LaserScan>((records = ScanRecords(1, 8))[4].payload).ranges[0] += 0.001F;
@@ -139,9 +139,9 @@ TEST_F(RecordStoreTest, AnyOrderOfBatchesEndsTheSame) {
 TEST_F(RecordStoreTest, RefusesSequencesThatDoNotIncrease) {
   const SessionId session = NewSession("s1");
   const auto repeated = Append(session, {ScanRecord(1), ScanRecord(2), ScanRecord(2)});
-  EXPECT_THAT(repeated, HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(repeated, absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(RefusedSequenceOf(repeated.status()), 2);
-  EXPECT_THAT(Append(session, {ScanRecord(0)}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(Append(session, {ScanRecord(0)}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(StoredRows(), "0");
 }
 
@@ -158,8 +158,7 @@ TEST_F(RecordStoreTest, AFinishedSessionTakesOnlyWhatItHas) {
   ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
   ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, ScanRecords(2, 3)));
   EXPECT_EQ(again.duplicates, 2);
-  EXPECT_THAT(Append(session, ScanRecords(3, 4)),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("is finished")));
+  EXPECT_STATUS(Append(session, ScanRecords(3, 4)), absl::StatusCode::kFailedPrecondition, HasSubstr("is finished"));
   EXPECT_EQ(ReadAll(session), ScanRecords(1, 3));
 }
 
@@ -167,23 +166,23 @@ TEST_F(RecordStoreTest, LateRecordsOfADeletedSessionAreRefused) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 3)));
   ASSERT_OK(sessions_.Delete(Soon(), site_, session));
-  EXPECT_THAT(Append(session, ScanRecords(4, 5)),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("sites/campus/sessions/s1 is deleted")));
-  EXPECT_THAT(Append(session, ScanRecords(1, 3)), HasCode(absl::StatusCode::kFailedPrecondition));
-  EXPECT_THAT(Append(SessionId("s9"), ScanRecords(1, 3)), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_STATUS(Append(session, ScanRecords(4, 5)), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("sites/campus/sessions/s1 is deleted"));
+  EXPECT_CODE(Append(session, ScanRecords(1, 3)), absl::StatusCode::kFailedPrecondition);
+  EXPECT_CODE(Append(SessionId("s9"), ScanRecords(1, 3)), absl::StatusCode::kNotFound);
 }
 
 TEST_F(RecordStoreTest, RefusesARecordWhoseBlobIsMissingOrOfAnotherSize) {
   const SessionId session = NewSession("s1");
   const TestBlob blob("image");
   const auto missing = Append(session, {ScanRecord(1), ImageRecord(2, blob.ref())});
-  EXPECT_THAT(missing, HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("record 2")));
+  EXPECT_STATUS(missing, absl::StatusCode::kInvalidArgument, HasSubstr("record 2"));
   EXPECT_EQ(RefusedSequenceOf(missing.status()), 2);
   BlobRef longer = blob.ref();
   longer.size = 6;
   const auto wrong_size = Append(session, {ImageRecord(1, longer)}, {blob.view()});
-  EXPECT_THAT(wrong_size, HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("has 5 bytes, not 6")));
-  EXPECT_THAT(Append(session, {ScanRecord(1)}, {{blob.sha256(), "evil"}}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_STATUS(wrong_size, absl::StatusCode::kInvalidArgument, HasSubstr("has 5 bytes, not 6"));
+  EXPECT_CODE(Append(session, {ScanRecord(1)}, {{blob.sha256(), "evil"}}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(StoredRows(), "0");
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   EXPECT_OK(Append(session, {ImageRecord(1, blob.ref()), ImageRecord(2, blob.ref())}));
@@ -209,13 +208,13 @@ TEST_F(RecordStoreTest, ARefusedBatchDoesNotTouchTheOthersOfItsGroup) {
   const auto answers = records_.AppendGroup(Soon(), batches);
   ASSERT_THAT(answers, SizeIs(7));
   ASSERT_OK(answers[0]);
-  EXPECT_THAT(answers[1], HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(answers[1], absl::StatusCode::kNotFound);
   ASSERT_OK(answers[2]);
   EXPECT_EQ(answers[2]->acknowledged_sequence, 3);
   ASSERT_OK(answers[3]);
   EXPECT_EQ(answers[3]->acknowledged_sequence, 0);
   ASSERT_OK(answers[4]);
-  EXPECT_THAT(answers[5], HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(answers[5], absl::StatusCode::kAlreadyExists);
   EXPECT_EQ(RefusedSequenceOf(answers[5].status()), 3);
   ASSERT_OK(answers[6]);
   EXPECT_EQ(answers[6]->duplicates, 5);
@@ -284,16 +283,14 @@ TEST_F(RecordStoreTest, ReadsSingleRecordsInTheOrderOfTheLog) {
   ASSERT_OK_AND_ASSIGN(const auto missing, records_.ReadEach(Soon(), site_, SessionId("s9"), {1}));
   EXPECT_THAT(missing, IsEmpty());
   database_.Sql("UPDATE enfilade.session_records SET payload = '\\x00' WHERE sequence = 2");
-  EXPECT_THAT(records_.ReadEach(Soon(), site_, session, {2}),
-              HasStatus(absl::StatusCode::kDataLoss, HasSubstr("record 2")));
+  EXPECT_STATUS(records_.ReadEach(Soon(), site_, session, {2}), absl::StatusCode::kDataLoss, HasSubstr("record 2"));
 }
 
 TEST_F(RecordStoreTest, SaysWhenAStoredPayloadDoesNotDecode) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 2)));
   database_.Sql("UPDATE enfilade.session_records SET payload = '\\x00' WHERE sequence = 2");
-  EXPECT_THAT(records_.Read(Soon(), site_, session, 1, 1 << 20),
-              HasStatus(absl::StatusCode::kDataLoss, HasSubstr("record 2")));
+  EXPECT_STATUS(records_.Read(Soon(), site_, session, 1, 1 << 20), absl::StatusCode::kDataLoss, HasSubstr("record 2"));
 }
 
 TEST_F(RecordStoreTest, AKilledConnectionStoresAllOrNothingAndTheBatchCanBeSentAgain) {
@@ -318,7 +315,7 @@ TEST_F(RecordStoreTest, AKilledConnectionStoresAllOrNothingAndTheBatchCanBeSentA
         EXPECT_EQ(result->acknowledged_sequence, first + 9);
       }
       if (!status.ok()) {
-        EXPECT_THAT(status, HasCode(absl::StatusCode::kUnavailable));
+        EXPECT_CODE(status, absl::StatusCode::kUnavailable);
         ++unavailable;
       }
     } while (!status.ok() && unavailable < 10'000);

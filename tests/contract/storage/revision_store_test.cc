@@ -111,7 +111,7 @@ TEST_F(RevisionStoreTest, RevisionsCountAndShareTheirTiles) {
   ASSERT_OK_AND_ASSIGN(const auto earlier, revisions_.List(Soon(), site_, map_, 2, 10));
   ASSERT_THAT(earlier, SizeIs(1));
   EXPECT_EQ(earlier[0].number, 1);
-  EXPECT_THAT(revisions_.List(Soon(), site_, MapId("m9"), 0, 10), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(revisions_.List(Soon(), site_, MapId("m9"), 0, 10), absl::StatusCode::kNotFound);
 }
 
 TEST_F(RevisionStoreTest, TheSameContentAgainIsTheSameRevision) {
@@ -127,16 +127,16 @@ TEST_F(RevisionStoreTest, TheSameContentAgainIsTheSameRevision) {
 TEST_F(RevisionStoreTest, StoresNothingWhereATileIsMissingOrGivenTwice) {
   Raster missing = MakeRaster(1, 2, "one");
   missing.blobs.pop_back();
-  EXPECT_THAT(Add(missing), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("blob is not stored")));
+  EXPECT_STATUS(Add(missing), absl::StatusCode::kFailedPrecondition, HasSubstr("blob is not stored"));
   Raster twice = MakeRaster(1, 2, "one");
   twice.revision.tiles[1].key = twice.revision.tiles[0].key;
-  EXPECT_THAT(Add(twice), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("twice")));
+  EXPECT_STATUS(Add(twice), absl::StatusCode::kInvalidArgument, HasSubstr("twice"));
   Raster broken = MakeRaster(1, 1, "one");
   broken.revision.geometry.resolution = 0;
-  EXPECT_THAT(Add(broken), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(revisions_.Get(Soon(), site_, map_, 0), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(Add(broken), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(revisions_.Get(Soon(), site_, map_, 0), absl::StatusCode::kNotFound);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "0");
-  EXPECT_THAT(revisions_.Add(Soon(), site_, MapId("m9"), missing.revision, {}), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(revisions_.Add(Soon(), site_, MapId("m9"), missing.revision, {}), absl::StatusCode::kNotFound);
 }
 
 TEST_F(RevisionStoreTest, AnEmptyRasterHasNoTiles) {
@@ -145,7 +145,7 @@ TEST_F(RevisionStoreTest, AnEmptyRasterHasNoTiles) {
   EXPECT_THAT(tiles, IsEmpty());
   ASSERT_OK_AND_ASSIGN(const auto manifest, revisions_.ListTiles(Soon(), site_, map_, 1));
   EXPECT_THAT(manifest, IsEmpty());
-  EXPECT_THAT(revisions_.ListTiles(Soon(), site_, map_, 2), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(revisions_.ListTiles(Soon(), site_, map_, 2), absl::StatusCode::kNotFound);
 }
 
 TEST_F(RevisionStoreTest, NumbersAreGivenOnceToManyWriters) {

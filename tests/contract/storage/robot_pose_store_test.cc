@@ -19,7 +19,7 @@ class RobotPoseStoreTest : public StoreTest {
 };
 
 TEST_F(RobotPoseStoreTest, TheNewestByItsTimeWins) {
-  EXPECT_THAT(robot_poses_.Get(Soon(), site_, robot_), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(robot_poses_.Get(Soon(), site_, robot_), absl::StatusCode::kNotFound);
   const SessionId session = NewSession("s");
   RobotPose pose = At(1.0, 1'000'000'001);
   pose.session = session;
@@ -56,15 +56,14 @@ TEST_F(RobotPoseStoreTest, AMomentsPoseIsReplacedOnlyByItsOwnSession) {
 TEST_F(RobotPoseStoreTest, SaysWhatIsMissingOrWrong) {
   RobotPose pose = At(1.0, 1);
   pose.map = MapId("cellar");
-  EXPECT_THAT(robot_poses_.Report(Soon(), pose),
-              HasStatus(absl::StatusCode::kNotFound, ::testing::HasSubstr("cellar")));
+  EXPECT_STATUS(robot_poses_.Report(Soon(), pose), absl::StatusCode::kNotFound, ::testing::HasSubstr("cellar"));
   pose = At(1.0, 1);
   pose.robot = RobotId("r9");
-  EXPECT_THAT(robot_poses_.Report(Soon(), pose), HasStatus(absl::StatusCode::kNotFound, ::testing::HasSubstr("r9")));
-  EXPECT_THAT(robot_poses_.Report(Soon(), At(std::nan(""), 1)), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_STATUS(robot_poses_.Report(Soon(), pose), absl::StatusCode::kNotFound, ::testing::HasSubstr("r9"));
+  EXPECT_CODE(robot_poses_.Report(Soon(), At(std::nan(""), 1)), absl::StatusCode::kInvalidArgument);
   pose = At(1.0, 1);
   pose.T_map_robot.covariance(0, 0) = -1.0;
-  EXPECT_THAT(robot_poses_.Report(Soon(), pose), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(robot_poses_.Report(Soon(), pose), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -17,19 +17,19 @@ TEST_F(RobotStoreTest, CreatesReadsUpdatesAndDeletes) {
   EXPECT_EQ(repeated.id, robot.id);
   robot.display_name = "two";
   ASSERT_OK_AND_ASSIGN(const Robot updated, robots_.Update(Soon(), robot));
-  EXPECT_THAT(robots_.Update(Soon(), robot), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(robots_.Update(Soon(), robot), absl::StatusCode::kAborted);
   ASSERT_OK_AND_ASSIGN(const Robot stored, robots_.Get(Soon(), site_, robot.id));
   EXPECT_EQ(stored.display_name, "two");
-  EXPECT_THAT(robots_.Delete(Soon(), site_, robot.id, robot.etag), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(robots_.Delete(Soon(), site_, robot.id, robot.etag), absl::StatusCode::kAborted);
   EXPECT_OK(robots_.Delete(Soon(), site_, robot.id, updated.etag));
-  EXPECT_THAT(robots_.Delete(Soon(), site_, robot.id, 0), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(robots_.Delete(Soon(), site_, robot.id, 0), absl::StatusCode::kNotFound);
 }
 
 TEST_F(RobotStoreTest, SaysWhetherTheSiteIsMissingOrTheRobotIsThere) {
-  EXPECT_THAT(robots_.Create(Soon(), MakeRobot(SiteId("nowhere"), robot_, "x"), ""),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sites/nowhere does not exist")));
-  EXPECT_THAT(robots_.Create(Soon(), MakeRobot(site_, robot_, "x"), ""),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("sites/campus/robots/r1")));
+  EXPECT_STATUS(robots_.Create(Soon(), MakeRobot(SiteId("nowhere"), robot_, "x"), ""), absl::StatusCode::kNotFound,
+                HasSubstr("sites/nowhere does not exist"));
+  EXPECT_STATUS(robots_.Create(Soon(), MakeRobot(site_, robot_, "x"), ""), absl::StatusCode::kAlreadyExists,
+                HasSubstr("sites/campus/robots/r1"));
 }
 
 TEST_F(RobotStoreTest, EnsuringKeepsTheRobotThatIsThere) {
@@ -43,8 +43,8 @@ TEST_F(RobotStoreTest, EnsuringKeepsTheRobotThatIsThere) {
 
 TEST_F(RobotStoreTest, IsKeptWhileItHasSessions) {
   const SessionId session = NewSession("s1");
-  EXPECT_THAT(robots_.Delete(Soon(), site_, robot_, 0),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("still has sessions")));
+  EXPECT_STATUS(robots_.Delete(Soon(), site_, robot_, 0), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("still has sessions"));
   ASSERT_OK(sessions_.Delete(Soon(), site_, session));
   EXPECT_OK(robots_.Delete(Soon(), site_, robot_, 0));
 }

@@ -39,12 +39,12 @@ TEST_F(SessionStoreTest, ANewSessionIsRecordingAndEmpty) {
 }
 
 TEST_F(SessionStoreTest, SaysWhatIsMissing) {
-  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(SiteId("nowhere"), SessionId("s"), robot_, map_), ""),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sites/nowhere does not")));
-  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), RobotId("r9"), map_), ""),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("robots/r9 does not")));
-  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, MapId("m9")), ""),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("maps/m9 does not")));
+  EXPECT_STATUS(sessions_.Create(Soon(), MakeSession(SiteId("nowhere"), SessionId("s"), robot_, map_), ""),
+                absl::StatusCode::kNotFound, HasSubstr("sites/nowhere does not"));
+  EXPECT_STATUS(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), RobotId("r9"), map_), ""),
+                absl::StatusCode::kNotFound, HasSubstr("robots/r9 does not"));
+  EXPECT_STATUS(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, MapId("m9")), ""),
+                absl::StatusCode::kNotFound, HasSubstr("maps/m9 does not"));
 }
 
 TEST_F(SessionStoreTest, KeepsHowTheRobotCameIntoTheMap) {
@@ -70,8 +70,8 @@ TEST_F(SessionStoreTest, KeepsHowTheRobotCameIntoTheMap) {
 
   placed.id = SessionId("s4");
   placed.entry.previous = SessionId("nowhere");
-  EXPECT_THAT(sessions_.Create(Soon(), placed, ""),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("sessions/nowhere does not")));
+  EXPECT_STATUS(sessions_.Create(Soon(), placed, ""), absl::StatusCode::kNotFound,
+                HasSubstr("sessions/nowhere does not"));
 }
 
 TEST_F(SessionStoreTest, ManyRepeatedCreationsMakeOneSession) {
@@ -81,8 +81,8 @@ TEST_F(SessionStoreTest, ManyRepeatedCreationsMakeOneSession) {
     EXPECT_EQ(session.id, SessionId("s"));
   }
   EXPECT_THAT(List({}), ElementsAre("s"));
-  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, map_), "another"),
-              HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, map_), "another"),
+              absl::StatusCode::kAlreadyExists);
 }
 
 TEST_F(SessionStoreTest, ListsTheNewestFirstInPages) {
@@ -106,17 +106,17 @@ TEST_F(SessionStoreTest, FinishesWhereTheLogEndsWithoutHoles) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 5)));
   ASSERT_OK(Append(session, {ScanRecord(7)}));
-  EXPECT_THAT(sessions_.Finish(Soon(), site_, session, 7),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("record 6 is missing")));
+  EXPECT_STATUS(sessions_.Finish(Soon(), site_, session, 7), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("record 6 is missing"));
   ASSERT_OK(Append(session, {ScanRecord(6)}));
-  EXPECT_THAT(sessions_.Finish(Soon(), site_, session, 8),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("highest that is stored is 7")));
+  EXPECT_STATUS(sessions_.Finish(Soon(), site_, session, 8), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("highest that is stored is 7"));
   ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 7));
   EXPECT_EQ(finished.state, SessionState::kFinished);
   ASSERT_TRUE(finished.finish_time);
   ASSERT_OK_AND_ASSIGN(const Session again, sessions_.Finish(Soon(), site_, session, 7));
   EXPECT_EQ(again.finish_time, finished.finish_time);
-  EXPECT_THAT(sessions_.Finish(Soon(), site_, SessionId("s9"), 0), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(sessions_.Finish(Soon(), site_, SessionId("s9"), 0), absl::StatusCode::kNotFound);
 }
 
 TEST_F(SessionStoreTest, WithoutAMapThereIsNothingLeftToDo) {
@@ -130,13 +130,13 @@ TEST_F(SessionStoreTest, DeletingIsSeenAtOnceAndForGood) {
   NewSession("s2");
   ASSERT_OK(Append(session, ScanRecords(1, 5)));
   ASSERT_OK(sessions_.Delete(Soon(), site_, session));
-  EXPECT_THAT(sessions_.Get(Soon(), site_, session), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(sessions_.Get(Soon(), site_, session), absl::StatusCode::kNotFound);
   EXPECT_THAT(List({}), ElementsAre("s2"));
-  EXPECT_THAT(records_.Read(Soon(), site_, session, 1, 1000), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(sessions_.Finish(Soon(), site_, session, 5), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(sessions_.Delete(Soon(), site_, session), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(sessions_.Create(Soon(), MakeSession(site_, session, robot_, map_), ""),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("deleted")));
+  EXPECT_CODE(records_.Read(Soon(), site_, session, 1, 1000), absl::StatusCode::kNotFound);
+  EXPECT_CODE(sessions_.Finish(Soon(), site_, session, 5), absl::StatusCode::kNotFound);
+  EXPECT_CODE(sessions_.Delete(Soon(), site_, session), absl::StatusCode::kNotFound);
+  EXPECT_STATUS(sessions_.Create(Soon(), MakeSession(site_, session, robot_, map_), ""),
+                absl::StatusCode::kAlreadyExists, HasSubstr("deleted"));
 }
 
 }  // namespace

@@ -38,14 +38,14 @@ TEST_F(SiteStoreTest, GivesBackWhatWasStored) {
 }
 
 TEST_F(SiteStoreTest, RefusesWhatTheSchemaForbids) {
-  EXPECT_THAT(sites_.Create(Soon(), MakeSite(SiteId("Bad Id"), "x"), ""), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(sites_.Create(Soon(), MakeSite(SiteId("a"), ""), ""), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(sites_.Create(Soon(), MakeSite(SiteId("a"), std::string(201, 'x')), ""),
-              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(sites_.Create(Soon(), MakeSite(SiteId("Bad Id"), "x"), ""), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(sites_.Create(Soon(), MakeSite(SiteId("a"), ""), ""), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(sites_.Create(Soon(), MakeSite(SiteId("a"), std::string(201, 'x')), ""),
+              absl::StatusCode::kInvalidArgument);
   EXPECT_OK(sites_.Create(Soon(), MakeSite(SiteId("a"), std::string(200, 'x')), ""));
   Site negative = MakeSite(SiteId("b"), "x");
   negative.raw_retention = std::chrono::seconds(-1);
-  EXPECT_THAT(sites_.Create(Soon(), negative, ""), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(sites_.Create(Soon(), negative, ""), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(SiteStoreTest, CreatesOncePerRequestId) {
@@ -53,9 +53,9 @@ TEST_F(SiteStoreTest, CreatesOncePerRequestId) {
   // The server has made another id for the repeated call.
   ASSERT_OK_AND_ASSIGN(const Site repeated, sites_.Create(Soon(), MakeSite(SiteId("s2"), "x"), "request"));
   EXPECT_EQ(repeated.id, first.id);
-  EXPECT_THAT(sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), "another"),
-              HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("sites/s1")));
-  EXPECT_THAT(sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), ""), HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_STATUS(sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), "another"), absl::StatusCode::kAlreadyExists,
+                HasSubstr("sites/s1"));
+  EXPECT_CODE(sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), ""), absl::StatusCode::kAlreadyExists);
 }
 
 TEST_F(SiteStoreTest, ListsInPages) {
@@ -73,17 +73,17 @@ TEST_F(SiteStoreTest, UpdatesOnlyUnderTheStoredEtag) {
   ASSERT_OK_AND_ASSIGN(const Site updated, sites_.Update(Soon(), site));
   EXPECT_EQ(updated.display_name, "New");
   EXPECT_GT(updated.etag, site.etag);
-  EXPECT_THAT(sites_.Update(Soon(), site), HasStatus(absl::StatusCode::kAborted, HasSubstr("sites/campus")));
+  EXPECT_STATUS(sites_.Update(Soon(), site), absl::StatusCode::kAborted, HasSubstr("sites/campus"));
   site.id = SiteId("nowhere");
-  EXPECT_THAT(sites_.Update(Soon(), site), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(sites_.Update(Soon(), site), absl::StatusCode::kNotFound);
 }
 
 TEST_F(SiteStoreTest, AnEtagOfADeletedSiteDoesNotFitItsSuccessor) {
   ASSERT_OK_AND_ASSIGN(Site old, sites_.Create(Soon(), MakeSite(SiteId("s"), "x"), ""));
   ASSERT_OK(sites_.Delete(Soon(), old.id, old.etag, false));
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("s"), "x"), ""));
-  EXPECT_THAT(sites_.Update(Soon(), old), HasCode(absl::StatusCode::kAborted));
-  EXPECT_THAT(sites_.Delete(Soon(), old.id, old.etag, true), HasCode(absl::StatusCode::kAborted));
+  EXPECT_CODE(sites_.Update(Soon(), old), absl::StatusCode::kAborted);
+  EXPECT_CODE(sites_.Delete(Soon(), old.id, old.etag, true), absl::StatusCode::kAborted);
 }
 
 TEST_F(SiteStoreTest, DeletesAllThatBelongsToTheSiteAndNothingElse) {
@@ -101,12 +101,12 @@ TEST_F(SiteStoreTest, DeletesAllThatBelongsToTheSiteAndNothingElse) {
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "Other"), ""));
   ASSERT_OK(blobs_.Put(Soon(), SiteId("other"), {blob.view()}));
 
-  EXPECT_THAT(sites_.Delete(Soon(), site_, 0, false),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("1 maps, 1 robots and 1 sessions")));
+  EXPECT_STATUS(sites_.Delete(Soon(), site_, 0, false), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("1 maps, 1 robots and 1 sessions"));
   EXPECT_OK(sites_.Get(Soon(), site_));
   ASSERT_OK(sites_.Delete(Soon(), site_, 0, true));
-  EXPECT_THAT(sites_.Get(Soon(), site_), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(sites_.Delete(Soon(), site_, 0, true), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(sites_.Get(Soon(), site_), absl::StatusCode::kNotFound);
+  EXPECT_CODE(sites_.Delete(Soon(), site_, 0, true), absl::StatusCode::kNotFound);
   // Every table that has a site's rows, found in the catalogue so that a new table is not forgotten.
   for (const std::string& table : database_.Sql("SELECT table_name FROM information_schema.columns"
                                                 " WHERE table_schema = 'enfilade' AND column_name = 'site_id'"

@@ -16,7 +16,7 @@
 #include "storage/session_store.h"
 #include "storage/site_store.h"
 #include "tests/support/database.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::testing {
 

@@ -7,13 +7,11 @@
 #include "storage/postgres/copy_buffer.h"
 #include "storage/postgres/error.h"
 #include "tests/support/database.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::postgres {
 namespace {
 
-using enfilade::testing::HasCode;
-using enfilade::testing::HasStatus;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -98,11 +96,11 @@ TEST_F(TransactionTest, SaysWhichColumnDoesNotFit) {
   ASSERT_OK_AND_ASSIGN(const Result result, ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
   Row wrong(result, 0);
   wrong.Text();
-  EXPECT_THAT(wrong.status(), HasStatus(absl::StatusCode::kInternal, HasSubstr("int8")));
+  EXPECT_STATUS(wrong.status(), absl::StatusCode::kInternal, HasSubstr("int8"));
   Row missing(result, 0);
   missing.Int64();
   missing.Int64();
-  EXPECT_THAT(missing.status(), HasStatus(absl::StatusCode::kInternal, HasSubstr("is missing")));
+  EXPECT_STATUS(missing.status(), absl::StatusCode::kInternal, HasSubstr("is missing"));
 }
 
 TEST_F(TransactionTest, CommitsAllOrRollsBackAll) {
@@ -127,14 +125,14 @@ TEST_F(TransactionTest, GivesTheFirstErrorOfWhatWasQueuedAndCommitsNothing) {
   transaction.Queue(kInsert, Params(std::int64_t{1}));
   transaction.Queue(kInsert, Params(std::int64_t{1}));
   transaction.Queue(kInsert, Params(std::int64_t{2000}));
-  EXPECT_THAT(transaction.Commit(), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("inserting")));
-  EXPECT_THAT(transaction.Commit(), HasCode(absl::StatusCode::kInternal));
+  EXPECT_STATUS(transaction.Commit(), absl::StatusCode::kAlreadyExists, HasSubstr("inserting"));
+  EXPECT_CODE(transaction.Commit(), absl::StatusCode::kInternal);
   EXPECT_THAT(Rows(), ElementsAre());
 }
 
 TEST_F(TransactionTest, NamesTheConstraintThatRefused) {
   const auto refused = ExecuteAlone(*pool_, Soon(), kInsert, Params(std::int64_t{1000}));
-  EXPECT_THAT(refused, HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(refused, absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(ConstraintOf(refused.status()), "t_k_check");
   EXPECT_EQ(SqlStateOf(refused.status()), "23514");
   EXPECT_OK(ExecuteAlone(*pool_, Soon(), kInsert, Params(std::int64_t{999})));
@@ -142,22 +140,21 @@ TEST_F(TransactionTest, NamesTheConstraintThatRefused) {
 
 TEST_F(TransactionTest, ServesOnAfterAnError) {
   constexpr Statement kBroken{"breaking", "SELECT no_such_function()"};
-  EXPECT_THAT(ExecuteAlone(*pool_, Soon(), kBroken, Params()), HasCode(absl::StatusCode::kInternal));
-  EXPECT_THAT(ExecuteAlone(*pool_, Soon(), kBroken, Params()), HasCode(absl::StatusCode::kInternal));
+  EXPECT_CODE(ExecuteAlone(*pool_, Soon(), kBroken, Params()), absl::StatusCode::kInternal);
+  EXPECT_CODE(ExecuteAlone(*pool_, Soon(), kBroken, Params()), absl::StatusCode::kInternal);
   EXPECT_OK(ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
   EXPECT_EQ(pool_->stats().opened, 1);
 }
 
 TEST_F(TransactionTest, RefusesTextsThatTheDatabaseCannotHold) {
   constexpr Statement kText{"echoing", "SELECT $1"};
-  EXPECT_THAT(ExecuteAlone(*pool_, Soon(), kText, Params(std::string("a\0b", 3))),
-              HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(ExecuteAlone(*pool_, Soon(), kText, Params("\xff")), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(ExecuteAlone(*pool_, Soon(), kText, Params(std::string("a\0b", 3))), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(ExecuteAlone(*pool_, Soon(), kText, Params("\xff")), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(TransactionTest, TheServerGivesUpAtTheDeadline) {
   const auto context = CallContext::WithTimeout(std::chrono::milliseconds(150));
-  EXPECT_THAT(ExecuteAlone(*pool_, context, kSleep, Params(30.0)), HasCode(absl::StatusCode::kDeadlineExceeded));
+  EXPECT_CODE(ExecuteAlone(*pool_, context, kSleep, Params(30.0)), absl::StatusCode::kDeadlineExceeded);
   // It was the server's own timeout: the connection is as good as before.
   EXPECT_OK(ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
   EXPECT_EQ(pool_->stats().opened, 1);
@@ -195,7 +192,7 @@ TEST_F(TransactionTest, WaitsNoLongerThanTheDeadlineForAServerThatHangs) {
   Transaction transaction = Begin(std::chrono::milliseconds(500));
   const pid_t backend = BackendOf(transaction);
   ASSERT_EQ(kill(backend, SIGSTOP), 0);
-  EXPECT_THAT(transaction.Execute(kSelectOne, Params()), HasCode(absl::StatusCode::kDeadlineExceeded));
+  EXPECT_CODE(transaction.Execute(kSelectOne, Params()), absl::StatusCode::kDeadlineExceeded);
   kill(backend, SIGCONT);
 }
 
@@ -204,7 +201,7 @@ TEST_F(TransactionTest, AKilledConnectionIsUnavailableAndReplaced) {
     Transaction transaction = Begin();
     ASSERT_OK(transaction.Execute(kInsert, Params(std::int64_t{1})));
     database_.Sql("SELECT pg_terminate_backend(" + std::to_string(BackendOf(transaction)) + ", 5000)");
-    EXPECT_THAT(transaction.Commit(), HasCode(absl::StatusCode::kUnavailable));
+    EXPECT_CODE(transaction.Commit(), absl::StatusCode::kUnavailable);
   }
   EXPECT_EQ(pool_->stats().open, 0);
   EXPECT_OK(ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));
@@ -240,7 +237,7 @@ TEST_F(TransactionTest, CopiesRowsAndServesOnAfterACopyThatFails) {
     return copied.ok() ? transaction.Commit() : copied;
   };
   EXPECT_OK(copy(1, 3));
-  EXPECT_THAT(copy(3, 5), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("copying")));
+  EXPECT_STATUS(copy(3, 5), absl::StatusCode::kAlreadyExists, HasSubstr("copying"));
   EXPECT_OK(copy(4, 4));
   EXPECT_THAT(Rows(), ElementsAre("1", "2", "3", "4"));
   EXPECT_EQ(pool_->stats().opened, 1);

@@ -4,12 +4,11 @@
 
 #include <cmath>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 TEST(ProtoGeometryTest, PosesWithCovarianceComeBackUnchanged) {
@@ -30,7 +29,7 @@ TEST(ProtoGeometryTest, NoCovarianceIsZero) {
 TEST(ProtoGeometryTest, RefusesWhatIsNoPoseWithCovarianceNamingTheField) {
   v1::PoseWithCovariance message;
   const auto refused = [&message](const char* why) {
-    EXPECT_THAT(FromProto("anchor.pose", message), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(why)));
+    EXPECT_STATUS(FromProto("anchor.pose", message), absl::StatusCode::kInvalidArgument, HasSubstr(why));
   };
   refused("anchor.pose.pose is missing");
   message.mutable_pose()->set_yaw(std::nan(""));

@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
 using ::testing::AllOf;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 TEST(Names, RoundTrip) {
@@ -26,9 +25,8 @@ TEST(Names, RefusesEverythingElseNamingFieldAndForm) {
   for (const char* name :
        {"", "sites", "sites/", "sites//maps/x", "sites/a/maps/", "sites/a/maps/b/", "sites/A/maps/b", "sites/a/map/b",
         "sites/a/maps/b/revisions/1", "/sites/a/maps/b", "sites/a/maps/b'; DROP TABLE maps; --", "sites/-a/maps/b"}) {
-    EXPECT_THAT(ParseMapName("map.name", name),
-                HasStatus(absl::StatusCode::kInvalidArgument,
-                          AllOf(HasSubstr("map.name"), HasSubstr("sites/{site}/maps/{map}"))))
+    EXPECT_STATUS(ParseMapName("map.name", name), absl::StatusCode::kInvalidArgument,
+                  AllOf(HasSubstr("map.name"), HasSubstr("sites/{site}/maps/{map}")))
         << name;
   }
   EXPECT_FALSE(ParseRevisionName("name", "sites/a/maps/b/revisions/0").ok());

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 Record ScanRecord() {
@@ -50,7 +49,7 @@ TEST(ConvertRecord, RoundTripsEveryKindExactly) {
 void ExpectRefused(void (*change)(v1::Record&), const char* field) {
   v1::Record record = ToProto(Record{3, Image{7, Camera::kRear, ImageEncoding::kJpeg, {std::string(32, 'x'), 5}}});
   change(record);
-  EXPECT_THAT(FromProto(record), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(field)));
+  EXPECT_STATUS(FromProto(record), absl::StatusCode::kInvalidArgument, HasSubstr(field));
 }
 
 TEST(ConvertRecord, RefusesWhatIsUnsetOrUnknownNamingTheField) {
@@ -71,7 +70,7 @@ TEST(ConvertRecord, RefusesBadDoorReportsNamingTheField) {
   const auto expect_refused = [](void (*change)(v1::DoorReport&), const char* field) {
     v1::Record record = ToProto(Record{1, DoorReport()});
     change(*record.mutable_door_report());
-    EXPECT_THAT(FromProto(record), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(field)));
+    EXPECT_STATUS(FromProto(record), absl::StatusCode::kInvalidArgument, HasSubstr(field));
   };
   expect_refused([](v1::DoorReport& r) { r.clear_kind(); }, "door_report.kind is not set");
   expect_refused([](v1::DoorReport& r) { r.set_place(static_cast<v1::DoorReport::Place>(9)); }, "door_report.place");
@@ -86,7 +85,7 @@ TEST(ConvertRecord, TakesARecordOfAKindFromTheFutureAsUnset) {
   v1::Record record;
   // Field 15, as a newer client's payload would arrive.
   ASSERT_TRUE(record.ParseFromString(std::string("\x08\x01\x7a\x02hi", 6)));
-  EXPECT_THAT(FromProto(record), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("unknown to this server")));
+  EXPECT_STATUS(FromProto(record), absl::StatusCode::kInvalidArgument, HasSubstr("unknown to this server"));
 }
 
 }  // namespace

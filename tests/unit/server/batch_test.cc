@@ -3,12 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "core/base/sha256.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::server {
 namespace {
-
-using testing::HasCode;
 
 v1::BlobChunk Chunk(const std::string& whole, std::size_t offset, std::size_t size) {
   v1::BlobChunk chunk;
@@ -33,22 +31,22 @@ TEST(BlobAssembly, PutsBlobsTogetherOneAfterTheOther) {
 
 TEST(BlobAssembly, RefusesChunksThatDoNotFollow) {
   const std::string whole = "abcdef";
-  EXPECT_THAT(BlobAssembly().Add(Chunk(whole, 2, 2)), HasCode(absl::StatusCode::kInvalidArgument)) << "not the first";
+  EXPECT_CODE(BlobAssembly().Add(Chunk(whole, 2, 2)), absl::StatusCode::kInvalidArgument) << "not the first";
   BlobAssembly gap;
   ASSERT_OK(gap.Add(Chunk(whole, 0, 2)));
-  EXPECT_THAT(gap.Add(Chunk(whole, 4, 2)), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(gap.Add(Chunk(whole, 4, 2)), absl::StatusCode::kInvalidArgument);
   BlobAssembly other;
   ASSERT_OK(other.Add(Chunk(whole, 0, 2)));
-  EXPECT_THAT(other.Add(Chunk("ABcdef", 2, 2)), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(other.Add(Chunk("ABcdef", 2, 2)), absl::StatusCode::kInvalidArgument);
   v1::BlobChunk empty = Chunk(whole, 0, 2);
   empty.clear_data();
-  EXPECT_THAT(BlobAssembly().Add(empty), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(BlobAssembly().Add(empty), absl::StatusCode::kInvalidArgument);
   v1::BlobChunk long_chunk = Chunk(whole, 0, 6);
   long_chunk.mutable_blob()->set_size_bytes(3);
-  EXPECT_THAT(BlobAssembly().Add(long_chunk), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(BlobAssembly().Add(long_chunk), absl::StatusCode::kInvalidArgument);
   v1::BlobChunk lying = Chunk(whole, 0, 6);
   lying.mutable_blob()->set_sha256(std::string(32, 'x'));
-  EXPECT_THAT(BlobAssembly().Add(lying), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(BlobAssembly().Add(lying), absl::StatusCode::kDataLoss);
 }
 
 TEST(ReadBatch, IsBoundedInRecordsAndBytes) {

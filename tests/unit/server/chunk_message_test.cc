@@ -5,7 +5,7 @@
 
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "gtest/gtest.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::server {
 namespace {

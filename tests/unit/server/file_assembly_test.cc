@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "core/base/sha256.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::server {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 google::protobuf::RepeatedPtrField<v1::FileEntry> Entries(
@@ -43,8 +42,8 @@ TEST(FileAssembly, PutsFilesTogether) {
 }
 
 TEST(FileAssembly, RefusesTooMuchAndWhatDoesNotFollow) {
-  EXPECT_THAT(FileAssembly().Begin(Entries({{"a", std::string(60, 'x')}, {"b", std::string(60, 'x')}}), 100),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("\"b\"")));
+  EXPECT_STATUS(FileAssembly().Begin(Entries({{"a", std::string(60, 'x')}, {"b", std::string(60, 'x')}}), 100),
+                absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""));
   EXPECT_FALSE(FileAssembly().Begin({}, 100).ok());
   FileAssembly assembly;
   ASSERT_OK(assembly.Begin(Entries({{"a", "hello"}}), 100));
@@ -52,9 +51,9 @@ TEST(FileAssembly, RefusesTooMuchAndWhatDoesNotFollow) {
   EXPECT_FALSE(assembly.Add(Chunk(1, 0, "h")).ok());
   EXPECT_FALSE(assembly.Add(Chunk(0, 0, "hello world")).ok());
   ASSERT_OK(assembly.Add(Chunk(0, 0, "hell")));
-  EXPECT_THAT(assembly.Finish(), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("4 of 5")));
+  EXPECT_STATUS(assembly.Finish(), absl::StatusCode::kInvalidArgument, HasSubstr("4 of 5"));
   ASSERT_OK(assembly.Add(Chunk(0, 4, "x")));
-  EXPECT_THAT(assembly.Finish(), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("\"a\"")));
+  EXPECT_STATUS(assembly.Finish(), absl::StatusCode::kDataLoss, HasSubstr("\"a\""));
   EXPECT_FALSE(assembly.Add(Chunk(0, 5, "x")).ok()) << "all files are complete";
 }
 

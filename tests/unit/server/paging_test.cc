@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::server {
 namespace {

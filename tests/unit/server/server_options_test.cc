@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::server {
 namespace {
 
 using ::testing::AllOf;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 TEST(ServerOptions, DefaultsAreValidAndEveryKeyTakesItsOwnValueBack) {
@@ -29,16 +28,15 @@ TEST(ServerOptions, YamlIsNestedAndLeavesTheRest) {
 
 TEST(ServerOptions, UnknownKeysAndWrongTypesAreRefusedWithFileLineAndAProposal) {
   ServerOptions options;
-  EXPECT_THAT(ApplyYaml("listen:\n  adress: x\n", "server.yaml", options),
-              HasStatus(absl::StatusCode::kInvalidArgument,
-                        AllOf(HasSubstr("server.yaml:2"), HasSubstr("listen.adress"), HasSubstr("listen.address"))));
-  EXPECT_THAT(ApplyYaml("mapping:\n  workers: many\n", "server.yaml", options),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("mapping.workers")));
-  EXPECT_THAT(ApplyYaml("mapping: [1, 2]\n", "server.yaml", options),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("mapping")));
-  EXPECT_THAT(ApplyYaml("a: b: c", "server.yaml", options),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("server.yaml:1")));
-  EXPECT_THAT(Apply({"mapping.workers", "1x"}, options), testing::HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_STATUS(ApplyYaml("listen:\n  adress: x\n", "server.yaml", options), absl::StatusCode::kInvalidArgument,
+                AllOf(HasSubstr("server.yaml:2"), HasSubstr("listen.adress"), HasSubstr("listen.address")));
+  EXPECT_STATUS(ApplyYaml("mapping:\n  workers: many\n", "server.yaml", options), absl::StatusCode::kInvalidArgument,
+                HasSubstr("mapping.workers"));
+  EXPECT_STATUS(ApplyYaml("mapping: [1, 2]\n", "server.yaml", options), absl::StatusCode::kInvalidArgument,
+                HasSubstr("mapping"));
+  EXPECT_STATUS(ApplyYaml("a: b: c", "server.yaml", options), absl::StatusCode::kInvalidArgument,
+                HasSubstr("server.yaml:1"));
+  EXPECT_CODE(Apply({"mapping.workers", "1x"}, options), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(ServerOptions, EnvironmentNamesKeysAndRefusesOthersOfItsPrefix) {
@@ -47,15 +45,15 @@ TEST(ServerOptions, EnvironmentNamesKeysAndRefusesOthersOfItsPrefix) {
       {"PATH=/bin", "ENFILADE_SITE=x", "ENFILADE_SERVER=host:1", "ENFILADE_SERVER_DATABASE_URL=postgresql:///a=b"},
       options));
   EXPECT_EQ(options.database.url, "postgresql:///a=b");
-  EXPECT_THAT(ApplyEnvironment({"ENFILADE_SERVER_DATABASE_URI=x"}, options),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("ENFILADE_SERVER_DATABASE_URI")));
+  EXPECT_STATUS(ApplyEnvironment({"ENFILADE_SERVER_DATABASE_URI=x"}, options), absl::StatusCode::kInvalidArgument,
+                HasSubstr("ENFILADE_SERVER_DATABASE_URI"));
 }
 
 TEST(ServerOptions, ValidationNamesTheKey) {
   const auto refused = [](auto change, const char* key) {
     ServerOptions options;
     change(options);
-    EXPECT_THAT(options.Validate(), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(key)));
+    EXPECT_STATUS(options.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr(key));
   };
   refused([](ServerOptions& o) { o.listen.workers = 0; }, "listen.workers");
   refused([](ServerOptions& o) { o.listen.max_message_bytes = 3LL << 30; }, "listen.max_message_bytes");

@@ -7,14 +7,13 @@
 
 #include "core/optimize/graph_text.h"
 #include "tests/support/manhattan_graph.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/cli/command_test.h"
 
 namespace enfilade::cli {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 class GraphSolveTest : public CommandTest {
@@ -78,15 +77,15 @@ TEST_F(GraphSolveTest, AppliesTheKernelToLoopsOnlyWhereOdometryIsTrusted) {
 }
 
 TEST_F(GraphSolveTest, SaysWhichFileAndLineIsWrong) {
-  EXPECT_THAT(Run({directory_.path() / "absent.g2o"}), HasStatus(absl::StatusCode::kNotFound, HasSubstr("absent.g2o")));
-  EXPECT_THAT(Run({directory_.path()}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("folder")));
-  EXPECT_THAT(Run({File("bad.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n")}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.g2o:2")));
+  EXPECT_STATUS(Run({directory_.path() / "absent.g2o"}), absl::StatusCode::kNotFound, HasSubstr("absent.g2o"));
+  EXPECT_STATUS(Run({directory_.path()}), absl::StatusCode::kInvalidArgument, HasSubstr("folder"));
+  EXPECT_STATUS(Run({File("bad.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n")}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("bad.g2o:2"));
   const std::string good = File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o));
-  EXPECT_THAT(Run({good, "-o", directory_.path() / "absent" / "b.g2o"}),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("cannot be written")));
-  EXPECT_THAT(Run({good, "--robust", "tukey"}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("tukey")));
-  EXPECT_THAT(Run({good, "--kernel-width", "0"}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("width")));
+  EXPECT_STATUS(Run({good, "-o", directory_.path() / "absent" / "b.g2o"}), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("cannot be written"));
+  EXPECT_STATUS(Run({good, "--robust", "tukey"}), absl::StatusCode::kInvalidArgument, HasSubstr("tukey"));
+  EXPECT_STATUS(Run({good, "--kernel-width", "0"}), absl::StatusCode::kInvalidArgument, HasSubstr("width"));
 }
 
 TEST_F(GraphSolveTest, AcceptsAnEmptyFile) {

@@ -10,7 +10,7 @@
 #include "client/cli/commands/match.h"
 #include "core/grid/png_codec.h"
 #include "perception/cloud/cloud_file.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/cli/command_test.h"
 #include "tests/unit/perception/cloud/rooms.h"
@@ -18,7 +18,6 @@
 namespace enfilade::cli {
 namespace {
 
-using enfilade::testing::HasStatus;
 using perception::testing::PoseOf;
 using perception::testing::Room;
 using ::testing::HasSubstr;
@@ -81,12 +80,11 @@ TEST_F(PerceptionCommandsTest, JudgesImagesAndDrawsTheirMatches) {
 
 TEST_F(PerceptionCommandsTest, NamesAnImageThatCannotBeRead) {
   const std::string a = ImageFile("a.png", 1, 0);
-  EXPECT_THAT(Run({"match", "images", a, "/nowhere/b.png"}),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("b.png")));
-  EXPECT_THAT(Run({"match", "images", File("text.jpg", "no image"), a}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("text.jpg: the image is neither")));
-  EXPECT_THAT(Run({"match", "images", File("empty.png", ""), a}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("0 bytes")));
+  EXPECT_STATUS(Run({"match", "images", a, "/nowhere/b.png"}), absl::StatusCode::kNotFound, HasSubstr("b.png"));
+  EXPECT_STATUS(Run({"match", "images", File("text.jpg", "no image"), a}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("text.jpg: the image is neither"));
+  EXPECT_STATUS(Run({"match", "images", File("empty.png", ""), a}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("0 bytes"));
 }
 
 TEST_F(PerceptionCommandsTest, RegistersCloudsFromAGuess) {
@@ -103,8 +101,8 @@ TEST_F(PerceptionCommandsTest, RegistersCloudsFromAGuess) {
     EXPECT_NEAR(document_["T_target_source"][static_cast<std::size_t>(i)].get<double>(), truth.matrix()(i / 4, i % 4),
                 0.03);
   }
-  EXPECT_THAT(Run({"match", "clouds", source, File("bad.pcd", "x")}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.pcd: the cloud is neither PCD nor PLY")));
+  EXPECT_STATUS(Run({"match", "clouds", source, File("bad.pcd", "x")}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("bad.pcd: the cloud is neither PCD nor PLY"));
 }
 
 TEST_F(PerceptionCommandsTest, ChoosesTheEnvironmentOfALog) {
@@ -116,11 +114,11 @@ TEST_F(PerceptionCommandsTest, ChoosesTheEnvironmentOfALog) {
 
 TEST_F(PerceptionCommandsTest, SaysWhatACriterionLacks) {
   const std::string photograph = ImageFile("a.png", 1, 0);
-  EXPECT_THAT(Run({"environment", photograph, "--criterion", "scene"}),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("model")));
-  EXPECT_THAT(Run({"environment", photograph, "--criterion", "range"}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("there is no scan")));
-  EXPECT_THAT(Run({"environment", photograph}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("at least 2")));
+  EXPECT_STATUS(Run({"environment", photograph, "--criterion", "scene"}), absl::StatusCode::kNotFound,
+                HasSubstr("model"));
+  EXPECT_STATUS(Run({"environment", photograph, "--criterion", "range"}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("there is no scan"));
+  EXPECT_STATUS(Run({"environment", photograph}), absl::StatusCode::kInvalidArgument, HasSubstr("at least 2"));
 }
 
 }  // namespace

@@ -6,13 +6,12 @@
 #include "client/cli/commands/doors.h"
 #include "client/cli/commands/sim.h"
 #include "core/grid/png_codec.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/client/cli/command_test.h"
 
 namespace enfilade::cli {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 class SimulatorCommandsTest : public CommandTest {
@@ -60,10 +59,9 @@ TEST_F(SimulatorCommandsTest, SimGivesTheSameLogForTheSameSeedOnly) {
 }
 
 TEST_F(SimulatorCommandsTest, SimNamesWhatItDoesNotKnow) {
-  EXPECT_THAT(Run({"sim", "figure1", "-o", out_, "--robots", "r9"}),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("r9")));
-  EXPECT_THAT(Run({"sim", File("bad.yaml", "walls: 7\n"), "-o", out_}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.yaml")));
+  EXPECT_STATUS(Run({"sim", "figure1", "-o", out_, "--robots", "r9"}), absl::StatusCode::kNotFound, HasSubstr("r9"));
+  EXPECT_STATUS(Run({"sim", File("bad.yaml", "walls: 7\n"), "-o", out_}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("bad.yaml"));
 }
 
 TEST_F(SimulatorCommandsTest, DoorsTellsEventsAsJsonLinesAndDrawsThem) {
@@ -81,12 +79,11 @@ TEST_F(SimulatorCommandsTest, DoorsTellsEventsAsJsonLinesAndDrawsThem) {
 
 TEST_F(SimulatorCommandsTest, DoorsRefusesUnknownPresetsOptionsAndLogs) {
   const std::string log = File("empty.jsonl", "");
-  EXPECT_THAT(Run({"doors", log, "--preset", "best"}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("best")));
-  EXPECT_THAT(Run({"doors", log, "--options", File("doors.yaml", "no_such_key: 1\n")}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("no_such_key")));
+  EXPECT_STATUS(Run({"doors", log, "--preset", "best"}), absl::StatusCode::kInvalidArgument, HasSubstr("best"));
+  EXPECT_STATUS(Run({"doors", log, "--options", File("doors.yaml", "no_such_key: 1\n")}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("no_such_key"));
   EXPECT_FALSE(Run({"doors", log}).ok()) << "an empty log";
-  EXPECT_THAT(Run({"doors", "/nowhere/log.clf"}), HasStatus(absl::StatusCode::kNotFound, HasSubstr("log.clf")));
+  EXPECT_STATUS(Run({"doors", "/nowhere/log.clf"}), absl::StatusCode::kNotFound, HasSubstr("log.clf"));
 }
 
 }  // namespace

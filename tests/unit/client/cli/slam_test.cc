@@ -8,14 +8,13 @@
 #include <sstream>
 
 #include "client/sources/json_lines_writer.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/cli/command_test.h"
 
 namespace enfilade::cli {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 constexpr double kHalfSide = 4.0;  // m, of a square room about the origin
@@ -130,7 +129,7 @@ TEST_F(SlamTest, RefusesAnEntryThatIsHalfSaidOrNoPose) {
   const std::string log = File("drive.jsonl", Log(1));
   const auto refuses = [&](std::vector<std::string> arguments, const char* why) {
     arguments.insert(arguments.begin(), log);
-    EXPECT_THAT(Run(arguments), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(why)));
+    EXPECT_STATUS(Run(arguments), absl::StatusCode::kInvalidArgument, HasSubstr(why));
   };
   refuses({"--at", "1,2,3"}, "--on");
   refuses({"--on", "map.yaml"}, "--at");
@@ -138,8 +137,8 @@ TEST_F(SlamTest, RefusesAnEntryThatIsHalfSaidOrNoPose) {
     refuses({"--on", "map.yaml", "--at", at}, "X,Y,YAW");
   }
   refuses({"--on", "map.yaml", "--at", "1,2,3", "--at-sigma", "0,1"}, "--at-sigma");
-  EXPECT_THAT(Run({log, "--on", directory_.path() / "none.yaml", "--at", "1,2,3"}),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("none.yaml")));
+  EXPECT_STATUS(Run({log, "--on", directory_.path() / "none.yaml", "--at", "1,2,3"}), absl::StatusCode::kNotFound,
+                HasSubstr("none.yaml"));
 }
 
 TEST_F(SlamTest, TellsPeopleScansSecondsAndRate) {
@@ -152,8 +151,7 @@ TEST_F(SlamTest, PlotsTheTrajectoryOverTheMap) {
   ASSERT_OK(Run({File("drive.jsonl", Log(11)), "-o", out_, "--plot"}));
   EXPECT_TRUE(Content(out_ / "plot.png").starts_with("\x89PNG"));
   EXPECT_NE(Content(out_ / "plot.png"), Content(out_ / "map.png"));
-  EXPECT_THAT(Run({File("drive.jsonl", Log(1)), "--plot"}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("-o DIR")));
+  EXPECT_STATUS(Run({File("drive.jsonl", Log(1)), "--plot"}), absl::StatusCode::kInvalidArgument, HasSubstr("-o DIR"));
 }
 
 TEST_F(SlamTest, LeavesTheOdometryOutWhereToldTo) {
@@ -180,14 +178,14 @@ TEST_F(SlamTest, TakesItsOptionsFromAFile) {
 TEST_F(SlamTest, RefusesOptionsThatItDoesNotKnowOrCannotUse) {
   const std::string log = File("drive.jsonl", Log(1));
   const std::string unknown = File("slam.yaml", "keyframe:\n  distanse: 0.3\n");
-  EXPECT_THAT(Run({log, "--options", unknown}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("no option keyframe.distanse")));
-  EXPECT_THAT(Run({log, "--options", unknown}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("slam.yaml")));
-  EXPECT_THAT(Run({log, "--options", File("slam.yaml", "max_range: -1\n")}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("max_range")));
-  EXPECT_THAT(Run({log, "--options", File("slam.yaml", "max_range: [")}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("slam.yaml")));
-  EXPECT_THAT(Run({log, "--options", out_}), HasStatus(absl::StatusCode::kNotFound, HasSubstr("out")));
+  EXPECT_STATUS(Run({log, "--options", unknown}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("no option keyframe.distanse"));
+  EXPECT_STATUS(Run({log, "--options", unknown}), absl::StatusCode::kInvalidArgument, HasSubstr("slam.yaml"));
+  EXPECT_STATUS(Run({log, "--options", File("slam.yaml", "max_range: -1\n")}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("max_range"));
+  EXPECT_STATUS(Run({log, "--options", File("slam.yaml", "max_range: [")}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("slam.yaml"));
+  EXPECT_STATUS(Run({log, "--options", out_}), absl::StatusCode::kNotFound, HasSubstr("out"));
 }
 
 TEST_F(SlamTest, PrintsOptionsThatItTakes) {
@@ -224,18 +222,18 @@ TEST_F(SlamTest, UsesNoScanWhoseBeamsAreAllOutOfRange) {
 }
 
 TEST_F(SlamTest, SaysWhichLogCannotBeRead) {
-  EXPECT_THAT(Run({directory_.path() / "absent.log"}), HasStatus(absl::StatusCode::kNotFound, HasSubstr("absent.log")));
+  EXPECT_STATUS(Run({directory_.path() / "absent.log"}), absl::StatusCode::kNotFound, HasSubstr("absent.log"));
   const std::string log = File("bad.jsonl", Log(1) + "{\"scan\": oops\n");
-  EXPECT_THAT(Run({log}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.jsonl:4")));
+  EXPECT_STATUS(Run({log}), absl::StatusCode::kInvalidArgument, HasSubstr("bad.jsonl:4"));
   EXPECT_OK(Run({log, "--skip-bad-lines"}));
   EXPECT_EQ(Report()["scans"], 1);
-  EXPECT_THAT(Run({}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("LOG")));
+  EXPECT_STATUS(Run({}), absl::StatusCode::kInvalidArgument, HasSubstr("LOG"));
 }
 
 TEST_F(SlamTest, SaysWhereItCannotWrite) {
   const std::string file = File("taken", "a file where a folder should be");
-  EXPECT_THAT(Run({File("drive.jsonl", Log(1)), "-o", file}),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("taken")));
+  EXPECT_STATUS(Run({File("drive.jsonl", Log(1)), "-o", file}), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("taken"));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "client/cli/replay/replay_session.h"
 #include "client/sources/json_lines_writer.h"
 #include "core/base/uuid.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 #include "tests/unit/client/spool/spool_samples.h"
 
@@ -19,7 +19,6 @@ using client::Spool;
 using client::SpoolOptions;
 using client::SpoolSession;
 using sources::LogReader;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::LogFiles;
 using testing::NumberedScan;
@@ -99,8 +98,8 @@ TEST_F(ReplayTest, RefusesALogThatIsShorterThanWhatIsSpooled) {
   ASSERT_OK(spool_->CreateSession(SampleSession()));
   for (int i = 0; i < 5; ++i) ASSERT_OK(spool_->Append(kRun, Scan(i)));
   LogFeeder feeder = MakeFeeder(WriteLog(3));
-  EXPECT_THAT(feeder.SkipSpooled(),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("holds 5 records, but the log has 3")));
+  EXPECT_STATUS(feeder.SkipSpooled(), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("holds 5 records, but the log has 3"));
 }
 
 TEST_F(ReplayTest, KeepsTheRecordedPace) {
@@ -143,7 +142,7 @@ TEST_F(ReplayTest, EndsWhereNoRoomCanEverBe) {
   Open(100);
   ASSERT_OK(spool_->CreateSession(SampleSession()));
   LogFeeder feeder = MakeFeeder(WriteLog(3));
-  EXPECT_THAT(feeder.Feed(Clock::now()), HasStatus(absl::StatusCode::kResourceExhausted, HasSubstr("of 100 bytes")));
+  EXPECT_STATUS(feeder.Feed(Clock::now()), absl::StatusCode::kResourceExhausted, HasSubstr("of 100 bytes"));
 }
 
 TEST_F(ReplayTest, ChecksTheLogToItsEnd) {
@@ -155,11 +154,11 @@ TEST_F(ReplayTest, ChecksTheLogToItsEnd) {
   EXPECT_EQ(checked.counts.scans, 20);
 
   const auto bad = files_.Write("bad.jsonl", testing::Contents(good) + "{\"type\":\n");
-  EXPECT_THAT(CheckLog(bad, {}, [](std::int64_t) {}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bad.jsonl:22: ")));
+  EXPECT_STATUS(CheckLog(bad, {}, [](std::int64_t) {}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("bad.jsonl:22: "));
   const auto nothing = files_.Write("nothing.jsonl", sources::JsonLinesHeader());
-  EXPECT_THAT(CheckLog(nothing, {}, [](std::int64_t) {}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("holds nothing")));
+  EXPECT_STATUS(CheckLog(nothing, {}, [](std::int64_t) {}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("holds nothing"));
 }
 
 TEST_F(ReplayTest, KnowsALogByItsContentAndOptions) {
@@ -190,8 +189,8 @@ TEST_F(ReplayTest, FindsTheSessionToGoOnWith) {
   ASSERT_OK_AND_ASSIGN(const FoundSession other, FindOrCreateSession(*spool_, wanted));
   EXPECT_FALSE(other.resumed);
   wanted.id = first.id;
-  EXPECT_THAT(FindOrCreateSession(*spool_, wanted),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("only with the same log, map, robot")));
+  EXPECT_STATUS(FindOrCreateSession(*spool_, wanted), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("only with the same log, map, robot"));
   wanted.map = "hall";
   EXPECT_TRUE(FindOrCreateSession(*spool_, wanted)->resumed);
 
@@ -208,7 +207,7 @@ TEST_F(ReplayTest, KeepsItsSpoolInTheStateFolder) {
   EXPECT_TRUE(std::filesystem::is_directory(files_.path() / "enfilade"));
   files_.Write("file", "");
   setenv("XDG_STATE_HOME", (files_.path() / "file").c_str(), 1);
-  EXPECT_THAT(DefaultSpoolPath("replay-run-1"), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("--spool")));
+  EXPECT_STATUS(DefaultSpoolPath("replay-run-1"), absl::StatusCode::kFailedPrecondition, HasSubstr("--spool"));
   unsetenv("XDG_STATE_HOME");
 }
 

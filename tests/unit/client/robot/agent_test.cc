@@ -9,7 +9,7 @@
 #include "client/simulator/simulation_files.h"
 #include "client/sources/content.h"
 #include "tests/support/fake_server.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade::robot {
@@ -21,7 +21,6 @@ using client::SpoolSession;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using testing::FakeServer;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::TemporaryDirectory;
 
@@ -237,7 +236,7 @@ TEST_F(AgentTest, RefusesAnotherRobotsSpool) {
   other.robot = RobotId("r2");
   other.id = SessionId("x");
   ASSERT_OK(spool_->CreateSession(other));
-  EXPECT_THAT(MakeAgent(), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("r2")));
+  EXPECT_STATUS(MakeAgent(), absl::StatusCode::kFailedPrecondition, HasSubstr("r2"));
 }
 
 TEST_F(AgentTest, RefusesScansButNoReportsWhileTheSpoolIsFull) {
@@ -264,7 +263,7 @@ TEST_F(AgentTest, WaitsForRoomWhereToldTo) {
   ASSERT_OK(MakeAgent());
   ASSERT_OK(agent_->Start());
   interrupted_ = true;  // at the first wait: nobody makes room here
-  EXPECT_THAT(Stand(1.0, 60.0), HasStatus(absl::StatusCode::kCancelled, HasSubstr("full")));
+  EXPECT_STATUS(Stand(1.0, 60.0), absl::StatusCode::kCancelled, HasSubstr("full"));
   EXPECT_EQ(agent_->counts().refused, 0);
 }
 

@@ -3,13 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::robot {
 namespace {
 
-using testing::HasCode;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 const Eigen::Matrix3d kCovariance = Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal();
@@ -64,8 +62,7 @@ TEST(ParseCommand, RefusesWhatItCannotRead) {
         std::pair("set-link-point window", "place is"), std::pair("set-link-point lift up", "not the number"),
         std::pair("stop now", "too much"), std::pair("new \"Hall", "quotation mark"),
         std::pair("delete-link-point", "which link point")}) {
-    EXPECT_THAT(ParseCommand(line, kCovariance).status(),
-                HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(message)))
+    EXPECT_STATUS(ParseCommand(line, kCovariance).status(), absl::StatusCode::kInvalidArgument, HasSubstr(message))
         << line;
   }
 }
@@ -86,8 +83,7 @@ TEST(CommandFromJson, RefusesWhatItCannotRead) {
        {R"({"command":1})", R"({"command":"stop","now":true})", R"({"command":"new","map":3})", R"({})",
         R"({"command":"set-link-point","level":"up"})", R"({"command":"old","map":"m","pose":{"x_m":1,"y_m":2}})",
         R"({"command":"old","map":"m","pose":{"x_m":1,"y_m":2,"yaw_rad":0},"covariance":[1]})"}) {
-    EXPECT_THAT(CommandFromJson(nlohmann::json::parse(text), kCovariance).status(),
-                HasCode(absl::StatusCode::kInvalidArgument))
+    EXPECT_CODE(CommandFromJson(nlohmann::json::parse(text), kCovariance).status(), absl::StatusCode::kInvalidArgument)
         << text;
   }
 }

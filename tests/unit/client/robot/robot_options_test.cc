@@ -3,13 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::robot {
 namespace {
 
-using testing::HasCode;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 constexpr auto kInvalid = absl::StatusCode::kInvalidArgument;
@@ -50,7 +48,7 @@ TEST(RobotOptions, PresetsDifferAsTheOriginalsDo) {
   EXPECT_EQ(code.choice.range_thr, 10.0);
   EXPECT_EQ(code.choice.num_depth_imgs, 6);
   EXPECT_EQ(code.doors.derivative.threshold, 1.0);
-  EXPECT_THAT(Parse("range_thr: 9\npreset: best").status(), HasStatus(kInvalid, HasSubstr("line 2")));
+  EXPECT_STATUS(Parse("range_thr: 9\npreset: best").status(), kInvalid, HasSubstr("line 2"));
 }
 
 TEST(RobotOptions, TakesTheOriginalsNames) {
@@ -69,17 +67,17 @@ TEST(RobotOptions, TakesTheOriginalsNames) {
 }
 
 TEST(RobotOptions, RefusesWhatItDoesNotKnowWithTheLine) {
-  EXPECT_THAT(Parse("range_thr: 9\nrange_limit: 3").status(), HasStatus(kInvalid, HasSubstr("line 2")));
-  EXPECT_THAT(Parse("evidence:\n  all: 3").status(), HasStatus(kInvalid, HasSubstr("line 2")));
-  EXPECT_THAT(Parse("range_thr: far").status(), HasStatus(kInvalid, HasSubstr("expected a number")));
-  EXPECT_THAT(Parse("- 1").status(), HasStatus(kInvalid, HasSubstr("line 1")));
-  EXPECT_THAT(Parse("deriv_door_thr: 0.9\nderivative:\n  threshold: 0.8").status(),
-              HasStatus(kInvalid, HasSubstr("comes twice")));
+  EXPECT_STATUS(Parse("range_thr: 9\nrange_limit: 3").status(), kInvalid, HasSubstr("line 2"));
+  EXPECT_STATUS(Parse("evidence:\n  all: 3").status(), kInvalid, HasSubstr("line 2"));
+  EXPECT_STATUS(Parse("range_thr: far").status(), kInvalid, HasSubstr("expected a number"));
+  EXPECT_STATUS(Parse("- 1").status(), kInvalid, HasSubstr("line 1"));
+  EXPECT_STATUS(Parse("deriv_door_thr: 0.9\nderivative:\n  threshold: 0.8").status(), kInvalid,
+                HasSubstr("comes twice"));
 }
 
 TEST(RobotOptions, TellsWhichOfTheOriginalsTheServerHas) {
   for (const char* name : {"feature_matching_thr", "NNDR_akaze", "NNDR_sift", "icp_fitness_score_thr"}) {
-    EXPECT_THAT(Parse(std::string(name) + ": 1").status(), HasStatus(kInvalid, HasSubstr("on the server")));
+    EXPECT_STATUS(Parse(std::string(name) + ": 1").status(), kInvalid, HasSubstr("on the server"));
   }
 }
 
@@ -88,7 +86,7 @@ TEST(RobotOptions, RefusesValuesThatMakeNoSense) {
        {"config_criterion: 4", "config_criterion: 3", "range_thr: -1", "range_thr: .nan", "low_pass_filter_size: -1",
         "num_depth_imgs: 1", "num_last_imgs: 0", "initial_variance_x: 0", "evidence: {kept: 2}",
         "evidence: {all_hz: -1}", "evidence: {max_age: 0}", "spool: {max_mib: 0}", "criteria: 4"}) {
-    EXPECT_THAT(Parse(yaml).status(), HasCode(kInvalid)) << yaml;
+    EXPECT_CODE(Parse(yaml).status(), kInvalid) << yaml;
   }
 }
 

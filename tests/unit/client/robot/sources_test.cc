@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade::robot {

@@ -5,12 +5,11 @@
 
 #include "client/simulator/sensors.h"
 #include "client/sources/content.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::robot {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 LaserScan RoundScan(float range) {
@@ -94,7 +93,7 @@ TEST(SurroundingsChoice, AMissingModelIsAnError) {
   options.scene_model = "missing.onnx";
   options.scene_labels = "missing.txt";
   options.scene_mapping = "missing.txt";
-  EXPECT_THAT(SurroundingsChoice::Make(options).status(), HasStatus(absl::StatusCode::kNotFound, HasSubstr("missing")));
+  EXPECT_STATUS(SurroundingsChoice::Make(options).status(), absl::StatusCode::kNotFound, HasSubstr("missing"));
 }
 
 }  // namespace

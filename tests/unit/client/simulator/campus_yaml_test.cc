@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::simulator {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -36,7 +35,7 @@ TEST(CampusYaml, ReadsAreasDoorsAndRoutes) {
 
 TEST(CampusYaml, RefusesWhatItDoesNotKnowWithTheLine) {
   const auto refused = [](const std::string& yaml, const char* message) {
-    EXPECT_THAT(ParseCampus(yaml), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(message)));
+    EXPECT_STATUS(ParseCampus(yaml), absl::StatusCode::kInvalidArgument, HasSubstr(message));
   };
   refused("campus: [", "line");
   refused("- 1\n", "no map");
@@ -57,7 +56,7 @@ TEST(CampusYaml, RefusesWhatItDoesNotKnowWithTheLine) {
 TEST(CampusYaml, NamesTheShippedCampuses) {
   EXPECT_THAT(ShippedCampusNames(), Contains("figure1"));
   EXPECT_THAT(ShippedCampusNames(), Contains("lookalike"));
-  EXPECT_THAT(ShippedCampus("nowhere"), HasStatus(absl::StatusCode::kNotFound, HasSubstr("figure1")));
+  EXPECT_STATUS(ShippedCampus("nowhere"), absl::StatusCode::kNotFound, HasSubstr("figure1"));
 }
 
 TEST(Drawing, HasItsOriginAtTheLowerLeft) {

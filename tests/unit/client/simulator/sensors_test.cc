@@ -9,7 +9,7 @@
 #include "client/simulator/campus_yaml.h"
 #include "core/grid/png_codec.h"
 #include "fmt/format.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::simulator {
 namespace {

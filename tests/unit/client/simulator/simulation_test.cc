@@ -7,12 +7,11 @@
 #include "client/simulator/campus_yaml.h"
 #include "client/simulator/random_building.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::simulator {
 namespace {
 
-using enfilade::testing::HasStatus;
 using enfilade::testing::PoseNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -195,17 +194,16 @@ TEST(Simulation, RandomBuildingsAreTheSameForTheSameSeedAndAreDriven) {
 TEST(Simulation, RefusesBadOptionsAndRoutes) {
   SimulationOptions options = RoomsOptions();
   options.laps = 0;
-  EXPECT_THAT(SimulateRooms(options), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("laps is 0")));
+  EXPECT_STATUS(SimulateRooms(options), absl::StatusCode::kInvalidArgument, HasSubstr("laps is 0"));
   options = {};
   options.motion.speed = NAN;
-  EXPECT_THAT(SimulateRooms(options), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("speed")));
-  EXPECT_THAT(SimulateDrive(Shipped("rooms"), "nobody", {}),
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("nobody")));
+  EXPECT_STATUS(SimulateRooms(options), absl::StatusCode::kInvalidArgument, HasSubstr("speed"));
+  EXPECT_STATUS(SimulateDrive(Shipped("rooms"), "nobody", {}), absl::StatusCode::kNotFound, HasSubstr("nobody"));
   ASSERT_OK_AND_ASSIGN(Campus walled, ParseCampus(R"(
 areas: [{id: a, rect: [0, 0, 4, 4]}, {id: b, rect: [4, 0, 4, 4], doors: [{id: d, side: west, state: closed}]}]
 robots: [{id: r, route: [[1, 2], {door: d}]}])"));
-  EXPECT_THAT(SimulateDrive(std::make_shared<const World>(std::move(walled)), "r", {}),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("into a wall")));
+  EXPECT_STATUS(SimulateDrive(std::make_shared<const World>(std::move(walled)), "r", {}),
+                absl::StatusCode::kFailedPrecondition, HasSubstr("into a wall"));
 }
 
 }  // namespace

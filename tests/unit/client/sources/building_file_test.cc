@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade::testing {
@@ -99,8 +99,8 @@ levels:
   EXPECT_THAT(broken.levels, IsEmpty());
   ASSERT_THAT(broken.remarks, SizeIs(2));
   EXPECT_THAT(broken.remarks[0].why, HasSubstr("vertex"));
-  EXPECT_THAT(ParseBuilding("levels: [1, 2]"), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(ParseBuilding("{"), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(ParseBuilding("levels: [1, 2]"), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(ParseBuilding("{"), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(BuildingFileTest, ReadsTheHotelOfTheRmfDemos) {

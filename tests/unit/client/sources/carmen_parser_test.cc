@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
 namespace enfilade {
@@ -13,7 +13,6 @@ using sources::LogOptions;
 using testing::AllOf;
 using ::testing::ElementsAre;
 using testing::FlaserLine;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::LogFiles;
 using ::testing::Pair;
@@ -102,8 +101,8 @@ TEST_P(CarmenBadLine, IsRefusedNamingFileLineAndField) {
   const std::string good = FlaserLine({"1", "2", "3"}, "1", "1");
   const auto path = files.Write("bad.log", good + GetParam().line + good);
   const ReadLog log = ReadAll(path);
-  EXPECT_THAT(log.status, HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(path.string() + ":2: ")));
-  EXPECT_THAT(log.status, HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message)));
+  EXPECT_STATUS(log.status, absl::StatusCode::kInvalidArgument, HasSubstr(path.string() + ":2: "));
+  EXPECT_STATUS(log.status, absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message));
   EXPECT_EQ(log.entries.size(), 2U) << "the bad line delivered a part";
 
   LogOptions skip;

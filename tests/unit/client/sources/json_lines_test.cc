@@ -7,7 +7,7 @@
 
 #include "client/sources/content.h"
 #include "client/sources/json_lines_writer.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
 namespace enfilade {
@@ -15,7 +15,6 @@ namespace {
 
 using sources::LogEntry;
 using testing::AllOf;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::LogFiles;
 using testing::ReadAll;
@@ -106,8 +105,8 @@ TEST_P(JsonBadLine, IsRefusedNamingFileLineAndMember) {
   const auto path =
       files.Write("bad.jsonl", "{\"type\":\"log\",\"version\":1}\n" + std::string(GetParam().line) + "\n");
   const ReadLog log = ReadAll(path);
-  EXPECT_THAT(log.status, HasStatus(kInvalid, HasSubstr(path.string() + ":2: ")));
-  EXPECT_THAT(log.status, HasStatus(kInvalid, HasSubstr(GetParam().message)));
+  EXPECT_STATUS(log.status, kInvalid, HasSubstr(path.string() + ":2: "));
+  EXPECT_STATUS(log.status, kInvalid, HasSubstr(GetParam().message));
   EXPECT_TRUE(log.entries.empty());
 }
 

@@ -6,7 +6,7 @@
 
 #include "client/sources/fields.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
 namespace enfilade {
@@ -16,7 +16,6 @@ using sources::LogFormat;
 using sources::LogOptions;
 using testing::AllOf;
 using testing::Contents;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::LogFiles;
 using testing::PoseNear;
@@ -27,19 +26,18 @@ constexpr auto kMalformed = absl::StatusCode::kInvalidArgument;
 
 TEST(LogReader, RefusesWhatIsNoLog) {
   const LogFiles files;
-  EXPECT_THAT(ReadAll(files.path() / "none.log").status,
-              HasStatus(absl::StatusCode::kNotFound, HasSubstr("none.log: no such file")));
-  EXPECT_THAT(ReadAll(files.path()).status, HasStatus(kMalformed, HasSubstr("is a directory")));
-  EXPECT_THAT(ReadAll(files.Write("empty.log", "")).status, HasStatus(kMalformed, HasSubstr("the log is empty")));
-  EXPECT_THAT(ReadAll(files.Write("comments.log", "# nothing\n\n")).status,
-              HasStatus(kMalformed, HasSubstr("2 lines")));
-  EXPECT_THAT(ReadAll(files.Write("prose.log", "once upon a time\n")).status,
-              HasStatus(kMalformed, HasSubstr("prose.log:1: not a format that is known")));
-  EXPECT_THAT(ReadAll(files.Write("elf.log", std::string("\x7f"
-                                                         "ELF\x02\x01\x01\0\0",
-                                                         9)))
-                  .status,
-              HasStatus(kMalformed, HasSubstr("binary data")));
+  EXPECT_STATUS(ReadAll(files.path() / "none.log").status, absl::StatusCode::kNotFound,
+                HasSubstr("none.log: no such file"));
+  EXPECT_STATUS(ReadAll(files.path()).status, kMalformed, HasSubstr("is a directory"));
+  EXPECT_STATUS(ReadAll(files.Write("empty.log", "")).status, kMalformed, HasSubstr("the log is empty"));
+  EXPECT_STATUS(ReadAll(files.Write("comments.log", "# nothing\n\n")).status, kMalformed, HasSubstr("2 lines"));
+  EXPECT_STATUS(ReadAll(files.Write("prose.log", "once upon a time\n")).status, kMalformed,
+                HasSubstr("prose.log:1: not a format that is known"));
+  EXPECT_STATUS(ReadAll(files.Write("elf.log", std::string("\x7f"
+                                                           "ELF\x02\x01\x01\0\0",
+                                                           9)))
+                    .status,
+                kMalformed, HasSubstr("binary data"));
 }
 
 TEST(LogReader, ReadsCompressedLogsLikePlainOnes) {
@@ -70,16 +68,14 @@ TEST(LogReader, NamesTheLineWhereCompressedDataIsCutOffOrDamaged) {
   ASSERT_EQ(ReadAll(path).entries.size(), 20'000U);
 
   const ReadLog cut = ReadAll(files.Write("cut.log.gz", whole.substr(0, whole.size() / 2)));
-  EXPECT_THAT(cut.status, HasStatus(kMalformed, HasSubstr("cut.log.gz:")));
-  EXPECT_THAT(cut.status, HasStatus(kMalformed, HasSubstr("damaged or cut off")));
+  EXPECT_STATUS(cut.status, kMalformed, HasSubstr("cut.log.gz:"));
+  EXPECT_STATUS(cut.status, kMalformed, HasSubstr("damaged or cut off"));
   std::string damaged = whole;
   for (std::size_t i = 0; i < 64; ++i) damaged[damaged.size() / 2 + i] = static_cast<char>(0xA5 ^ i);
-  EXPECT_THAT(ReadAll(files.Write("damaged.log.gz", damaged)).status,
-              HasStatus(kMalformed, HasSubstr("damaged.log.gz:")));
+  EXPECT_STATUS(ReadAll(files.Write("damaged.log.gz", damaged)).status, kMalformed, HasSubstr("damaged.log.gz:"));
   std::string checksum = whole;
   checksum[checksum.size() - 6] = static_cast<char>(checksum[checksum.size() - 6] ^ 1);
-  EXPECT_THAT(ReadAll(files.Write("sum.log.gz", checksum)).status,
-              HasStatus(kMalformed, HasSubstr("damaged or cut off")));
+  EXPECT_STATUS(ReadAll(files.Write("sum.log.gz", checksum)).status, kMalformed, HasSubstr("damaged or cut off"));
 }
 
 TEST(LogReader, SkippingBadLinesStillEndsWithCutOffData) {
@@ -87,8 +83,8 @@ TEST(LogReader, SkippingBadLinesStillEndsWithCutOffData) {
   const std::string whole = Contents(files.WriteGz("w.log.gz", Contents(testing::ProjectData("logs/small.clf"))));
   LogOptions options;
   options.skip_bad_lines = true;
-  EXPECT_THAT(ReadAll(files.Write("cut.log.gz", whole.substr(0, whole.size() - 9)), options).status,
-              HasStatus(kMalformed, HasSubstr("cut off")));
+  EXPECT_STATUS(ReadAll(files.Write("cut.log.gz", whole.substr(0, whole.size() - 9)), options).status, kMalformed,
+                HasSubstr("cut off"));
 }
 
 TEST(LogReader, ReadsWeanHallLogsInCentimetres) {

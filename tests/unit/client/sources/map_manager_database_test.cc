@@ -9,7 +9,7 @@
 
 #include "client/cpp/spool/sqlite.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade::testing {
@@ -114,11 +114,11 @@ TEST_F(MapManagerDatabaseTest, ReadsCandidatesCloudsWhereTheyAre) {
 }
 
 TEST_F(MapManagerDatabaseTest, SaysWhatTheFileIsNot) {
-  EXPECT_THAT(ReadMapManagerDatabase(path() + ".none"), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(ReadMapManagerDatabase(path() + ".none"), absl::StatusCode::kNotFound);
   std::ofstream(directory_.path() / "text.db") << std::string(5000, 'x');
-  EXPECT_THAT(ReadMapManagerDatabase((directory_.path() / "text.db").string()), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(ReadMapManagerDatabase((directory_.path() / "text.db").string()), absl::StatusCode::kDataLoss);
   Sql("DROP TABLE LINKPOINTS");
-  EXPECT_THAT(ReadMapManagerDatabase(path()), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("LINKPOINTS")));
+  EXPECT_STATUS(ReadMapManagerDatabase(path()), absl::StatusCode::kInvalidArgument, HasSubstr("LINKPOINTS"));
 }
 
 }  // namespace

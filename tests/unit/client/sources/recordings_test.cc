@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
 namespace enfilade {

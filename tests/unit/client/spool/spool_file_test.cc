@@ -10,15 +10,13 @@
 
 #include "client/cpp/spool/spool.h"
 #include "client/cpp/spool/sqlite.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/spool/spool_samples.h"
 
 namespace enfilade::client {
 namespace {
 
-using testing::HasCode;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::NumberedScan;
 using testing::SampleSession;
@@ -47,18 +45,17 @@ class SpoolFile : public ::testing::Test {
 
 TEST_F(SpoolFile, RefusesOtherFiles) {
   std::ofstream(path()) << "this is a letter to my aunt, and not a short one either: it goes on and on and on";
-  EXPECT_THAT(Spool::Open(path()), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("robot.spool: ")));
+  EXPECT_STATUS(Spool::Open(path()), absl::StatusCode::kDataLoss, HasSubstr("robot.spool: "));
   std::filesystem::remove(path());
   Execute("CREATE TABLE recipes (name TEXT)");
-  EXPECT_THAT(Spool::Open(path()),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("another program's file")));
-  EXPECT_THAT(Spool::Open((directory_.path() / "none" / "a.spool").string()), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_STATUS(Spool::Open(path()), absl::StatusCode::kFailedPrecondition, HasSubstr("another program's file"));
+  EXPECT_CODE(Spool::Open((directory_.path() / "none" / "a.spool").string()), absl::StatusCode::kNotFound);
 }
 
 TEST_F(SpoolFile, RefusesANewerLayout) {
   Fill(1);
   Execute("PRAGMA user_version = 99");
-  EXPECT_THAT(Spool::Open(path()), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("layout 99")));
+  EXPECT_STATUS(Spool::Open(path()), absl::StatusCode::kFailedPrecondition, HasSubstr("layout 99"));
 }
 
 TEST_F(SpoolFile, BringsTheFirstLayoutUpToThisOne) {
@@ -114,7 +111,7 @@ TEST_F(SpoolFile, TellsOfDamage) {
   file.seekp(static_cast<std::streamoff>(size / 2));
   file << std::string(20'000, '\xEE');
   file.close();
-  EXPECT_THAT(Spool::Open(path()), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("robot.spool: ")));
+  EXPECT_STATUS(Spool::Open(path()), absl::StatusCode::kDataLoss, HasSubstr("robot.spool: "));
 }
 
 TEST_F(SpoolFile, SendsADamagedRecordAsWithheldAndTheOthersAsTheyAre) {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "core/base/uuid.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/spool/spool_samples.h"
 
@@ -14,8 +14,6 @@ namespace enfilade::client {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::HasCode;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::ImageItem;
 using testing::NumberedScan;
@@ -137,7 +135,7 @@ TEST_F(SpoolTest, RefusesTheNewWhenFullAndKeepsTheOld) {
   absl::StatusOr<std::int64_t> last = 0;
   int appended = 0;
   while ((last = spool_->Append(kSession, NumberedScan(appended + 1))).ok()) ++appended;
-  EXPECT_THAT(last, HasStatus(absl::StatusCode::kResourceExhausted, HasSubstr("of 10000 bytes are used")));
+  EXPECT_STATUS(last, absl::StatusCode::kResourceExhausted, HasSubstr("of 10000 bytes are used"));
   EXPECT_GT(appended, 5);
   EXPECT_EQ(Sequences().size(), static_cast<std::size_t>(appended));
   EXPECT_EQ(spool_->usage().refused, 1);
@@ -152,12 +150,12 @@ TEST_F(SpoolTest, TakesAllItemsOrNone) {
   options.max_bytes = 3000;
   OpenWithSession(options);
   std::vector<SpoolItem> items(5, SpoolItem{NumberedScan(1), {}});
-  EXPECT_THAT(spool_->Append(kSession, items), HasCode(absl::StatusCode::kResourceExhausted));
+  EXPECT_CODE(spool_->Append(kSession, items), absl::StatusCode::kResourceExhausted);
   EXPECT_TRUE(Sequences().empty());
   LaserScan empty = NumberedScan(1);
   empty.ranges.clear();
   items = {{NumberedScan(1), {}}, {empty, {}}};
-  EXPECT_THAT(spool_->Append(kSession, items), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("item 1: ")));
+  EXPECT_STATUS(spool_->Append(kSession, items), absl::StatusCode::kInvalidArgument, HasSubstr("item 1: "));
   EXPECT_TRUE(Sequences().empty());
 }
 
@@ -170,7 +168,7 @@ TEST_F(SpoolTest, StoresABlobOnceAndDropsItWithItsLastRecord) {
   ASSERT_OK(spool_->Acknowledge(kSession, 2));
   EXPECT_EQ(*spool_->ReadBlob(blob), content);
   ASSERT_OK(spool_->Acknowledge(kSession, 3));
-  EXPECT_THAT(spool_->ReadBlob(blob), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(spool_->ReadBlob(blob), absl::StatusCode::kNotFound);
   EXPECT_EQ(spool_->usage().bytes, 0);
 }
 
@@ -178,13 +176,13 @@ TEST_F(SpoolTest, RefusesContentThatDoesNotFitItsReference) {
   OpenWithSession();
   SpoolItem item = ImageItem("abc");
   item.content = "abd";
-  EXPECT_THAT(spool_->Append(kSession, std::vector<SpoolItem>{item}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("sha256")));
+  EXPECT_STATUS(spool_->Append(kSession, std::vector<SpoolItem>{item}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("sha256"));
   item.content = "ab";
-  EXPECT_THAT(spool_->Append(kSession, std::vector<SpoolItem>{item}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("size_bytes is 3")));
-  EXPECT_THAT(spool_->Append(kSession, std::vector<SpoolItem>{{NumberedScan(1), "abc"}}),
-              HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_STATUS(spool_->Append(kSession, std::vector<SpoolItem>{item}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("size_bytes is 3"));
+  EXPECT_CODE(spool_->Append(kSession, std::vector<SpoolItem>{{NumberedScan(1), "abc"}}),
+              absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(SpoolTest, QuarantineLeavesAWithheldRecordAndKeepsTheOriginal) {
@@ -195,8 +193,8 @@ TEST_F(SpoolTest, QuarantineLeavesAWithheldRecordAndKeepsTheOriginal) {
   ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kSession, 2, kMany, kMany));
   ASSERT_EQ(batch.size(), 1U);
   EXPECT_EQ(batch[0], (Record{3, Withheld{"the server says \"no\""}}));
-  EXPECT_THAT(spool_->Quarantine(kSession, 3, "again"), HasCode(absl::StatusCode::kFailedPrecondition));
-  EXPECT_THAT(spool_->Quarantine(kSession, 4, "none"), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(spool_->Quarantine(kSession, 3, "again"), absl::StatusCode::kFailedPrecondition);
+  EXPECT_CODE(spool_->Quarantine(kSession, 4, "none"), absl::StatusCode::kNotFound);
 
   ASSERT_OK(spool_->Acknowledge(kSession, 3));
   Open();
@@ -225,7 +223,7 @@ TEST_F(SpoolTest, RemovingASessionLeavesTheOthers) {
   EXPECT_FALSE(spool_->FindSession(kSession).has_value());
   EXPECT_EQ(spool_->ListSessions().size(), 1U);
   EXPECT_EQ(spool_->usage().records, 1);
-  EXPECT_THAT(spool_->RemoveSession(kSession), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(spool_->RemoveSession(kSession), absl::StatusCode::kNotFound);
   ASSERT_OK(spool_->CreateSession(SampleSession()));
   EXPECT_TRUE(Sequences().empty());
 }
@@ -234,8 +232,8 @@ TEST_F(SpoolTest, AFinishedSessionTakesNoMore) {
   OpenWithSession();
   AppendScans(1, 1);
   ASSERT_OK(spool_->MarkFinished(kSession));
-  EXPECT_THAT(spool_->Append(kSession, NumberedScan(2)),
-              HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("run-1 is finished")));
+  EXPECT_STATUS(spool_->Append(kSession, NumberedScan(2)), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("run-1 is finished"));
   ASSERT_OK(spool_->MarkClosed(kSession));
   Open();
   EXPECT_TRUE(spool_->FindSession(kSession)->finished);
@@ -243,13 +241,12 @@ TEST_F(SpoolTest, AFinishedSessionTakesNoMore) {
 }
 
 TEST_F(SpoolTest, UnknownSessionsAreNamed) {
-  EXPECT_THAT(spool_->Append(kSession, NumberedScan(1)), HasStatus(absl::StatusCode::kNotFound, HasSubstr("run-1")));
-  EXPECT_THAT(spool_->ReadBatch(kSession, 0, 1, 1), HasCode(absl::StatusCode::kNotFound));
-  EXPECT_THAT(spool_->Acknowledge(kSession, 1), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_STATUS(spool_->Append(kSession, NumberedScan(1)), absl::StatusCode::kNotFound, HasSubstr("run-1"));
+  EXPECT_CODE(spool_->ReadBatch(kSession, 0, 1, 1), absl::StatusCode::kNotFound);
+  EXPECT_CODE(spool_->Acknowledge(kSession, 1), absl::StatusCode::kNotFound);
   ASSERT_OK(spool_->CreateSession(SampleSession("it's; DROP TABLE \"sessions\"")));
   EXPECT_TRUE(spool_->FindSession(SessionId("it's; DROP TABLE \"sessions\"")).has_value());
-  EXPECT_THAT(spool_->CreateSession(SampleSession("it's; DROP TABLE \"sessions\"")),
-              HasCode(absl::StatusCode::kAlreadyExists));
+  EXPECT_CODE(spool_->CreateSession(SampleSession("it's; DROP TABLE \"sessions\"")), absl::StatusCode::kAlreadyExists);
 }
 
 TEST_F(SpoolTest, ThreadsAppendSideBySideWithoutHoles) {
@@ -298,8 +295,8 @@ TEST_F(SpoolTest, WaitersWakeOnRecordsOnTheFinishAndOnSpace) {
 }
 
 TEST_F(SpoolTest, OneProcessAtATime) {
-  EXPECT_THAT(Spool::Open(path()), HasStatus(absl::StatusCode::kFailedPrecondition,
-                                             HasSubstr("in use by process " + std::to_string(getpid()))));
+  EXPECT_STATUS(Spool::Open(path()), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("in use by process " + std::to_string(getpid())));
   spool_.reset();
   EXPECT_OK(Spool::Open(path()));
 }

@@ -5,7 +5,6 @@ namespace {
 
 using client::SpoolSession;
 using testing::FakeServer;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::kRun;
 using testing::kRunName;
@@ -39,7 +38,7 @@ TEST_F(UplinkTest, EndsWhereEvenTheWithheldRecordIsRefused) {
   };
   Serve(behaviour);
   RecordAll(100);
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("record 30 is refused (never)")));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kFailedPrecondition, HasSubstr("record 30 is refused (never)"));
 }
 
 TEST_F(UplinkTest, EndsWithThePermanentErrorsAndKeepsTheSpool) {
@@ -50,7 +49,7 @@ TEST_F(UplinkTest, EndsWithThePermanentErrorsAndKeepsTheSpool) {
   };
   Serve(behaviour);
   RecordAll(100);
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("the session is deleted")));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kFailedPrecondition, HasSubstr("the session is deleted"));
   EXPECT_EQ(spool_->FindSession(kRun)->last_sequence, 100);
   EXPECT_GE(spool_->usage().records, 60);
 }
@@ -64,7 +63,7 @@ TEST_F(UplinkTest, EndsWhereAnotherRobotRecordsUnderTheSameSession) {
   SpoolSession again = SampleSession();
   again.request_id = "99999999-2222-4333-8444-555555555555";
   ASSERT_OK(spool_->CreateSession(again));
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("recorded by sites/campus/robots/other")));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kAlreadyExists, HasSubstr("recorded by sites/campus/robots/other"));
 }
 
 TEST_F(UplinkTest, GoesOnWithANewDiskWhereTheServerHasMoreThanTheSpool) {
@@ -91,7 +90,7 @@ TEST_F(UplinkTest, EndsOnConflictingRecords) {
     session.request_id = SampleSession().request_id;
     session.records[5] = ToProto(enfilade::Record{5, NumberedScan(999, 30)});
   });
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kAlreadyExists, HasSubstr("two robots")));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kAlreadyExists, HasSubstr("two robots"));
 }
 
 TEST_F(UplinkTest, EndsWhereTheServerHasLostWhatItAcknowledged) {
@@ -103,14 +102,14 @@ TEST_F(UplinkTest, EndsWhereTheServerHasLostWhatItAcknowledged) {
     while (spool_->usage().records > 0) std::this_thread::yield();
   }
   server_->Edit(kRunName, [](FakeServer::Session& session) { session.records.erase(50); });
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("up to 49 but has acknowledged up to 100")));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kDataLoss, HasSubstr("up to 49 but has acknowledged up to 100"));
 }
 
 TEST_F(UplinkTest, CreatesNothingWhereThatIsNotWanted) {
   Serve();
   options_.create_missing = false;
   RecordAll(5);
-  EXPECT_THAT(Bring(), HasStatus(absl::StatusCode::kNotFound, HasSubstr("has no map \"hall\"")));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kNotFound, HasSubstr("has no map \"hall\""));
   EXPECT_TRUE(server_->maps().empty());
 }
 

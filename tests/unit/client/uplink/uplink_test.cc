@@ -11,7 +11,6 @@ namespace {
 
 using testing::CuttingProxy;
 using testing::FakeServer;
-using testing::HasCode;
 using ::testing::HasSubstr;
 using testing::kRun;
 using testing::Moment;
@@ -149,7 +148,7 @@ TEST_F(UplinkTest, GoesOnWhereAnotherUplinkEnded) {
     uplink.Start();
     while (server_->records_received() == 0) std::this_thread::yield();
     uplink.Stop();
-    EXPECT_THAT(uplink.WaitFor(std::chrono::seconds(0)).value(), HasCode(absl::StatusCode::kCancelled));
+    EXPECT_CODE(uplink.WaitFor(std::chrono::seconds(0)).value(), absl::StatusCode::kCancelled);
   }
   server_->HoldAcknowledgements(false);
   ASSERT_OK(Bring());
@@ -192,7 +191,7 @@ TEST_F(UplinkTest, StopsWhileTheServerIsSilent) {
   uplink.Start();
   while (uplink.progress().sent_sequence == 0) std::this_thread::yield();
   uplink.Stop();
-  EXPECT_THAT(uplink.WaitFor(std::chrono::seconds(0)).value(), HasCode(absl::StatusCode::kCancelled));
+  EXPECT_CODE(uplink.WaitFor(std::chrono::seconds(0)).value(), absl::StatusCode::kCancelled);
 }
 
 TEST_F(UplinkTest, TellsWhichMapWasEnteredAndReportsPoses) {

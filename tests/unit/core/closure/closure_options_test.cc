@@ -3,12 +3,11 @@
 #include <set>
 
 #include "gmock/gmock.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using ::enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 TEST(ClosureOptions, DefaultsAreValidAndEveryNameComesOnce) {
@@ -32,22 +31,18 @@ TEST(ClosureOptions, AreReadFromYamlOnTopOfABase) {
 
 TEST(ClosureOptions, RefusesWhatIsNoneNamingIt) {
   const auto parse = [](const char* yaml) { return ParseClosureOptions(yaml, ClosureOptions()).status(); };
-  EXPECT_THAT(parse("image_treshold: 3\n"),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("line 1: there is no option image_treshold")));
-  EXPECT_THAT(parse("\nmax_compared: many\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("line 2")));
-  EXPECT_THAT(parse("gate_probability: 1\n"),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("gate_probability")));
-  EXPECT_THAT(parse("known_across: -1\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("known_across")));
-  EXPECT_THAT(parse("place_sigma: 0\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("sigma")));
-  EXPECT_THAT(parse("min_inlier_share: 1.5\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("share")));
-  EXPECT_THAT(parse("image_sift_ratio: 0\n"),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("image_sift_ratio")));
-  EXPECT_THAT(parse("image_akaze_ratio: 1.1\n"),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("image_akaze_ratio")));
-  EXPECT_THAT(parse("image_tolerance: 0.5\n"),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("image_tolerance")));
-  EXPECT_THAT(parse("images_now: 0\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("images_now")));
-  EXPECT_THAT(parse("map_name: ''\n"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("map_name")));
+  EXPECT_STATUS(parse("image_treshold: 3\n"), absl::StatusCode::kInvalidArgument,
+                HasSubstr("line 1: there is no option image_treshold"));
+  EXPECT_STATUS(parse("\nmax_compared: many\n"), absl::StatusCode::kInvalidArgument, HasSubstr("line 2"));
+  EXPECT_STATUS(parse("gate_probability: 1\n"), absl::StatusCode::kInvalidArgument, HasSubstr("gate_probability"));
+  EXPECT_STATUS(parse("known_across: -1\n"), absl::StatusCode::kInvalidArgument, HasSubstr("known_across"));
+  EXPECT_STATUS(parse("place_sigma: 0\n"), absl::StatusCode::kInvalidArgument, HasSubstr("sigma"));
+  EXPECT_STATUS(parse("min_inlier_share: 1.5\n"), absl::StatusCode::kInvalidArgument, HasSubstr("share"));
+  EXPECT_STATUS(parse("image_sift_ratio: 0\n"), absl::StatusCode::kInvalidArgument, HasSubstr("image_sift_ratio"));
+  EXPECT_STATUS(parse("image_akaze_ratio: 1.1\n"), absl::StatusCode::kInvalidArgument, HasSubstr("image_akaze_ratio"));
+  EXPECT_STATUS(parse("image_tolerance: 0.5\n"), absl::StatusCode::kInvalidArgument, HasSubstr("image_tolerance"));
+  EXPECT_STATUS(parse("images_now: 0\n"), absl::StatusCode::kInvalidArgument, HasSubstr("images_now"));
+  EXPECT_STATUS(parse("map_name: ''\n"), absl::StatusCode::kInvalidArgument, HasSubstr("map_name"));
 }
 
 }  // namespace

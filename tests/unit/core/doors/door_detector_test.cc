@@ -11,12 +11,11 @@
 #include "client/simulator/simulation.h"
 #include "core/sensor/scan_pairing.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 using Kind = DoorEvent::Kind;
 
@@ -254,9 +253,9 @@ TEST(DoorDetector, RefusesStatesThatAreNone) {
   DoorDetector detector{DoorOptions{}};
   const std::string state = detector.Serialize();
   ASSERT_OK_AND_ASSIGN(const DoorOptions original, DoorPreset("original-yaml"));
-  EXPECT_THAT(DoorDetector::Restore(original, state), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("method")));
-  EXPECT_THAT(DoorDetector::Restore({}, "\x09"), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("version 9")));
-  EXPECT_THAT(DoorDetector::Restore({}, state + "x"), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("trailing")));
+  EXPECT_STATUS(DoorDetector::Restore(original, state), absl::StatusCode::kDataLoss, HasSubstr("method"));
+  EXPECT_STATUS(DoorDetector::Restore({}, "\x09"), absl::StatusCode::kDataLoss, HasSubstr("version 9"));
+  EXPECT_STATUS(DoorDetector::Restore({}, state + "x"), absl::StatusCode::kDataLoss, HasSubstr("trailing"));
   for (const std::size_t size : {std::size_t{0}, std::size_t{5}, state.size() / 2, state.size() - 1}) {
     EXPECT_FALSE(DoorDetector::Restore({}, state.substr(0, size)).ok()) << size;
   }

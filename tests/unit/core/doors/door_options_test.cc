@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 TEST(DoorOptions, PresetsHoldTheOriginalsTwoSetsOfConstants) {
@@ -31,7 +30,7 @@ TEST(DoorOptions, PresetsHoldTheOriginalsTwoSetsOfConstants) {
     EXPECT_EQ(options.environment.interval, 3.0);
     EXPECT_EQ(options.environment.outdoor_guard, 10.0);
   }
-  EXPECT_THAT(DoorPreset("best"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("original-code")));
+  EXPECT_STATUS(DoorPreset("best"), absl::StatusCode::kInvalidArgument, HasSubstr("original-code"));
 }
 
 TEST(DoorOptions, EveryPresetIsValidAndReadsBackFromItsText) {
@@ -47,7 +46,7 @@ TEST(DoorOptions, EveryPresetIsValidAndReadsBackFromItsText) {
 
 TEST(DoorOptions, RefusesUnknownKeysAndBadValuesWithTheLine) {
   const auto refused = [](const char* yaml, const char* message) {
-    EXPECT_THAT(ParseDoorOptions(yaml, {}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(message)));
+    EXPECT_STATUS(ParseDoorOptions(yaml, {}), absl::StatusCode::kInvalidArgument, HasSubstr(message));
   };
   refused("gap:\n  max_widht: 2\n", "line 2: there is no option gap.max_widht");
   refused("gap: {hits: many}", "gap.hits is \"many\"");

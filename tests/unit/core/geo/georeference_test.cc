@@ -5,13 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using testing::HasCode;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -66,29 +64,29 @@ TEST(GeoreferenceTest, ScaleIsEstimatedOnDemandOnly) {
 
 TEST(GeoreferenceTest, RefusesWhatSaysTooLittle) {
   const std::vector<SurveyPoint> good = Points(0.3, {0, 0});
-  EXPECT_THAT(FitGeoreference({}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(FitGeoreference({good[0]}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("at least two")));
-  EXPECT_THAT(FitGeoreference({good[0], good[0]}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("apart")));
+  EXPECT_CODE(FitGeoreference({}), absl::StatusCode::kInvalidArgument);
+  EXPECT_STATUS(FitGeoreference({good[0]}), absl::StatusCode::kInvalidArgument, HasSubstr("at least two"));
+  EXPECT_STATUS(FitGeoreference({good[0], good[0]}), absl::StatusCode::kInvalidArgument, HasSubstr("apart"));
   std::vector<SurveyPoint> same_place = {good[0], good[1]};
   same_place[1].place = same_place[0].place;
-  EXPECT_THAT(FitGeoreference(same_place), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("apart")));
+  EXPECT_STATUS(FitGeoreference(same_place), absl::StatusCode::kInvalidArgument, HasSubstr("apart"));
 }
 
 TEST(GeoreferenceTest, RefusesWhatCannotBe) {
   std::vector<SurveyPoint> exchanged = Points(0.3, {0, 0});
   for (SurveyPoint& point : exchanged) std::swap(point.place.longitude, point.place.latitude);
-  EXPECT_THAT(FitGeoreference(exchanged), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(FitGeoreference(exchanged), absl::StatusCode::kInvalidArgument);
   std::vector<SurveyPoint> mirrored = Points(0.3, {0, 0});
   for (SurveyPoint& point : mirrored) std::swap(point.p_world.x(), point.p_world.y());
-  EXPECT_THAT(FitGeoreference(mirrored), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("mirror")));
+  EXPECT_STATUS(FitGeoreference(mirrored), absl::StatusCode::kInvalidArgument, HasSubstr("mirror"));
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 200.0, -91.0}) {
     std::vector<SurveyPoint> points = Points(0.3, {0, 0});
     points[1].place.latitude = bad;
-    EXPECT_THAT(FitGeoreference(points), HasCode(absl::StatusCode::kInvalidArgument)) << bad;
+    EXPECT_CODE(FitGeoreference(points), absl::StatusCode::kInvalidArgument) << bad;
   }
   std::vector<SurveyPoint> points = Points(0.3, {0, 0});
   points[0].p_world.y() = std::nan("");
-  EXPECT_THAT(FitGeoreference(points), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(FitGeoreference(points), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include "core/graph/graph_optimization.h"
 #include "nlohmann/json.hpp"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
 namespace enfilade {

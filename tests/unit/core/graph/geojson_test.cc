@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "nlohmann/json.hpp"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
 namespace enfilade {

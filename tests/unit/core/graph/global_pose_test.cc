@@ -8,7 +8,7 @@
 #include "core/graph/graph_optimization.h"
 #include "core/graph/search_radius.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
 namespace enfilade {
@@ -17,7 +17,6 @@ namespace {
 using testing::AnchorIn;
 using testing::Draw;
 using testing::Graph;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::Joining;
@@ -103,7 +102,7 @@ TEST(GlobalPoseTest, NoPathIsAnAnswerAnUnknownMapIsNot) {
   const auto island = poses.Find(M("island"));
   ASSERT_OK(island);
   EXPECT_FALSE(island->has_value());
-  EXPECT_THAT(poses.Find(M("nowhere")), HasStatus(absl::StatusCode::kNotFound, HasSubstr("nowhere")));
+  EXPECT_STATUS(poses.Find(M("nowhere")), absl::StatusCode::kNotFound, HasSubstr("nowhere"));
 }
 
 TEST(GlobalPoseTest, Defect3CovarianceIsTheSameHoweverOftenItIsAsked) {
@@ -310,15 +309,15 @@ TEST(TransformTest, ManyAreFoundWithOneSearch) {
     EXPECT_LT((found->T_a_b.covariance - expected->T_a_b.covariance).norm(), 1e-12) << map;
     EXPECT_EQ(found->hops.size(), expected->hops.size());
   }
-  EXPECT_THAT(TransformsTo::Make(graph, M("x")), HasStatus(absl::StatusCode::kNotFound, HasSubstr("x")));
-  EXPECT_THAT(to_m2.Find(M("x")), HasStatus(absl::StatusCode::kNotFound, HasSubstr("x")));
+  EXPECT_STATUS(TransformsTo::Make(graph, M("x")), absl::StatusCode::kNotFound, HasSubstr("x"));
+  EXPECT_STATUS(to_m2.Find(M("x")), absl::StatusCode::kNotFound, HasSubstr("x"));
 }
 
 TEST(TransformTest, NoWayIsAnAnswer) {
   const auto none = FindTransform(Graph({"a", "b"}, {}), M("a"), M("b"));
   ASSERT_OK(none);
   EXPECT_FALSE(none->has_value());
-  EXPECT_THAT(FindTransform(Graph({"a"}, {}), M("a"), M("x")), HasStatus(absl::StatusCode::kNotFound, HasSubstr("x")));
+  EXPECT_STATUS(FindTransform(Graph({"a"}, {}), M("a"), M("x")), absl::StatusCode::kNotFound, HasSubstr("x"));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "core/graph/chi_squared.h"
 #include "core/graph/global_pose.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
 namespace enfilade {
@@ -18,7 +18,6 @@ namespace {
 using testing::AnchorIn;
 using ::testing::ElementsAre;
 using testing::Graph;
-using testing::HasCode;
 using ::testing::IsEmpty;
 using testing::Joining;
 using testing::L;
@@ -282,10 +281,10 @@ TEST(GraphOptimizationTest, FullCovariancesCount) {
 }
 
 TEST(GraphOptimizationTest, RefusesWhatMakesNoSense) {
-  EXPECT_THAT(OptimizeGraph(GraphSnapshot()), HasCode(absl::StatusCode::kFailedPrecondition));
+  EXPECT_CODE(OptimizeGraph(GraphSnapshot()), absl::StatusCode::kFailedPrecondition);
   const GraphSnapshot graph = Graph({"a"}, {});
-  EXPECT_THAT(OptimizeGraph(graph, {.gate_probability = 1.0}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(OptimizeGraph(graph, {.kernel_width = 0.0}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(OptimizeGraph(graph, {.gate_probability = 1.0}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(OptimizeGraph(graph, {.kernel_width = 0.0}), absl::StatusCode::kInvalidArgument);
   ASSERT_OK_AND_ASSIGN(const SolvedGraph alone, OptimizeGraph(graph));
   EXPECT_THAT(alone.map_poses, SizeIs(1));
 }

@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
 namespace enfilade {
@@ -82,10 +82,10 @@ TEST(GraphSnapshotTest, AnOlderVersionStaysAsItWas) {
 
 TEST(GraphSnapshotTest, RefusesAnAnchorInNoMapAndTheRemovalOfAMapInUse) {
   const GraphSnapshot graph = Graph({"a", "b"}, {Joining("x", {AnchorIn("a", {}), AnchorIn("b", {})})});
-  EXPECT_THAT(Apply(graph, {.version = 2, .link_points = {Joining("y", {AnchorIn("z", {})})}}),
-              testing::HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("map z")));
-  EXPECT_THAT(Apply(graph, {.version = 2, .removed_maps = {M("a")}}),
-              testing::HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("x")));
+  EXPECT_STATUS(Apply(graph, {.version = 2, .link_points = {Joining("y", {AnchorIn("z", {})})}}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("map z"));
+  EXPECT_STATUS(Apply(graph, {.version = 2, .removed_maps = {M("a")}}), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("x"));
 }
 
 TEST(GraphSnapshotTest, RefusesInvalidLinkPoints) {
@@ -103,8 +103,8 @@ TEST(GraphSnapshotTest, RefusesInvalidLinkPoints) {
       Joining("skewed", {AnchorIn("a", {}, skewed)}),
   };
   for (const LinkPoint& link_point : invalid) {
-    EXPECT_THAT(Apply(Graph({"a"}, {}), {.version = 2, .link_points = {link_point}}),
-                testing::HasCode(absl::StatusCode::kInvalidArgument))
+    EXPECT_CODE(Apply(Graph({"a"}, {}), {.version = 2, .link_points = {link_point}}),
+                absl::StatusCode::kInvalidArgument)
         << link_point.id.value();
   }
 }

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/graph/k_shortest_paths.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
 namespace enfilade {
@@ -15,7 +15,6 @@ namespace {
 
 using testing::AnchorIn;
 using testing::Graph;
-using testing::HasCode;
 using ::testing::IsEmpty;
 using testing::Joining;
 using testing::L;
@@ -99,13 +98,13 @@ TEST(RoutesTest, ALiftLeadsToEachOfItsFloors) {
 }
 
 TEST(RoutesTest, RefusesWhatMakesNoSense) {
-  EXPECT_THAT(FindRoutes(Corridor(), FromR1ToR2(), {.max_routes = 0}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(FindRoutes(Corridor(), FromR1ToR2(), {.max_routes = 0}), absl::StatusCode::kInvalidArgument);
   RouteRequest request = FromR1ToR2();
   request.T_to_map_goal.x = std::nan("");
-  EXPECT_THAT(FindRoutes(Corridor(), request, {}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(FindRoutes(Corridor(), request, {}), absl::StatusCode::kInvalidArgument);
   request = FromR1ToR2();
   request.to_map = M("nowhere");
-  EXPECT_THAT(FindRoutes(Corridor(), request, {}), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(FindRoutes(Corridor(), request, {}), absl::StatusCode::kNotFound);
 }
 
 // All paths that repeat neither a map nor a link point, by exhaustion.

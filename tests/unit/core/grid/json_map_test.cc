@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using ::enfilade::testing::HasStatus;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -126,8 +125,8 @@ TEST(JsonMap, SaysUnknownAsOneHalf) {
 }
 
 TEST(JsonMap, CannotSayARotation) {
-  EXPECT_THAT(UnitLimitsOf({.resolution = 1, .T_map_grid = {0, 0, 0.5}, .width = 1, .height = 1}, 10),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("yaw")));
+  EXPECT_STATUS(UnitLimitsOf({.resolution = 1, .T_map_grid = {0, 0, 0.5}, .width = 1, .height = 1}, 10),
+                absl::StatusCode::kInvalidArgument, HasSubstr("yaw"));
 }
 
 TEST(JsonMap, IgnoresUnknownKeysWithAWarning) {
@@ -180,8 +179,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadJson{"{\"a\": " + std::string(100'000, '['), "nested too deeply"}));
 
 TEST_P(BadJsonMap, IsRefusedNamingTheField) {
-  EXPECT_THAT(ParseJsonMap(GetParam().text),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message)));
+  EXPECT_STATUS(ParseJsonMap(GetParam().text), absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message));
 }
 
 TEST(JsonMap, RefusesEveryTruncation) {

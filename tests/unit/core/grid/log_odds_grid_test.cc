@@ -7,13 +7,11 @@
 #include <random>
 #include <string>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using ::enfilade::testing::HasCode;
-using ::enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 constexpr double kLogOddsHit = 0.8473;    // ln(0.7 / 0.3)
@@ -183,38 +181,31 @@ TEST(LogOddsGrid, RefusesDamagedBytes) {
   grid.Write(writer);
   for (const std::size_t size : {std::size_t{0}, std::size_t{8}, std::size_t{30}, bytes.size() - 1}) {
     BinaryReader reader(std::string_view(bytes).substr(0, size));
-    EXPECT_THAT(LogOddsGrid::Read(reader, {}), HasCode(absl::StatusCode::kDataLoss)) << size;
+    EXPECT_CODE(LogOddsGrid::Read(reader, {}), absl::StatusCode::kDataLoss) << size;
   }
   std::string negative_width = bytes;
   negative_width[19] = '\x80';
   BinaryReader reader(negative_width);
-  EXPECT_THAT(LogOddsGrid::Read(reader, {}), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(LogOddsGrid::Read(reader, {}), absl::StatusCode::kDataLoss);
 }
 
 TEST(LogOddsGrid, RefusesRaysThatAreNotFiniteOrTooFar) {
   LogOddsGrid grid = RandomDrive(4);
   const LogOddsGrid before = grid;
-  EXPECT_THAT(grid.Insert(RayTo({std::numeric_limits<double>::quiet_NaN(), 0.0})),
-              HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(grid.Insert(RayTo({0.0, -std::numeric_limits<double>::infinity()})),
-              HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(grid.Insert(RayTo({1e300, 0.0})), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(grid.Insert(RayTo({1e6, 1e6})), HasStatus(absl::StatusCode::kResourceExhausted, HasSubstr("limit")));
+  EXPECT_CODE(grid.Insert(RayTo({std::numeric_limits<double>::quiet_NaN(), 0.0})), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(grid.Insert(RayTo({0.0, -std::numeric_limits<double>::infinity()})), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(grid.Insert(RayTo({1e300, 0.0})), absl::StatusCode::kInvalidArgument);
+  EXPECT_STATUS(grid.Insert(RayTo({1e6, 1e6})), absl::StatusCode::kResourceExhausted, HasSubstr("limit"));
   EXPECT_EQ(grid, before);
 }
 
 TEST(LogOddsOptions, NamesTheOptionThatIsWrong) {
   EXPECT_OK(LogOddsOptions{}.Validate());
-  EXPECT_THAT(LogOddsOptions{.p_hit = 0.5}.Validate(),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("p_hit")));
-  EXPECT_THAT(LogOddsOptions{.p_miss = 0.5}.Validate(),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("p_miss")));
-  EXPECT_THAT(LogOddsOptions{.p_min = 0.45}.Validate(),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("p_min")));
-  EXPECT_THAT(LogOddsOptions{.p_max = 1.0}.Validate(),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("p_max")));
-  EXPECT_THAT(LogOddsOptions{.max_cells = 0}.Validate(),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("max_cells")));
+  EXPECT_STATUS(LogOddsOptions{.p_hit = 0.5}.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr("p_hit"));
+  EXPECT_STATUS(LogOddsOptions{.p_miss = 0.5}.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr("p_miss"));
+  EXPECT_STATUS(LogOddsOptions{.p_min = 0.45}.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr("p_min"));
+  EXPECT_STATUS(LogOddsOptions{.p_max = 1.0}.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr("p_max"));
+  EXPECT_STATUS(LogOddsOptions{.max_cells = 0}.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr("max_cells"));
 }
 
 }  // namespace

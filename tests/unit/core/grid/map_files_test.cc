@@ -11,14 +11,13 @@
 #include <vector>
 
 #include "core/grid/png_codec.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade {
 namespace {
 
 namespace fs = std::filesystem;
-using ::enfilade::testing::HasStatus;
 using std::string_literals::operator""s;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
@@ -165,7 +164,7 @@ TEST(MapFiles, OpaqueAlphaMattersToRos1Only) {
 TEST(MapFiles, ScaleNeedsTransparencyForUnknownCells) {
   const MapRaster raster = FromOccupancyGrid(SmallGrid());
   MapFileOptions options{.format = MapFileFormat::kPgm, .save = {.mode = MapMode::kScale}};
-  EXPECT_THAT(RenderFiles(raster, "x", options), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("scale")));
+  EXPECT_STATUS(RenderFiles(raster, "x", options), absl::StatusCode::kInvalidArgument, HasSubstr("scale"));
   options.format = MapFileFormat::kPng;
   ASSERT_OK_AND_ASSIGN(const auto files, RenderFiles(raster, "x", options));
   EXPECT_THAT(files[1].bytes, HasSubstr("mode: scale\n"));
@@ -177,35 +176,33 @@ TEST(MapFiles, ScaleNeedsTransparencyForUnknownCells) {
 
 TEST(MapFiles, JsonCannotSayARotation) {
   ASSERT_OK_AND_ASSIGN(const ImportedMap map, ImportFiles(Room(), MapDialect::kNav2));
-  EXPECT_THAT(RenderFiles(map.raster, "x", {.format = MapFileFormat::kJson}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("yaw")));
+  EXPECT_STATUS(RenderFiles(map.raster, "x", {.format = MapFileFormat::kJson}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("yaw"));
 }
 
 TEST(MapFiles, RefusesToWriteAMapWithoutCells) {
-  EXPECT_THAT(RenderFiles(FromOccupancyGrid({}), "x", {}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("no cells")));
+  EXPECT_STATUS(RenderFiles(FromOccupancyGrid({}), "x", {}), absl::StatusCode::kInvalidArgument, HasSubstr("no cells"));
 }
 
 TEST(MapFiles, SaysWhichFileIsMissingOrTooMuch) {
   const auto import = [](std::vector<MapFile> files) { return ImportFiles(files, MapDialect::kNav2); };
-  const auto is_refused = [](const char* message) {
-    return HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(message));
-  };
-  EXPECT_THAT(import({}), is_refused("the .yaml file is missing"));
-  EXPECT_THAT(import({{"room.yaml", kYaml}}), is_refused("the image is missing"));
-  EXPECT_THAT(import({{"room.pgm", kPgm}}), is_refused("the .yaml file is missing"));
-  EXPECT_THAT(import({{"a.yaml", kYaml}, {"b.yml", kYaml}}), is_refused("b.yml: one file too many"));
-  EXPECT_THAT(import({{"a.json", "{}"}, {"b.pgm", kPgm}}), is_refused("a.json: one file too many"));
-  EXPECT_THAT(import({{"room.yaml", kYaml}, {"room.pgm", kPgm}, {"c.png", ""}}),
-              is_refused("c.png: one file too many"));
-  EXPECT_THAT(import({{"room.yaml", kYaml}, {"hall.pgm", kPgm}}), is_refused("its image is 'room.pgm'"));
-  EXPECT_THAT(import({{"room.yaml", "image: 3"}, {"room.pgm", kPgm}}), is_refused("room.yaml: "));
-  EXPECT_THAT(import({{"room.yaml", kYaml}, {"room.pgm", "P5\n3 2\n255\nab"}}),
-              is_refused("room.pgm: the PGM file is cut"));
-  EXPECT_THAT(import({{"room.yaml", kYaml}, {"room.pgm", "BM..."}}), is_refused("room.pgm: neither a PGM nor a PNG"));
-  EXPECT_THAT(import({{"room.yaml", kYaml}, {"room.pgm", "\x89PNG\r\n\x1a\n"}}),
-              is_refused("room.pgm: cannot read the PNG"));
-  EXPECT_THAT(import({{"m.json", "{}"}}), is_refused("m.json: the JSON map has no 'xmin'"));
+  constexpr auto kBad = absl::StatusCode::kInvalidArgument;
+  EXPECT_STATUS(import({}), kBad, HasSubstr("the .yaml file is missing"));
+  EXPECT_STATUS(import({{"room.yaml", kYaml}}), kBad, HasSubstr("the image is missing"));
+  EXPECT_STATUS(import({{"room.pgm", kPgm}}), kBad, HasSubstr("the .yaml file is missing"));
+  EXPECT_STATUS(import({{"a.yaml", kYaml}, {"b.yml", kYaml}}), kBad, HasSubstr("b.yml: one file too many"));
+  EXPECT_STATUS(import({{"a.json", "{}"}, {"b.pgm", kPgm}}), kBad, HasSubstr("a.json: one file too many"));
+  EXPECT_STATUS(import({{"room.yaml", kYaml}, {"room.pgm", kPgm}, {"c.png", ""}}), kBad,
+                HasSubstr("c.png: one file too many"));
+  EXPECT_STATUS(import({{"room.yaml", kYaml}, {"hall.pgm", kPgm}}), kBad, HasSubstr("its image is 'room.pgm'"));
+  EXPECT_STATUS(import({{"room.yaml", "image: 3"}, {"room.pgm", kPgm}}), kBad, HasSubstr("room.yaml: "));
+  EXPECT_STATUS(import({{"room.yaml", kYaml}, {"room.pgm", "P5\n3 2\n255\nab"}}), kBad,
+                HasSubstr("room.pgm: the PGM file is cut"));
+  EXPECT_STATUS(import({{"room.yaml", kYaml}, {"room.pgm", "BM..."}}), kBad,
+                HasSubstr("room.pgm: neither a PGM nor a PNG"));
+  EXPECT_STATUS(import({{"room.yaml", kYaml}, {"room.pgm", "\x89PNG\r\n\x1a\n"}}), kBad,
+                HasSubstr("room.pgm: cannot read the PNG"));
+  EXPECT_STATUS(import({{"m.json", "{}"}}), kBad, HasSubstr("m.json: the JSON map has no 'xmin'"));
 }
 
 TEST(SafeStem, KeepsPlainNames) { EXPECT_EQ(SafeStem("Lab_2.floor-1"), "Lab_2.floor-1"); }

@@ -6,12 +6,11 @@
 #include <limits>
 
 #include "core/grid/occupancy_values.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using ::enfilade::testing::HasStatus;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -73,8 +72,7 @@ INSTANTIATE_TEST_SUITE_P(MapRaster, BadGridGeometry,
                                            BadGeometry{{1.0, {}, INT32_MAX, INT32_MAX}, "more than"}));
 
 TEST_P(BadGridGeometry, IsRefusedNamingTheField) {
-  EXPECT_THAT(Validate(GetParam().geometry),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message)));
+  EXPECT_STATUS(Validate(GetParam().geometry), absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message));
 }
 
 TEST(MapRaster, RefusesCellsThatDoNotFitTheGeometry) {
@@ -82,10 +80,10 @@ TEST(MapRaster, RefusesCellsThatDoNotFitTheGeometry) {
   for (const MapRaster& raster :
        {MapRaster{Row(2), OccupancyCells{{0}}}, MapRaster{Row(2), GreyCells{.grey = {0}}},
         MapRaster{Row(2), GreyCells{.grey = {0, 0}, .alpha = {0}}}, MapRaster{Row(2), UnitCells{.values = {0.0}}}}) {
-    EXPECT_THAT(Validate(raster), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("2 x 1 cells")));
+    EXPECT_STATUS(Validate(raster), absl::StatusCode::kInvalidArgument, HasSubstr("2 x 1 cells"));
   }
-  EXPECT_THAT(Validate(MapRaster{Row(1), GreyCells{.grey = {0}, .max_value = 0}}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("largest grey")));
+  EXPECT_STATUS(Validate(MapRaster{Row(1), GreyCells{.grey = {0}, .max_value = 0}}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("largest grey"));
 }
 
 }  // namespace

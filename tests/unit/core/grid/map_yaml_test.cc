@@ -7,12 +7,11 @@
 #include <random>
 #include <string>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using ::enfilade::testing::HasStatus;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -110,9 +109,8 @@ INSTANTIATE_TEST_SUITE_P(
                       BadYaml{std::string(100'000, '['), "cannot be read", ""}));
 
 TEST_P(BadMapYaml, IsRefusedNamingKeyAndLine) {
-  EXPECT_THAT(
-      ParseMapYaml(GetParam().text, MapDialect::kNav2),
-      HasStatus(absl::StatusCode::kInvalidArgument, AllOf(HasSubstr(GetParam().message), HasSubstr(GetParam().place))));
+  EXPECT_STATUS(ParseMapYaml(GetParam().text, MapDialect::kNav2), absl::StatusCode::kInvalidArgument,
+                AllOf(HasSubstr(GetParam().message), HasSubstr(GetParam().place)));
 }
 
 TEST(MapYaml, WritesNav2sKeysInItsOrder) {

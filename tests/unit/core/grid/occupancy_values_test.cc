@@ -6,7 +6,7 @@
 #include <ostream>
 #include <string>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 
@@ -14,7 +14,6 @@ void PrintTo(const GreyAlpha& pixel, std::ostream* os) { *os << int{pixel.grey} 
 
 namespace {
 
-using ::enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 GreyInterpretation Reading(MapMode mode, double occupied_thresh, double free_thresh) {
@@ -184,7 +183,7 @@ TEST(Nav2Save, WhatIsSavedLoadsAsItWas) {
 TEST(Nav2Save, RefusesThresholdsThatCross) {
   EXPECT_OK(GreySaveOptions{}.Validate());
   const GreySaveOptions crossed{.occupied_thresh = 0.2, .free_thresh = 0.2};
-  EXPECT_THAT(crossed.Validate(), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("free_thresh")));
+  EXPECT_STATUS(crossed.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr("free_thresh"));
 }
 
 TEST(OccupancyCell, CarriesEveryOccupancyValue) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
@@ -80,9 +80,8 @@ TEST(OnLattice, FillsTheCellsOfACoarserGrid) {
 TEST(OnLattice, RefusesWhatWouldBeTooLarge) {
   OccupancyGrid far = Grid({"#"}, 0, 0, 0.03);
   far.geometry.T_map_grid.x = 1e12;
-  EXPECT_THAT(OnLattice(far, 0.05), testing::HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(LaidOver(Grid({"#"}), Grid({"#"}, 1 << 20, 1 << 20)),
-              testing::HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(OnLattice(far, 0.05), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(LaidOver(Grid({"#"}), Grid({"#"}, 1 << 20, 1 << 20)), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(OnLattice, TurnsAGridByItsOrigin) {

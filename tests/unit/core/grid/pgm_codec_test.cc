@@ -5,12 +5,11 @@
 
 #include <string>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using ::enfilade::testing::HasStatus;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -97,8 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadPgm{"P5\n1 1\n255\na" + std::string(70'000, 'x'), "70000 bytes follow"}));
 
 TEST_P(BadPgmFile, IsRefusedWithTheReason) {
-  EXPECT_THAT(DecodePgm(GetParam().bytes),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message)));
+  EXPECT_STATUS(DecodePgm(GetParam().bytes), absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message));
 }
 
 TEST(PgmCodec, RefusesEveryTruncation) {

@@ -7,12 +7,11 @@
 #include <string>
 #include <string_view>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using ::enfilade::testing::HasStatus;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -92,16 +91,16 @@ TEST(PngCodec, ReadsInterlacedImages) {
 }
 
 TEST(PngCodec, RefusesSixteenBits) {
-  EXPECT_THAT(DecodePng(FromHex(kSixteenBit)), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("16-bit")));
+  EXPECT_STATUS(DecodePng(FromHex(kSixteenBit)), absl::StatusCode::kInvalidArgument, HasSubstr("16-bit"));
 }
 
 TEST(PngCodec, RefusesHugeImagesBeforeAllocating) {
-  EXPECT_THAT(DecodePng(FromHex(kHuge)), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("too large")));
+  EXPECT_STATUS(DecodePng(FromHex(kHuge)), absl::StatusCode::kInvalidArgument, HasSubstr("too large"));
 }
 
 TEST(PngCodec, RefusesWhatIsNoPng) {
-  EXPECT_THAT(DecodePng(""), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("signature")));
-  EXPECT_THAT(DecodePng("P5\n1 1\n255\nx"), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("signature")));
+  EXPECT_STATUS(DecodePng(""), absl::StatusCode::kInvalidArgument, HasSubstr("signature"));
+  EXPECT_STATUS(DecodePng("P5\n1 1\n255\nx"), absl::StatusCode::kInvalidArgument, HasSubstr("signature"));
 }
 
 TEST(PngCodec, RefusesEveryTruncation) {
@@ -126,11 +125,11 @@ TEST(PngCodec, RefusesEveryFlippedByteOrReadsOn) {
 
 TEST(PngCodec, RefusesLargeImagesInSmallFilesBeforeAllocating) {
   // 16,384 x 16,384 pixels are allowed, but not in 56 bytes.
-  EXPECT_THAT(DecodePng(FromHex(kLarge)), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("too short")));
+  EXPECT_STATUS(DecodePng(FromHex(kLarge)), absl::StatusCode::kInvalidArgument, HasSubstr("too short"));
 }
 
 TEST(PngCodec, RefusesToWriteAnEmptyImage) {
-  EXPECT_THAT(EncodePng(PixelImage{}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("0 x 0")));
+  EXPECT_STATUS(EncodePng(PixelImage{}), absl::StatusCode::kInvalidArgument, HasSubstr("0 x 0"));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/grid/png_codec.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {

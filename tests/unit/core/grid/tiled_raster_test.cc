@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 
@@ -18,8 +18,6 @@ void PrintTo(const MapRaster& raster, std::ostream* os) {
 
 namespace {
 
-using ::enfilade::testing::HasCode;
-using ::enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 // Values in [low, high], in patches so that they compress.
@@ -98,7 +96,7 @@ TEST_P(EveryRaster, RefusesDamagedTiles) {
 TEST_P(EveryRaster, NeverFailsOnADamagedHeaderInAnyOtherWayThanAnError) {
   const std::string header = SplitIntoTiles(GetParam()).header;
   for (std::size_t size = 0; size < header.size(); ++size) {
-    EXPECT_THAT(DecodeRasterHeader(header.substr(0, size)), HasCode(absl::StatusCode::kDataLoss));
+    EXPECT_CODE(DecodeRasterHeader(header.substr(0, size)), absl::StatusCode::kDataLoss);
   }
   for (std::size_t i = 0; i < header.size() * 8; ++i) {
     std::string damaged = header;
@@ -172,23 +170,23 @@ TEST(TiledRaster, RefusesTilesOutsideTheRaster) {
   const std::string bytes = tiled.tiles.begin()->second;
   ASSERT_OK_AND_ASSIGN(RasterAssembler assembler, RasterAssembler::Create(tiled.header));
   for (const TileIndex index : {TileIndex{0, 2}, TileIndex{-1, 0}, TileIndex{INT32_MAX, INT32_MIN}}) {
-    EXPECT_THAT(assembler.Add(index, bytes), HasStatus(absl::StatusCode::kDataLoss, HasSubstr("outside")));
+    EXPECT_STATUS(assembler.Add(index, bytes), absl::StatusCode::kDataLoss, HasSubstr("outside"));
   }
 }
 
 TEST(TiledRaster, SaysWhereANewerReleaseIsNeeded) {
   TiledRaster tiled = SplitIntoTiles(OccupancyRaster(GeometryAt(0, 0, 30, 30)));
   tiled.tiles.begin()->second[0] = 2;
-  EXPECT_THAT(JoinTiles(tiled), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("newer release")));
+  EXPECT_STATUS(JoinTiles(tiled), absl::StatusCode::kFailedPrecondition, HasSubstr("newer release"));
   tiled.header[4] = 2;
-  EXPECT_THAT(JoinTiles(tiled), HasStatus(absl::StatusCode::kFailedPrecondition, HasSubstr("newer release")));
+  EXPECT_STATUS(JoinTiles(tiled), absl::StatusCode::kFailedPrecondition, HasSubstr("newer release"));
 }
 
 TEST(TiledRaster, RefusesHugeHeadersBeforeAllocating) {
   RasterHeader header;
   header.raster.geometry = GeometryAt(0, 0, 100'000, 100'000);
-  EXPECT_THAT(RasterAssembler::Create(EncodeRasterHeader(header)),
-              HasStatus(absl::StatusCode::kDataLoss, HasSubstr("more than")));
+  EXPECT_STATUS(RasterAssembler::Create(EncodeRasterHeader(header)), absl::StatusCode::kDataLoss,
+                HasSubstr("more than"));
 }
 
 }  // namespace

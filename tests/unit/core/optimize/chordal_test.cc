@@ -6,7 +6,7 @@
 
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/optimize/edge_error.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "tests/support/manhattan_graph.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
@@ -88,8 +88,7 @@ TEST(Covariance, OfAnUnknownNodeIsAnError) {
   PoseGraph graph = testing::MakeManhattanGraph({.nodes = 10}).graph;
   SolveOptions options;
   options.covariance_of = {10};
-  EXPECT_THAT(SolvePoseGraph(options, graph),
-              testing::HasStatus(absl::StatusCode::kInvalidArgument, ::testing::HasSubstr("no node 10")));
+  EXPECT_STATUS(SolvePoseGraph(options, graph), absl::StatusCode::kInvalidArgument, ::testing::HasSubstr("no node 10"));
 }
 
 }  // namespace

@@ -5,14 +5,13 @@
 
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 using testing::PoseNear;
@@ -80,9 +79,8 @@ struct BadText {
 class ParsePoseGraphRejects : public ::testing::TestWithParam<BadText> {};
 
 TEST_P(ParsePoseGraphRejects, NamingTheLine) {
-  EXPECT_THAT(
-      ParsePoseGraph(GetParam().text, "a.g2o"),
-      HasStatus(absl::StatusCode::kInvalidArgument, AllOf(HasSubstr(GetParam().where), HasSubstr(GetParam().what))));
+  EXPECT_STATUS(ParsePoseGraph(GetParam().text, "a.g2o"), absl::StatusCode::kInvalidArgument,
+                AllOf(HasSubstr(GetParam().where), HasSubstr(GetParam().what)));
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -10,7 +10,7 @@
 #include "core/optimize/normal_equations.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "tests/support/manhattan_graph.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {

@@ -8,14 +8,13 @@
 
 #include "core/optimize/graph_text.h"
 #include "core/optimize/solve_pose_graph.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade {
 namespace {
 
 using ::testing::AllOf;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 std::string Content(const std::filesystem::path& path) {
@@ -64,8 +63,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(RecordedGraphs, ThreeDimensionalOnesAreRefused) {
   ENFILADE_RECORDING_OR_SKIP(path, "posegraph/sesync/smallGrid3D.g2o");
-  EXPECT_THAT(ParsePoseGraph(Content(path), "smallGrid3D.g2o"),
-              HasStatus(absl::StatusCode::kInvalidArgument, AllOf(HasSubstr("smallGrid3D.g2o:1"), HasSubstr("3D"))));
+  EXPECT_STATUS(ParsePoseGraph(Content(path), "smallGrid3D.g2o"), absl::StatusCode::kInvalidArgument,
+                AllOf(HasSubstr("smallGrid3D.g2o:1"), HasSubstr("3D")));
 }
 
 }  // namespace

@@ -6,12 +6,11 @@
 
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 using testing::MakeManhattanGraph;
 using testing::PoseNear;
@@ -152,7 +151,7 @@ class SolvePoseGraphRejects : public ::testing::Test {
  protected:
   void Expect(const char* what, const SolveOptions& options = {}) {
     const PoseGraph given = graph_;
-    EXPECT_THAT(SolvePoseGraph(options, graph_), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(what)));
+    EXPECT_STATUS(SolvePoseGraph(options, graph_), absl::StatusCode::kInvalidArgument, HasSubstr(what));
     for (std::size_t i = 1; i < given.nodes.size(); ++i) {
       EXPECT_EQ(graph_.nodes[i].T_world_node, given.nodes[i].T_world_node);
     }

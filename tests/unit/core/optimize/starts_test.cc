@@ -6,7 +6,7 @@
 #include "core/optimize/indexed_graph.h"
 #include "core/optimize/normal_equations.h"
 #include "tests/support/manhattan_graph.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {

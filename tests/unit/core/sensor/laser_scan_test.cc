@@ -5,12 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
 LaserScan ValidScan() {
@@ -47,7 +46,7 @@ TEST(LaserScan, RefusesWhatNoScannerSends) {
   const auto refused = [](auto change, const char* field) {
     LaserScan scan = ValidScan();
     change(scan);
-    EXPECT_THAT(Validate(scan), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(field)));
+    EXPECT_STATUS(Validate(scan), absl::StatusCode::kInvalidArgument, HasSubstr(field));
   };
   refused([](LaserScan& s) { s.ranges.clear(); }, "ranges is empty");
   refused([](LaserScan& s) { s.ranges.assign(1'000'000, 1.0F); }, "1000000 beams");

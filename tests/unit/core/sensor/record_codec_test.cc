@@ -6,12 +6,10 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
-
-using testing::HasCode;
 
 std::vector<Record> OneOfEachKind() {
   LaserScan scan;
@@ -57,12 +55,12 @@ TEST(RecordCodec, RefusesEveryTruncationAndTrailingByte) {
   for (const Record& record : OneOfEachKind()) {
     const std::string bytes = EncodePayload(record);
     for (std::size_t size = 0; size < bytes.size(); ++size) {
-      EXPECT_THAT(DecodePayload(1, KindOf(record), bytes.substr(0, size)), HasCode(absl::StatusCode::kDataLoss));
+      EXPECT_CODE(DecodePayload(1, KindOf(record), bytes.substr(0, size)), absl::StatusCode::kDataLoss);
     }
-    EXPECT_THAT(DecodePayload(1, KindOf(record), bytes + "x"), HasCode(absl::StatusCode::kDataLoss));
+    EXPECT_CODE(DecodePayload(1, KindOf(record), bytes + "x"), absl::StatusCode::kDataLoss);
   }
-  EXPECT_THAT(DecodePayload(1, static_cast<RecordKind>(77), EncodePayload(OneOfEachKind()[1])),
-              HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(DecodePayload(1, static_cast<RecordKind>(77), EncodePayload(OneOfEachKind()[1])),
+              absl::StatusCode::kDataLoss);
 }
 
 }  // namespace

@@ -7,12 +7,11 @@
 #include <limits>
 
 #include "core/sensor/environment_choice.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
-using enfilade::testing::HasCode;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::Optional;
@@ -86,8 +85,8 @@ TEST(ChooseByRangeTest, KnowsBothPresetsOfTheOriginal) {
   const LaserScan scan = InRectangle(12.0, 12.0, 12.0, 12.0);
   EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalYaml())->surroundings, Surroundings::kIndoor);
   EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalCode())->surroundings, Surroundings::kOutdoor);
-  EXPECT_THAT(ChooseByRange(scan, {.side_limit = -1.0}), HasCode(absl::StatusCode::kInvalidArgument));
-  EXPECT_THAT(ChooseByRange(LaserScan{}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(ChooseByRange(scan, {.side_limit = -1.0}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(ChooseByRange(LaserScan{}), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {

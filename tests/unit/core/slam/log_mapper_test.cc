@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
 namespace enfilade {
@@ -78,8 +78,8 @@ TEST(LogMapper, GivesTheSameMapWhereverItIsStoppedAndGoesOn) {
 }
 
 TEST(LogMapper, RefusesBytesThatAreNoCheckpoint) {
-  EXPECT_THAT(LogMapper::Restore({}, OdometryOnly(), {}, "x"), testing::HasCode(absl::StatusCode::kDataLoss));
-  EXPECT_THAT(LogMapper::Restore({}, OdometryOnly(), {}, ""), testing::HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(LogMapper::Restore({}, OdometryOnly(), {}, "x"), absl::StatusCode::kDataLoss);
+  EXPECT_CODE(LogMapper::Restore({}, OdometryOnly(), {}, ""), absl::StatusCode::kDataLoss);
 }
 
 }  // namespace

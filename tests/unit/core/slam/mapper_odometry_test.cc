@@ -3,14 +3,13 @@
 
 #include "core/slam/mapper.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
 namespace enfilade {
 namespace {
 
 using testing::Drive;
-using testing::HasCode;
 using testing::PoseNear;
 
 // Poses by odometry alone: `match_scans` off.
@@ -94,10 +93,10 @@ TEST_F(MapperOdometryTest, RefusesACheckpointThatDoesNotFitTheRows) {
   map.Apply(mapper.TakeDelta());
   const std::string checkpoint = mapper.Checkpoint();
   EXPECT_OK(Mapper::Restore(options_, map, checkpoint).status());
-  EXPECT_THAT(Mapper::Restore(options_, SlamMap{}, checkpoint).status(), HasCode(absl::StatusCode::kDataLoss));
-  EXPECT_THAT(Mapper::Restore(options_, map, checkpoint.substr(0, checkpoint.size() - 1)).status(),
-              HasCode(absl::StatusCode::kDataLoss));
-  EXPECT_THAT(Mapper::Restore(options_, map, "").status(), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(Mapper::Restore(options_, SlamMap{}, checkpoint).status(), absl::StatusCode::kDataLoss);
+  EXPECT_CODE(Mapper::Restore(options_, map, checkpoint.substr(0, checkpoint.size() - 1)).status(),
+              absl::StatusCode::kDataLoss);
+  EXPECT_CODE(Mapper::Restore(options_, map, "").status(), absl::StatusCode::kDataLoss);
 }
 
 TEST_F(MapperOdometryTest, GoesOnTheSameAfterRestoreAtAnyPoint) {

@@ -6,14 +6,13 @@
 
 #include "core/slam/mapper.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
 namespace enfilade {
 namespace {
 
 using testing::Drive;
-using testing::HasCode;
 using testing::PoseNear;
 using testing::Wall;
 
@@ -195,7 +194,7 @@ TEST(MapperSlam, LeavesSuspendedClosuresOutAlsoAfterRestore) {
   for (const auto& [id, node] : before.nodes) {
     EXPECT_THAT(map.nodes.at(id).T_map_node, PoseNear(node.T_map_node, 0.01, 0.001));
   }
-  EXPECT_THAT(mapper.SetClosureSuspended(10'000, true), HasCode(absl::StatusCode::kNotFound));
+  EXPECT_CODE(mapper.SetClosureSuspended(10'000, true), absl::StatusCode::kNotFound);
 }
 
 TEST(MapperBadInput, AnEmptyLogGivesAnEmptyMap) {

@@ -8,7 +8,7 @@
 
 #include "client/sources/log_reader.h"
 #include "core/slam/log_mapper.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
 namespace enfilade {

@@ -14,7 +14,7 @@
 #include "core/grid/overlay.h"
 #include "core/slam/log_mapper.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
 namespace enfilade {

@@ -7,16 +7,15 @@
 #include <set>
 
 #include "core/slam/slam_option_names.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
 
 using ::testing::AllOf;
-using testing::HasStatus;
 using ::testing::HasSubstr;
 
-auto Refused(const char* what) { return HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(what)); }
+constexpr auto kBad = absl::StatusCode::kInvalidArgument;
 
 TEST(SlamOptionsYaml, NamesWhatIsSetAndKeepsTheRest) {
   ASSERT_OK_AND_ASSIGN(const SlamOptions options,
@@ -29,15 +28,16 @@ TEST(SlamOptionsYaml, NamesWhatIsSetAndKeepsTheRest) {
 }
 
 TEST(SlamOptionsYaml, RefusesWhatItDoesNotKnow) {
-  EXPECT_THAT(ParseSlamOptions("max_range: 3\nloop: {driftt: 1}"), Refused("line 2: there is no option loop.driftt"));
-  EXPECT_THAT(ParseSlamOptions("max_range: far"), Refused("max_range is \"far\", expected a number"));
-  EXPECT_THAT(ParseSlamOptions("loop: {max_attempts: 1.5}"), Refused("expected a whole number"));
-  EXPECT_THAT(ParseSlamOptions("match_scans: 3"), Refused("expected true or false"));
-  EXPECT_THAT(ParseSlamOptions("max_range: 3\nmax_range: 4"), Refused("max_range comes twice"));
-  EXPECT_THAT(ParseSlamOptions("max_range: [3]"), Refused("not a single value"));
-  EXPECT_THAT(ParseSlamOptions("- 3"), Refused("expected a map"));
-  EXPECT_THAT(ParseSlamOptions("loop: {"), Refused("slam options"));
-  EXPECT_THAT(ParseSlamOptions("resolution: .nan"), Refused("slam.resolution"));
+  EXPECT_STATUS(ParseSlamOptions("max_range: 3\nloop: {driftt: 1}"), kBad,
+                HasSubstr("line 2: there is no option loop.driftt"));
+  EXPECT_STATUS(ParseSlamOptions("max_range: far"), kBad, HasSubstr("max_range is \"far\", expected a number"));
+  EXPECT_STATUS(ParseSlamOptions("loop: {max_attempts: 1.5}"), kBad, HasSubstr("expected a whole number"));
+  EXPECT_STATUS(ParseSlamOptions("match_scans: 3"), kBad, HasSubstr("expected true or false"));
+  EXPECT_STATUS(ParseSlamOptions("max_range: 3\nmax_range: 4"), kBad, HasSubstr("max_range comes twice"));
+  EXPECT_STATUS(ParseSlamOptions("max_range: [3]"), kBad, HasSubstr("not a single value"));
+  EXPECT_STATUS(ParseSlamOptions("- 3"), kBad, HasSubstr("expected a map"));
+  EXPECT_STATUS(ParseSlamOptions("loop: {"), kBad, HasSubstr("slam options"));
+  EXPECT_STATUS(ParseSlamOptions("resolution: .nan"), kBad, HasSubstr("slam.resolution"));
 }
 
 TEST(SlamOptionsYaml, ReadsBackAllThatItWrites) {
@@ -70,7 +70,7 @@ TEST(SlamOptions, RefusesNonsenseInEveryOption) {
           if (other == name) value = -1;
         }
       });
-      EXPECT_THAT(options.Validate(), Refused(name.c_str()));
+      EXPECT_STATUS(options.Validate(), kBad, HasSubstr(name.c_str()));
     }
     ++options_seen;
   });

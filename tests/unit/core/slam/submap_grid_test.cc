@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade {
 namespace {
-
-using testing::HasCode;
 
 constexpr double kCell = 0.1;  // m
 
@@ -104,8 +102,8 @@ TEST(SubmapGrid, RefusesWhatItCannotHoldAndStaysAsItWas) {
   SubmapGrid grid(kCell, {});
   ASSERT_OK(grid.Insert({}, Beam(0.55)).status());
   const SubmapGrid before = grid;
-  EXPECT_THAT(grid.Insert({}, Beam(1e8)).status(), HasCode(absl::StatusCode::kResourceExhausted));
-  EXPECT_THAT(grid.Insert({}, Beam(NAN)).status(), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(grid.Insert({}, Beam(1e8)).status(), absl::StatusCode::kResourceExhausted);
+  EXPECT_CODE(grid.Insert({}, Beam(NAN)).status(), absl::StatusCode::kInvalidArgument);
   EXPECT_TRUE(grid == before);
 }
 
@@ -117,7 +115,7 @@ TEST(SubmapGrid, RefusesDamagedBytes) {
   grid.Serialize(writer);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     BinaryReader reader(std::string_view(bytes).substr(0, size));
-    EXPECT_THAT(SubmapGrid::Deserialize(reader, {}).status(), HasCode(absl::StatusCode::kDataLoss)) << size;
+    EXPECT_CODE(SubmapGrid::Deserialize(reader, {}).status(), absl::StatusCode::kDataLoss) << size;
   }
 }
 

@@ -7,14 +7,12 @@
 #include <cstring>
 
 #include "perception/cloud/lzf.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/perception/cloud/rooms.h"
 
 namespace enfilade::perception {
 namespace {
 
-using enfilade::testing::HasCode;
-using enfilade::testing::HasStatus;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -62,7 +60,7 @@ TEST(CloudFileTest, ReadsPackedColumns) {
   ASSERT_OK_AND_ASSIGN(const Cloud cloud, DecodeCloud(bytes));
   EXPECT_THAT(cloud.points, ElementsAre(Eigen::Vector3f(1, 3, 5), Eigen::Vector3f(1, 4, 6)));
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_THAT(DecodeCloud(std::string_view(bytes).substr(0, size)), HasCode(absl::StatusCode::kInvalidArgument));
+    EXPECT_CODE(DecodeCloud(std::string_view(bytes).substr(0, size)), absl::StatusCode::kInvalidArgument);
   }
 }
 
@@ -80,7 +78,7 @@ TEST(CloudFileTest, ReadsPly) {
   ASSERT_OK_AND_ASSIGN(const Cloud cloud, DecodeCloud(bytes));
   EXPECT_THAT(cloud.points, ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(2, 2, 3)));
   bytes.pop_back();
-  EXPECT_THAT(DecodeCloud(bytes), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("bytes are there")));
+  EXPECT_STATUS(DecodeCloud(bytes), absl::StatusCode::kInvalidArgument, HasSubstr("bytes are there"));
   ASSERT_OK_AND_ASSIGN(const Cloud text,
                        DecodeCloud("ply\r\nformat ascii 1.0\r\nelement vertex 1\r\nproperty float x\r\n"
                                    "property float y\r\nproperty float z\r\nend_header\r\n1 2 3\r\n"));
@@ -90,25 +88,26 @@ TEST(CloudFileTest, ReadsPly) {
 TEST(CloudFileTest, SaysWhatIsWrong) {
   const auto pcd = [](const std::string& header) { return DecodeCloud("VERSION .7\n" + header); };
   const std::string xyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
-  const auto bad = [](const char* words) { return HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(words)); };
-  EXPECT_THAT(DecodeCloud(""), bad("0 bytes"));
-  EXPECT_THAT(DecodeCloud("x,y,z\n1,2,3\n"), bad("neither PCD nor PLY"));
-  EXPECT_THAT(pcd(xyz), bad("no DATA line"));
-  EXPECT_THAT(pcd(xyz + "WIDTH 2\nDATA ascii\n1 2 3\n"), bad("ends after 1 of 2"));
-  EXPECT_THAT(pcd(xyz + "WIDTH 1\nDATA ascii\n1 two 3\n"), bad("1 two 3"));
-  EXPECT_THAT(pcd(xyz + "WIDTH 99999999999\nDATA binary\n"), bad("expected a number"));
-  EXPECT_THAT(pcd(xyz + "WIDTH 6000000\nHEIGHT 6000000\nDATA binary\n"), bad("more than the limit"));
-  EXPECT_THAT(pcd("FIELDS x y\nSIZE 4 4\nTYPE F F\nWIDTH 1\nDATA binary\n12345678"), bad("no field z"));
-  EXPECT_THAT(pcd("FIELDS x y z\nSIZE 4 4\nDATA binary\n"), bad("SIZE"));
-  EXPECT_THAT(pcd("FIELDS x y z\nSIZE 2 2 2\nTYPE F F F\nWIDTH 0\nDATA binary\n"), bad("no single float"));
-  EXPECT_THAT(pcd(xyz + "WIDTH 1\nDATA lzma\n"), bad("lzma"));
-  EXPECT_THAT(DecodeCloud("ply\nformat binary_big_endian 1.0\n"), bad("big_endian"));
-  EXPECT_THAT(DecodeXyz32("1234567"), bad("7 bytes"));
+  constexpr auto kBad = absl::StatusCode::kInvalidArgument;
+  EXPECT_STATUS(DecodeCloud(""), kBad, HasSubstr("0 bytes"));
+  EXPECT_STATUS(DecodeCloud("x,y,z\n1,2,3\n"), kBad, HasSubstr("neither PCD nor PLY"));
+  EXPECT_STATUS(pcd(xyz), kBad, HasSubstr("no DATA line"));
+  EXPECT_STATUS(pcd(xyz + "WIDTH 2\nDATA ascii\n1 2 3\n"), kBad, HasSubstr("ends after 1 of 2"));
+  EXPECT_STATUS(pcd(xyz + "WIDTH 1\nDATA ascii\n1 two 3\n"), kBad, HasSubstr("1 two 3"));
+  EXPECT_STATUS(pcd(xyz + "WIDTH 99999999999\nDATA binary\n"), kBad, HasSubstr("expected a number"));
+  EXPECT_STATUS(pcd(xyz + "WIDTH 6000000\nHEIGHT 6000000\nDATA binary\n"), kBad, HasSubstr("more than the limit"));
+  EXPECT_STATUS(pcd("FIELDS x y\nSIZE 4 4\nTYPE F F\nWIDTH 1\nDATA binary\n12345678"), kBad, HasSubstr("no field z"));
+  EXPECT_STATUS(pcd("FIELDS x y z\nSIZE 4 4\nDATA binary\n"), kBad, HasSubstr("SIZE"));
+  EXPECT_STATUS(pcd("FIELDS x y z\nSIZE 2 2 2\nTYPE F F F\nWIDTH 0\nDATA binary\n"), kBad,
+                HasSubstr("no single float"));
+  EXPECT_STATUS(pcd(xyz + "WIDTH 1\nDATA lzma\n"), kBad, HasSubstr("lzma"));
+  EXPECT_STATUS(DecodeCloud("ply\nformat binary_big_endian 1.0\n"), kBad, HasSubstr("big_endian"));
+  EXPECT_STATUS(DecodeXyz32("1234567"), kBad, HasSubstr("7 bytes"));
 }
 
 TEST(LzfTest, RefusesReferencesBeforeTheBeginning) {
-  EXPECT_THAT(UnpackLzf(std::string("\x20\x05", 2), 3), HasCode(absl::StatusCode::kDataLoss));
-  EXPECT_THAT(UnpackLzf(std::string("\x00z\xE0\xFF\x00", 5), 3), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(UnpackLzf(std::string("\x20\x05", 2), 3), absl::StatusCode::kDataLoss);
+  EXPECT_CODE(UnpackLzf(std::string("\x00z\xE0\xFF\x00", 5), 3), absl::StatusCode::kDataLoss);
   ASSERT_OK_AND_ASSIGN(const std::string run, UnpackLzf(std::string("\x00z\x20\x00", 4), 4));
   EXPECT_EQ(run, "zzzz");
 }
@@ -119,7 +118,7 @@ TEST(CloudTest, ThinsToOnePointAVoxel) {
   ASSERT_EQ(thinned.points.size(), 2U);
   EXPECT_EQ(thinned.points[0], Eigen::Vector3f(-0.1F, 0.1F, 0.1F));
   EXPECT_NEAR(thinned.points[1].x(), 0.2F, 1e-6F);
-  EXPECT_THAT(VoxelFilter(cloud, -1.0), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("voxel")));
+  EXPECT_STATUS(VoxelFilter(cloud, -1.0), absl::StatusCode::kInvalidArgument, HasSubstr("voxel"));
 }
 
 }  // namespace

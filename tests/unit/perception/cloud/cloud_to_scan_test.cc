@@ -5,12 +5,11 @@
 
 #include <cmath>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::perception {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 TEST(CloudToScanTest, TakesTheNearestPointOfEachBeamWithinTheHeights) {
@@ -53,10 +52,10 @@ TEST(CloudToScanTest, PutsThePointStraightBehindIntoTheScan) {
 TEST(CloudToScanTest, NamesOptionsOutOfRange) {
   CloudToScanOptions options;
   options.angle_increment = 0.0;
-  EXPECT_THAT(CloudToScan({}, 0, options), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("steps of 0")));
+  EXPECT_STATUS(CloudToScan({}, 0, options), absl::StatusCode::kInvalidArgument, HasSubstr("steps of 0"));
   options = {};
   options.range_max = 0.1;
-  EXPECT_THAT(CloudToScan({}, 0, options), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("ranges")));
+  EXPECT_STATUS(CloudToScan({}, 0, options), absl::StatusCode::kInvalidArgument, HasSubstr("ranges"));
 }
 
 }  // namespace

@@ -10,14 +10,13 @@
 
 #include "perception/cloud/cloud_file.h"
 #include "tests/support/pose_matchers.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/perception/cloud/rooms.h"
 
 namespace enfilade::perception {
 namespace {
 
-using enfilade::testing::HasStatus;
 using enfilade::testing::PoseNear;
 using ::testing::HasSubstr;
 using testing::PoseOf;
@@ -191,14 +190,14 @@ TEST(RegistrationTest, RefusesWhatMakesNoSense) {
   const Cloud room = Room(1, 1);
   Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
   nowhere.translation().x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(RegisterClouds(room, room, nowhere), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("guess")));
+  EXPECT_STATUS(RegisterClouds(room, room, nowhere), absl::StatusCode::kInvalidArgument, HasSubstr("guess"));
   RegistrationOptions options;
   options.voxel = 0.0;
-  EXPECT_THAT(RegisterClouds(room, room, Eigen::Isometry3d::Identity(), options),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("voxel")));
+  EXPECT_STATUS(RegisterClouds(room, room, Eigen::Isometry3d::Identity(), options), absl::StatusCode::kInvalidArgument,
+                HasSubstr("voxel"));
   const Cloud far{{{1e30F, 0.0F, 0.0F}}};
-  EXPECT_THAT(RegisterClouds(far, room, Eigen::Isometry3d::Identity()),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("too far away")));
+  EXPECT_STATUS(RegisterClouds(far, room, Eigen::Isometry3d::Identity()), absl::StatusCode::kInvalidArgument,
+                HasSubstr("too far away"));
 }
 
 std::string ReadAll(const std::filesystem::path& path) {

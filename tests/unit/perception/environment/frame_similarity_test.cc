@@ -6,12 +6,11 @@
 #include <cmath>
 #include <random>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::perception {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 GreyFrame Flat(std::uint8_t value, int width = 64, int height = 48) {
@@ -70,9 +69,9 @@ TEST(PeakSignalToNoiseTest, IsInfiniteForEqualImages) {
 }
 
 TEST(FrameSimilarityTest, RefusesImagesOfDifferentSizes) {
-  EXPECT_THAT(StructuralSimilarity(Flat(1), Flat(1, 48, 64)),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("64x48 and 48x64")));
-  EXPECT_THAT(PeakSignalToNoise(Flat(1), {2, 2, {1}}), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("2x2")));
+  EXPECT_STATUS(StructuralSimilarity(Flat(1), Flat(1, 48, 64)), absl::StatusCode::kInvalidArgument,
+                HasSubstr("64x48 and 48x64"));
+  EXPECT_STATUS(PeakSignalToNoise(Flat(1), {2, 2, {1}}), absl::StatusCode::kInvalidArgument, HasSubstr("2x2"));
   EXPECT_NEAR(StructuralSimilarity(Flat(7, 1, 1), Flat(7, 1, 1)).value(), 1.0, 1e-12);
 }
 
@@ -98,7 +97,7 @@ TEST(ChooseBySimilarityTest, TakesUnlikeDepthImagesForOutdoors) {
 
 TEST(ChooseBySimilarityTest, NeedsTwoFrames) {
   const std::vector<DepthFrame> one(1, Depth(1, 0.0));
-  EXPECT_THAT(ChooseBySimilarity(one), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("at least 2")));
+  EXPECT_STATUS(ChooseBySimilarity(one), absl::StatusCode::kInvalidArgument, HasSubstr("at least 2"));
 }
 
 }  // namespace

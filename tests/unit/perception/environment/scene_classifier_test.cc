@@ -5,15 +5,13 @@
 
 #include <fstream>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/perception/environment/onnx_writer.h"
 
 namespace enfilade::perception {
 namespace {
 
-using enfilade::testing::HasCode;
-using enfilade::testing::HasStatus;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -57,11 +55,11 @@ TEST(SceneClassifierTest, LoadsItsFilesAndNamesTheOneThatIsMissing) {
   const SceneClassifierFiles files{.model = directory.path() / "places.onnx",
                                    .labels = directory.path() / "labels.txt",
                                    .mapping = directory.path() / "mapping.txt"};
-  EXPECT_THAT(SceneClassifier::Load(files),
-              HasStatus(absl::StatusCode::kNotFound, AllOf(HasSubstr("places.onnx"), HasSubstr("is not there"))));
-  EXPECT_THAT(SceneClassifier::Load({}), HasStatus(absl::StatusCode::kNotFound, HasSubstr("model")));
+  EXPECT_STATUS(SceneClassifier::Load(files), absl::StatusCode::kNotFound,
+                AllOf(HasSubstr("places.onnx"), HasSubstr("is not there")));
+  EXPECT_STATUS(SceneClassifier::Load({}), absl::StatusCode::kNotFound, HasSubstr("model"));
   std::ofstream(files.model, std::ios::binary) << ColorModel();
-  EXPECT_THAT(SceneClassifier::Load(files), HasStatus(absl::StatusCode::kNotFound, HasSubstr("labels.txt")));
+  EXPECT_STATUS(SceneClassifier::Load(files), absl::StatusCode::kNotFound, HasSubstr("labels.txt"));
   std::ofstream(files.labels) << kLabels;
   std::ofstream(files.mapping) << kMapping;
   EXPECT_OK(SceneClassifier::Load(files));
@@ -70,27 +68,28 @@ TEST(SceneClassifierTest, LoadsItsFilesAndNamesTheOneThatIsMissing) {
 TEST(SceneClassifierTest, RefusesAModelOfAnotherShape) {
   const auto make = [](const std::string& onnx) { return SceneClassifier::Make(onnx, Classes()); };
   const std::string two_classes = testing::MeanColorModel({1, 0, 0, 0, 0, 1}, {0.0F, 0.0F}, 224);
-  EXPECT_THAT(make(two_classes), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("2 outputs for 3 labels")));
+  EXPECT_STATUS(make(two_classes), absl::StatusCode::kInvalidArgument, HasSubstr("2 outputs for 3 labels"));
   const std::string one_channel = testing::MeanColorModel({1, 0, 0}, {0.0F, 0.0F, 0.0F}, 224, 1);
-  EXPECT_THAT(make(one_channel), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(make(one_channel), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(SceneClassifierTest, RefusesWhatIsNoModel) {
   const std::string model = ColorModel();
   for (const std::string& onnx : {std::string(), std::string("not a network"), model.substr(0, model.size() / 2)}) {
-    EXPECT_THAT(SceneClassifier::Make(onnx, Classes()), HasCode(absl::StatusCode::kInvalidArgument)) << onnx.size();
+    EXPECT_CODE(SceneClassifier::Make(onnx, Classes()), absl::StatusCode::kInvalidArgument) << onnx.size();
   }
   ASSERT_OK_AND_ASSIGN(SceneClassifier classifier, SceneClassifier::Make(model, Classes()));
-  EXPECT_THAT(classifier.Classify({2, 2, {0}}), HasCode(absl::StatusCode::kInvalidArgument));
+  EXPECT_CODE(classifier.Classify({2, 2, {0}}), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(SceneClassesTest, NamesTheLineThatIsWrong) {
-  const auto bad = [](const char* words) { return HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr(words)); };
-  EXPECT_THAT(ParseSceneClasses("", kMapping), bad("no class"));
-  EXPECT_THAT(ParseSceneClasses("/o/office\n/x/unknown\n", kMapping), bad("line 2: the class /x/unknown is not in"));
-  EXPECT_THAT(ParseSceneClasses("/o/office\n/o/office\n", kMapping), bad("twice"));
-  EXPECT_THAT(ParseSceneClasses(kLabels, "/o/office 3\n"), bad("line 1"));
-  EXPECT_THAT(ParseSceneClasses(kLabels, "/o/office 1\n/o/office 2\n"), bad("mapping, line 2"));
+  constexpr auto kBad = absl::StatusCode::kInvalidArgument;
+  EXPECT_STATUS(ParseSceneClasses("", kMapping), kBad, HasSubstr("no class"));
+  EXPECT_STATUS(ParseSceneClasses("/o/office\n/x/unknown\n", kMapping), kBad,
+                HasSubstr("line 2: the class /x/unknown is not in"));
+  EXPECT_STATUS(ParseSceneClasses("/o/office\n/o/office\n", kMapping), kBad, HasSubstr("twice"));
+  EXPECT_STATUS(ParseSceneClasses(kLabels, "/o/office 3\n"), kBad, HasSubstr("line 1"));
+  EXPECT_STATUS(ParseSceneClasses(kLabels, "/o/office 1\n/o/office 2\n"), kBad, HasSubstr("mapping, line 2"));
 }
 
 }  // namespace

@@ -7,13 +7,12 @@
 
 #include "core/grid/png_codec.h"
 #include "perception/image/image_header.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/perception/image/scenes.h"
 
 namespace enfilade::perception {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -61,19 +60,19 @@ TEST(DecodeTest, TakesRawRowsWithGaps) {
   ASSERT_OK_AND_ASSIGN(const GreyFrame frame,
                        GreyFromRaw({.width = 2, .height = 2, .step = 4, .order = PixelOrder::kMono8, .bytes = bytes}));
   EXPECT_EQ(frame.pixels, (std::vector<std::uint8_t>{1, 2, 3, 4}));
-  EXPECT_THAT(GreyFromRaw({.width = 2, .height = 3, .step = 4, .order = PixelOrder::kMono8, .bytes = bytes}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("6 bytes only")));
-  EXPECT_THAT(GreyFromRaw({.width = 2, .height = 1, .step = 1, .order = PixelOrder::kMono8, .bytes = bytes}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("step")));
-  EXPECT_THAT(GreyFromRaw({.width = 0, .height = 1, .step = 0, .order = PixelOrder::kMono8, .bytes = bytes}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("0x1")));
+  EXPECT_STATUS(GreyFromRaw({.width = 2, .height = 3, .step = 4, .order = PixelOrder::kMono8, .bytes = bytes}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("6 bytes only"));
+  EXPECT_STATUS(GreyFromRaw({.width = 2, .height = 1, .step = 1, .order = PixelOrder::kMono8, .bytes = bytes}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("step"));
+  EXPECT_STATUS(GreyFromRaw({.width = 0, .height = 1, .step = 0, .order = PixelOrder::kMono8, .bytes = bytes}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("0x1"));
 }
 
 TEST(DecodeTest, RefusesFiftyMegapixelsBeforeDecodingThem) {
   PixelImage huge{.width = 10000, .height = 5000, .channels = 1, .samples = std::vector<std::uint8_t>(50'000'000)};
   ASSERT_OK_AND_ASSIGN(const std::string png, EncodePng(huge));
-  EXPECT_THAT(DecodeGrey(png), HasStatus(absl::StatusCode::kInvalidArgument,
-                                         AllOf(HasSubstr("10000x5000"), HasSubstr("50.0 Mpx"), HasSubstr("25.0 Mpx"))));
+  EXPECT_STATUS(DecodeGrey(png), absl::StatusCode::kInvalidArgument,
+                AllOf(HasSubstr("10000x5000"), HasSubstr("50.0 Mpx"), HasSubstr("25.0 Mpx")));
   ASSERT_OK_AND_ASSIGN(const GreyFrame frame, DecodeGrey(png, {.max_pixels = 50'000'000}));
   EXPECT_EQ(frame.width, 10000);
 }
@@ -83,7 +82,7 @@ TEST(DecodeTest, RefusesCmyk) {
   const std::size_t frame_header = jpeg.find("\xFF\xC0");
   ASSERT_NE(frame_header, std::string::npos);
   jpeg[frame_header + 9] = 4;  // components
-  EXPECT_THAT(DecodeGrey(jpeg), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("CMYK")));
+  EXPECT_STATUS(DecodeGrey(jpeg), absl::StatusCode::kInvalidArgument, HasSubstr("CMYK"));
 }
 
 TEST(DecodeTest, RefusesWhatIsDamaged) {
@@ -92,13 +91,11 @@ TEST(DecodeTest, RefusesWhatIsDamaged) {
     const std::string bytes = Encode(image, extension);
     for (const std::size_t size :
          {std::size_t{0}, std::size_t{1}, std::size_t{10}, std::size_t{40}, bytes.size() / 2}) {
-      EXPECT_THAT(DecodeGrey(std::string_view(bytes).substr(0, size)),
-                  enfilade::testing::HasCode(absl::StatusCode::kInvalidArgument))
+      EXPECT_CODE(DecodeGrey(std::string_view(bytes).substr(0, size)), absl::StatusCode::kInvalidArgument)
           << extension << " of " << size << " bytes";
     }
   }
-  EXPECT_THAT(DecodeGrey("GIF89a and so on"),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("neither PNG nor JPEG")));
+  EXPECT_STATUS(DecodeGrey("GIF89a and so on"), absl::StatusCode::kInvalidArgument, HasSubstr("neither PNG nor JPEG"));
 }
 
 // No mutation of a byte may crash or hang; most are told apart.
@@ -123,8 +120,8 @@ TEST(DecodeTest, ReadsDepthInMetres) {
   depth.at<std::uint16_t>(0, 1) = 0;
   ASSERT_OK_AND_ASSIGN(const DepthFrame frame, DecodeDepth(Encode(depth, ".png")));
   EXPECT_THAT(frame.metres, ::testing::Pointwise(::testing::FloatEq(), {1.5F, 0.0F, 1.5F, 1.5F, 1.5F, 1.5F}));
-  EXPECT_THAT(DecodeDepth(Encode(testing::Place(1), ".png")),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("16-bit")));
+  EXPECT_STATUS(DecodeDepth(Encode(testing::Place(1), ".png")), absl::StatusCode::kInvalidArgument,
+                HasSubstr("16-bit"));
 }
 
 TEST(ImageHeaderTest, TellsSizeAndChannels) {

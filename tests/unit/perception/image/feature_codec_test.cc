@@ -3,14 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/perception/image/scenes.h"
 
 namespace enfilade::perception {
 namespace {
-
-using enfilade::testing::HasCode;
-using enfilade::testing::HasStatus;
 
 class FeatureCodecTest : public ::testing::Test {
  protected:
@@ -35,25 +32,25 @@ TEST_F(FeatureCodecTest, KeepsAnImageWithoutFeatures) {
 
 TEST_F(FeatureCodecTest, RefusesEveryCut) {
   for (std::size_t size = 0; size < bytes_.size(); size += size < 64 ? 1 : 97) {
-    EXPECT_THAT(DecodeFeatures(std::string_view(bytes_).substr(0, size)), HasCode(absl::StatusCode::kDataLoss)) << size;
+    EXPECT_CODE(DecodeFeatures(std::string_view(bytes_).substr(0, size)), absl::StatusCode::kDataLoss) << size;
   }
-  EXPECT_THAT(DecodeFeatures(bytes_ + "x"), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(DecodeFeatures(bytes_ + "x"), absl::StatusCode::kDataLoss);
 }
 
 TEST_F(FeatureCodecTest, RefusesAnotherVersion) {
   bytes_[0] = 2;
-  EXPECT_THAT(DecodeFeatures(bytes_), HasStatus(absl::StatusCode::kDataLoss, ::testing::HasSubstr("version 2")));
+  EXPECT_STATUS(DecodeFeatures(bytes_), absl::StatusCode::kDataLoss, ::testing::HasSubstr("version 2"));
 }
 
 // The count of keypoints says more than any memory holds.
 TEST_F(FeatureCodecTest, RefusesImpossibleCounts) {
   for (std::size_t i = 9; i < 17; ++i) bytes_[i] = '\x7f';
-  EXPECT_THAT(DecodeFeatures(bytes_), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(DecodeFeatures(bytes_), absl::StatusCode::kDataLoss);
 }
 
 TEST_F(FeatureCodecTest, RefusesKeypointsThatAreNowhere) {
   for (std::size_t i = 17; i < 21; ++i) bytes_[i] = '\xff';  // the first x is NaN
-  EXPECT_THAT(DecodeFeatures(bytes_), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(DecodeFeatures(bytes_), absl::StatusCode::kDataLoss);
 }
 
 }  // namespace

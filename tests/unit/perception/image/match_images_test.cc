@@ -9,14 +9,13 @@
 #include "perception/image/decode.h"
 #include "perception/image/match_picture.h"
 #include "perception/image/match_series.h"
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/perception/image/scenes.h"
 
 namespace enfilade::perception {
 namespace {
 
-using enfilade::testing::HasStatus;
 using ::testing::HasSubstr;
 
 FeatureSet FeaturesOf(const cv::Mat& grey) { return ExtractFeatures(testing::ToFrame(grey)).value(); }
@@ -119,8 +118,8 @@ TEST(MatchImagesTest, VerifiesByEpipolarGeometryToo) {
   }
   ImageMatchOptions blind;
   blind.model = GeometricModel::kEssential;
-  EXPECT_THAT(MatchImages(FeaturesOf(place), FeaturesOf(again), blind),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("intrinsics")));
+  EXPECT_STATUS(MatchImages(FeaturesOf(place), FeaturesOf(again), blind), absl::StatusCode::kInvalidArgument,
+                HasSubstr("intrinsics"));
 }
 
 TEST(MatchImagesTest, FindsThePlaceInAnImageOfAnotherSize) {
@@ -147,10 +146,10 @@ TEST(MatchImagesTest, NamesOptionsOutOfRange) {
   const FeatureSet place = FeaturesOf(testing::Place(1));
   ImageMatchOptions options;
   options.ratios.sift = 1.5;
-  EXPECT_THAT(MatchImages(place, place, options), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("1.5")));
+  EXPECT_STATUS(MatchImages(place, place, options), absl::StatusCode::kInvalidArgument, HasSubstr("1.5"));
   FeatureSet broken = place;
   broken.sift_descriptors.pop_back();
-  EXPECT_THAT(MatchImages(place, broken), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("image B")));
+  EXPECT_STATUS(MatchImages(place, broken), absl::StatusCode::kInvalidArgument, HasSubstr("image B"));
 }
 
 class SeriesTest : public ::testing::Test {
@@ -213,10 +212,9 @@ TEST_F(SeriesTest, TakesTheMedianSoThatHalfTheMomentsMustAgree) {
 }
 
 TEST_F(SeriesTest, RefusesAnEmptySeries) {
-  EXPECT_THAT(MatchSeries({.front = &stored_front_}, {}),
-              HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("empty")));
+  EXPECT_STATUS(MatchSeries({.front = &stored_front_}, {}), absl::StatusCode::kInvalidArgument, HasSubstr("empty"));
   const std::vector<Views> series(6);
-  EXPECT_THAT(MatchSeries({}, series), HasStatus(absl::StatusCode::kInvalidArgument, HasSubstr("stored")));
+  EXPECT_STATUS(MatchSeries({}, series), absl::StatusCode::kInvalidArgument, HasSubstr("stored"));
   ASSERT_OK_AND_ASSIGN(const SeriesMatch unseen, MatchSeries({.front = &stored_front_}, series));
   EXPECT_FALSE(unseen.accepted);
 }

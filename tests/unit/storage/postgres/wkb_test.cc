@@ -1,11 +1,9 @@
 #include "storage/postgres/wkb.h"
 
-#include "tests/support/status_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::postgres {
 namespace {
-
-using enfilade::testing::HasCode;
 
 TEST(WkbTest, GivesBackTheCorners) {
   const std::vector<Eigen::Vector2d> corners = {{0.1, -1.0 / 3}, {500'000.123, 5.0}, {7.0, 8.0}};
@@ -19,20 +17,20 @@ TEST(WkbTest, GivesBackTheCorners) {
 TEST(WkbTest, RefusesEveryTruncation) {
   const std::string bytes = EncodePolygon({{0, 0}, {1, 0}, {1, 1}});
   for (std::size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_THAT(DecodePolygon(bytes.substr(0, size)), HasCode(absl::StatusCode::kDataLoss)) << size;
+    EXPECT_CODE(DecodePolygon(bytes.substr(0, size)), absl::StatusCode::kDataLoss) << size;
   }
 }
 
 TEST(WkbTest, RefusesOtherGeometries) {
   std::string line = EncodePolygon({{0, 0}, {1, 0}, {1, 1}});
   line[1] = 2;
-  EXPECT_THAT(DecodePolygon(line), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(DecodePolygon(line), absl::StatusCode::kDataLoss);
   std::string big_endian = EncodePolygon({{0, 0}, {1, 0}, {1, 1}});
   big_endian[0] = 0;
-  EXPECT_THAT(DecodePolygon(big_endian), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(DecodePolygon(big_endian), absl::StatusCode::kDataLoss);
   std::string huge = EncodePolygon({{0, 0}, {1, 0}, {1, 1}});
   huge.replace(9, 4, "\xff\xff\xff\x7f");
-  EXPECT_THAT(DecodePolygon(huge), HasCode(absl::StatusCode::kDataLoss));
+  EXPECT_CODE(DecodePolygon(huge), absl::StatusCode::kDataLoss);
 }
 
 }  // namespace
