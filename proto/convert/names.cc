@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
@@ -62,22 +61,15 @@ constexpr std::string_view kClosureForm = "sites/{site}/sessions/{session}/closu
 
 }  // namespace
 
-std::string NameOf(const SiteId& site) { return "sites/" + site.value(); }
-std::string NameOf(const SiteId& site, const MapId& map) {
-  return absl::StrCat("sites/", site.value(), "/maps/", map.value());
-}
-std::string NameOf(const SiteId& site, const LinkPointId& link_point) {
-  return absl::StrCat("sites/", site.value(), "/linkPoints/", link_point.value());
-}
 std::string NameOf(const MapName& name) { return NameOf(name.site, name.map); }
 std::string NameOf(const RevisionName& name) {
   return NameOf(name.site, name.map) + "/revisions/" + std::to_string(name.revision);
 }
 std::string NameOf(const LinkPointName& name) { return NameOf(name.site, name.link_point); }
-std::string NameOf(const RobotName& name) { return NameOf(name.site) + "/robots/" + name.robot.value(); }
-std::string NameOf(const SessionName& name) { return NameOf(name.site) + "/sessions/" + name.session.value(); }
+std::string NameOf(const RobotName& name) { return NameOf(name.site, name.robot); }
+std::string NameOf(const SessionName& name) { return NameOf(name.site, name.session); }
 std::string NameOf(const ClosureName& name) {
-  return NameOf(SessionName{name.site, name.session}) + "/closures/" + std::to_string(name.closure);
+  return NameOf(name.site, name.session) + "/closures/" + std::to_string(name.closure);
 }
 
 absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name) {

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
+#include "core/base/resource_name.h"
 
 namespace enfilade {
 
@@ -40,9 +41,6 @@ struct ClosureName {
   std::int64_t closure = 0;
 };
 
-std::string NameOf(const SiteId& site);
-std::string NameOf(const SiteId& site, const MapId& map);
-std::string NameOf(const SiteId& site, const LinkPointId& link_point);
 std::string NameOf(const MapName& name);
 std::string NameOf(const RevisionName& name);
 std::string NameOf(const LinkPointName& name);

@@ -4,11 +4,11 @@
 #include <map>
 #include <unordered_map>
 
+#include "core/base/resource_name.h"
 #include "core/base/sha256.h"
 #include "core/sensor/record_codec.h"
 #include "storage/postgres/blob_rows.h"
 #include "storage/postgres/copy_buffer.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_growth.h"
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "core/base/resource_name.h"
 #include "core/base/sha256.h"
 #include "storage/postgres/blob_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {
@@ -12,7 +12,6 @@ namespace {
 
 using postgres::Bytes;
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

@@ -1,8 +1,8 @@
 #include "storage/closure_store.h"
 
 #include "core/base/error.h"
+#include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_row.h"
 #include "storage/postgres/slam_rows.h"
@@ -11,7 +11,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

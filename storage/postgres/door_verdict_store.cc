@@ -1,10 +1,10 @@
 #include "storage/door_verdict_store.h"
 
+#include "core/base/resource_name.h"
 #include "core/sensor/record_codec.h"
 #include "storage/postgres/graph_change.h"
 #include "storage/postgres/link_point_changes.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/placement.h"
 #include "storage/postgres/pose_columns.h"
 #include "storage/postgres/rows.h"
@@ -14,7 +14,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::PoseColumns;
 using postgres::Row;

@@ -1,7 +1,7 @@
+#include "core/base/resource_name.h"
 #include "core/base/sha256.h"
 #include "storage/link_point_store.h"
 #include "storage/postgres/link_point_changes.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {
@@ -9,7 +9,6 @@ namespace {
 
 using postgres::Bytes;
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

@@ -1,6 +1,6 @@
 #include "storage/postgres/graph_change.h"
 
-#include "storage/postgres/names.h"
+#include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade::postgres {

@@ -1,17 +1,16 @@
 #include <span>
 #include <string>
 
+#include "core/base/resource_name.h"
 #include "storage/graph_store.h"
 #include "storage/postgres/graph_change.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/wkb.h"
 
 namespace enfilade {
 namespace {
 
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

@@ -1,8 +1,8 @@
 #include "storage/graph_store.h"
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/graph_change.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/placement.h"
 #include "storage/postgres/rows.h"
 
@@ -10,7 +10,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

@@ -1,7 +1,7 @@
 #include "storage/postgres/layer_rows.h"
 
 #include "core/base/error.h"
-#include "storage/postgres/names.h"
+#include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {

@@ -1,6 +1,6 @@
 // The part of MappingStore that says who may map a session.
+#include "core/base/resource_name.h"
 #include "storage/mapping_store.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_row.h"
 
@@ -8,7 +8,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

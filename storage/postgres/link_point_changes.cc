@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/graph_change.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade::postgres {

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <set>
 
-#include "storage/postgres/names.h"
+#include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade::postgres {

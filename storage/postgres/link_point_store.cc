@@ -1,9 +1,9 @@
 #include "storage/link_point_store.h"
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/graph_change.h"
 #include "storage/postgres/link_point_changes.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/placement.h"
 #include "storage/postgres/rows.h"
 
@@ -11,7 +11,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::RaiseGraphVersion;
 using postgres::ResourceOf;

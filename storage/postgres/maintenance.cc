@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "storage/postgres/names.h"
+#include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/graph_change.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_deletion.h"
 #include "storage/postgres/wkb.h"
@@ -12,7 +12,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

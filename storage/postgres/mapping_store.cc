@@ -1,9 +1,9 @@
 #include "storage/mapping_store.h"
 
+#include "core/base/resource_name.h"
 #include "storage/map_store.h"
 #include "storage/postgres/blob_rows.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/pose_columns.h"
 #include "storage/postgres/revision_rows.h"
 #include "storage/postgres/rows.h"
@@ -14,7 +14,6 @@ namespace enfilade {
 namespace {
 
 using postgres::Bytes;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

@@ -4,8 +4,8 @@
 #include <optional>
 #include <set>
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade::postgres {

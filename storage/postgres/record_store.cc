@@ -3,16 +3,15 @@
 #include <charconv>
 #include <map>
 
+#include "core/base/resource_name.h"
 #include "core/sensor/record_codec.h"
 #include "storage/postgres/append.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

@@ -1,8 +1,8 @@
 #include "storage/postgres/revision_rows.h"
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/blob_rows.h"
 #include "storage/postgres/layer_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade::postgres {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/blob_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/revision_rows.h"
 #include "storage/postgres/rows.h"
 
@@ -11,7 +11,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

@@ -1,13 +1,12 @@
 #include "storage/robot_store.h"
 
-#include "storage/postgres/names.h"
+#include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

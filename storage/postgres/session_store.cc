@@ -1,7 +1,7 @@
 #include "storage/session_store.h"
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/link_point_rows.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/pose_columns.h"
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_deletion.h"
@@ -11,7 +11,6 @@ namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::PoseColumns;
 using postgres::ReadSession;

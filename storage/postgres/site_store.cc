@@ -2,15 +2,14 @@
 
 #include <array>
 
+#include "core/base/resource_name.h"
 #include "storage/postgres/graph_change.h"
-#include "storage/postgres/names.h"
 #include "storage/postgres/rows.h"
 
 namespace enfilade {
 namespace {
 
 using postgres::ExecuteAlone;
-using postgres::NameOf;
 using postgres::Params;
 using postgres::Row;
 using postgres::Statement;

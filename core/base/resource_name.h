@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "core/base/ids.h"
+
+namespace enfilade {
+
+// Resource names as the API has them (AIP-122), for answers and messages.
+std::string NameOf(const SiteId& site);
+std::string NameOf(const SiteId& site, const RobotId& robot);
+std::string NameOf(const SiteId& site, const MapId& map);
+std::string NameOf(const SiteId& site, const LinkPointId& link_point);
+std::string NameOf(const SiteId& site, const SessionId& session);
+
+}  // namespace enfilade
