@@ -184,7 +184,7 @@ void AddGraphSolve(CLI::App& graph, const Globals& globals) {
 }  // namespace
 
 void AddGraph(CLI::App& app, const Globals& globals) {
-  CLI::App* graph = app.add_subcommand("graph", "Pose graphs in files");
+  CLI::App* graph = app.add_subcommand("graph", "The graph of the site's maps; pose graphs in files");
   graph->require_subcommand(1);
   AddGraphSolve(*graph, globals);
 }
