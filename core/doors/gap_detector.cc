@@ -17,8 +17,7 @@ using State = CriterionVerdict::State;
 constexpr double kPathStep = 0.05;     // m between points of the path that are kept
 constexpr double kTangent = 0.4;       // m before and behind, for the way's direction
 constexpr double kCrossing = 0.25;     // m about the place that is looked back on
-constexpr double kMissing = 0.2;       // m without a hit that do not end a door's wall
-constexpr double kMissingAhead = 0.5;  // m, the same where it is seen from one side only, in passing
+constexpr double kMissingAhead = 0.5;  // m, kMissingInWall where a wall is seen from one side only, in passing
 constexpr double kBeside = 0.5;        // m before and behind a door: is there a way round between them?
 constexpr double kLeftBehind = 3.5;    // m: a latched door farther away is a candidate at once
 constexpr double kForgotten = 7.0;     // m
@@ -201,7 +200,7 @@ void GapDetector::Decide(const Narrows& door, Track* track, double crossing, std
   evidence.environment = JudgeEnvironment(door, crossing, &evidence.hidden);
   const bool seen_from_both_sides = evidence.environment.state != State::kDropped;
   evidence.walls = FindJambWalls(map_, door.left, door.right, options_.gap.wall_reach,
-                                 seen_from_both_sides ? kMissing : kMissingAhead);
+                                 seen_from_both_sides ? kMissingInWall : kMissingAhead);
   evidence.parallel = ParallelSurfaces(map_, door.left, door.right, 2.0 * options_.gap.parallel);
   evidence.way_round =
       map_.Joined(before, after, evidence.walls.left_end, evidence.walls.right_end, door.middle(), options_.gap.detour);

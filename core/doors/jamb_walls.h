@@ -25,12 +25,15 @@ struct JambWalls {
   double weighted_length() const { return beside() + (left_again + right_again) / 2.0; }
 };
 
+// m without a hit that do not end a wall which was seen from both sides.
+inline constexpr double kMissingInWall = 0.2;
+
 // Looks up to `limit` metres beyond each post. A door's posts are the ends of one wall, or of a wall and the corner
 // that it meets; the posts of a narrow place that a corridor's openings make lie on two walls that run along the way,
 // beside each other, and what stands about is short. The common line may be off the line between the posts by as much
 // as the posts lie on a thick wall's two faces. `missing` metres without a hit do not end the wall.
 JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit,
-                        double missing = 0.2);
+                        double missing = kMissingInWall);
 
 // Walls that run beside the way past a narrow place instead of across it: how far, m, up to `limit`, straight surfaces
 // run on from both posts in one common direction (or its reverse), 40 to 140 degrees off the line between them; the
