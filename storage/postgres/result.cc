@@ -9,6 +9,8 @@
 namespace enfilade::postgres {
 namespace {
 
+// Bytes of an array of one dimension before its elements: dimensions, flags, type, length, lower bound.
+constexpr std::size_t kArrayHeader = 20;
 constexpr std::size_t kDoubleElement = 12;  // bytes: its length, then the number
 
 void CopyDoubles(std::string_view elements, absl::Span<double> numbers) {
@@ -33,11 +35,10 @@ void Result::Clear::operator()(pg_result* result) const { PQclear(result); }
 
 std::string_view Row::DoubleElements() {
   const auto value = Value(TypeOid::kFloat8Array);
-  constexpr std::size_t kHeader = 20;  // dimensions, flags, type, length, lower bound
-  if (!value || value->size() < kHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return {};
+  if (!value || value->size() < kArrayHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return {};
   const std::size_t count = ReadNetwork<std::uint32_t>(value->data() + 12);
-  if (!HasSize(*value, kHeader + count * kDoubleElement)) return {};
-  return value->substr(kHeader);
+  if (!HasSize(*value, kArrayHeader + count * kDoubleElement)) return {};
+  return value->substr(kArrayHeader);
 }
 
 std::vector<double> Row::Doubles() {
@@ -56,11 +57,10 @@ bool Row::DoublesInto(absl::Span<double> numbers) {
 
 std::vector<std::string> Row::OptionalTexts() {
   const auto value = NullableValue(TypeOid::kTextArray);
-  constexpr std::size_t kHeader = 20;  // as in DoubleElements
   std::vector<std::string> texts;
-  if (!value || value->size() < kHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return texts;
+  if (!value || value->size() < kArrayHeader || ReadNetwork<std::uint32_t>(value->data()) != 1) return texts;
   const std::size_t count = ReadNetwork<std::uint32_t>(value->data() + 12);
-  std::string_view rest = value->substr(kHeader);
+  std::string_view rest = value->substr(kArrayHeader);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t size = rest.size() < 4 ? rest.size() : ReadNetwork<std::uint32_t>(rest.data());
     if (rest.size() < 4 || size > rest.size() - 4) {
