@@ -16,6 +16,7 @@
 #include "fmt/format.h"
 #include "fmt/ranges.h"
 #include "nlohmann/json.hpp"
+#include "tests/support/slowdown.h"
 
 namespace enfilade::testing {
 namespace {
@@ -274,7 +275,7 @@ CampusResult RunCampus(WholeSystem& system, const CampusRun& run) {
   }
   std::vector<Drive> drives;
   for (Running& one : running) {
-    if (one.process->Wait(std::chrono::minutes(15)) != 0) throw std::runtime_error(TailOf(one.output));
+    if (one.process->Wait(std::chrono::minutes(15 * kSlowdown)) != 0) throw std::runtime_error(TailOf(one.output));
     drives.push_back(ReadDrive(one.robot, one.truth, one.output));
   }
   CampusResult result;

@@ -14,6 +14,8 @@
 namespace enfilade::server {
 namespace {
 
+// For a database call and for what is reckoned between two looks at the lease; judging a passage has no limit in all,
+// as a slow machine would begin again and again what it never ends.
 constexpr auto kJudgingTimeout = std::chrono::seconds(60);
 // Other replicas' mapping does not wake this process: it looks this often.
 constexpr auto kJudgingPoll = std::chrono::milliseconds(500);
@@ -152,9 +154,11 @@ absl::StatusOr<bool> DoorClosures::Settle(const SiteLease& lease, const SessionI
 absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Session& session,
                                                 const StoredDoorReport& report) {
   const auto begin = std::chrono::steady_clock::now();
+  CallContext context = JudgingContext();
   const auto go_on = [&]() -> absl::Status {
     if (stop_.is_set()) return absl::CancelledError("the server is about to end");
-    return stores_.leases.Renew(JudgingContext(), lease, kJudgingLeaseTime);
+    context = JudgingContext();
+    return stores_.leases.Renew(context, lease, kJudgingLeaseTime);
   };
   std::set<LinkPointId> redundant;
   absl::Status last;
@@ -164,7 +168,7 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Se
     const ReportJudge judge(stores_, options_, graph, go_on);
     ENFILADE_ASSIGN_OR_RETURN(
         const ReportJudge::Judgement judgement,
-        judge.Judge(JudgingContext(), session, report, redundant, WaitedFor(PendingDoors{lease.site, session.id})));
+        judge.Judge(context, session, report, redundant, WaitedFor(PendingDoors{lease.site, session.id})));
     if (!judgement.wait_for.empty()) {
       spdlog::debug("door {} of session {} waits for what is being mapped of{}", report.sequence, session.id.value(),
                     judgement.wait_for);

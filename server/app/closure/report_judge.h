@@ -28,7 +28,8 @@ class ReportJudge {
     std::string wait_for;
   };
   // `waited`: s, since it was too early for the first time. `excluded`: candidates that would make a redundant link
-  // point. A report that cannot be judged has a verdict that says so; errors are the stores'.
+  // point. A report that cannot be judged has a verdict that says so; errors are the stores'. `context` is read anew
+  // for each call of a store: go_on may put its deadline off.
   absl::StatusOr<Judgement> Judge(const CallContext& context, const Session& session, const StoredDoorReport& report,
                                   const std::set<LinkPointId>& excluded, double waited) const;
 

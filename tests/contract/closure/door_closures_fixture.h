@@ -16,6 +16,7 @@
 #include "server/app/mapping.h"
 #include "tests/contract/storage/store_test.h"
 #include "tests/support/door_drive.h"
+#include "tests/support/slowdown.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::testing {
@@ -116,7 +117,8 @@ class DoorClosuresTest : public StoreTest {
 
   void AwaitMapped(const std::vector<SessionId>& sessions) {
     for (const SessionId& session : sessions) {
-      for (int i = 0; i < 3000 && sessions_.Get(Soon(), site_, session)->state != SessionState::kMapped; ++i) {
+      for (int i = 0; i < 3000 * kSlowdown && sessions_.Get(Soon(), site_, session)->state != SessionState::kMapped;
+           ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
       }
       ASSERT_EQ(sessions_.Get(Soon(), site_, session)->state, SessionState::kMapped) << session.value();
