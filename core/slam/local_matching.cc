@@ -16,8 +16,19 @@ constexpr double kWider = 3.0;
 constexpr int kMaxWidenings = 2;
 // What a pose farther away than the motion may be must explain more of the scan, as a share of it, to be believed.
 constexpr double kWorthIt = 0.30;
+// Less of the scan than this contradicting a nearer one, it must be unmistakable.
+constexpr double kTenable = 0.05;
+constexpr double kUnmistakableShare = 0.9;
+constexpr double kUnmistakableHits = 60;  // a point_spacing apart at least
 
 double Fit(const LocalMatch& match) { return match.agreement.matched_share - match.agreement.contradicted_share; }
+
+// Whether to believe a pose that is farther away than the robot should have come in place of the nearer one. Where
+// nothing speaks against that but that its surroundings have not been seen yet, much speaks for it.
+bool IsBetter(const LocalMatch& match, const LocalMatch& nearer, const LocalMatchOptions& options) {
+  return IsSure(match, options) && Fit(match) > Fit(nearer) + kWorthIt &&
+         (nearer.agreement.contradicted_share >= kTenable || IsUnmistakable(match));
+}
 
 LocalMatch MatchFrom(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
                      const Pose2& guess, const PosePrior& prior, const LocalMatchOptions& options) {
@@ -36,6 +47,7 @@ LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const 
   if (found.score > 0.0) return MatchFrom(grid, fields, points, found.pose, prior, options);
   LocalMatch result;
   result.match.T_submap_robot = found.pose;
+  result.agreement = MeasureAgreement(grid, fields.field, points, found.pose, options.field.matched_distance);
   return result;
 }
 
@@ -43,6 +55,11 @@ LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const 
 
 bool IsSure(const LocalMatch& match, const LocalMatchOptions& options) {
   return match.good && match.agreement.agreement() >= options.sure_agreement;
+}
+
+bool IsUnmistakable(const LocalMatch& match) {
+  const Agreement& agreement = match.agreement;
+  return agreement.matched_share >= kUnmistakableShare && agreement.hits * agreement.matched_share >= kUnmistakableHits;
 }
 
 LocalFields::LocalFields(double resolution, const LocalMatchOptions& options)
@@ -63,6 +80,7 @@ Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
                            const std::vector<Eigen::Vector2d>& points, const Pose2& T_submap_robot,
                            double matched_distance) {
   Agreement agreement;
+  agreement.hits = static_cast<int>(points.size());
   if (points.empty()) return agreement;
   const double share = 1.0 / static_cast<double>(points.size());
   for (const Eigen::Vector2d& p : points) {
@@ -103,7 +121,7 @@ LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const
       // not. Going on as before is believed where it fits the known ground as well.
       const LocalMatch ahead = MatchFrom(grid, fields, points, predicted, prior, options);
       if (IsSure(ahead, options) && ahead.agreement.agreement() >= best.agreement.agreement()) best = ahead;
-    } else if (IsSure(match, options) && Fit(match) > Fit(best) + kWorthIt) {
+    } else if (IsBetter(match, best, options)) {
       best = match;
     }
   }

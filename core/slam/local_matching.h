@@ -32,6 +32,7 @@ struct LocalFields {
 struct Agreement {
   double matched_share = 0.0;       // of all hits: a wall within the matched distance
   double contradicted_share = 0.0;  // of all hits: in space known to be free, no wall near
+  int hits = 0;
 
   double known_share() const { return matched_share + contradicted_share; }
   double agreement() const { return known_share() > 0.0 ? matched_share / known_share() : 0.0; }
@@ -48,6 +49,8 @@ struct LocalMatch {
 
 // Whether nothing better need be looked for.
 bool IsSure(const LocalMatch& match, const LocalMatchOptions& options);
+// Whether nearly all of a scan that shows much fits: no other place looks like that by chance.
+bool IsUnmistakable(const LocalMatch& match);
 
 // The scan's pose in the active submap: a correlative search about the prediction, wider where a narrow one finds
 // nothing good, refined by Gauss-Newton with the prediction as a prior. Where nothing good is found the pose is the

@@ -27,9 +27,10 @@ Place Locate(const Track& last, const PairedScan& scan, const ScanRays& rays, co
       return MatchLocally(grid, fields, rays.hits, last.T_submap_robot, expected, options.local);
     };
     LocalMatch match = match_from(motion);
-    if (!match.good && motion.by_odometry) {  // wheels that slip or jump: what do the scans alone say?
+    if (!match.good && motion.by_odometry) {  // wheels slip and jump: what do the scans alone say?
       const LocalMatch other = match_from(PredictMotion({}, {}, last.last_step, seconds, options.motion));
-      if (IsSure(other, options.local)) match = other;
+      const bool may_be_right = match.agreement.contradicted_share == 0.0;
+      if (IsSure(other, options.local) && (!may_be_right || IsUnmistakable(other))) match = other;
     }
     if (match.good) {
       next = match.match.T_submap_robot;
