@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/cli/commands/doors_plot.h"
+#include "client/cli/log_options.h"
 #include "client/cli/output.h"
 #include "client/sources/log_reader.h"
 #include "core/base/error.h"
@@ -25,7 +26,7 @@ struct DoorsCommandOptions {
   std::string options_file;
   std::string plot;
   bool print_options = false;
-  bool skip_bad_lines = false;
+  sources::LogOptions reading;
 };
 
 absl::StatusOr<DoorOptions> LoadDoorOptions(const DoorsCommandOptions& options) {
@@ -40,9 +41,7 @@ absl::StatusOr<DoorOptions> LoadDoorOptions(const DoorsCommandOptions& options) 
 }
 
 absl::StatusOr<std::vector<PairedScan>> ReadScans(const DoorsCommandOptions& options) {
-  sources::LogOptions log_options;
-  log_options.skip_bad_lines = options.skip_bad_lines;
-  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, log_options));
+  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, options.reading));
   ScanPairing pairing{ScanPairingOptions{}};
   std::vector<PairedScan> scans;
   for (std::int64_t sequence = 1;; ++sequence) {
@@ -126,7 +125,7 @@ void AddDoors(CLI::App& app, const Globals& globals) {
   command->add_option("--options", options->options_file, "A YAML file with options over the preset (docs/doors.md)");
   command->add_option("--plot", options->plot, "Write a PNG: the scans' derivative, the way, and the decisions");
   command->add_flag("--print-options", options->print_options, "Print all options as YAML and stop");
-  command->add_flag("--skip-bad-lines", options->skip_bad_lines, "Go on behind lines that cannot be read");
+  AddLogOptions(*command, options->reading);
   command->footer("Example:\n  enfilade doors drive.jsonl --plot doors.png");
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "client/cli/interrupt.h"
+#include "client/cli/log_options.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "client/cli/replay/log_feeder.h"
@@ -56,18 +57,9 @@ absl::Status CheckReplay(const ReplayOptions& options) {
   return RateOf(options.rate).status();
 }
 
-sources::LogOptions LogOptionsOf(const ReplayOptions& options) {
-  sources::LogOptions log;
-  log.odometry = !options.no_odometry;
-  log.skip_bad_lines = options.skip_bad_lines;
-  log.range_max = options.range_max;
-  if (options.fov_degrees) log.field_of_view = *options.fov_degrees * M_PI / 180.0;
-  return log;
-}
-
 absl::StatusOr<CheckedLog> CheckLogWithProgress(const Globals& globals, const ReplayOptions& options) {
   ProgressBar bar(globals, "checking", 0, "entries");
-  return CheckLog(options.log, LogOptionsOf(options), [&](std::int64_t entries) { bar.Update(entries); });
+  return CheckLog(options.log, options.reading, [&](std::int64_t entries) { bar.Update(entries); });
 }
 
 // Tells once why the server does not take records, and that nothing is lost.
@@ -199,7 +191,7 @@ absl::Status RunReplay(const Globals& globals, ReplayOptions options) {
   result.session = found.id;
   result.resumed_after = spool->FindSession(found.id)->acknowledged_sequence;
 
-  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, LogOptionsOf(options)));
+  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, options.reading));
   LogFeeder::Options feeder_options;
   ENFILADE_ASSIGN_OR_RETURN(feeder_options.rate, RateOf(options.rate));
   LogFeeder feeder(std::move(reader), *spool, result.session, feeder_options);
@@ -238,10 +230,8 @@ void AddReplay(CLI::App& app, const Globals& globals) {
   command->add_option("--spool-mib", options->spool_mib, "The most that it may keep, MiB")->capture_default_str();
   command->add_option("--rate", options->rate, "max, real (as recorded) or a factor such as 2.5")
       ->capture_default_str();
-  command->add_flag("--no-odometry", options->no_odometry, "Scans only");
-  command->add_flag("--skip-bad-lines", options->skip_bad_lines, "Count lines that cannot be read and go on");
-  command->add_option("--range-max", options->range_max, "Ranges from here on mean \"no return\", m");
-  command->add_option("--fov", options->fov_degrees, "Field of view of scans that do not state it, degrees");
+  AddNoOdometry(*command, options->reading);
+  AddLogOptions(*command, options->reading);
   command->add_flag("--wait", options->wait, "Wait until all of it is mapped");
   command->footer(
       "A run that was broken off goes on where it was with the same --session and --spool: nothing is lost or "

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "client/cli/interrupt.h"
+#include "client/cli/log_options.h"
 #include "client/cli/place.h"
 #include "client/cli/remote.h"
 #include "client/cli/replay/replay_session.h"
@@ -39,7 +40,7 @@ struct RobotCommandOptions {
   std::string rate = "max";
   std::string commands;
   bool wait = false;
-  bool skip_bad_lines = false;
+  sources::LogOptions reading;  // of a log
   std::string truth;
   int laps = 0;
   simulator::SimulationOptions simulation;
@@ -91,11 +92,7 @@ absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const RobotCommandOpti
                                                           const robot::RobotOptions& robot_options,
                                                           const Eigen::Matrix3d& covariance) {
   if (options.source == "-") return robot::OpenLines(STDIN_FILENO, std::filesystem::current_path(), covariance);
-  if (!options.source.empty()) {
-    sources::LogOptions log;
-    log.skip_bad_lines = options.skip_bad_lines;
-    return robot::OpenLog(options.source, log);
-  }
+  if (!options.source.empty()) return robot::OpenLog(options.source, options.reading);
   simulator::SimulationOptions simulation = options.simulation;
   if (options.laps > 0) simulation.laps = options.laps;
   const bool by_depth = robot_options.choice.criterion == 1 || robot_options.choice.criterion == 2;
@@ -242,7 +239,7 @@ void AddRobot(CLI::App& app, const Globals& globals) {
   command->add_option("--commands", options->commands, "-: read commands from standard input though it is no terminal")
       ->check(CLI::IsMember({"-"}));
   command->add_flag("--wait", options->wait, "At the end, until the server has mapped and judged everything");
-  command->add_flag("--skip-bad-lines", options->skip_bad_lines, "Log: count lines that cannot be read and go on");
+  AddLogOptions(*command, options->reading);
   command->footer("Commands, on the terminal:\n" + robot::CommandHelp() +
                   "Examples:\n"
                   "  enfilade robot --campus figure1 --robot r1 --map Hall --wait\n"

@@ -13,6 +13,7 @@
 
 #include "client/cli/commands/slam_files.h"
 #include "client/cli/entry_options.h"
+#include "client/cli/log_options.h"
 #include "client/cli/map_file_reader.h"
 #include "client/cli/output.h"
 #include "client/sources/log_reader.h"
@@ -31,9 +32,8 @@ using Clock = std::chrono::steady_clock;
 struct SlamCommandOptions {
   std::string log;
   std::string directory;
-  bool no_odometry = false;
   bool plot = false;
-  bool skip_bad_lines = false;
+  sources::LogOptions reading;
   bool print_options = false;
   std::string options_file;
   std::string old_map;
@@ -73,10 +73,7 @@ absl::StatusOr<std::optional<OldMap>> LoadOldMap(const SlamCommandOptions& optio
 }
 
 absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions& options, const SlamOptions& slam) {
-  sources::LogOptions log_options;
-  log_options.odometry = !options.no_odometry;
-  log_options.skip_bad_lines = options.skip_bad_lines;
-  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, log_options));
+  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, options.reading));
   ProgressBar bar(globals, "mapping", reader.facts().scans);
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<OldMap> old_map, LoadOldMap(options, slam));
   LogMapper mapper = old_map ? LogMapper(ScanPairingOptions{}, slam, *old_map) : LogMapper(ScanPairingOptions{}, slam);
@@ -161,11 +158,11 @@ void AddSlam(CLI::App& app, const Globals& globals) {
                       "The folder for trajectory.txt, map.pgm, map.yaml, map.png and closures.json");
   command->add_option("--on", options->old_map, "A map (YAML or JSON) to go on in: needs --at");
   AddEntryOptions(*command, options->entry);
-  command->add_flag("--no-odometry", options->no_odometry, "Use the scans only");
+  AddNoOdometry(*command, options->reading);
+  AddLogOptions(*command, options->reading);
   command->add_flag("--plot", options->plot, "Also write plot.png: the trajectory over the map");
   command->add_option("--options", options->options_file, "A YAML file with SLAM options (docs/slam.md)");
   command->add_flag("--print-options", options->print_options, "Print all SLAM options as YAML and stop");
-  command->add_flag("--skip-bad-lines", options->skip_bad_lines, "Go on behind lines that cannot be read");
   command->footer(
       "Examples:\n"
       "  enfilade slam drive.jsonl -o out --plot\n"

@@ -25,10 +25,7 @@ struct ReplayOptions {
   std::string spool;
   double spool_mib = 4096.0;
   std::string rate = "max";
-  bool no_odometry = false;
-  bool skip_bad_lines = false;
-  std::optional<double> range_max;
-  std::optional<double> fov_degrees;
+  sources::LogOptions reading;
   bool wait = false;
 };
 

@@ -107,6 +107,23 @@ TEST_F(SlamTest, PrintsWhatProgramsAskFor) {
   EXPECT_FALSE(std::filesystem::exists(out_)) << "nothing is written unasked";
 }
 
+// Four beams of two metres, whose directions the log does not tell.
+TEST_F(SlamTest, TakesTheFieldOfViewThatTheLogDoesNotState) {
+  const std::string log = File("beams.log", "FLASER 4 2 2 2 2 0 0 0 0 0 0 1700000000.5 host 0.5\n");
+  const auto rows_of = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {log, "-o", out_});
+    EXPECT_OK(Run(std::move(arguments)));
+    std::istringstream pgm(Content(out_ / "map.pgm"));
+    std::string magic;
+    int columns = 0;
+    int rows = 0;
+    pgm >> magic >> columns >> rows;
+    return rows;
+  };
+  EXPECT_NEAR(rows_of({}) * 0.05, 2.0 + std::sqrt(2.0), 0.2) << "from -90 to 45 degrees";
+  EXPECT_NEAR(rows_of({"--fov", "90"}) * 0.05, 2.0 * (std::sin(M_PI / 4) + std::sin(M_PI / 8)), 0.2);
+}
+
 TEST_F(SlamTest, GoesOnInAMapFromWhereItIsToldTheLogBegins) {
   ASSERT_OK(Run({File("drive.jsonl", Log(11)), "-o", out_}));
   const std::string map = out_ / "map.yaml";
