@@ -11,6 +11,12 @@
 
 namespace enfilade::perception {
 
+#if defined(__SANITIZE_THREAD__)
+// ThreadSanitizer sees nothing of how OpenCV's pool hands work from thread to thread, and takes all of it for races:
+// tens of thousands for a pair of images, each of which takes time even where it is suppressed.
+inline const bool kOpenCvRunsOnOneThread = (cv::setNumThreads(1), true);
+#endif
+
 // Runs `work`, which returns a Status or a StatusOr; OpenCV's exceptions end here. INTERNAL with `what` and OpenCV's
 // words, RESOURCE_EXHAUSTED where memory ran out.
 template <typename Work>
