@@ -7,9 +7,11 @@ namespace enfilade::cli {
 void AddLogOptions(CLI::App& command, sources::LogOptions& options) {
   command.add_flag("--skip-bad-lines", options.skip_bad_lines, "Count lines of the log that cannot be read and go on");
   command.add_option("--range-max", options.range_max, "Ranges from here on mean \"no return\", m");
-  command.add_option_function<double>(
-      "--fov", [&options](double degrees) { options.field_of_view = degrees * M_PI / 180.0; },
-      "Field of view of scans that do not state it, degrees");
+  command
+      .add_option_function<double>(
+          "--fov", [&options](double degrees) { options.field_of_view = degrees * M_PI / 180.0; },
+          "Field of view of scans that do not state it, degrees")
+      ->check(CLI::Range(0.01, 360.0));
 }
 
 void AddNoOdometry(CLI::App& command, sources::LogOptions& options) {

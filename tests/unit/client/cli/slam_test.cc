@@ -122,6 +122,7 @@ TEST_F(SlamTest, TakesTheFieldOfViewThatTheLogDoesNotState) {
   };
   EXPECT_NEAR(rows_of({}) * 0.05, 2.0 + std::sqrt(2.0), 0.2) << "from -90 to 45 degrees";
   EXPECT_NEAR(rows_of({"--fov", "90"}) * 0.05, 2.0 * (std::sin(M_PI / 4) + std::sin(M_PI / 8)), 0.2);
+  EXPECT_FALSE(Run({log, "--fov", "-90"}).ok()) << "it would mirror the scan";
 }
 
 TEST_F(SlamTest, GoesOnInAMapFromWhereItIsToldTheLogBegins) {
