@@ -106,7 +106,7 @@ absl::Status Agent::Handle(const Event& event) {
 }
 
 absl::Status Agent::Add(const SpoolItem& item) {
-  if (const absl::Status valid = Validate(Record{1, item.payload}); !valid.ok()) {
+  if (const absl::Status valid = Validate(item.payload); !valid.ok()) {
     ++counts_.invalid;
     Say("bad_input", std::string(valid.message()), {{"error", std::string(valid.message())}});
     return absl::OkStatus();
@@ -158,7 +158,7 @@ absl::Status Agent::AddSettled(std::vector<PairedScan>& settled) {
 }
 
 absl::Status Agent::AddPicture(const SpoolItem& item) {
-  if (sources::RefOf(item.content) != *FindBlob(Record{1, item.payload})) {
+  if (sources::RefOf(item.content) != *FindBlob(item.payload)) {
     ++counts_.invalid;
     Say("bad_input", "an image or cloud came with other bytes than its record says", {{"time_ns", TimeOf(item)}});
     return absl::OkStatus();

@@ -46,7 +46,7 @@ struct SimulationOptions {
 };
 
 struct SimulatedRecord {
-  decltype(Record::payload) payload;
+  RecordPayload payload;
   std::string content;  // the bytes that an image or a cloud refers to
 };
 

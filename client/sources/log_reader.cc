@@ -159,7 +159,7 @@ absl::Status LogReader::ReadLine(std::string_view line) {
 
 absl::Status LogReader::Accept(std::vector<LogEntry> entries) {
   for (const LogEntry& entry : entries) {
-    ENFILADE_RETURN_IF_ERROR(Validate(Record{1, entry.payload}));
+    ENFILADE_RETURN_IF_ERROR(Validate(entry.payload));
   }
   for (LogEntry& entry : entries) {
     if (const auto* scan = std::get_if<LaserScan>(&entry.payload)) {

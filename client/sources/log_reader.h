@@ -15,11 +15,9 @@
 
 namespace enfilade::sources {
 
-using Payload = decltype(Record::payload);
-
 // One thing that a robot recorded; the caller gives it its sequence.
 struct LogEntry {
-  Payload payload;
+  RecordPayload payload;
   std::filesystem::path content;  // of an image or point cloud: the file that holds its bytes
 
   friend bool operator==(const LogEntry&, const LogEntry&) = default;

@@ -24,7 +24,7 @@ bool IsPosed(const GraphSnapshot& graph, const MapId& map) {
 // What paths that begin in a map posed so cost already.
 double InitialCost(const Eigen::Matrix3d& covariance, const PathOptions& options) {
   if (options.cost != PathCost::kUncertainty) return 0.0;
-  return covariance(0, 0) + covariance(1, 1) + covariance(2, 2) * options.lever_m * options.lever_m;
+  return UncertaintyOf(covariance, options.lever_m * options.lever_m);
 }
 
 std::vector<PathSource> SolvedMaps(const GraphSnapshot& graph, const PathOptions& options) {

@@ -43,7 +43,7 @@ double EndCost(const std::optional<Eigen::Vector2d>& position, const Doorway& do
 template <PathCost kCost>
 double EndCost(const Eigen::Matrix3d& covariance, double lever_squared) {
   if constexpr (kCost == PathCost::kUncertainty) {
-    return covariance(0, 0) + covariance(1, 1) + covariance(2, 2) * lever_squared;
+    return UncertaintyOf(covariance, lever_squared);
   } else {
     return 0.0;
   }

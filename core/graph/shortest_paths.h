@@ -35,6 +35,11 @@ struct PathOptions {
   const std::unordered_set<std::int64_t>* without_first_legs = nullptr;
 };
 
+// What an anchor, or the pose of the map that a path begins with, costs by PathCost::kUncertainty, m^2.
+inline double UncertaintyOf(const Eigen::Matrix3d& covariance, double lever_squared) {
+  return covariance(0, 0) + covariance(1, 1) + covariance(2, 2) * lever_squared;
+}
+
 // A map and link point as one number, for `without_first_legs`.
 inline std::int64_t LegKey(int map, int link_point) {
   return (static_cast<std::int64_t>(map) << 32) | static_cast<std::uint32_t>(link_point);

@@ -55,28 +55,32 @@ struct PayloadCheck {
 
 RecordKind KindOf(const Record& record) { return static_cast<RecordKind>(record.payload.index() + 1); }
 
-TimeNs TimeOf(const Record& record) {
+TimeNs TimeOf(const RecordPayload& payload) {
   return std::visit(
-      [](const auto& payload) -> TimeNs {
-        if constexpr (requires { payload.time; }) {
-          return payload.time;
+      [](const auto& kind) -> TimeNs {
+        if constexpr (requires { kind.time; }) {
+          return kind.time;
         } else {
           return 0;
         }
       },
-      record.payload);
+      payload);
 }
 
-const BlobRef* FindBlob(const Record& record) {
-  if (const auto* image = std::get_if<Image>(&record.payload)) return &image->content;
-  if (const auto* cloud = std::get_if<PointCloud>(&record.payload)) return &cloud->content;
+const BlobRef* FindBlob(const RecordPayload& payload) {
+  if (const auto* image = std::get_if<Image>(&payload)) return &image->content;
+  if (const auto* cloud = std::get_if<PointCloud>(&payload)) return &cloud->content;
   return nullptr;
+}
+
+absl::Status Validate(const RecordPayload& payload) {
+  if (absl::Status status = ValidateTime(TimeOf(payload)); !status.ok()) return status;
+  return std::visit(PayloadCheck{}, payload);
 }
 
 absl::Status Validate(const Record& record) {
   if (record.sequence < 1) return InvalidArgument("sequence is {}: sequences start at 1", record.sequence);
-  if (absl::Status status = ValidateTime(TimeOf(record)); !status.ok()) return status;
-  return std::visit(PayloadCheck{}, record.payload);
+  return Validate(record.payload);
 }
 
 }  // namespace enfilade

@@ -86,10 +86,12 @@ struct Withheld {
   friend bool operator==(const Withheld&, const Withheld&) = default;
 };
 
+using RecordPayload = std::variant<LaserScan, Odometry, Image, PointCloud, Withheld, DoorReport>;
+
 // One entry of a session's log. Sequences start at 1 and have no holes.
 struct Record {
   std::int64_t sequence = 0;
-  std::variant<LaserScan, Odometry, Image, PointCloud, Withheld, DoorReport> payload;
+  RecordPayload payload;
 
   friend bool operator==(const Record&, const Record&) = default;
 };
@@ -105,13 +107,17 @@ enum class RecordKind : std::int16_t {
 };
 
 RecordKind KindOf(const Record& record);
-// The payload's time; 0 for Withheld.
-TimeNs TimeOf(const Record& record);
+// 0 for Withheld.
+TimeNs TimeOf(const RecordPayload& payload);
+inline TimeNs TimeOf(const Record& record) { return TimeOf(record.payload); }
 // The blob that an image or point cloud refers to, otherwise nullptr.
-const BlobRef* FindBlob(const Record& record);
+const BlobRef* FindBlob(const RecordPayload& payload);
+inline const BlobRef* FindBlob(const Record& record) { return FindBlob(record.payload); }
 
-// INVALID_ARGUMENT naming the field: a sequence below 1, a non-finite pose, a blob reference of the wrong size, and all
-// that Validate(LaserScan) refuses.
+// INVALID_ARGUMENT naming the field: a non-finite pose, a blob reference of the wrong size, and all that
+// Validate(LaserScan) refuses.
+absl::Status Validate(const RecordPayload& payload);
+// Likewise, and a sequence below 1.
 absl::Status Validate(const Record& record);
 
 }  // namespace enfilade

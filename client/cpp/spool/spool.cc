@@ -50,7 +50,7 @@ absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database,
 
 }  // namespace
 
-TimeNs TimeOf(const SpoolItem& item) { return enfilade::TimeOf(Record{1, item.payload}); }
+TimeNs TimeOf(const SpoolItem& item) { return enfilade::TimeOf(item.payload); }
 
 Spool::Spool(std::string path, const SpoolOptions& options, FileLock lock, SqliteDatabase writer, SqliteDatabase reader)
     : path_(std::move(path)),

@@ -50,7 +50,7 @@ struct SpoolSession {
 
 // One thing to be recorded. `content`: the bytes of an image or point cloud, which its BlobRef must fit.
 struct SpoolItem {
-  decltype(Record::payload) payload;
+  RecordPayload payload;
   std::string content;
 };
 // When it was measured or, of a report, made.
@@ -97,7 +97,7 @@ class Spool {
   // session is finished; INVALID_ARGUMENT for what no server would take (Validate(Record), a content that does not fit
   // its BlobRef); RESOURCE_EXHAUSTED where the spool or the disk is full.
   absl::StatusOr<std::int64_t> Append(const SessionId& id, absl::Span<const SpoolItem> items);
-  absl::StatusOr<std::int64_t> Append(const SessionId& id, decltype(Record::payload) payload);
+  absl::StatusOr<std::int64_t> Append(const SessionId& id, RecordPayload payload);
 
   // No more records will come. NOT_FOUND.
   absl::Status MarkFinished(const SessionId& id);

@@ -28,7 +28,7 @@ absl::Status Check(const SpoolItem& item) {
 
 }  // namespace
 
-absl::StatusOr<std::int64_t> Spool::Append(const SessionId& id, decltype(Record::payload) payload) {
+absl::StatusOr<std::int64_t> Spool::Append(const SessionId& id, RecordPayload payload) {
   const SpoolItem item{std::move(payload), {}};
   return Append(id, absl::MakeConstSpan(&item, 1));
 }

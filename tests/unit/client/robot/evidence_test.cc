@@ -29,7 +29,7 @@ std::vector<std::string> NamesOf(const std::vector<SpoolItem>& items) {
   for (const SpoolItem& item : items) {
     const auto* image = std::get_if<Image>(&item.payload);
     const std::string kind = !image ? "cloud" : image->camera == Camera::kRear ? "rear" : "front";
-    names.push_back(kind + " " + std::to_string(TimeOf(Record{1, item.payload}) / 100'000'000));  // tenths
+    names.push_back(kind + " " + std::to_string(TimeOf(item) / 100'000'000));  // tenths
   }
   return names;
 }

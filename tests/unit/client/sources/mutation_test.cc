@@ -25,7 +25,7 @@ class Mutation : public ::testing::TestWithParam<const char*> {
       ASSERT_EQ(log.status.code(), absl::StatusCode::kInvalidArgument) << log.status;
       ASSERT_THAT(testing::MessageOf(log.status), HasSubstr(path.string()));
     }
-    for (const sources::LogEntry& entry : log.entries) ASSERT_OK(Validate(Record{1, entry.payload}));
+    for (const sources::LogEntry& entry : log.entries) ASSERT_OK(Validate(entry.payload));
     LogOptions skip;
     skip.skip_bad_lines = true;
     const ReadLog rest = ReadAll(path, skip);
