@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kBeforeDoor = 0.3;  // m: walls and frames about the door belong to both sides
 constexpr double kHalfDoor = 1.0;    // m
+constexpr double kDoorway = 0.5;     // m about the middle of a door, the depth of its frame and a pose's error included
 constexpr double kSigmas = 3.0;
 // A window narrower than that would not show that the place is one of many.
 constexpr double kMinHalfWidth = 3.0;  // m
@@ -60,9 +61,15 @@ std::vector<Eigen::Vector2d> PointsBehind(const std::vector<PlacedScan>& scans, 
 }
 
 std::vector<PlacedScan> WithoutBeyond(std::vector<PlacedScan> scans, const std::vector<Pose2>& T_map_doors) {
+  const auto laser_of = [](const PlacedScan& one) { return one.T_map_robot.pose * one.scan.T_robot_laser; };
+  std::erase_if(scans, [&](const PlacedScan& one) {
+    return std::any_of(T_map_doors.begin(), T_map_doors.end(), [&](const Pose2& T_map_door) {
+      return Between(T_map_door, laser_of(one)).translation().norm() < kDoorway;
+    });
+  });
   for (PlacedScan& one : scans) {
     LaserScan& scan = one.scan;
-    const Pose2 T_map_laser = one.T_map_robot.pose * scan.T_robot_laser;
+    const Pose2 T_map_laser = laser_of(one);
     for (const Pose2& T_map_door : T_map_doors) {
       const Pose2 T_door_laser = Between(T_map_door, T_map_laser);
       for (std::size_t i = 0; i < scan.ranges.size(); ++i) {

@@ -22,8 +22,8 @@ std::vector<Eigen::Vector2d> PointsBehind(const std::vector<PlacedScan>& scans, 
                                           const Pose2& T_map_robot);
 
 // The scans without the hits that lie beyond a door of the map, seen through it: they belong to the next map. A beam
-// that crosses the door's plane within 1 m of its middle is as if it were not there. T_map_doors look either way
-// through.
+// that crosses the door's plane within 1 m of its middle is as if it were not there, and so is a whole scan from within
+// 0.5 m of the middle, which sees both sides. T_map_doors look either way through.
 std::vector<PlacedScan> WithoutBeyond(std::vector<PlacedScan> scans, const std::vector<Pose2>& T_map_doors);
 
 // Where in a map the robot is, by its scans.

@@ -82,7 +82,7 @@ TEST_P(TwoRobots, ThatMapACampusAtOnceMakeTheSameGraph) {
 
 INSTANTIATE_TEST_SUITE_P(InAnyOrder, TwoRobots,
                          ::testing::Values("121212121212", "12|12|12|12|12|12", "1212|1212|1212", "112|12|12|12|12|2",
-                                           "122|12|12|12|12|1"));
+                                           "122|12|12|12|12|1", "22|11|12|12|12|12"));
 
 }  // namespace
 }  // namespace enfilade::testing

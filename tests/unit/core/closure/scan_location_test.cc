@@ -169,5 +169,16 @@ TEST(ScanLocation, WhatIsSeenThroughADoorIsNotOfTheMap) {
   }
 }
 
+// Who stands in the doorway sees both rooms whole, and no beam has crossed the door by a pose that is some cm off.
+TEST(ScanLocation, AScanFromTheDoorwayShowsNeitherMap) {
+  const Pose2 door{6.0, 3.0, 0.0};
+  const std::vector<PlacedScan> scans = {ScanIn(Room(), {5.0, 3.0, 0.0}), ScanIn(Room(), {5.6, 3.1, 0.0}),
+                                         ScanIn(Room(), {6.02, 3.0, 0.0}), ScanIn(Room(), {6.0, 3.7, 0.0})};
+  const std::vector<PlacedScan> kept = WithoutBeyond(scans, {door});
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0].T_map_robot.pose.x, 5.0);
+  EXPECT_EQ(kept[1].T_map_robot.pose.y, 3.7);
+}
+
 }  // namespace
 }  // namespace enfilade
