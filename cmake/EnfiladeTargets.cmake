@@ -19,11 +19,11 @@ function(enfilade_library name)
 endfunction()
 
 # Most of the time to compile a source is spent in the headers that it shares with its neighbours (gRPC, Eigen,
-# GoogleTest), so the sources of a target are compiled eight at a time. They share a namespace then: helpers in a target
+# GoogleTest), so the sources of a target are compiled many at a time. They share a namespace then: helpers in a target
 # need names of their own. The presets dev and tidy compile each source by itself, which finds includes that are missing.
 function(enfilade_compile_together target)
   set_target_properties(${target} PROPERTIES
-    UNITY_BUILD ${ENFILADE_COMPILE_TOGETHER} UNITY_BUILD_MODE BATCH UNITY_BUILD_BATCH_SIZE 8)
+    UNITY_BUILD ${ENFILADE_COMPILE_TOGETHER} UNITY_BUILD_MODE BATCH UNITY_BUILD_BATCH_SIZE 16)
   if(ENFILADE_COMPILE_TOGETHER AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     # GCC takes a source that is included for a header.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
@@ -36,6 +36,7 @@ function(enfilade_program name)
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_DEPS} enfilade_warnings)
+  enfilade_compile_together(${name})
 endfunction()
 
 # enfilade_test(core_grid_test SOURCES a_test.cc DEPS enfilade::core_grid [WHOLE] [LABELS db])
@@ -69,4 +70,5 @@ function(enfilade_benchmark name)
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_DEPS} benchmark::benchmark enfilade_warnings)
+  enfilade_compile_together(${name})
 endfunction()

@@ -8,8 +8,8 @@
 namespace enfilade {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfiniteRange = std::numeric_limits<float>::infinity();
+constexpr float kNanRange = std::numeric_limits<float>::quiet_NaN();
 
 LaserScan ScanOf(std::vector<float> ranges) {
   LaserScan scan;
@@ -39,18 +39,18 @@ TEST(ScanRays, CutsFarHitsToFreeSpace) {
 }
 
 TEST(ScanRays, TakesNoReturnAsFreeForAShortWay) {
-  const ScanRays rays = RaysOf(ScanOf({kInfinity, 50.0F}), {}, {.no_return_range = 5.0});
+  const ScanRays rays = RaysOf(ScanOf({kInfiniteRange, 50.0F}), {}, {.no_return_range = 5.0});
   EXPECT_TRUE(rays.hits.empty());
   ASSERT_EQ(rays.free_ends.size(), 2U);
   EXPECT_NEAR(rays.free_ends[0].norm(), 5.0, 1e-12);
 }
 
 TEST(ScanRays, SaysNothingForNoReturnWhereSwitchedOff) {
-  EXPECT_TRUE(RaysOf(ScanOf({kInfinity}), {}, {.no_return_range = 0.0}).free_ends.empty());
+  EXPECT_TRUE(RaysOf(ScanOf({kInfiniteRange}), {}, {.no_return_range = 0.0}).free_ends.empty());
 }
 
 TEST(ScanRays, LeavesOutBeamsThatTellNothing) {
-  const ScanRays rays = RaysOf(ScanOf({kNan, -kInfinity, 0.05F, -1.0F}), {}, {});
+  const ScanRays rays = RaysOf(ScanOf({kNanRange, -kInfiniteRange, 0.05F, -1.0F}), {}, {});
   EXPECT_TRUE(rays.hits.empty());
   EXPECT_TRUE(rays.free_ends.empty());
 }

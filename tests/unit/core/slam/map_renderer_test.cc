@@ -13,7 +13,7 @@ namespace {
 constexpr double kResolution = 0.05;
 
 // What a scanner sees from the middle of a room of 6 m x 4 m, in the room's frame.
-SubmapGrid Room() {
+SubmapGrid RoomFromTheMiddle() {
   const auto walls = testing::WallsFromText({"########",  //
                                              "#      #",  //
                                              "#      #",  //
@@ -53,7 +53,7 @@ class MapRendererTest : public ::testing::Test {
     return cell != kUnknownCell && ProbabilityOfCell(cell) < 0.4;
   }
 
-  const SubmapGrid room_ = Room();
+  const SubmapGrid room_ = RoomFromTheMiddle();
 };
 
 TEST_F(MapRendererTest, IsEmptyWhereNothingIsPlaced) {
