@@ -5,6 +5,7 @@
 #include "storage/robot_store.h"
 #include "tests/rpc/graph_fixture.h"
 #include "tests/support/pose_matchers.h"
+#include "tests/support/server_process.h"
 
 namespace enfilade::testing {
 namespace {
@@ -156,45 +157,22 @@ TEST_F(GraphTest, AGraphThatIsEditedWithoutPauseIsOptimised) {
   for (std::thread& editor : editors) editor.join();
 }
 
-TEST_F(GraphTest, WatchersHearWhatChangesAndResumeWhereTheyWere) {
-  AwaitSolution();
-  Report("b", {1, 0, 0}, 1'000'000'000);
-  const auto stub = v1::GraphService::NewStub(connection_->channel());
-  v1::WatchGlobalPosesRequest request;
-  request.set_parent("sites/s");
-  request.set_rate_hz(20.0);
-  std::string token;
-  {
-    grpc::ClientContext context;
-    const auto stream = stub->WatchGlobalPoses(&context, request);
-    v1::WatchGlobalPosesResponse message;
-    ASSERT_TRUE(stream->Read(&message));
-    ASSERT_EQ(message.global_poses_size(), 1);
-    EXPECT_EQ(message.global_poses(0).robot(), "sites/s/robots/r");
-    EXPECT_NEAR(message.global_poses(0).pose_world_robot().pose().x(), 6.0, 1e-6);
-    Report("c", {2, 0, 0}, 2'000'000'000);
-    ASSERT_TRUE(stream->Read(&message));
-    ASSERT_EQ(message.global_poses_size(), 1);
-    EXPECT_NEAR(message.global_poses(0).pose_world_robot().pose().x(), 12.0, 1e-6);
-    token = message.resume_token();
-    context.TryCancel();
+TEST_F(GraphTest, HealthAnswersWhileGraphsAreOptimised) {
+  std::atomic<int> running{4};
+  std::vector<std::thread> clients;
+  for (int client = 0; client < 4; ++client) {
+    clients.emplace_back([this, &running] {
+      v1::OptimizeGraphRequest request;
+      request.set_site("sites/s");
+      for (int i = 0; i < 10; ++i) {
+        const auto response = Call(&Stub::OptimizeGraph, request);
+        EXPECT_TRUE(response.ok() || absl::IsAborted(response.status())) << response.status();
+      }
+      --running;
+    });
   }
-  request.set_resume_token(token);
-  grpc::ClientContext context;
-  const auto stream = stub->WatchGlobalPoses(&context, request);
-  v1::WatchGlobalPosesResponse message;
-  ASSERT_TRUE(stream->Read(&message));
-  EXPECT_EQ(message.global_poses_size(), 0);
-  Report("c", {3, 0, 0}, 3'000'000'000);
-  ASSERT_TRUE(stream->Read(&message));
-  EXPECT_NEAR(message.global_poses(0).pose_world_robot().pose().x(), 13.0, 1e-6);
-  // The server ends streams before it ends itself.
-  const auto begin = std::chrono::steady_clock::now();
-  server_->Shutdown();
-  while (stream->Read(&message)) {
-  }
-  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(60));
+  while (running > 0) EXPECT_EQ(HealthOf(*connection_), Health::kServing);
+  for (std::thread& client : clients) client.join();
 }
 
 TEST_F(GraphTest, ARobotsGlobalPoseIsThatOfItsLastReport) {
