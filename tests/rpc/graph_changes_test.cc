@@ -1,17 +1,15 @@
 #include <atomic>
+#include <chrono>
 #include <thread>
 #include <vector>
 
-#include "storage/robot_store.h"
 #include "tests/rpc/graph_fixture.h"
-#include "tests/support/pose_matchers.h"
 #include "tests/support/server_process.h"
 
 namespace enfilade::testing {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 using Stub = v1::GraphService::Stub;
 
