@@ -57,24 +57,24 @@ absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
   return options;
 }
 
-absl::StatusOr<SlamOptions> LoadSlamOptions(const std::string& path) {
+absl::StatusOr<enfilade::slam::SlamOptions> LoadSlamOptions(const std::string& path) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
-  absl::StatusOr<SlamOptions> slam = ParseSlamOptions(text);
+  absl::StatusOr<enfilade::slam::SlamOptions> slam = enfilade::slam::ParseSlamOptions(text);
   if (!slam.ok()) return WithContext(slam.status(), path);
   return slam;
 }
 
-absl::StatusOr<SlamProfiles> LoadSlamProfiles(const ServerOptions::Mapping& options) {
-  SlamOptions base;
+absl::StatusOr<enfilade::slam::SlamProfiles> LoadSlamProfiles(const ServerOptions::Mapping& options) {
+  enfilade::slam::SlamOptions base;
   if (!options.slam_options_file.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(base, LoadSlamOptions(options.slam_options_file));
   }
-  SlamProfiles profiles(base);
+  enfilade::slam::SlamProfiles profiles(base);
   if (options.slam_profiles_directory.empty()) return profiles;
   std::error_code error;
   for (const auto& file : std::filesystem::directory_iterator(options.slam_profiles_directory, error)) {
     if (file.path().extension() != ".yaml") continue;
-    ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, LoadSlamOptions(file.path()));
+    ENFILADE_ASSIGN_OR_RETURN(const enfilade::slam::SlamOptions slam, LoadSlamOptions(file.path()));
     profiles.Set(file.path().stem(), slam);
   }
   if (error)
@@ -97,7 +97,7 @@ absl::Status Run(const CommandLine& command_line) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-  ENFILADE_ASSIGN_OR_RETURN(const SlamProfiles slam, LoadSlamProfiles(options.mapping));
+  ENFILADE_ASSIGN_OR_RETURN(const enfilade::slam::SlamProfiles slam, LoadSlamProfiles(options.mapping));
   ENFILADE_ASSIGN_OR_RETURN(const auto server, Server::Start(options, slam));
   spdlog::info("enfilade-server {} listens at {}", kVersion, server->address());
   int signal = 0;

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kMaxQueuedCalls = 1000;
 
-postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
-  postgres::PoolOptions pool;
+storage::postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
+  storage::postgres::PoolOptions pool;
   pool.url = options.url;
   pool.max_connections = options.max_connections;
   pool.application_name = "enfilade-server";
@@ -34,7 +34,7 @@ postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
 // Members are destroyed from the last to the first: whoever is used by others comes before them.
 class Server::Impl {
  public:
-  Impl(const ServerOptions& given, const SlamProfiles& slam, std::unique_ptr<postgres::Pool> given_pool,
+  Impl(const ServerOptions& given, const slam::SlamProfiles& slam, std::unique_ptr<storage::postgres::Pool> given_pool,
        std::unique_ptr<Metrics> given_metrics)
       : options(given),
         pool(std::move(given_pool)),
@@ -122,24 +122,24 @@ class Server::Impl {
   }
 
   const ServerOptions options;
-  const std::unique_ptr<postgres::Pool> pool;
+  const std::unique_ptr<storage::postgres::Pool> pool;
   const std::unique_ptr<Metrics> metrics;
-  const SiteStore sites{*pool};
-  const RobotStore robots{*pool};
-  const MapStore maps{*pool};
-  const RevisionStore revisions{*pool};
-  const SessionStore sessions{*pool};
-  const RecordStore records{*pool};
-  const BlobStore blobs{*pool};
-  const MappingStore mappings{*pool};
-  const ClosureStore closures{*pool};
-  const GraphStore graph_store{*pool};
-  const LinkPointStore link_points{*pool};
-  const RobotPoseStore robot_poses{*pool};
-  const AuditStore audit{*pool};
-  const DoorVerdictStore door_verdicts{*pool};
-  const SiteLeaseStore site_leases{*pool};
-  const FeatureStore features{*pool};
+  const storage::SiteStore sites{*pool};
+  const storage::RobotStore robots{*pool};
+  const storage::MapStore maps{*pool};
+  const storage::RevisionStore revisions{*pool};
+  const storage::SessionStore sessions{*pool};
+  const storage::RecordStore records{*pool};
+  const storage::BlobStore blobs{*pool};
+  const storage::MappingStore mappings{*pool};
+  const storage::ClosureStore closures{*pool};
+  const storage::GraphStore graph_store{*pool};
+  const storage::LinkPointStore link_points{*pool};
+  const storage::RobotPoseStore robot_poses{*pool};
+  const storage::AuditStore audit{*pool};
+  const storage::DoorVerdictStore door_verdicts{*pool};
+  const storage::SiteLeaseStore site_leases{*pool};
+  const storage::FeatureStore features{*pool};
   WakeSignal doors_wake;
   Executor executor;
   Mapping mapping;
@@ -171,13 +171,13 @@ Server::~Server() { impl_->Shutdown(); }
 const std::string& Server::address() const { return impl_->address; }
 void Server::Shutdown() { impl_->Shutdown(); }
 
-absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, const SlamProfiles& slam) {
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, const slam::SlamProfiles& slam) {
   ENFILADE_RETURN_IF_ERROR(options.Validate());
   for (const std::string& name : slam.Names()) {
     const absl::Status status = slam.Find(name)->Validate();
     if (!status.ok()) return WithContext(status, "SLAM profile \"" + name + "\"");
   }
-  ENFILADE_ASSIGN_OR_RETURN(auto pool, postgres::Pool::Create(PoolOptionsOf(options.database)));
+  ENFILADE_ASSIGN_OR_RETURN(auto pool, storage::postgres::Pool::Create(PoolOptionsOf(options.database)));
   ENFILADE_ASSIGN_OR_RETURN(auto metrics, Metrics::Create(options.metrics.address));
   auto impl = std::make_unique<Impl>(options, slam, std::move(pool), std::move(metrics));
   ENFILADE_RETURN_IF_ERROR(impl->Start());

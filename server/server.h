@@ -14,7 +14,7 @@ class Server {
  public:
   // The database need not be reachable yet: then health says NOT_SERVING until it is. UNAVAILABLE where an address is
   // taken, saying which; INVALID_ARGUMENT for options.
-  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options, const SlamProfiles& slam);
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options, const slam::SlamProfiles& slam);
   // Shuts down at once, if Shutdown was not called.
   ~Server();
 

@@ -12,7 +12,7 @@
 #include "core/sensor/record.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -39,7 +39,7 @@ class BlobStore {
   absl::StatusOr<std::string> GetRange(const CallContext& context, const SiteId& site, std::string_view sha256,
                                        std::int64_t offset, std::int64_t size) const;
   // The blob with its size. NOT_FOUND.
-  absl::StatusOr<BlobRef> Stat(const CallContext& context, const SiteId& site, std::string_view sha256) const;
+  absl::StatusOr<sensor::BlobRef> Stat(const CallContext& context, const SiteId& site, std::string_view sha256) const;
   // Those of `sha256s` that the site does not have, each once.
   absl::StatusOr<std::vector<std::string>> Missing(const CallContext& context, const SiteId& site,
                                                    absl::Span<const std::string> sha256s) const;
@@ -48,4 +48,4 @@ class BlobStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-namespace enfilade {
+namespace enfilade::storage {
 
 // What every call of a store carries. The database gives up a statement when `deadline` passes (statement_timeout is
 // set to what remains), and the caller gets DEADLINE_EXCEEDED.
@@ -22,4 +22,4 @@ struct PageRequest {
   std::string after;  // the last id of the page before; empty for the first page
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

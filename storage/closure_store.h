@@ -8,7 +8,7 @@
 #include "core/slam/slam_map.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -20,16 +20,16 @@ class ClosureStore {
   explicit ClosureStore(postgres::Pool& pool) : pool_(pool) {}
 
   // By id, those behind `after` (-1: from the first). NOT_FOUND where the session is missing.
-  absl::StatusOr<std::vector<SlamClosure>> List(const CallContext& context, const SiteId& site,
+  absl::StatusOr<std::vector<slam::SlamClosure>> List(const CallContext& context, const SiteId& site,
                                                 const SessionId& session, std::int64_t after, int limit) const;
   // A suspended closure takes no part in the map; a resumed one is judged anew. The session is mapped again from its
   // checkpoint, whoever was at it: its lease is taken away, and a session that was mapped becomes finished until its
   // graph is solved. NOT_FOUND. Nothing happens where it is so already.
-  absl::StatusOr<SlamClosure> SetSuspended(const CallContext& context, const SiteId& site, const SessionId& session,
+  absl::StatusOr<slam::SlamClosure> SetSuspended(const CallContext& context, const SiteId& site, const SessionId& session,
                                            std::int64_t closure, bool suspended) const;
 
  private:
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -16,7 +16,7 @@
 #include "storage/session_store.h"
 #include "storage/site_lease_store.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -31,7 +31,7 @@ struct PendingDoors {
 
 struct StoredDoorReport {
   std::int64_t sequence = 0;
-  DoorReport report;
+  sensor::DoorReport report;
   bool judged = false;
 };
 
@@ -46,7 +46,7 @@ struct NewMap {
 
 // All that follows from one report. Its site is that of the lease.
 struct DoorChange {
-  DoorVerdict verdict;                            // graph_version: the graph must still be at it
+  closure::DoorVerdict verdict;                            // graph_version: the graph must still be at it
   std::optional<NewMap> new_map;                  // of verdict.entered_map
   std::optional<StoredLinkPoint> new_link_point;  // or candidate
   std::optional<StoredLinkPoint> link_point;      // one that is there, as it is to be; with its etag
@@ -90,18 +90,18 @@ class DoorVerdictStore {
   absl::Status MarkJudged(const CallContext& context, const SiteLease& lease, const SessionId& session) const;
 
   // By sequence, those behind `after`. NOT_FOUND where the session is missing.
-  absl::StatusOr<std::vector<DoorVerdict>> List(const CallContext& context, const SiteId& site,
+  absl::StatusOr<std::vector<closure::DoorVerdict>> List(const CallContext& context, const SiteId& site,
                                                 const SessionId& session, std::int64_t after, int limit) const;
   // On the passage that the session ends with; unset where there is none, or it is not judged.
-  absl::StatusOr<std::optional<DoorVerdict>> FindPassage(const CallContext& context, const SiteId& site,
+  absl::StatusOr<std::optional<closure::DoorVerdict>> FindPassage(const CallContext& context, const SiteId& site,
                                                          const SessionId& session) const;
 
   // Those on passages into `map`, the latest first, without their comparisons.
-  absl::StatusOr<std::vector<DoorVerdict>> ListInto(const CallContext& context, const SiteId& site, const MapId& map,
+  absl::StatusOr<std::vector<closure::DoorVerdict>> ListInto(const CallContext& context, const SiteId& site, const MapId& map,
                                                     int limit) const;
 
  private:
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

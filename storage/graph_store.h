@@ -17,7 +17,7 @@
 #include "storage/link_point_store.h"
 #include "storage/map_store.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -168,4 +168,4 @@ class GraphListener {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -17,7 +17,7 @@
 #include "storage/call_context.h"
 #include "storage/map_store.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -30,7 +30,7 @@ struct Evidence {
   MapId map;  // of the anchor that it belongs to
   EvidenceKind kind = EvidenceKind::kFrontImage;
   std::int16_t encoding = 0;  // ImageEncoding or CloudEncoding, by `kind`
-  BlobRef content;
+  sensor::BlobRef content;
   TimeNs time = 0;  // when it was recorded
   // Where the robot was in `map` then; unset: not known, as near to the place as anybody knows.
   std::optional<Pose2> T_map_robot = {};
@@ -38,7 +38,7 @@ struct Evidence {
 
 struct StoredLinkPoint {
   SiteId site;
-  LinkPoint point;                         // `graph_version` is set by the store
+  graph::LinkPoint point;                         // `graph_version` is set by the store
   std::optional<Environment> environment;  // unset: not known
   bool forced = false;                     // may stand beside one that joins the same maps at the same place
   // Set by the store.
@@ -50,9 +50,9 @@ struct StoredLinkPoint {
 
 struct LinkPointFilter {
   std::optional<MapId> map = std::nullopt;  // with an anchor in it
-  std::optional<LinkPointKind> kind = std::nullopt;
-  std::optional<PassageState> state = std::nullopt;  // as stored, expired or not
-  std::optional<LinkPointUse> use = std::nullopt;
+  std::optional<graph::LinkPointKind> kind = std::nullopt;
+  std::optional<graph::PassageState> state = std::nullopt;  // as stored, expired or not
+  std::optional<graph::LinkPointUse> use = std::nullopt;
   std::optional<bool> candidate = std::nullopt;
   std::optional<std::string> tag = std::nullopt;  // exactly
 };
@@ -90,7 +90,7 @@ class LinkPointStore {
   // The place seen from one more map: a candidate becomes a link point. ABORTED on a stale `etag` (0: any); NOT_FOUND;
   // ALREADY_EXISTS where it has an anchor in that map, or is redundant then and not `force`.
   absl::StatusOr<StoredLinkPoint> AddAnchor(const CallContext& context, const SiteId& site, const LinkPointId& id,
-                                            std::int64_t etag, const Anchor& anchor, bool force) const;
+                                            std::int64_t etag, const graph::Anchor& anchor, bool force) const;
   absl::StatusOr<StoredLinkPoint> Get(const CallContext& context, const SiteId& site, const LinkPointId& id) const;
   // By id.
   absl::StatusOr<std::vector<StoredLinkPoint>> List(const CallContext& context, const SiteId& site,
@@ -123,4 +123,4 @@ class LinkPointStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -11,7 +11,7 @@
 #include "core/base/time.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -76,4 +76,4 @@ class MapStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

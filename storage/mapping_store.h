@@ -17,7 +17,7 @@
 #include "storage/revision_store.h"
 #include "storage/session_store.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -38,7 +38,7 @@ struct LeasedSession {
 
 // What a mapping worker has to store at once. The referred values must live until the call returns.
 struct MappingStep {
-  const SlamDelta& delta;
+  const slam::SlamDelta& delta;
   std::string_view checkpoint;              // pairing's and mapper's state after the delta
   MappingCounts counts;                     // of all steps so far
   std::int64_t mapped_sequence = 0;         // all records up to it are in the map or in the checkpoint
@@ -49,14 +49,14 @@ struct MappingStep {
 };
 
 struct StoredMapping {
-  SlamMap map;
+  slam::SlamMap map;
   std::string checkpoint;
   std::int64_t mapped_sequence = 0;
 };
 
 struct Trajectory {
   std::int64_t mapped_sequence = 0;  // the log up to which it was made from
-  std::vector<StampedPose> poses;    // in the order of the log
+  std::vector<slam::StampedPose> poses;    // in the order of the log
 };
 
 // Thread-safe; errors common to all stores: see SiteStore. Leases run on the database's clock.
@@ -91,7 +91,7 @@ class MappingStore {
                                             const SessionId& session) const;
 
   // By id, as they are now. Empty before the first step, and where the session is missing.
-  absl::StatusOr<std::vector<SlamNode>> ListKeyframes(const CallContext& context, const SiteId& site,
+  absl::StatusOr<std::vector<slam::SlamNode>> ListKeyframes(const CallContext& context, const SiteId& site,
                                                       const SessionId& session) const;
   // The keyframe nearest in time; unset where there is none.
   absl::StatusOr<std::optional<PoseWithCovariance>> FindKeyframe(const CallContext& context, const SiteId& site,
@@ -101,4 +101,4 @@ class MappingStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

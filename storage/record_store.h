@@ -11,7 +11,7 @@
 #include "storage/blob_store.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -21,14 +21,14 @@ class Pool;
 struct RecordBatch {
   const SiteId& site;
   const SessionId& session;
-  absl::Span<const Record> records;
+  absl::Span<const sensor::Record> records;
   // Blobs that the records refer to and that may not be stored yet.
   absl::Span<const BlobView> blobs;
 };
 
 // Some records of a log: all of this must hold.
 struct RecordSelection {
-  std::vector<RecordKind> kinds;
+  std::vector<sensor::RecordKind> kinds;
   TimeNs from_time = 0;  // both included
   TimeNs to_time = 0;
   std::int64_t first_sequence = 0;  // both included; few thousands apart, as all between are looked at
@@ -68,18 +68,18 @@ class RecordStore {
   // The next records from `from_sequence` on without a hole, up to the acknowledged one, of about `max_bytes` of
   // payload together, at least one; empty where there is none yet. NOT_FOUND; FAILED_PRECONDITION where retention has
   // deleted the session's records; DATA_LOSS where a payload does not decode.
-  absl::StatusOr<std::vector<Record>> Read(const CallContext& context, const SiteId& site, const SessionId& session,
+  absl::StatusOr<std::vector<sensor::Record>> Read(const CallContext& context, const SiteId& site, const SessionId& session,
                                            std::int64_t from_sequence, std::int64_t max_bytes) const;
 
   // Those of `selection`, in the order of the log; none where retention has deleted them. DATA_LOSS as in Read.
-  absl::StatusOr<std::vector<Record>> ReadSelected(const CallContext& context, const SiteId& site,
+  absl::StatusOr<std::vector<sensor::Record>> ReadSelected(const CallContext& context, const SiteId& site,
                                                    const SessionId& session, const RecordSelection& selection) const;
   // Those of these sequences that are there, in the order of the log. DATA_LOSS as in Read.
-  absl::StatusOr<std::vector<Record>> ReadEach(const CallContext& context, const SiteId& site, const SessionId& session,
+  absl::StatusOr<std::vector<sensor::Record>> ReadEach(const CallContext& context, const SiteId& site, const SessionId& session,
                                                const std::vector<std::int64_t>& sequences) const;
 
  private:
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -15,7 +15,7 @@
 #include "storage/blob_store.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -51,7 +51,7 @@ struct StoredRaster {
 struct NewRevision {
   RevisionSource source = RevisionSource::kMapping;
   std::optional<SessionId> session;  // that it was made from
-  GridGeometry geometry;
+  grid::GridGeometry geometry;
   std::string raster_header;   // opaque to storage, at most 1 MiB: whatever else is needed to read the tiles
   std::string content_sha256;  // 32 raw bytes, of the whole content as the caller defines it
   std::vector<TileRef> tiles;  // the whole raster; each blob is stored already or goes along with the call
@@ -85,7 +85,7 @@ struct MapRevision {
   std::int64_t number = 0;  // 1, 2, 3, ... per map
   RevisionSource source = RevisionSource::kMapping;
   std::optional<SessionId> session;
-  GridGeometry geometry;
+  grid::GridGeometry geometry;
   std::string raster_header;
   std::string content_sha256;
   std::int64_t tile_count = 0;
@@ -127,4 +127,4 @@ class RevisionStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

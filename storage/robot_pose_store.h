@@ -11,7 +11,7 @@
 #include "core/geometry/pose2.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -45,4 +45,4 @@ class RobotPoseStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -5,7 +5,7 @@
 #include "absl/status/statusor.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -26,4 +26,4 @@ struct SchemaState {
 // UNAVAILABLE where the database cannot be reached.
 absl::StatusOr<SchemaState> CheckSchema(const CallContext& context, postgres::Pool& pool);
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -12,7 +12,7 @@
 #include "core/sensor/session_entry.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -53,7 +53,7 @@ struct Session {
   SessionId id;
   RobotId robot;
   std::optional<MapId> map;  // unset: only recorded, or entry.previous is not judged yet
-  SessionEntry entry;
+  sensor::SessionEntry entry;
   // Set by the store.
   SessionState state = SessionState::kRecording;
   std::int64_t acknowledged_sequence = 0;  // all records up to it are stored
@@ -110,4 +110,4 @@ class SessionStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -10,7 +10,7 @@
 #include "core/base/ids.h"
 #include "storage/call_context.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace postgres {
 class Pool;
 }
@@ -40,4 +40,4 @@ class SiteLeaseStore {
   postgres::Pool& pool_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -10,24 +10,24 @@
 namespace enfilade::cli {
 namespace {
 
-absl::StatusOr<MapFile> ReadMapFile(const std::filesystem::path& path) {
+absl::StatusOr<grid::MapFile> ReadMapFile(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) return NotFound("cannot read {}", path.string());
   std::ostringstream bytes;
   bytes << in.rdbuf();
-  return MapFile{path.filename().string(), std::move(bytes).str()};
+  return grid::MapFile{path.filename().string(), std::move(bytes).str()};
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<MapFile>> ReadMapFiles(const std::filesystem::path& path) {
-  std::vector<MapFile> files;
-  ENFILADE_ASSIGN_OR_RETURN(MapFile first, ReadMapFile(path));
+absl::StatusOr<std::vector<grid::MapFile>> ReadMapFiles(const std::filesystem::path& path) {
+  std::vector<grid::MapFile> files;
+  ENFILADE_ASSIGN_OR_RETURN(grid::MapFile first, ReadMapFile(path));
   files.push_back(std::move(first));
   if (path.extension() == ".json") return files;
-  const auto image = ImageNameOf(files.front().bytes);
+  const auto image = grid::ImageNameOf(files.front().bytes);
   if (!image.ok()) return WithContext(image.status(), path.string());
-  ENFILADE_ASSIGN_OR_RETURN(MapFile second, ReadMapFile(path.parent_path() / *image));
+  ENFILADE_ASSIGN_OR_RETURN(grid::MapFile second, ReadMapFile(path.parent_path() / *image));
   files.push_back(std::move(second));
   return files;
 }

@@ -9,6 +9,6 @@
 namespace enfilade::cli {
 
 // The file and, for a YAML, the image that it names. NOT_FOUND; INVALID_ARGUMENT where the YAML names none.
-absl::StatusOr<std::vector<MapFile>> ReadMapFiles(const std::filesystem::path& path);
+absl::StatusOr<std::vector<grid::MapFile>> ReadMapFiles(const std::filesystem::path& path);
 
 }  // namespace enfilade::cli

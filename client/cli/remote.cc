@@ -12,8 +12,8 @@ std::string SessionNameOf(const Globals& globals, const std::string& session) {
   return session.rfind("sites/", 0) == 0 ? session : SiteNameOf(globals) + "/sessions/" + session;
 }
 
-absl::StatusOr<v1::Map> FindMap(const Connection& connection, const Globals& globals, const std::string& map) {
-  return enfilade::FindMap(connection, SiteId(globals.site), map);
+absl::StatusOr<v1::Map> FindMap(const client::Connection& connection, const Globals& globals, const std::string& map) {
+  return enfilade::client::FindMap(connection, SiteId(globals.site), map);
 }
 
 std::string TimeInWords(const google::protobuf::Timestamp& time) {

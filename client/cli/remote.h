@@ -16,7 +16,7 @@ namespace enfilade::cli {
 
 // What commands that talk to a server share.
 
-inline Connection ConnectionOf(const Globals& globals) {
+inline client::Connection ConnectionOf(const Globals& globals) {
   return {globals.server, std::chrono::duration<double>(globals.timeout_s), globals.actor};
 }
 
@@ -27,7 +27,7 @@ inline std::string SiteNameOf(const Globals& globals) { return "sites/" + global
 std::string SessionNameOf(const Globals& globals, const std::string& session);
 
 // The map that a person means: by its display name, its id or its resource name, in this order. NOT_FOUND.
-absl::StatusOr<v1::Map> FindMap(const Connection& connection, const Globals& globals, const std::string& map);
+absl::StatusOr<v1::Map> FindMap(const client::Connection& connection, const Globals& globals, const std::string& map);
 
 // "2026-11-20 23:41:35" UTC; empty for an unset time.
 std::string TimeInWords(const google::protobuf::Timestamp& time);

@@ -7,7 +7,7 @@
 #include "grpcpp/security/credentials.h"
 #include "grpcpp/support/channel_arguments.h"
 
-namespace enfilade {
+namespace enfilade::client {
 
 std::shared_ptr<grpc::Channel> Connect(const std::string& address) {
   constexpr int kMaxMessageBytes = 66 << 20;
@@ -38,4 +38,4 @@ absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& addre
   return absl::Status(code, status.error_message());
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::client

@@ -11,7 +11,7 @@
 #include "grpcpp/client_context.h"
 #include "grpcpp/support/status.h"
 
-namespace enfilade {
+namespace enfilade::client {
 
 // A channel to the server at host:port or unix:/path, with keepalive, so that a dead connection is noticed within 20 s,
 // and room for messages of 66 MiB. Connects when first used, and again by itself.
@@ -61,4 +61,4 @@ class Connection {
   std::shared_ptr<grpc::Channel> channel_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::client

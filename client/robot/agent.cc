@@ -30,19 +30,19 @@ StateMachineOptions MachineOptionsOf(const AgentSetup& setup) {
 
 // What of one kind is thinned and recorded apart from the others.
 int SeriesOf(const SpoolItem& item) {
-  const auto* image = std::get_if<Image>(&item.payload);
+  const auto* image = std::get_if<sensor::Image>(&item.payload);
   if (!image) return 0;
-  return 1 + 2 * static_cast<int>(image->camera) + (image->encoding == ImageEncoding::kDepthPng16 ? 1 : 0);
+  return 1 + 2 * static_cast<int>(image->camera) + (image->encoding == sensor::ImageEncoding::kDepthPng16 ? 1 : 0);
 }
 
 std::int64_t BytesOf(const SpoolItem& item) {
-  const auto* scan = std::get_if<LaserScan>(&item.payload);
+  const auto* scan = std::get_if<sensor::LaserScan>(&item.payload);
   return static_cast<std::int64_t>(item.content.size() + (scan ? scan->ranges.size() * sizeof(float) : 0)) + 256;
 }
 
 }  // namespace
 
-Agent::Agent(AgentSetup setup, const Connection& connection, client::Spool& spool, Uploader& uploader,
+Agent::Agent(AgentSetup setup, const client::Connection& connection, client::Spool& spool, Uploader& uploader,
              NewsListener listener, std::function<bool()> interrupted, SurroundingsChoice choice)
     : setup_(std::move(setup)),
       connection_(connection),
@@ -51,13 +51,13 @@ Agent::Agent(AgentSetup setup, const Connection& connection, client::Spool& spoo
       listener_(std::move(listener)),
       interrupted_(std::move(interrupted)),
       machine_(MachineOptionsOf(setup_)),
-      pairing_(ScanPairingOptions{}),
+      pairing_(sensor::ScanPairingOptions{}),
       detector_(setup_.options.doors),
       evidence_(setup_.options.evidence),
       choice_(std::move(choice)),
       last_write_(Clock::now()) {}
 
-absl::StatusOr<std::unique_ptr<Agent>> Agent::Make(AgentSetup setup, const Connection& connection, client::Spool& spool,
+absl::StatusOr<std::unique_ptr<Agent>> Agent::Make(AgentSetup setup, const client::Connection& connection, client::Spool& spool,
                                                    Uploader& uploader, NewsListener listener,
                                                    std::function<bool()> interrupted) {
   ENFILADE_RETURN_IF_ERROR(setup.options.Validate());
@@ -106,14 +106,14 @@ absl::Status Agent::Handle(const Event& event) {
 }
 
 absl::Status Agent::Add(const SpoolItem& item) {
-  if (const absl::Status valid = Validate(item.payload); !valid.ok()) {
+  if (const absl::Status valid = sensor::Validate(item.payload); !valid.ok()) {
     ++counts_.invalid;
     Say("bad_input", std::string(valid.message()), {{"error", std::string(valid.message())}});
     return absl::OkStatus();
   }
-  if (std::holds_alternative<LaserScan>(item.payload)) return AddScan(item);
-  if (std::holds_alternative<Odometry>(item.payload)) return AddOdometry(item);
-  if (std::holds_alternative<Image>(item.payload) || std::holds_alternative<PointCloud>(item.payload)) {
+  if (std::holds_alternative<sensor::LaserScan>(item.payload)) return AddScan(item);
+  if (std::holds_alternative<sensor::Odometry>(item.payload)) return AddOdometry(item);
+  if (std::holds_alternative<sensor::Image>(item.payload) || std::holds_alternative<sensor::PointCloud>(item.payload)) {
     return AddPicture(item);
   }
   ++counts_.invalid;  // reports and withheld records are not for sources
@@ -127,30 +127,30 @@ absl::Status Agent::AddScan(const SpoolItem& item) {
     return absl::OkStatus();
   }
   ENFILADE_RETURN_IF_ERROR(Gather(item));
-  std::vector<PairedScan> settled;
-  pairing_.Add(1, std::get<LaserScan>(item.payload), settled);
+  std::vector<sensor::PairedScan> settled;
+  pairing_.Add(1, std::get<sensor::LaserScan>(item.payload), settled);
   return AddSettled(settled);
 }
 
 absl::Status Agent::AddOdometry(const SpoolItem& item) {
-  odometry_ = std::get<Odometry>(item.payload);
+  odometry_ = std::get<sensor::Odometry>(item.payload);
   if (!recording()) {
     ++counts_.ignored;
     return absl::OkStatus();
   }
   ENFILADE_RETURN_IF_ERROR(Gather(item));
-  std::vector<PairedScan> settled;
+  std::vector<sensor::PairedScan> settled;
   pairing_.Add(*odometry_, settled);
   return AddSettled(settled);
 }
 
-absl::Status Agent::AddSettled(std::vector<PairedScan>& settled) {
-  for (const PairedScan& scan : settled) {
+absl::Status Agent::AddSettled(std::vector<sensor::PairedScan>& settled) {
+  for (const sensor::PairedScan& scan : settled) {
     if (!scan.T_odom_robot) continue;
     choice_.Add(scan.scan);
     ENFILADE_RETURN_IF_ERROR(Handle(Moved{scan.scan.time, *scan.T_odom_robot}));
     if (!setup_.options.automatic) continue;
-    for (const DoorEvent& event : detector_.Add(scan.scan, *scan.T_odom_robot)) {
+    for (const doors::DoorEvent& event : detector_.Add(scan.scan, *scan.T_odom_robot)) {
       ENFILADE_RETURN_IF_ERROR(Handle(DoorSeen{event}));
     }
   }
@@ -158,7 +158,7 @@ absl::Status Agent::AddSettled(std::vector<PairedScan>& settled) {
 }
 
 absl::Status Agent::AddPicture(const SpoolItem& item) {
-  if (sources::RefOf(item.content) != *FindBlob(item.payload)) {
+  if (sources::RefOf(item.content) != *sensor::FindBlob(item.payload)) {
     ++counts_.invalid;
     Say("bad_input", "an image or cloud came with other bytes than its record says", {{"time_ns", TimeOf(item)}});
     return absl::OkStatus();
@@ -183,17 +183,17 @@ void Agent::ReportPose(const OwnPose& pose) {
   if (!progress.map.empty() && map == progress.map) {
     map = progress.map_name;
   } else if (IsValidResourceId(map)) {
-    map = NameOf(MapName{setup_.site, MapId(map)});
+    map = convert::NameOf(convert::MapName{setup_.site, MapId(map)});
   }
   uploader_.ReportPose(map, pose.T_map_robot, pose.time);
 }
 
 absl::Status Agent::Finish() {
-  std::vector<PairedScan> settled;
+  std::vector<sensor::PairedScan> settled;
   pairing_.Flush(settled);
   ENFILADE_RETURN_IF_ERROR(AddSettled(settled));
   if (setup_.options.automatic && recording()) {
-    for (const DoorEvent& event : detector_.Finish()) ENFILADE_RETURN_IF_ERROR(Handle(DoorSeen{event}));
+    for (const doors::DoorEvent& event : detector_.Finish()) ENFILADE_RETURN_IF_ERROR(Handle(DoorSeen{event}));
   }
   return Handle(SourceEnded{});
 }
@@ -246,7 +246,7 @@ void Agent::Refuse(const client::SpoolUsage& usage, std::int64_t reserve) {
   const std::size_t before = gathered_.size();
   std::erase_if(gathered_, [&](const SpoolItem& item) {
     // A way without scans is still a way: odometry may have half of what is kept free for reports.
-    const bool refused = !std::holds_alternative<Odometry>(item.payload) || free < reserve / 2;
+    const bool refused = !std::holds_alternative<sensor::Odometry>(item.payload) || free < reserve / 2;
     if (refused) gathered_bytes_ -= BytesOf(item);
     return refused;
   });

@@ -57,7 +57,7 @@ struct AgentCounts {
 class Agent {
  public:
   // `spool`, `uploader` and `connection` must outlive the agent. `interrupted`: asked while the spool is full.
-  static absl::StatusOr<std::unique_ptr<Agent>> Make(AgentSetup setup, const Connection& connection,
+  static absl::StatusOr<std::unique_ptr<Agent>> Make(AgentSetup setup, const client::Connection& connection,
                                                      client::Spool& spool, Uploader& uploader, NewsListener listener,
                                                      std::function<bool()> interrupted);
 
@@ -78,13 +78,13 @@ class Agent {
   const AgentCounts& counts() const { return counts_; }
 
  private:
-  Agent(AgentSetup setup, const Connection& connection, client::Spool& spool, Uploader& uploader, NewsListener listener,
+  Agent(AgentSetup setup, const client::Connection& connection, client::Spool& spool, Uploader& uploader, NewsListener listener,
         std::function<bool()> interrupted, SurroundingsChoice choice);
 
   absl::Status Handle(const Event& event);
   absl::Status AddScan(const client::SpoolItem& item);
   absl::Status AddOdometry(const client::SpoolItem& item);
-  absl::Status AddSettled(std::vector<PairedScan>& settled);
+  absl::Status AddSettled(std::vector<sensor::PairedScan>& settled);
   absl::Status AddPicture(const client::SpoolItem& item);
 
   // One for each action.
@@ -113,15 +113,15 @@ class Agent {
   void Say(std::string event, std::string text, nlohmann::json fields = nlohmann::json::object());
 
   const AgentSetup setup_;
-  const Connection& connection_;
+  const client::Connection& connection_;
   client::Spool& spool_;
   Uploader& uploader_;
   const NewsListener listener_;
   const std::function<bool()> interrupted_;
 
   StateMachine machine_;
-  ScanPairing pairing_;
-  DoorDetector detector_;
+  sensor::ScanPairing pairing_;
+  doors::DoorDetector detector_;
   EvidenceBuffer evidence_;
   SurroundingsChoice choice_;
   std::map<std::int64_t, std::vector<client::SpoolItem>> kept_;  // by door
@@ -134,7 +134,7 @@ class Agent {
   std::vector<client::SpoolItem> gathered_;
   std::int64_t gathered_bytes_ = 0;
   std::chrono::steady_clock::time_point last_write_;
-  std::optional<Odometry> odometry_;  // the last
+  std::optional<sensor::Odometry> odometry_;  // the last
   bool held_up_ = false;              // told
   AgentCounts counts_;
 };

@@ -35,8 +35,8 @@ absl::Status Agent::Act(const BeginSession& action) {
     return Begin(std::move(session), "behind the door; the server will say into which map");
   }
   // Elsewhere than before, perhaps. The session begins with the first scan, which tells where the robot is.
-  detector_ = DoorDetector(setup_.options.doors);
-  pairing_ = ScanPairing(ScanPairingOptions{});
+  detector_ = doors::DoorDetector(setup_.options.doors);
+  pairing_ = sensor::ScanPairing(sensor::ScanPairingOptions{});
   kept_.clear();
   session_.reset();
   to_begin_ = action;
@@ -44,9 +44,9 @@ absl::Status Agent::Act(const BeginSession& action) {
 }
 
 absl::Status Agent::BeginWithScan(const SpoolItem& item) {
-  choice_.Add(std::get<LaserScan>(item.payload));
+  choice_.Add(std::get<sensor::LaserScan>(item.payload));
   const BeginSession action = *std::exchange(to_begin_, std::nullopt);
-  std::vector<PairedScan> none;
+  std::vector<sensor::PairedScan> none;
   if (odometry_) pairing_.Add(*odometry_, none);
   client::SpoolSession session;
   session.map = action.map.empty() ? MadeUpName(setup_.robot) : action.map;
@@ -97,8 +97,8 @@ absl::Status Agent::Act(const KeepEvidence& action) {
 }
 
 absl::Status Agent::Act(const WriteReport& action) {
-  DoorReport report = action.report;
-  const bool passage = report.kind == DoorReport::Kind::kPassage;
+  sensor::DoorReport report = action.report;
+  const bool passage = report.kind == sensor::DoorReport::Kind::kPassage;
   std::vector<SpoolItem> seen;
   if (const auto kept = kept_.find(action.door); kept != kept_.end()) {
     seen = std::move(kept->second);
@@ -134,7 +134,7 @@ absl::Status Agent::Act(const WriteReport& action) {
        {"by_hand", report.by_hand},
        {"evidence", written},
        {"surroundings",
-        report.entered_surroundings ? nlohmann::json(ToString(*report.entered_surroundings)) : nlohmann::json()},
+        report.entered_surroundings ? nlohmann::json(sensor::ToString(*report.entered_surroundings)) : nlohmann::json()},
        {"reason", report.reason}});
   return absl::OkStatus();
 }

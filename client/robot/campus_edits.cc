@@ -9,16 +9,16 @@
 
 namespace enfilade::robot {
 
-absl::Status DeleteMapOnServer(const Connection& connection, const SiteId& site, const std::string& map) {
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, site, map));
+absl::Status DeleteMapOnServer(const client::Connection& connection, const SiteId& site, const std::string& map) {
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, client::FindMap(connection, site, map));
   v1::DeleteMapRequest request;
   request.set_name(found.name());
   return connection.Call(&v1::MapService::Stub::DeleteMap, request).status();
 }
 
-absl::Status DeleteLinkPointOnServer(const Connection& connection, const SiteId& site, const std::string& link_point) {
+absl::Status DeleteLinkPointOnServer(const client::Connection& connection, const SiteId& site, const std::string& link_point) {
   v1::DeleteLinkPointRequest request;
-  request.set_name(IsValidResourceId(link_point) ? NameOf(LinkPointName{site, LinkPointId(link_point)}) : link_point);
+  request.set_name(IsValidResourceId(link_point) ? convert::NameOf(convert::LinkPointName{site, LinkPointId(link_point)}) : link_point);
   return connection.Call(&v1::LinkPointService::Stub::DeleteLinkPoint, request).status();
 }
 

@@ -10,8 +10,8 @@ namespace enfilade::robot {
 
 // What the main menu changes on the server. By display name, id or resource name. NOT_FOUND; FAILED_PRECONDITION where
 // something depends on it (its message tells what).
-absl::Status DeleteMapOnServer(const Connection& connection, const SiteId& site, const std::string& map);
+absl::Status DeleteMapOnServer(const client::Connection& connection, const SiteId& site, const std::string& map);
 // By id or resource name.
-absl::Status DeleteLinkPointOnServer(const Connection& connection, const SiteId& site, const std::string& link_point);
+absl::Status DeleteLinkPointOnServer(const client::Connection& connection, const SiteId& site, const std::string& link_point);
 
 }  // namespace enfilade::robot

@@ -36,12 +36,12 @@ struct Arguments {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-absl::StatusOr<LinkPointKind> PlaceOf(const std::string& text) {
-  if (text.empty() || text == "door") return LinkPointKind::kDoor;
-  if (text == "lift") return LinkPointKind::kLift;
-  if (text == "stairs") return LinkPointKind::kStairs;
-  if (text == "ramp") return LinkPointKind::kRamp;
-  if (text == "opening") return LinkPointKind::kOpening;
+absl::StatusOr<graph::LinkPointKind> PlaceOf(const std::string& text) {
+  if (text.empty() || text == "door") return graph::LinkPointKind::kDoor;
+  if (text == "lift") return graph::LinkPointKind::kLift;
+  if (text == "stairs") return graph::LinkPointKind::kStairs;
+  if (text == "ramp") return graph::LinkPointKind::kRamp;
+  if (text == "opening") return graph::LinkPointKind::kOpening;
   return InvalidArgument("place is \"{}\": expected door, lift, stairs, ramp or opening", text);
 }
 
@@ -56,7 +56,7 @@ std::string CanonicalWord(std::string word) {
 
 absl::StatusOr<Command> CommandOf(const Arguments& arguments) {
   const std::string& word = arguments.word;
-  ENFILADE_ASSIGN_OR_RETURN(const LinkPointKind place, PlaceOf(arguments.place));
+  ENFILADE_ASSIGN_OR_RETURN(const graph::LinkPointKind place, PlaceOf(arguments.place));
   if (word == "set-link-point") return Command(SetLinkPoint{place, arguments.level});
   if (word == "save-rear-image") return Command(SaveRearImage{});
   if (word == "set-candidate") return Command(SetCandidate{place});

@@ -25,10 +25,10 @@ std::vector<std::size_t> Spread(std::size_t size, std::size_t count) {
 }  // namespace
 
 std::optional<EvidenceBuffer::Kind> EvidenceBuffer::KindOf(const SpoolItem& item) {
-  if (std::holds_alternative<PointCloud>(item.payload)) return Kind::kCloud;
-  const auto* image = std::get_if<Image>(&item.payload);
-  if (!image || image->encoding == ImageEncoding::kDepthPng16) return std::nullopt;
-  return image->camera == Camera::kRear ? Kind::kRear : Kind::kFront;
+  if (std::holds_alternative<sensor::PointCloud>(item.payload)) return Kind::kCloud;
+  const auto* image = std::get_if<sensor::Image>(&item.payload);
+  if (!image || image->encoding == sensor::ImageEncoding::kDepthPng16) return std::nullopt;
+  return image->camera == sensor::Camera::kRear ? Kind::kRear : Kind::kFront;
 }
 
 void EvidenceBuffer::Add(const SpoolItem& item, const Pose2& T_odom_robot) {
@@ -60,7 +60,7 @@ std::vector<SpoolItem> EvidenceBuffer::At(TimeNs time) const {
   return items;
 }
 
-std::vector<SpoolItem> EvidenceBuffer::Behind(const DoorReport& report) const {
+std::vector<SpoolItem> EvidenceBuffer::Behind(const sensor::DoorReport& report) const {
   const auto age = static_cast<DurationNs>(options_.max_age * static_cast<double>(kNsPerSecond));
   const TimeNs from = report.by_hand ? report.time - age : report.door_time;
   std::vector<SpoolItem> items;

@@ -27,7 +27,7 @@ class EvidenceBuffer {
 
   // What was seen of the map entered: of each camera up to `images` images between the door and the report, spread over
   // the way, and the cloud farthest behind the door. Of a report by hand: what was seen in the last max_age.
-  std::vector<client::SpoolItem> Behind(const DoorReport& report) const;
+  std::vector<client::SpoolItem> Behind(const sensor::DoorReport& report) const;
 
   std::size_t size() const;
 

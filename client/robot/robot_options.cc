@@ -134,7 +134,7 @@ absl::Status RobotOptions::Validate() const {
 
 absl::StatusOr<RobotOptions> RobotPreset(std::string_view name) {
   RobotOptions options;
-  ENFILADE_ASSIGN_OR_RETURN(options.doors, DoorPreset(name));
+  ENFILADE_ASSIGN_OR_RETURN(options.doors, doors::DoorPreset(name));
   if (name == "original-code") {
     options.choice.range_thr = 10.0;
     options.choice.num_depth_imgs = 5;
@@ -155,7 +155,7 @@ absl::StatusOr<RobotOptions> ParseRobotOptions(std::string_view yaml, const Robo
   ENFILADE_RETURN_IF_ERROR(ApplyAliases(values));
   const auto visit = [&](auto visitor) {
     VisitOwn(options, [&](const char* name, auto& value, const char*) { visitor(name, value); });
-    VisitDoorOptions(options.doors, visitor);
+    doors::VisitDoorOptions(options.doors, visitor);
   };
   ENFILADE_RETURN_IF_ERROR(yaml_options::Assign(values, kWhat, visit, {"preset"}));
   ENFILADE_RETURN_IF_ERROR(options.Validate());
@@ -163,7 +163,7 @@ absl::StatusOr<RobotOptions> ParseRobotOptions(std::string_view yaml, const Robo
 }
 
 std::string FormatRobotOptions(const RobotOptions& options) {
-  const bool gap = options.doors.method == DoorMethod::kGap;
+  const bool gap = options.doors.method == doors::DoorMethod::kGap;
   std::string text = fmt::format("preset: {}  # or {}; all that follows is set on top of it\n",
                                  gap ? "default" : "original-yaml", gap ? "original-yaml, original-code" : "default");
   std::string group;
@@ -179,7 +179,7 @@ std::string FormatRobotOptions(const RobotOptions& options) {
     line(name, fmt::format("{}", Quoted(value)), comment);
   });
   text += "# doors: docs/doors.md\n";
-  VisitDoorOptions(options.doors, [&](const char* name, const auto& value) {
+  doors::VisitDoorOptions(options.doors, [&](const char* name, const auto& value) {
     std::string comment;
     for (const auto& [original, ours] : kAliases) {
       if (std::string_view(ours) == name) comment = original;

@@ -51,7 +51,7 @@ struct RobotOptions {
   ChoiceOptions choice;
   EvidenceOptions evidence;
   SpoolLimits spool;
-  DoorOptions doors;
+  doors::DoorOptions doors;
 
   // INVALID_ARGUMENT naming the option.
   absl::Status Validate() const;

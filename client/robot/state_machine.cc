@@ -8,8 +8,8 @@ namespace {
 // Doors set by hand have no number of the detector's.
 constexpr std::int64_t kByHand = 0;
 
-DoorReport ReportOf(const DoorEvent& event, DoorReport::Kind kind, TimeNs time) {
-  DoorReport report;
+sensor::DoorReport ReportOf(const doors::DoorEvent& event, sensor::DoorReport::Kind kind, TimeNs time) {
+  sensor::DoorReport report;
   report.time = time;
   report.kind = kind;
   report.door_time = event.door_time;
@@ -58,9 +58,9 @@ void StateMachine::On(const Ready&) {
 void StateMachine::On(const SessionBegun&) {
   if (state_ != State::kStartMapping) return;
   state_ = State::kMapping;
-  const std::vector<DoorEvent> held = std::move(held_);
+  const std::vector<doors::DoorEvent> held = std::move(held_);
   held_.clear();
-  for (const DoorEvent& event : held) On(DoorSeen{event});
+  for (const doors::DoorEvent& event : held) On(DoorSeen{event});
 }
 
 void StateMachine::On(const SessionFinished&) {
@@ -74,26 +74,26 @@ void StateMachine::On(const SessionFinished&) {
 }
 
 void StateMachine::On(const DoorSeen& seen) {
-  const DoorEvent& event = seen.event;
+  const doors::DoorEvent& event = seen.event;
   if (state_ != State::kMapping && state_ != State::kStopMapping && state_ != State::kStartMapping) return;
-  if (event.kind == DoorEvent::Kind::kLatched) {
+  if (event.kind == doors::DoorEvent::Kind::kLatched) {
     Act(KeepEvidence{event.door, event.door_time});
     return Act(Tell{fmt::format("a door of {:.2f} m lies ahead", event.width)});
   }
   // Behind a passage that is not reported yet, or between two sessions: it belongs to the next one.
   if (state_ != State::kMapping || (passage_ && event.door_time > passage_->door_time)) {
     held_.push_back(event);
-    if (passage_ && event.kind == DoorEvent::Kind::kPassage) ReportPassage();
+    if (passage_ && event.kind == doors::DoorEvent::Kind::kPassage) ReportPassage();
     return;
   }
-  if (event.kind == DoorEvent::Kind::kPassage) {
+  if (event.kind == doors::DoorEvent::Kind::kPassage) {
     TakePassage(event);
   } else {
     ReportCandidate(event);
   }
 }
 
-void StateMachine::TakePassage(const DoorEvent& event) {
+void StateMachine::TakePassage(const doors::DoorEvent& event) {
   passage_ = event;
   Act(Tell{fmt::format("through a door of {:.2f} m: {}", event.width, event.reason)});
   On(Moved{event.time, event.T_odom_robot});
@@ -158,9 +158,9 @@ void StateMachine::Do(const DeleteLinkPoint& command) {
 void StateMachine::Do(const SetLinkPoint& command) {
   if (!Allowed(State::kMapping, "set link point") || !Located("set link point")) return;
   if (!evidence_saved_) Act(KeepEvidence{kByHand, now_});
-  DoorReport report;
+  sensor::DoorReport report;
   report.time = report.door_time = now_;
-  report.kind = DoorReport::Kind::kPassage;
+  report.kind = sensor::DoorReport::Kind::kPassage;
   report.place = command.place;
   report.T_odom_door = T_odom_robot_;
   report.entered_level = command.level;
@@ -183,7 +183,7 @@ void StateMachine::Do(const SaveRearImage&) {
 void StateMachine::Do(const SetCandidate& command) {
   if (!Allowed(State::kMapping, "set candidate") || !Located("set candidate")) return;
   if (!evidence_saved_) Act(KeepEvidence{kByHand, now_});
-  DoorReport report;
+  sensor::DoorReport report;
   report.time = report.door_time = now_;
   report.place = command.place;
   report.T_odom_door = T_odom_robot_;
@@ -247,15 +247,15 @@ bool StateMachine::Located(std::string_view command) {
 }
 
 void StateMachine::ReportPassage() {
-  const DoorEvent event = *std::exchange(passage_, std::nullopt);
-  Act(WriteReport{event.door, ReportOf(event, DoorReport::Kind::kPassage, now_)});
+  const doors::DoorEvent event = *std::exchange(passage_, std::nullopt);
+  Act(WriteReport{event.door, ReportOf(event, sensor::DoorReport::Kind::kPassage, now_)});
   next_ = BeginSession{"", std::nullopt, true};
   Stop();
 }
 
-void StateMachine::ReportCandidate(const DoorEvent& event) {
+void StateMachine::ReportCandidate(const doors::DoorEvent& event) {
   Act(Tell{fmt::format("a candidate for a link point: {}", event.reason)});
-  Act(WriteReport{event.door, ReportOf(event, DoorReport::Kind::kCandidate, event.time)});
+  Act(WriteReport{event.door, ReportOf(event, sensor::DoorReport::Kind::kCandidate, event.time)});
 }
 
 }  // namespace enfilade::robot

@@ -38,7 +38,7 @@ struct SessionBegun {};
 struct SessionFinished {};
 // What a detector settled.
 struct DoorSeen {
-  DoorEvent event;
+  doors::DoorEvent event;
 };
 // Where the robot is now; after each scan with odometry.
 struct Moved {
@@ -68,14 +68,14 @@ struct DeleteLinkPoint {
 };
 // The robot has left the map: at or behind a door, where it stands.
 struct SetLinkPoint {
-  LinkPointKind place = LinkPointKind::kDoor;
+  graph::LinkPointKind place = graph::LinkPointKind::kDoor;
   std::optional<std::int32_t> level;  // of the map entered
 };
 // Before a door: what the robot sees now belongs to the link point or candidate set next.
 struct SaveRearImage {};
 // A door lies ahead, which the robot will not drive through now.
 struct SetCandidate {
-  LinkPointKind place = LinkPointKind::kDoor;
+  graph::LinkPointKind place = graph::LinkPointKind::kDoor;
 };
 struct StopMapping {};
 struct Abort {};
@@ -103,7 +103,7 @@ struct KeepEvidence {
 // and then the report, of whose entered_surroundings the writer takes care.
 struct WriteReport {
   std::int64_t door = 0;
-  DoorReport report;
+  sensor::DoorReport report;
 };
 struct ShowMenu {};
 struct ShowStatus {};
@@ -169,16 +169,16 @@ class StateMachine {
   // True where `command` may be given now; otherwise tells why not.
   bool Allowed(State state, std::string_view command);
   bool Located(std::string_view command);
-  void TakePassage(const DoorEvent& event);
+  void TakePassage(const doors::DoorEvent& event);
   void ReportPassage();
-  void ReportCandidate(const DoorEvent& event);
+  void ReportCandidate(const doors::DoorEvent& event);
   void Act(Action action) { actions_.push_back(std::move(action)); }
 
   StateMachineOptions options_;
   State state_ = State::kInitialize;
   std::vector<Action> actions_;        // of the event that is being handled
-  std::optional<DoorEvent> passage_;   // its report waits until the robot is farther behind the door
-  std::vector<DoorEvent> held_;        // found behind that door: the next session's
+  std::optional<doors::DoorEvent> passage_;   // its report waits until the robot is farther behind the door
+  std::vector<doors::DoorEvent> held_;        // found behind that door: the next session's
   std::optional<BeginSession> next_;   // after kStopMapping
   State left_for_ = State::kMainMenu;  // after kStopMapping, where there is no next_
   bool evidence_saved_ = false;        // by hand

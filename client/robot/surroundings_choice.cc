@@ -27,9 +27,9 @@ absl::StatusOr<SurroundingsChoice> SurroundingsChoice::Make(const ChoiceOptions&
 }
 
 void SurroundingsChoice::Add(const client::SpoolItem& item) {
-  const auto* image = std::get_if<Image>(&item.payload);
-  if (!image || image->camera != Camera::kFront || options_.criterion == 0) return;
-  const bool depth = image->encoding == ImageEncoding::kDepthPng16;
+  const auto* image = std::get_if<sensor::Image>(&item.payload);
+  if (!image || image->camera != sensor::Camera::kFront || options_.criterion == 0) return;
+  const bool depth = image->encoding == sensor::ImageEncoding::kDepthPng16;
   if (depth == (options_.criterion == kScene)) return;  // not what the criterion looks at
   auto& images = depth ? depth_ : photos_;
   images.push_back(item);
@@ -48,13 +48,13 @@ SurroundingsChoice::Verdict SurroundingsChoice::Choose(TimeNs since) {
 
 SurroundingsChoice::Verdict SurroundingsChoice::ByRange() const {
   if (!scan_) return {std::nullopt, "no scan"};
-  RangeCriterion criterion;
+  sensor::RangeCriterion criterion;
   criterion.side_limit = options_.range_thr;
   criterion.half_width = options_.low_pass_filter_size;
-  const absl::StatusOr<RangeChoice> choice = ChooseByRange(*scan_, criterion);
+  const absl::StatusOr<sensor::RangeChoice> choice = sensor::ChooseByRange(*scan_, criterion);
   if (!choice.ok()) return {std::nullopt, std::string(choice.status().message())};
   if (!choice->surroundings) return {std::nullopt, "the scan has no hit"};
-  return {choice->surroundings, fmt::format("{}: {} of 4 sides beyond {} m", ToString(*choice->surroundings),
+  return {choice->surroundings, fmt::format("{}: {} of 4 sides beyond {} m", sensor::ToString(*choice->surroundings),
                                             choice->far_sides, options_.range_thr)};
 }
 
@@ -73,7 +73,7 @@ absl::StatusOr<SurroundingsChoice::Verdict> SurroundingsChoice::BySimilarity(Tim
   ENFILADE_ASSIGN_OR_RETURN(const perception::SimilarityChoice choice,
                             perception::ChooseBySimilarity(frames, criterion));
   return Verdict{choice.surroundings, fmt::format("{}: {} of {} pairs of depth images is {:.3f}, threshold {}",
-                                                  ToString(choice.surroundings), ssim ? "SSIM" : "PSNR", choice.pairs,
+                                                  sensor::ToString(choice.surroundings), ssim ? "SSIM" : "PSNR", choice.pairs,
                                                   choice.mean, criterion.threshold)};
 }
 
@@ -90,9 +90,9 @@ absl::StatusOr<SurroundingsChoice::Verdict> SurroundingsChoice::ByScene(TimeNs s
     ++judged;
   }
   if (judged == 0) return FailedPrecondition("no image of the front camera since the door");
-  const Surroundings surroundings = outdoor / judged > 0.5 ? Surroundings::kOutdoor : Surroundings::kIndoor;
+  const sensor::Surroundings surroundings = outdoor / judged > 0.5 ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor;
   return Verdict{surroundings, fmt::format("{}: outdoors by {:.2f} over {} images, the last one {}",
-                                           ToString(surroundings), outdoor / judged, judged, best)};
+                                           sensor::ToString(surroundings), outdoor / judged, judged, best)};
 }
 
 }  // namespace enfilade::robot

@@ -17,7 +17,7 @@ namespace enfilade::robot {
 class SurroundingsChoice {
  public:
   struct Verdict {
-    std::optional<Surroundings> surroundings;  // unset: there is nothing to tell by
+    std::optional<sensor::Surroundings> surroundings;  // unset: there is nothing to tell by
     std::string reason;
   };
 
@@ -25,7 +25,7 @@ class SurroundingsChoice {
   static absl::StatusOr<SurroundingsChoice> Make(const ChoiceOptions& options);
 
   // The newest scan; the last images, of which those of the front camera are looked at.
-  void Add(const LaserScan& scan) { scan_ = scan; }
+  void Add(const sensor::LaserScan& scan) { scan_ = scan; }
   void Add(const client::SpoolItem& image);
 
   // By what was seen after `since`. Where the configured criterion has nothing to look at or cannot read it, by range;
@@ -40,7 +40,7 @@ class SurroundingsChoice {
 
   ChoiceOptions options_;
   std::optional<perception::SceneClassifier> classifier_;
-  std::optional<LaserScan> scan_;
+  std::optional<sensor::LaserScan> scan_;
   std::deque<client::SpoolItem> depth_;   // at most num_depth_imgs
   std::deque<client::SpoolItem> photos_;  // at most num_depth_imgs
 };

@@ -32,7 +32,7 @@ nlohmann::json ToJson(const v1::Pose2& pose) { return {{"x_m", pose.x()}, {"y_m"
 
 }  // namespace
 
-Uploader::Uploader(const Connection& connection, client::Spool& spool, RobotName robot, NewsListener listener,
+Uploader::Uploader(const client::Connection& connection, client::Spool& spool, convert::RobotName robot, NewsListener listener,
                    const UploaderOptions& options)
     : connection_(connection),
       spool_(spool),
@@ -47,7 +47,7 @@ void Uploader::Start() {
 }
 
 void Uploader::Stop() {
-  std::shared_ptr<Uplink> uplink;
+  std::shared_ptr<client::Uplink> uplink;
   {
     MutexLock lock(mutex_);
     stopping_ = true;
@@ -70,7 +70,7 @@ int Uploader::ExpectedOf(const SessionId& session) {
 }
 
 void Uploader::ReportPose(const std::string& map, const PoseWithCovariance& T_map_robot, TimeNs time) {
-  std::shared_ptr<Uplink> uplink;
+  std::shared_ptr<client::Uplink> uplink;
   {
     MutexLock lock(mutex_);
     uplink = uplink_;
@@ -94,7 +94,7 @@ bool Uploader::Done(bool judged) {
 void Uploader::Run() {
   Clock::time_point next_follow = Clock::now();
   while (true) {
-    std::shared_ptr<Uplink> uplink;
+    std::shared_ptr<client::Uplink> uplink;
     {
       MutexLock lock(mutex_);
       if (stopping_) return;
@@ -128,12 +128,12 @@ void Uploader::StartNext() {
   MutexLock lock(mutex_);
   progress_.waiting = waiting;
   if (!next || stopping_ || !progress_.blocked.empty()) return;
-  UplinkOptions options = options_.uplink;
+  client::UplinkOptions options = options_.uplink;
   options.on_map_entered = [this, id = *next](const v1::MapEntered& entered) { TellMap(id, entered); };
   session_ = *next;
   progress_.session = next->value();
   progress_.uplink = {};
-  uplink_ = std::make_shared<Uplink>(connection_, spool_, *next, options);
+  uplink_ = std::make_shared<client::Uplink>(connection_, spool_, *next, options);
   uplink_->Start();
 }
 
@@ -193,8 +193,8 @@ void Uploader::Follow() {
 }
 
 bool Uploader::FollowOne(Followed& followed) {
-  const absl::StatusOr<v1::Session> session = GetSession(connection_, robot_.site, followed.session);
-  if (!session.ok()) return IsPermanent(session.status());  // deleted: nothing will come; else the next look tells
+  const absl::StatusOr<v1::Session> session = client::GetSession(connection_, robot_.site, followed.session);
+  if (!session.ok()) return client::IsPermanent(session.status());  // deleted: nothing will come; else the next look tells
   const bool ended = session->state() == v1::Session::STATE_MAPPED || session->state() == v1::Session::STATE_FAILED;
   const bool failed = session->state() == v1::Session::STATE_FAILED;
   if (!followed.told_map && !session->map().empty()) {
@@ -214,7 +214,7 @@ bool Uploader::FollowOne(Followed& followed) {
                {{"session", followed.session.value()}, {"map", session->map()}, {"failed", failed}}});
   }
   v1::ListDoorVerdictsRequest request;
-  request.set_parent(NameOf(SessionName{robot_.site, followed.session}));
+  request.set_parent(convert::NameOf(convert::SessionName{robot_.site, followed.session}));
   request.set_page_size(1000);
   const auto verdicts = connection_.Call(&v1::SessionService::Stub::ListDoorVerdicts, request);
   if (!verdicts.ok()) return false;
@@ -274,7 +274,7 @@ void Uploader::TellMap(const SessionId& session, const v1::MapEntered& entered) 
 
 void Uploader::TellGlobalPose() {
   v1::GetGlobalPoseRequest request;
-  request.set_robot(NameOf(robot_));
+  request.set_robot(convert::NameOf(robot_));
   const auto response = connection_.Call(&v1::GraphService::Stub::GetGlobalPose, request);
   if (!response.ok() || !response->global_pose().has_pose_world_robot()) return;
   const v1::GlobalPose& pose = response->global_pose();

@@ -23,7 +23,7 @@
 namespace enfilade::robot {
 
 struct UploaderOptions {
-  UplinkOptions uplink;
+  client::UplinkOptions uplink;
   double follow_s = 1.0;     // between two looks at what the server has made of finished sessions
   bool global_pose = false;  // asks for the robot's pose in the world then, too
 };
@@ -35,7 +35,7 @@ class Uploader {
  public:
   struct Progress {
     std::string session;  // on its way; empty: none
-    UplinkProgress uplink;
+    client::UplinkProgress uplink;
     std::int64_t waiting = 0;   // sessions in the spool that the server does not have whole
     std::int64_t followed = 0;  // sessions that it has, and is not through with
     std::string blocked;        // why nothing more can be brought over; empty: all is well
@@ -44,7 +44,7 @@ class Uploader {
   };
 
   // `spool` must outlive the uploader. All sessions in it are of one robot and site.
-  Uploader(const Connection& connection, client::Spool& spool, RobotName robot, NewsListener listener,
+  Uploader(const client::Connection& connection, client::Spool& spool, convert::RobotName robot, NewsListener listener,
            const UploaderOptions& options);
   ~Uploader();
   Uploader(const Uploader&) = delete;
@@ -82,9 +82,9 @@ class Uploader {
   std::string DisplayNameOf(const std::string& map);
   int ExpectedOf(const SessionId& session);
 
-  const Connection connection_;
+  const client::Connection connection_;
   client::Spool& spool_;
-  const RobotName robot_;
+  const convert::RobotName robot_;
   const NewsListener listener_;
   const UploaderOptions options_;
   std::thread worker_;
@@ -99,7 +99,7 @@ class Uploader {
   Mutex mutex_;
   CondVar changed_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  std::shared_ptr<Uplink> uplink_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<client::Uplink> uplink_ ABSL_GUARDED_BY(mutex_);
   SessionId session_ ABSL_GUARDED_BY(mutex_);
   Progress progress_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, int> expected_ ABSL_GUARDED_BY(mutex_);

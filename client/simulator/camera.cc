@@ -187,7 +187,7 @@ CameraFrame ReadCamera(const Viewpoint& view, const CameraOptions& options, Nois
 }
 
 absl::StatusOr<std::string> CameraFrame::GreyPng() const {
-  return EncodePng(PixelRows{width, height, 1, grey.data(), width});
+  return grid::EncodePng(grid::PixelRows{width, height, 1, grey.data(), width});
 }
 
 absl::StatusOr<std::string> CameraFrame::DepthPng() const {

@@ -24,7 +24,7 @@ double CosineTo(const Face& face, const Eigen::Vector2d& direction) {
 }  // namespace
 
 absl::Status ScannerOptions::Validate() const {
-  if (beams < 2 || beams > static_cast<int>(kMaxBeams))
+  if (beams < 2 || beams > static_cast<int>(sensor::kMaxBeams))
     return InvalidArgument("beams is {}: expected 2 or more", beams);
   if (!(field_of_view > 0.0 && field_of_view <= 2.0 * M_PI + 1e-9)) {
     return InvalidArgument("field_of_view is {} rad: expected up to a full turn", field_of_view);
@@ -38,10 +38,10 @@ absl::Status ScannerOptions::Validate() const {
   return absl::OkStatus();
 }
 
-LaserScan ReadScan(const Viewpoint& view, const ScannerOptions& options, Noise noise) {
+sensor::LaserScan ReadScan(const Viewpoint& view, const ScannerOptions& options, Noise noise) {
   const LevelWorld& level = view.world.level(view.level);
   const std::vector<World::Standing> people = view.world.PeopleOn(view.level, view.seconds);
-  LaserScan scan;
+  sensor::LaserScan scan;
   const bool full_turn = options.field_of_view > 2.0 * M_PI - 1e-6;
   scan.angle_min = -options.field_of_view / 2.0;
   scan.angle_increment = options.field_of_view / (full_turn ? options.beams : options.beams - 1);

@@ -9,15 +9,15 @@
 namespace enfilade::simulator {
 namespace {
 
-constexpr Rgb kNothing{205, 212, 218};
-constexpr Rgb kIndoor{255, 255, 255};
-constexpr Rgb kOutdoor{226, 240, 217};
-constexpr Rgb kWall{40, 40, 40};
-constexpr Rgb kGlass{100, 180, 230};
-constexpr Rgb kOpenDoor{240, 160, 40};
-constexpr Rgb kLow{150, 120, 90};
-constexpr Rgb kPeople{190, 190, 190};
-constexpr Rgb kDrives[] = {kBlue, kRed, kGreen, {148, 103, 189}, {23, 190, 207}};
+constexpr grid::Rgb kNothing{205, 212, 218};
+constexpr grid::Rgb kIndoor{255, 255, 255};
+constexpr grid::Rgb kOutdoor{226, 240, 217};
+constexpr grid::Rgb kWall{40, 40, 40};
+constexpr grid::Rgb kGlass{100, 180, 230};
+constexpr grid::Rgb kOpenDoor{240, 160, 40};
+constexpr grid::Rgb kLow{150, 120, 90};
+constexpr grid::Rgb kPeople{190, 190, 190};
+constexpr grid::Rgb kDrives[] = {grid::kBlue, grid::kRed, grid::kGreen, {148, 103, 189}, {23, 190, 207}};
 constexpr double kLargest = 1600.0;  // pixels
 
 class Plan {
@@ -32,22 +32,22 @@ class Plan {
         const Eigen::Vector2d at(level_.lower().x() + x / scale_, level_.upper().y() - y / scale_);
         const int area = level_.RasterAreaAt(at.x(), at.y());
         if (area < 0) continue;
-        const Rgb color = world.look(area).indoor ? kIndoor : kOutdoor;
+        const grid::Rgb color = world.look(area).indoor ? kIndoor : kOutdoor;
         std::copy(color.begin(), color.end(),
                   image_.samples.begin() + 3 * (static_cast<std::ptrdiff_t>(y) * image_.width + x));
       }
     }
   }
-  void Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, Rgb color, int thickness) {
-    DrawLine(image_, Pixel(a), Pixel(b), color, thickness);
+  void Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, grid::Rgb color, int thickness) {
+    grid::DrawLine(image_, Pixel(a), Pixel(b), color, thickness);
   }
-  void Cross(const Eigen::Vector2d& at, Rgb color) {
+  void Cross(const Eigen::Vector2d& at, grid::Rgb color) {
     constexpr double kArm = 0.25;
     Line(at + Eigen::Vector2d(-kArm, -kArm), at + Eigen::Vector2d(kArm, kArm), color, 2);
     Line(at + Eigen::Vector2d(-kArm, kArm), at + Eigen::Vector2d(kArm, -kArm), color, 2);
   }
   const LevelWorld& level() const { return level_; }
-  absl::StatusOr<std::string> Png() const { return EncodePng(image_); }
+  absl::StatusOr<std::string> Png() const { return grid::EncodePng(image_); }
 
  private:
   Eigen::Vector2d Pixel(const Eigen::Vector2d& p) const {
@@ -56,7 +56,7 @@ class Plan {
 
   const LevelWorld& level_;
   double scale_;  // pixels per metre
-  RgbImage image_;
+  grid::RgbImage image_;
 };
 
 }  // namespace
@@ -77,7 +77,7 @@ absl::StatusOr<std::string> DrawPlan(const World& world, const std::string& leve
   }
   std::size_t index = 0;
   for (const auto& [robot, truth] : drives) {
-    const Rgb color = kDrives[index++ % std::size(kDrives)];
+    const grid::Rgb color = kDrives[index++ % std::size(kDrives)];
     for (std::size_t i = 1; i < truth.poses.size(); ++i) {
       if (truth.poses[i].level != level || truth.poses[i - 1].level != level) continue;
       plan.Line(truth.poses[i - 1].T_campus_robot.translation(), truth.poses[i].T_campus_robot.translation(), color, 1);

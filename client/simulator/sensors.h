@@ -36,7 +36,7 @@ struct ScannerOptions {
 };
 
 // A planar scan; beyond range_max +infinity. Glass answers near its normal only.
-LaserScan ReadScan(const Viewpoint& view, const ScannerOptions& options, Noise noise);
+sensor::LaserScan ReadScan(const Viewpoint& view, const ScannerOptions& options, Noise noise);
 
 // A scanner with several rings, such as a VLP-16.
 struct CloudScannerOptions {

@@ -17,7 +17,7 @@ enum Sensor : int { kWheelSizes, kWheels, kScanner, kCloudScanner, kFrontCamera,
 
 constexpr double kBesideDoor = 0.4;  // m from a door: where its two areas are asked for
 
-BlobRef RefOf(const std::string& content) { return {Sha256(content), static_cast<std::int64_t>(content.size())}; }
+sensor::BlobRef RefOf(const std::string& content) { return {Sha256(content), static_cast<std::int64_t>(content.size())}; }
 
 }  // namespace
 
@@ -130,38 +130,38 @@ absl::Status RobotSimulation::RecordImages(const Viewpoint& view, TimeNs time) {
   const bool images = Due(options_.image_hz);
   const bool depth = Due(options_.depth_hz);
   if (!images && !depth) return absl::OkStatus();
-  const auto add = [&](Camera camera, ImageEncoding encoding, absl::StatusOr<std::string> png) -> absl::Status {
+  const auto add = [&](sensor::Camera camera, sensor::ImageEncoding encoding, absl::StatusOr<std::string> png) -> absl::Status {
     ENFILADE_RETURN_IF_ERROR(png.status());
-    Image image{time, camera, encoding, RefOf(*png)};
+    sensor::Image image{time, camera, encoding, RefOf(*png)};
     pending_.push_back({image, *std::move(png)});
     return absl::OkStatus();
   };
   const CameraFrame front = ReadCamera(view, options_.camera, NoiseOf(kFrontCamera, steps_));
   if (images) {
-    ENFILADE_RETURN_IF_ERROR(add(Camera::kFront, ImageEncoding::kPng, front.GreyPng()));
+    ENFILADE_RETURN_IF_ERROR(add(sensor::Camera::kFront, sensor::ImageEncoding::kPng, front.GreyPng()));
     CameraOptions rear = options_.camera;
     rear.T_robot_camera = Pose2{0.0, 0.0, M_PI} * options_.camera.T_robot_camera;
     ENFILADE_RETURN_IF_ERROR(
-        add(Camera::kRear, ImageEncoding::kPng, ReadCamera(view, rear, NoiseOf(kRearCamera, steps_)).GreyPng()));
+        add(sensor::Camera::kRear, sensor::ImageEncoding::kPng, ReadCamera(view, rear, NoiseOf(kRearCamera, steps_)).GreyPng()));
   }
-  return depth ? add(Camera::kFront, ImageEncoding::kDepthPng16, front.DepthPng()) : absl::OkStatus();
+  return depth ? add(sensor::Camera::kFront, sensor::ImageEncoding::kDepthPng16, front.DepthPng()) : absl::OkStatus();
 }
 
 void RobotSimulation::RecordCloud(const Viewpoint& view, TimeNs time) {
   const std::vector<float> points = ReadCloud(view, options_.cloud, NoiseOf(kCloudScanner, steps_));
   std::string content(points.size() * sizeof(float), '\0');
   std::memcpy(content.data(), points.data(), content.size());
-  PointCloud cloud{time, CloudEncoding::kXyz32, RefOf(content)};
+  sensor::PointCloud cloud{time, sensor::CloudEncoding::kXyz32, RefOf(content)};
   pending_.push_back({cloud, std::move(content)});
 }
 
 absl::Status RobotSimulation::Record() {
   const TimeNs time = Now();
-  pending_.push_back({Odometry{time, T_odom_robot_}, {}});
+  pending_.push_back({sensor::Odometry{time, T_odom_robot_}, {}});
   const Viewpoint view{*world_, driver_.level(), driver_.T_campus_robot(),
                        static_cast<double>(steps_) / options_.odometry_hz, driver_.gate()};
   if (Due(options_.scan_hz)) {
-    LaserScan scan = ReadScan(view, options_.scanner, NoiseOf(kScanner, steps_));
+    sensor::LaserScan scan = ReadScan(view, options_.scanner, NoiseOf(kScanner, steps_));
     scan.time = time;
     pending_.push_back({std::move(scan), {}});
     const Area* area = world_->campus().AreaAt(view.level, view.T_campus_robot.translation());

@@ -46,7 +46,7 @@ struct SimulationOptions {
 };
 
 struct SimulatedRecord {
-  RecordPayload payload;
+  sensor::RecordPayload payload;
   std::string content;  // the bytes that an image or a cloud refers to
 };
 

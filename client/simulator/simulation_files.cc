@@ -45,16 +45,16 @@ class DriveWriter {
   }
   absl::Status Add(const SimulatedRecord& record) {
     sources::LogEntry entry{record.payload, {}};
-    if (std::holds_alternative<Odometry>(record.payload)) ++report_.odometry;
-    if (std::holds_alternative<LaserScan>(record.payload)) ++report_.scans;
-    if (const auto* image = std::get_if<Image>(&record.payload)) {
+    if (std::holds_alternative<sensor::Odometry>(record.payload)) ++report_.odometry;
+    if (std::holds_alternative<sensor::LaserScan>(record.payload)) ++report_.scans;
+    if (const auto* image = std::get_if<sensor::Image>(&record.payload)) {
       ++report_.images;
-      const char* kind = image->encoding == ImageEncoding::kDepthPng16 ? "depth"
-                         : image->camera == Camera::kRear              ? "rear"
+      const char* kind = image->encoding == sensor::ImageEncoding::kDepthPng16 ? "depth"
+                         : image->camera == sensor::Camera::kRear              ? "rear"
                                                                        : "front";
       entry.content = fs::path("images") / fmt::format("{}_{}.png", image->time, kind);
     }
-    if (const auto* cloud = std::get_if<PointCloud>(&record.payload)) {
+    if (const auto* cloud = std::get_if<sensor::PointCloud>(&record.payload)) {
       ++report_.clouds;
       entry.content = fs::path("clouds") / fmt::format("{}.xyz32", cloud->time);
     }

@@ -10,7 +10,7 @@
 #include "core/base/status_macros.h"
 #include "yaml-cpp/yaml.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
@@ -239,4 +239,4 @@ absl::StatusOr<Building> ParseBuilding(const std::string& yaml) {
   }
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sources

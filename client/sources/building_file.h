@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 
 // What an Open-RMF traffic editor's building.yaml says of floors, doors and lifts. Each level has a frame of its own:
 // metres, x to the right and y up of its drawing, from the drawing's upper left corner.
@@ -50,4 +50,4 @@ struct Building {
 // the same names (the similarity that fits them best: Umeyama 1991). INVALID_ARGUMENT where it is no such file.
 absl::StatusOr<Building> ParseBuilding(const std::string& yaml);
 
-}  // namespace enfilade
+}  // namespace enfilade::sources

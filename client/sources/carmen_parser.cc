@@ -60,9 +60,9 @@ class CarmenParser : public LogParser {
 
   // FLASER n ranges.. x y theta odom_x odom_y odom_theta ipc_timestamp hostname logger_timestamp
   void ReadFrontLaser(Fields& fields, TimedLine& read) {
-    LaserScan scan;
+    sensor::LaserScan scan;
     const std::int64_t beams = fields.Integer("number of ranges");
-    if (beams > 0 && beams <= static_cast<std::int64_t>(kMaxBeams)) {
+    if (beams > 0 && beams <= static_cast<std::int64_t>(sensor::kMaxBeams)) {
       fields.ExpectRemaining(beams + 9, fmt::format("{} ranges are announced", beams));
     }
     scan.ranges = fields.Ranges("range", beams);
@@ -78,7 +78,7 @@ class CarmenParser : public LogParser {
   // n ranges.. m remissions.. laser_x laser_y laser_theta robot_x robot_y robot_theta laser_tv laser_rv
   // forward_safety_dist side_safety_dist turn_axis ipc_timestamp hostname logger_timestamp
   static void ReadRobotLaser(Fields& fields, TimedLine& read) {
-    LaserScan scan;
+    sensor::LaserScan scan;
     fields.Word("laser_type");
     scan.angle_min = fields.Number("start_angle");
     fields.Number("field_of_view");

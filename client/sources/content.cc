@@ -17,8 +17,8 @@ absl::StatusOr<std::string> ReadContent(const fs::path& path) {
   if (status.type() != fs::file_type::regular) return InvalidArgument("{}: is no regular file", path.string());
   const auto size = fs::file_size(path, error);
   if (error) return InvalidArgument("{}: {}", path.string(), error.message());
-  if (size < 1 || size > static_cast<std::uintmax_t>(kMaxBlobBytes)) {
-    return InvalidArgument("{}: has {} bytes: expected 1 to {}", path.string(), size, kMaxBlobBytes);
+  if (size < 1 || size > static_cast<std::uintmax_t>(sensor::kMaxBlobBytes)) {
+    return InvalidArgument("{}: has {} bytes: expected 1 to {}", path.string(), size, sensor::kMaxBlobBytes);
   }
   std::string content(size, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -28,6 +28,6 @@ absl::StatusOr<std::string> ReadContent(const fs::path& path) {
   return content;
 }
 
-BlobRef RefOf(std::string_view content) { return {Sha256(content), static_cast<std::int64_t>(content.size())}; }
+sensor::BlobRef RefOf(std::string_view content) { return {Sha256(content), static_cast<std::int64_t>(content.size())}; }
 
 }  // namespace enfilade::sources

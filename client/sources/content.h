@@ -14,6 +14,6 @@ namespace enfilade::sources {
 absl::StatusOr<std::string> ReadContent(const std::filesystem::path& path);
 
 // How a record refers to these bytes.
-BlobRef RefOf(std::string_view content);
+sensor::BlobRef RefOf(std::string_view content);
 
 }  // namespace enfilade::sources

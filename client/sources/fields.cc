@@ -98,8 +98,8 @@ Pose2 Fields::Pose(std::string_view name, double metres_per_unit) {
 
 std::vector<float> Fields::Ranges(std::string_view name, std::int64_t count, double scale) {
   if (!ok()) return {};
-  if (count < 1 || count > static_cast<std::int64_t>(kMaxBeams)) {
-    Fail(fmt::format("field {} (number of {}) is {}: expected 1 to {}", position_, name, count, kMaxBeams));
+  if (count < 1 || count > static_cast<std::int64_t>(sensor::kMaxBeams)) {
+    Fail(fmt::format("field {} (number of {}) is {}: expected 1 to {}", position_, name, count, sensor::kMaxBeams));
     return {};
   }
   std::vector<float> ranges;

@@ -155,7 +155,7 @@ class JsonLinesParser : public LogParser {
     if (type == "scan") {
       entry.payload = Scan(members);
     } else if (type == "odometry") {
-      entry.payload = Odometry{members.Integer("time_ns"), members.Pose("pose", true)};
+      entry.payload = sensor::Odometry{members.Integer("time_ns"), members.Pose("pose", true)};
     } else if (type == "image") {
       entry = ImageEntry(members, status);
     } else if (type == "point_cloud") {
@@ -180,8 +180,8 @@ class JsonLinesParser : public LogParser {
     }
   }
 
-  LaserScan Scan(Members& members) const {
-    LaserScan scan;
+  sensor::LaserScan Scan(Members& members) const {
+    sensor::LaserScan scan;
     scan.time = members.Integer("time_ns");
     scan.angle_min = members.Number("angle_min_rad");
     scan.angle_increment = members.Number("angle_increment_rad");
@@ -194,7 +194,7 @@ class JsonLinesParser : public LogParser {
     return scan;
   }
 
-  BlobRef Content(Members& members, absl::Status& status, std::filesystem::path& path) const {
+  sensor::BlobRef Content(Members& members, absl::Status& status, std::filesystem::path& path) const {
     const std::string name = members.Text("file");
     if (!status.ok()) return {};
     path = folder_ / name;
@@ -207,18 +207,18 @@ class JsonLinesParser : public LogParser {
   }
 
   LogEntry ImageEntry(Members& members, absl::Status& status) const {
-    Image image;
+    sensor::Image image;
     image.time = members.Integer("time_ns");
     const std::string camera = members.Text("camera");
     const std::string encoding = members.Text("encoding");
     if (camera != "front" && camera != "rear") members.Fail("camera", "is \"" + camera + "\": expected front or rear");
-    image.camera = camera == "rear" ? Camera::kRear : Camera::kFront;
+    image.camera = camera == "rear" ? sensor::Camera::kRear : sensor::Camera::kFront;
     if (encoding == "png") {
-      image.encoding = ImageEncoding::kPng;
+      image.encoding = sensor::ImageEncoding::kPng;
     } else if (encoding == "jpeg") {
-      image.encoding = ImageEncoding::kJpeg;
+      image.encoding = sensor::ImageEncoding::kJpeg;
     } else if (encoding == "depth_png16") {
-      image.encoding = ImageEncoding::kDepthPng16;
+      image.encoding = sensor::ImageEncoding::kDepthPng16;
     } else {
       members.Fail("encoding", "is \"" + encoding + "\": expected png, jpeg or depth_png16");
     }
@@ -229,13 +229,13 @@ class JsonLinesParser : public LogParser {
   }
 
   LogEntry CloudEntry(Members& members, absl::Status& status) const {
-    PointCloud cloud;
+    sensor::PointCloud cloud;
     cloud.time = members.Integer("time_ns");
     const std::string encoding = members.Text("encoding");
     if (encoding != "pcd" && encoding != "xyz32") {
       members.Fail("encoding", "is \"" + encoding + "\": expected pcd or xyz32");
     }
-    cloud.encoding = encoding == "xyz32" ? CloudEncoding::kXyz32 : CloudEncoding::kPcd;
+    cloud.encoding = encoding == "xyz32" ? sensor::CloudEncoding::kXyz32 : sensor::CloudEncoding::kPcd;
     LogEntry entry;
     cloud.content = Content(members, status, entry.content);
     entry.payload = cloud;

@@ -30,7 +30,7 @@ void AppendRange(float range, std::string& out) {
   }
 }
 
-absl::Status CheckFinite(const LaserScan& scan) {
+absl::Status CheckFinite(const sensor::LaserScan& scan) {
   for (const double value : {scan.angle_min, scan.angle_increment, scan.time_increment,
                              static_cast<double>(scan.range_min), static_cast<double>(scan.range_max)}) {
     if (!std::isfinite(value)) return InvalidArgument("the scan at {} ns has a non-finite parameter", scan.time);
@@ -46,7 +46,7 @@ std::string Quoted(const std::filesystem::path& path) {
 struct LineOf {
   const LogEntry& entry;
 
-  absl::StatusOr<std::string> operator()(const LaserScan& scan) const {
+  absl::StatusOr<std::string> operator()(const sensor::LaserScan& scan) const {
     ENFILADE_RETURN_IF_ERROR(CheckFinite(scan));
     std::string line =
         fmt::format(R"({{"type":"scan","time_ns":{},"angle_min_rad":{},"angle_increment_rad":{},"time_increment_s":{},)"
@@ -60,33 +60,33 @@ struct LineOf {
     return line + "]}\n";
   }
 
-  absl::StatusOr<std::string> operator()(const Odometry& odometry) const {
+  absl::StatusOr<std::string> operator()(const sensor::Odometry& odometry) const {
     if (!IsFinite(odometry.T_odom_robot)) return InvalidArgument("the odometry at {} ns is not finite", odometry.time);
     return fmt::format("{{\"type\":\"odometry\",\"time_ns\":{},\"pose\":{}}}\n", odometry.time,
                        PoseText(odometry.T_odom_robot));
   }
 
-  absl::StatusOr<std::string> operator()(const Image& image) const {
-    const char* camera = image.camera == Camera::kRear ? "rear" : "front";
-    const char* encoding = image.encoding == ImageEncoding::kPng    ? "png"
-                           : image.encoding == ImageEncoding::kJpeg ? "jpeg"
+  absl::StatusOr<std::string> operator()(const sensor::Image& image) const {
+    const char* camera = image.camera == sensor::Camera::kRear ? "rear" : "front";
+    const char* encoding = image.encoding == sensor::ImageEncoding::kPng    ? "png"
+                           : image.encoding == sensor::ImageEncoding::kJpeg ? "jpeg"
                                                                     : "depth_png16";
     return fmt::format("{{\"type\":\"image\",\"time_ns\":{},\"camera\":\"{}\",\"encoding\":\"{}\",\"file\":{}}}\n",
                        image.time, camera, encoding, Quoted(entry.content));
   }
 
-  absl::StatusOr<std::string> operator()(const PointCloud& cloud) const {
-    const char* encoding = cloud.encoding == CloudEncoding::kPcd ? "pcd" : "xyz32";
+  absl::StatusOr<std::string> operator()(const sensor::PointCloud& cloud) const {
+    const char* encoding = cloud.encoding == sensor::CloudEncoding::kPcd ? "pcd" : "xyz32";
     return fmt::format("{{\"type\":\"point_cloud\",\"time_ns\":{},\"encoding\":\"{}\",\"file\":{}}}\n", cloud.time,
                        encoding, Quoted(entry.content));
   }
 
-  absl::StatusOr<std::string> operator()(const DoorReport& report) const {
+  absl::StatusOr<std::string> operator()(const sensor::DoorReport& report) const {
     return InvalidArgument("the door report at {} ns has no place in a log file: doors are found in it again",
                            report.time);
   }
 
-  absl::StatusOr<std::string> operator()(const Withheld& withheld) const {
+  absl::StatusOr<std::string> operator()(const sensor::Withheld& withheld) const {
     return InvalidArgument("a withheld record (\"{}\") has no place in a log file", withheld.reason);
   }
 };

@@ -159,21 +159,21 @@ absl::Status LogReader::ReadLine(std::string_view line) {
 
 absl::Status LogReader::Accept(std::vector<LogEntry> entries) {
   for (const LogEntry& entry : entries) {
-    ENFILADE_RETURN_IF_ERROR(Validate(entry.payload));
+    ENFILADE_RETURN_IF_ERROR(sensor::Validate(entry.payload));
   }
   for (LogEntry& entry : entries) {
-    if (const auto* scan = std::get_if<LaserScan>(&entry.payload)) {
+    if (const auto* scan = std::get_if<sensor::LaserScan>(&entry.payload)) {
       ++counts_.scans;
       counts_.scans_back_in_time += scan->time < last_scan_time_;
       last_scan_time_ = scan->time;
-      const BeamCounts beams = CountBeams(*scan);
+      const sensor::BeamCounts beams = sensor::CountBeams(*scan);
       counts_.beams_no_return += static_cast<std::int64_t>(beams.no_returns);
       counts_.beams_unknown += static_cast<std::int64_t>(beams.unknown);
-    } else if (const auto* odometry = std::get_if<Odometry>(&entry.payload)) {
+    } else if (const auto* odometry = std::get_if<sensor::Odometry>(&entry.payload)) {
       ++counts_.odometry;
       counts_.odometry_back_in_time += odometry->time < last_odometry_time_;
       last_odometry_time_ = odometry->time;
-    } else if (std::holds_alternative<Image>(entry.payload)) {
+    } else if (std::holds_alternative<sensor::Image>(entry.payload)) {
       ++counts_.images;
     } else {
       ++counts_.point_clouds;

@@ -17,7 +17,7 @@ namespace enfilade::sources {
 
 // One thing that a robot recorded; the caller gives it its sequence.
 struct LogEntry {
-  RecordPayload payload;
+  sensor::RecordPayload payload;
   std::filesystem::path content;  // of an image or point cloud: the file that holds its bytes
 
   friend bool operator==(const LogEntry&, const LogEntry&) = default;

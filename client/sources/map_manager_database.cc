@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using client::SqliteDatabase;
@@ -158,4 +158,4 @@ absl::StatusOr<MapManagerContent> ReadMapManagerDatabase(const std::string& path
   return Reader(database, path).Read();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sources

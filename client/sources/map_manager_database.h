@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 
 // What is in the SQLite file of cmr_localization's map_manager (tables MAPS, LINKPOINTS, LINKPOINTCANDIDATES).
 
@@ -53,4 +53,4 @@ struct MapManagerContent {
 // there is no such file; DATA_LOSS where it is no SQLite file; INVALID_ARGUMENT where a table is missing.
 absl::StatusOr<MapManagerContent> ReadMapManagerDatabase(const std::string& path);
 
-}  // namespace enfilade
+}  // namespace enfilade::sources

@@ -60,7 +60,7 @@ class MinesParisParser : public LogParser {
     reading.left_ticks = fields.Integer("left wheel ticks");
     reading.right_ticks = fields.Integer("right wheel ticks");
     fields.Skip("unused", 20);
-    LaserScan scan;
+    sensor::LaserScan scan;
     scan.ranges = fields.Ranges("range", kUrgBeams, 1e-3);
     fields.Skip("unused", 1);
     fields.ExpectEnd();

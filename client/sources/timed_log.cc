@@ -50,7 +50,7 @@ std::vector<LogEntry> TimedLog::Deliver(TimedLine line) {
     entries.push_back({*line.odometry, {}});
   }
   if (line.scan) {
-    LaserScan& scan = *line.scan;
+    sensor::LaserScan& scan = *line.scan;
     scan.time = time;
     scan.range_min = kRangeMin;
     scan.range_max = range_max_;
@@ -62,7 +62,7 @@ std::vector<LogEntry> TimedLog::Deliver(TimedLine line) {
   return entries;
 }
 
-void SetSickAngles(const LogOptions& options, LaserScan& scan) {
+void SetSickAngles(const LogOptions& options, sensor::LaserScan& scan) {
   const std::size_t beams = scan.ranges.size();
   const bool quarter_degrees = beams == 400 || beams == 401;
   const double field_of_view = options.field_of_view.value_or((quarter_degrees ? 100.0 : 180.0) * M_PI / 180.0);

@@ -13,8 +13,8 @@ namespace enfilade::sources {
 struct TimedLine {
   TimeNs first_time = 0;
   TimeNs second_time = 0;  // the same as the first where the format has one time only
-  std::optional<Odometry> odometry;
-  std::optional<LaserScan> scan;
+  std::optional<sensor::Odometry> odometry;
+  std::optional<sensor::LaserScan> scan;
   double declared_range_max = 0.0;  // m, of the scan; 0 where unknown
 };
 
@@ -53,6 +53,6 @@ class TimedLog {
 // count (180, 360: the last beam is left out), 180 degrees / (n - 1) for an odd one (181, 361). Beam 0 points to the
 // right, -90 degrees. 400 and 401 beams are the same scanners' quarter-degree mode over 100 degrees. docs/logs.md tells
 // how this was checked. With `field_of_view` (rad) that angle instead of 180 degrees.
-void SetSickAngles(const LogOptions& options, LaserScan& scan);
+void SetSickAngles(const LogOptions& options, sensor::LaserScan& scan);
 
 }  // namespace enfilade::sources

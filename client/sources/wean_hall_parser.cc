@@ -44,7 +44,7 @@ class WeanHallParser : public LogParser {
     const Pose2 T_odom_robot = fields.Pose("robot pose", kMetresPerCentimetre);
     read.odometry.emplace().T_odom_robot = T_odom_robot;
     if (tag == "L") {
-      LaserScan scan;
+      sensor::LaserScan scan;
       scan.T_robot_laser = Between(T_odom_robot, fields.Pose("laser pose", kMetresPerCentimetre));
       scan.ranges = fields.Ranges("range", kSickBeams, kMetresPerCentimetre);
       SetSickAngles(options_, scan);

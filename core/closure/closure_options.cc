@@ -6,7 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/options/yaml_options.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 absl::Status ClosureOptions::Validate() const {
   absl::Status status;
@@ -59,4 +59,4 @@ absl::StatusOr<ClosureOptions> ParseClosureOptions(std::string_view yaml, const 
   return options;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

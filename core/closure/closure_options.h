@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 // What decides at a door (docs/closure.md). The original's values where it had any: map_manager's params.yaml.
 struct ClosureOptions {
@@ -158,4 +158,4 @@ void VisitClosureOptions(Options& o, Visit visit) {
 // exist, a value of another type, what Validate refuses.
 absl::StatusOr<ClosureOptions> ParseClosureOptions(std::string_view yaml, const ClosureOptions& base);
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -9,7 +9,7 @@
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 // What was made of a door report. The numbers are in the database and on the wire: never reuse one.
 enum class DoorDecision : std::int16_t {
@@ -52,4 +52,4 @@ struct DoorVerdict {
   TimeNs create_time = 0;          // set by the store
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

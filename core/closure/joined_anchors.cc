@@ -5,14 +5,14 @@
 #include "core/graph/pose_chain.h"
 #include "core/graph/search_radius.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 constexpr double kSamePlace = 0.3;  // m, as migrations/deploy/link_points.sql has it
 
-bool IsSamePlace(const Anchor& a, const Anchor& b) {
+bool IsSamePlace(const graph::Anchor& a, const graph::Anchor& b) {
   const double distance = (a.T_map_place.translation() - b.T_map_place.translation()).norm();
-  return distance <= std::max(kSamePlace, ErrorEllipse95(a.covariance + b.covariance).semi_major_m);
+  return distance <= std::max(kSamePlace, graph::ErrorEllipse95(a.covariance + b.covariance).semi_major_m);
 }
 
 }  // namespace
@@ -25,28 +25,28 @@ JoinedAnchors JoinAtDoor(const MapId& here, const Pose2& T_here_robot, const Pos
           .there = {there, T_there_door.pose, T_there_door.covariance}};
 }
 
-Anchor OriginAnchor(const MapId& map, const ClosureOptions& options) {
+graph::Anchor OriginAnchor(const MapId& map, const ClosureOptions& options) {
   const double variance = options.origin_sigma * options.origin_sigma;
   const double yaw_variance = options.origin_yaw_sigma * options.origin_yaw_sigma;
   return {map, Pose2{}, Eigen::Vector3d(variance, variance, yaw_variance).asDiagonal()};
 }
 
-std::optional<PoseWithCovariance> PoseBehind(const LinkPoint& link_point, const MapId& here, const MapId& there,
+std::optional<PoseWithCovariance> PoseBehind(const graph::LinkPoint& link_point, const MapId& here, const MapId& there,
                                              const PoseWithCovariance& T_here_robot) {
-  const Anchor* from = link_point.FindAnchor(here);
-  const Anchor* to = link_point.FindAnchor(there);
+  const graph::Anchor* from = link_point.FindAnchor(here);
+  const graph::Anchor* to = link_point.FindAnchor(there);
   if (from == nullptr || to == nullptr) return std::nullopt;
-  return Compose(TransformAcross(*to, *from), T_here_robot);
+  return Compose(graph::TransformAcross(*to, *from), T_here_robot);
 }
 
-const LinkPoint* FindRedundant(const std::vector<const LinkPoint*>& link_points, const JoinedAnchors& anchors) {
-  for (const LinkPoint* link_point : link_points) {
-    const Anchor* here = link_point->FindAnchor(anchors.here.map);
-    const Anchor* there = link_point->FindAnchor(anchors.there.map);
-    if (here == nullptr || there == nullptr || link_point->use == LinkPointUse::kSuspended) continue;
+const graph::LinkPoint* FindRedundant(const std::vector<const graph::LinkPoint*>& link_points, const JoinedAnchors& anchors) {
+  for (const graph::LinkPoint* link_point : link_points) {
+    const graph::Anchor* here = link_point->FindAnchor(anchors.here.map);
+    const graph::Anchor* there = link_point->FindAnchor(anchors.there.map);
+    if (here == nullptr || there == nullptr || link_point->use == graph::LinkPointUse::kSuspended) continue;
     if (IsSamePlace(*here, anchors.here) && IsSamePlace(*there, anchors.there)) return link_point;
   }
   return nullptr;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

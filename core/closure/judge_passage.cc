@@ -8,11 +8,11 @@
 #include "core/graph/search_radius.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 bool IsSure(const PoseWithCovariance& pose, const ClosureOptions& options) {
-  return ErrorEllipse95(pose.covariance).semi_major_m <= options.sure_radius &&
+  return graph::ErrorEllipse95(pose.covariance).semi_major_m <= options.sure_radius &&
          std::sqrt(std::max(pose.covariance(2, 2), 0.0)) <= options.sure_yaw;
 }
 
@@ -172,4 +172,4 @@ DoorComparison ToComparison(const PlaceEvidence& evidence, const JudgedPlace& ju
   return comparison;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

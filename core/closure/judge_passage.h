@@ -9,7 +9,7 @@
 #include "core/closure/door_verdict.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 // What the images of a place and those of now came to.
 struct ImageWitness {
@@ -71,4 +71,4 @@ PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const Clos
 // For the verdict.
 DoorComparison ToComparison(const PlaceEvidence& evidence, const JudgedPlace& judged);
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

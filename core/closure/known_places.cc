@@ -8,7 +8,7 @@
 #include "core/graph/search_radius.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 constexpr double kBehindDoor = 0.5;  // m: a robot that has come so far through a door still sees it
@@ -20,13 +20,13 @@ struct Reach {
   double across;  // m
 };
 
-std::optional<KnownPlace> Sight(const LinkPoint& link_point, const Anchor& anchor,
+std::optional<KnownPlace> Sight(const graph::LinkPoint& link_point, const graph::Anchor& anchor,
                                 const PoseWithCovariance& T_map_robot, const ClosureOptions& options) {
   const bool is_sighting = link_point.is_candidate();
   const Reach reach = is_sighting ? Reach{options.known_along, options.known_along, options.known_across}
                                   : Reach{options.known_ahead, kBehindDoor, options.known_across};
   const Pose2 d = Between(T_map_robot.pose, anchor.T_map_place);
-  const double slack = ErrorEllipse95(T_map_robot.covariance + anchor.covariance).semi_major_m;
+  const double slack = graph::ErrorEllipse95(T_map_robot.covariance + anchor.covariance).semi_major_m;
   if (d.x > reach.ahead + slack || d.x < -reach.behind - slack || std::abs(d.y) > reach.across + slack) {
     return std::nullopt;
   }
@@ -40,11 +40,11 @@ std::optional<KnownPlace> Sight(const LinkPoint& link_point, const Anchor& ancho
 }
 
 template <typename Find>
-std::vector<KnownPlace> FindEach(const std::vector<const LinkPoint*>& link_points, const MapId& map, const Find& find) {
+std::vector<KnownPlace> FindEach(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map, const Find& find) {
   std::vector<KnownPlace> found;
-  for (const LinkPoint* link_point : link_points) {
-    const Anchor* anchor = link_point->FindAnchor(map);
-    if (anchor == nullptr || link_point->use == LinkPointUse::kSuspended) continue;
+  for (const graph::LinkPoint* link_point : link_points) {
+    const graph::Anchor* anchor = link_point->FindAnchor(map);
+    if (anchor == nullptr || link_point->use == graph::LinkPointUse::kSuspended) continue;
     if (std::optional<KnownPlace> place = find(*link_point, *anchor)) found.push_back(*std::move(place));
   }
   std::sort(found.begin(), found.end(), [](const KnownPlace& a, const KnownPlace& b) {
@@ -56,19 +56,19 @@ std::vector<KnownPlace> FindEach(const std::vector<const LinkPoint*>& link_point
 
 }  // namespace
 
-std::vector<KnownPlace> FindSighted(const std::vector<const LinkPoint*>& link_points, const MapId& map,
+std::vector<KnownPlace> FindSighted(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
                                     const PoseWithCovariance& T_map_robot, const ClosureOptions& options) {
-  return FindEach(link_points, map, [&](const LinkPoint& link_point, const Anchor& anchor) {
+  return FindEach(link_points, map, [&](const graph::LinkPoint& link_point, const graph::Anchor& anchor) {
     return Sight(link_point, anchor, T_map_robot, options);
   });
 }
 
-std::vector<KnownPlace> FindPassed(const std::vector<const LinkPoint*>& link_points, const MapId& map,
+std::vector<KnownPlace> FindPassed(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
                                    const PoseWithCovariance& T_map_door, const ClosureOptions& options) {
   const double gate = Gate(options);
   const PoseWithCovariance before = Compose(T_map_door, {{-options.latch_distance, 0.0, 0.0}, Eigen::Matrix3d::Zero()});
   return FindEach(link_points, map,
-                  [&](const LinkPoint& link_point, const Anchor& anchor) -> std::optional<KnownPlace> {
+                  [&](const graph::LinkPoint& link_point, const graph::Anchor& anchor) -> std::optional<KnownPlace> {
                     if (link_point.is_candidate()) return Sight(link_point, anchor, before, options);
                     const double chi2 = PlaceChiSquared({anchor.T_map_place, anchor.covariance}, T_map_door, options);
                     const double distance = (anchor.T_map_place.translation() - T_map_door.pose.translation()).norm();
@@ -80,16 +80,16 @@ std::vector<KnownPlace> FindPassed(const std::vector<const LinkPoint*>& link_poi
                   });
 }
 
-bool IsDoorOf(const LinkPoint& link_point, const Anchor& anchor, const PoseWithCovariance& T_map_door,
+bool IsDoorOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor, const PoseWithCovariance& T_map_door,
               const ClosureOptions& options) {
   if (!link_point.is_candidate()) {
     return PlaceChiSquared({anchor.T_map_place, anchor.covariance}, T_map_door, options) <= Gate(options);
   }
   const Pose2 d = Between(anchor.T_map_place, T_map_door.pose);
-  const double slack = ErrorEllipse95(T_map_door.covariance + anchor.covariance).semi_major_m;
+  const double slack = graph::ErrorEllipse95(T_map_door.covariance + anchor.covariance).semi_major_m;
   return d.x <= options.known_ahead + slack && d.x >= -kBehindDoor - slack &&
          std::abs(d.y) <= options.known_across + slack &&
          std::abs(WrapAngle(d.yaw + M_PI)) <= options.known_facing * M_PI / 180.0;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -8,11 +8,11 @@
 #include "core/geometry/pose2.h"
 #include "core/graph/link_point.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 // A place that the robot's own map knows, near where it saw or passed a door.
 struct KnownPlace {
-  const LinkPoint* link_point = nullptr;
+  const graph::LinkPoint* link_point = nullptr;
   double chi2 = 0.0;      // of the door's pose against the anchor; with FindSighted 0
   double distance = 0.0;  // m
   std::string reason;
@@ -22,19 +22,19 @@ struct KnownPlace {
 // known_along and known_across, link points that are the door itself up to known_ahead before it; each widened by the
 // 95 % circle of both covariances. Sightings must face the same way within known_facing, doors that way or the
 // opposite. The nearest first. `link_points`: those with an anchor in `map`; others are left out.
-std::vector<KnownPlace> FindSighted(const std::vector<const LinkPoint*>& link_points, const MapId& map,
+std::vector<KnownPlace> FindSighted(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
                                     const PoseWithCovariance& T_map_robot, const ClosureOptions& options);
 
 // The link points and candidates of `map` that may be the door at `T_map_door` which the robot has driven through: the
 // gate on both poses, either way round. Candidates were seen from before the door: they are those that FindSighted
 // would have the robot see from latch_distance before it. The likeliest first.
-std::vector<KnownPlace> FindPassed(const std::vector<const LinkPoint*>& link_points, const MapId& map,
+std::vector<KnownPlace> FindPassed(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
                                    const PoseWithCovariance& T_map_door, const ClosureOptions& options);
 
 // Is the door at `T_map_door`, looking into the map that the anchor is in, the one that the anchor is of? Who comes
 // into a room by another door sees the same room. A link point's anchor must agree with it, either way round; a
 // candidate's must have it ahead, as FindSighted has it, and look against the way through.
-bool IsDoorOf(const LinkPoint& link_point, const Anchor& anchor, const PoseWithCovariance& T_map_door,
+bool IsDoorOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor, const PoseWithCovariance& T_map_door,
               const ClosureOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -6,7 +6,7 @@
 
 #include "core/graph/chi_squared.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 double PoseChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, double sigma, double yaw_sigma) {
   const Eigen::Vector3d e(b.pose.x - a.pose.x, b.pose.y - a.pose.y, WrapAngle(b.pose.yaw - a.pose.yaw));
@@ -26,7 +26,7 @@ double PlaceChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b,
                   PoseChiSquared(Turned(a), b, options.place_sigma, options.place_yaw_sigma));
 }
 
-double Gate(const ClosureOptions& options) { return ChiSquaredQuantile(options.gate_probability, 3); }
-double StrictGate(const ClosureOptions& options) { return ChiSquaredQuantile(options.strict_probability, 3); }
+double Gate(const ClosureOptions& options) { return graph::ChiSquaredQuantile(options.gate_probability, 3); }
+double StrictGate(const ClosureOptions& options) { return graph::ChiSquaredQuantile(options.strict_probability, 3); }
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -3,7 +3,7 @@
 #include "core/closure/closure_options.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 // Of two independent estimates of one pose in one frame: e' (S_a + S_b + diag(sigma^2, sigma^2, yaw_sigma^2))^-1 e with
 // e = (dx, dy, dyaw), yaw wrapped. Chi-squared with 3 degrees of freedom where both are right.
@@ -19,4 +19,4 @@ double StrictGate(const ClosureOptions& options);
 // The same place, looked at from the other side.
 PoseWithCovariance Turned(const PoseWithCovariance& T_map_place);
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

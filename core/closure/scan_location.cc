@@ -12,7 +12,7 @@
 #include "core/slam/scan_points.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 constexpr double kBeforeDoor = 0.3;  // m: walls and frames about the door belong to both sides
@@ -23,11 +23,11 @@ constexpr double kSigmas = 3.0;
 constexpr double kMinHalfWidth = 3.0;  // m
 constexpr double kMinHalfAngle = 0.3;  // rad
 
-SubmapGrid GridOf(const std::vector<PlacedScan>& scans, const SlamOptions& slam) {
-  SubmapGrid grid(slam.resolution, slam.occupancy);
-  const ScanRayOptions rays{.max_range = slam.max_range};
+slam::SubmapGrid GridOf(const std::vector<PlacedScan>& scans, const slam::SlamOptions& slam) {
+  slam::SubmapGrid grid(slam.resolution, slam.occupancy);
+  const grid::ScanRayOptions rays{.max_range = slam.max_range};
   // A scan that does not fit into the grid (a pose far off) shows nothing of this place.
-  for (const PlacedScan& one : scans) grid.Insert(one.T_map_robot.pose, RobotRays(one.scan, rays)).IgnoreError();
+  for (const PlacedScan& one : scans) grid.Insert(one.T_map_robot.pose, slam::RobotRays(one.scan, rays)).IgnoreError();
   return grid;
 }
 
@@ -48,12 +48,12 @@ ScanLocation Refused(std::string why) {
 
 std::vector<Eigen::Vector2d> PointsBehind(const std::vector<PlacedScan>& scans, const Pose2& T_map_door,
                                           const Pose2& T_map_robot) {
-  const double max_range = SlamOptions().max_range;
+  const double max_range = slam::SlamOptions().max_range;
   std::vector<Eigen::Vector2d> points;
   for (const PlacedScan& one : scans) {
     const Pose2 T_door_then = Between(T_map_door, one.T_map_robot.pose);
     const Pose2 T_now_then = Between(T_map_robot, one.T_map_robot.pose);
-    for (const Eigen::Vector2d& point : HitPoints(one.scan, max_range)) {
+    for (const Eigen::Vector2d& point : sensor::HitPoints(one.scan, max_range)) {
       if ((T_door_then * point).x() >= -kBeforeDoor) points.push_back(T_now_then * point);
     }
   }
@@ -68,12 +68,12 @@ std::vector<PlacedScan> WithoutBeyond(std::vector<PlacedScan> scans, const std::
     });
   });
   for (PlacedScan& one : scans) {
-    LaserScan& scan = one.scan;
+    sensor::LaserScan& scan = one.scan;
     const Pose2 T_map_laser = laser_of(one);
     for (const Pose2& T_map_door : T_map_doors) {
       const Pose2 T_door_laser = Between(T_map_door, T_map_laser);
       for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-        if (ClassifyBeam(scan, scan.ranges[i]) != BeamKind::kHit) continue;
+        if (sensor::ClassifyBeam(scan, scan.ranges[i]) != sensor::BeamKind::kHit) continue;
         const double angle = T_door_laser.yaw + scan.angle(i);
         const double to_plane = -T_door_laser.x / std::cos(angle);  // along the beam
         if (!(to_plane > 0.0 && to_plane < scan.ranges[i])) continue;
@@ -87,21 +87,21 @@ std::vector<PlacedScan> WithoutBeyond(std::vector<PlacedScan> scans, const std::
 
 ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
                            const PoseWithCovariance& predicted, const ClosureOptions& options) {
-  const double radius = ErrorEllipse95(predicted.covariance).semi_major_m;
+  const double radius = graph::ErrorEllipse95(predicted.covariance).semi_major_m;
   const double yaw_sigma = std::sqrt(std::max(predicted.covariance(2, 2), 0.0));
   if (radius > options.alike_distance || yaw_sigma > options.sure_yaw) {
     return Refused(
         fmt::format("the graph is not sure enough of where the robot is: {:.1f} m, {:.2f} rad", radius, yaw_sigma));
   }
   if (known.empty()) return Refused("nobody has seen it from inside yet");
-  SlamOptions slam;
-  const SubmapGrid grid = GridOf(known, slam);
-  const FieldPyramid pyramid(grid, slam.pyramid);
-  LoopCandidate window;
-  window.half_width = std::max(kSigmas / std::sqrt(kChiSquared2Dof95) * radius, kMinHalfWidth);
+  slam::SlamOptions slam;
+  const slam::SubmapGrid grid = GridOf(known, slam);
+  const slam::FieldPyramid pyramid(grid, slam.pyramid);
+  slam::LoopCandidate window;
+  window.half_width = std::max(kSigmas / std::sqrt(graph::kChiSquared2Dof95) * radius, kMinHalfWidth);
   window.half_angle = std::max(kSigmas * yaw_sigma, kMinHalfAngle);
   window.is_entry = true;
-  const LoopMatch match = MatchLoop(grid, pyramid, points, predicted.pose, window, slam);
+  const slam::LoopMatch match = slam::MatchLoop(grid, pyramid, points, predicted.pose, window, slam);
   if (!match.accepted) return Refused(match.reason);
   ScanLocation location;
   location.matched_share = match.score;
@@ -118,4 +118,4 @@ ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vect
   return location;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

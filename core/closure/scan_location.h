@@ -8,11 +8,11 @@
 #include "core/geometry/pose2.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 // A scan, and where it was taken.
 struct PlacedScan {
-  LaserScan scan;
+  sensor::LaserScan scan;
   PoseWithCovariance T_map_robot;
 };
 
@@ -44,4 +44,4 @@ struct ScanLocation {
 ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
                            const PoseWithCovariance& predicted, const ClosureOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

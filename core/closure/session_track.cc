@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 constexpr TimeNs kMaxOdometryGap = kNsPerSecond / 2;
@@ -30,7 +30,7 @@ const Stamped* FindNearest(const std::vector<Stamped>& samples, TimeNs time) {
 
 }  // namespace
 
-SessionTrack::SessionTrack(std::vector<StampedPose> trajectory, std::vector<Odometry> odometry,
+SessionTrack::SessionTrack(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Odometry> odometry,
                            const ClosureOptions& options)
     : trajectory_(std::move(trajectory)),
       odometry_(std::move(odometry)),
@@ -52,13 +52,13 @@ std::optional<Pose2> SessionTrack::OdometryAt(TimeNs time) const {
       return Interpolate(before->T_odom_robot, after->T_odom_robot, t);
     }
   }
-  const Odometry* nearest = FindNearest(odometry_, time);
+  const sensor::Odometry* nearest = FindNearest(odometry_, time);
   if (nearest == nullptr || std::abs(nearest->time - time) > kMaxOdometryGap) return std::nullopt;
   return nearest->T_odom_robot;
 }
 
 std::optional<PoseWithCovariance> SessionTrack::PoseAt(TimeNs time) const {
-  const StampedPose* nearest = FindNearest(trajectory_, time);
+  const slam::StampedPose* nearest = FindNearest(trajectory_, time);
   if (nearest == nullptr || std::abs(nearest->time - time) > kMaxTrajectoryGap) return std::nullopt;
   const std::optional<Pose2> then = OdometryAt(nearest->time);
   const std::optional<Pose2> now = OdometryAt(time);
@@ -91,4 +91,4 @@ std::optional<PoseWithCovariance> SessionTrack::WayFrom(const Pose2& T_odom_x, T
   return Compose(Inverse(*T_map_x), *T_map_robot);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

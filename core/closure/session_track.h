@@ -9,13 +9,13 @@
 #include "core/sensor/record.h"
 #include "core/slam/slam_map.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 
 // Where a session's robot was in its map at any moment: the mapped scans' poses, carried to the moment by odometry.
 class SessionTrack {
  public:
   // Both in any order. Odometry need only cover what is asked for.
-  SessionTrack(std::vector<StampedPose> trajectory, std::vector<Odometry> odometry, const ClosureOptions& options);
+  SessionTrack(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Odometry> odometry, const ClosureOptions& options);
 
   // T_map_robot. The covariance is that of odometry's way from the nearest mapped scan alone; unset where nothing was
   // mapped within 10 s.
@@ -29,11 +29,11 @@ class SessionTrack {
   std::optional<PoseWithCovariance> WayFrom(const Pose2& T_odom_x, TimeNs seen, TimeNs time) const;
 
  private:
-  std::vector<StampedPose> trajectory_;
-  std::vector<Odometry> odometry_;
+  std::vector<slam::StampedPose> trajectory_;
+  std::vector<sensor::Odometry> odometry_;
   double sigma_;
   double yaw_sigma_;
   Eigen::Vector3d match_variances_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -7,7 +7,7 @@
 #include "core/geometry/pose2.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 constexpr double kTurnedRound = 120.0 * kDegree;
@@ -15,7 +15,7 @@ using State = CriterionVerdict::State;
 
 }  // namespace
 
-void DerivativeDetector::Add(const LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
+void DerivativeDetector::Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
   LookAhead(scan, T_odom_robot, events);
   if (latch_ && !behind_.met()) LookBehind(scan, T_odom_robot);
   CompareBoxes(scan, T_odom_robot);
@@ -24,7 +24,7 @@ void DerivativeDetector::Add(const LaserScan& scan, const Pose2& T_odom_robot, s
   last_time_ = scan.time;
 }
 
-void DerivativeDetector::LookAhead(const LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
+void DerivativeDetector::LookAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
   const DerivativeOptions& o = options_.derivative;
   if (ahead_.met()) return;
   if (ahead_hits_ > 0 && ToSeconds(scan.time - first_ahead_) > o.front_window) ahead_hits_ = 0;
@@ -45,7 +45,7 @@ void DerivativeDetector::LookAhead(const LaserScan& scan, const Pose2& T_odom_ro
   events.push_back(EventOf(DoorEvent::Kind::kLatched, scan.time, T_odom_robot));
 }
 
-void DerivativeDetector::LookBehind(const LaserScan& scan, const Pose2& T_odom_robot) {
+void DerivativeDetector::LookBehind(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
   const DerivativeOptions& o = options_.derivative;
   if (behind_hits_ > 0 && ToSeconds(scan.time - last_behind_) < o.back_spacing) return;
   JambSearch search = FindJambsBehind(scan, o);
@@ -79,10 +79,10 @@ void DerivativeDetector::LookBehind(const LaserScan& scan, const Pose2& T_odom_r
   }
 }
 
-void DerivativeDetector::CompareBoxes(const LaserScan& scan, const Pose2& T_odom_robot) {
+void DerivativeDetector::CompareBoxes(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
   const EnvironmentOptions& o = options_.environment;
   if (box_ && ToSeconds(scan.time - box_time_) < o.interval) return;
-  const Eigen::AlignedBox2d box = FilteredBox(scan, o.filter_half_width, T_odom_robot);
+  const Eigen::AlignedBox2d box = sensor::FilteredBox(scan, o.filter_half_width, T_odom_robot);
   if (box.isEmpty()) {
     if (!environment_.met()) environment_.reason = "no beam hits anything: no box";
     return;
@@ -210,4 +210,4 @@ bool DerivativeDetector::Read(BinaryReader& reader) {
   return reader.ok();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

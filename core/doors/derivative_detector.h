@@ -11,7 +11,7 @@
 #include "core/sensor/laser_scan.h"
 #include "core/sensor/scan_box.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // The original's sequence: the door ahead (three hits in three seconds) latches a candidate; the door behind (three
 // hits, 1.5 to 5 m on, heading kept) or a changed environment make it a passage; at the time limit a latched door that
@@ -20,7 +20,7 @@ class DerivativeDetector {
  public:
   explicit DerivativeDetector(const DoorOptions& options) : options_(options) {}
 
-  void Add(const LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
+  void Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
   void Finish(std::vector<DoorEvent>& events);
   void Write(BinaryWriter& writer) const;
   bool Read(BinaryReader& reader);
@@ -32,9 +32,9 @@ class DerivativeDetector {
     Pose2 T_odom_robot;
   };
 
-  void LookAhead(const LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
-  void LookBehind(const LaserScan& scan, const Pose2& T_odom_robot);
-  void CompareBoxes(const LaserScan& scan, const Pose2& T_odom_robot);
+  void LookAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
+  void LookBehind(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
+  void CompareBoxes(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
   void Conclude(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
   DoorEvent EventOf(DoorEvent::Kind kind, TimeNs time, const Pose2& T_odom_robot) const;
   void TellCandidate(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) const;
@@ -63,4 +63,4 @@ class DerivativeDetector {
   TimeNs box_time_ = 0;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

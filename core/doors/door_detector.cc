@@ -5,7 +5,7 @@
 #include "core/base/binary.h"
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
@@ -19,9 +19,9 @@ std::variant<GapDetector, DerivativeDetector> Make(const DoorOptions& options) {
 
 DoorDetector::DoorDetector(const DoorOptions& options) : detector_(Make(options)) {}
 
-std::vector<DoorEvent> DoorDetector::Add(const LaserScan& scan, const Pose2& T_odom_robot) {
+std::vector<DoorEvent> DoorDetector::Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
   std::vector<DoorEvent> events;
-  if (!Validate(scan).ok() || !IsFinite(T_odom_robot) || scan.time < last_time_) return events;
+  if (!sensor::Validate(scan).ok() || !IsFinite(T_odom_robot) || scan.time < last_time_) return events;
   last_time_ = scan.time;
   std::visit([&](auto& detector) { detector.Add(scan, T_odom_robot, events); }, detector_);
   return events;
@@ -62,4 +62,4 @@ absl::StatusOr<DoorDetector> DoorDetector::Restore(const DoorOptions& options, s
   return detector;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -13,7 +13,7 @@
 #include "core/doors/gap_detector.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // Finds doors and the robot's passages through them in a stream of planar scans with odometry. Pure state: the same
 // scans give the same events, also across Serialize and Restore. Any planar scanner will do; what one cannot tell (no
@@ -24,7 +24,7 @@ class DoorDetector {
 
   // The events that this scan settles, in order. A scan that is not valid (core/sensor), is older than the one before,
   // or has a pose that is not finite passes by without an effect.
-  std::vector<DoorEvent> Add(const LaserScan& scan, const Pose2& T_odom_robot);
+  std::vector<DoorEvent> Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
   // Nothing more will come: latched doors become candidates.
   std::vector<DoorEvent> Finish();
 
@@ -37,4 +37,4 @@ class DoorDetector {
   TimeNs last_time_ = -1;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -6,7 +6,7 @@
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // One of the three criteria, as far as it came.
 struct CriterionVerdict {
@@ -49,4 +49,4 @@ inline const char* NameOf(DoorEvent::Kind kind) {
   return kind == DoorEvent::Kind::kLatched ? "latched" : kind == DoorEvent::Kind::kCandidate ? "candidate" : "passage";
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

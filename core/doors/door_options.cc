@@ -4,7 +4,7 @@
 #include "core/base/status_macros.h"
 #include "core/options/yaml_options.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 const char* NameOf(DoorMethod method) { return method == DoorMethod::kGap ? "default" : "original-yaml"; }
@@ -67,4 +67,4 @@ std::string FormatDoorOptions(const DoorOptions& options) {
          yaml_options::Format([&](const auto& visitor) { VisitDoorOptions(options, visitor); });
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

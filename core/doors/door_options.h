@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // Where the original's constants come from: the released Map Manager's C++ defaults and its params.yaml, which differ.
 // They are the values of the presets original-code and original-yaml; `default` uses the group `gap` instead of
@@ -172,4 +172,4 @@ absl::StatusOr<DoorOptions> ParseDoorOptions(std::string_view yaml, const DoorOp
 // All options as YAML that ParseDoorOptions reads back to the same values.
 std::string FormatDoorOptions(const DoorOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

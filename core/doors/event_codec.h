@@ -7,7 +7,7 @@
 #include "core/doors/door_event.h"
 #include "core/geometry/pose_codec.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // Parts of the detectors' states.
 
@@ -32,4 +32,4 @@ inline CriterionVerdict GetVerdict(BinaryReader& reader) {
   return verdict;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -9,7 +9,7 @@
 #include "core/doors/passage_evidence.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 using State = CriterionVerdict::State;
@@ -39,7 +39,7 @@ bool Crosses(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Narrows& 
 
 GapDetector::GapDetector(const DoorOptions& options) : options_(options), map_(options.gap.cell, options.gap.reach) {}
 
-void GapDetector::Add(const LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
+void GapDetector::Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
   map_.Add(scan, T_odom_robot);
   const double step =
       path_.empty() ? 0.0 : (T_odom_robot.translation() - path_.back().view.T_odom_robot.translation()).norm();
@@ -309,4 +309,4 @@ bool GapDetector::Read(BinaryReader& reader) {
   return reader.ok();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -11,7 +11,7 @@
 #include "core/doors/visibility.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // Doors as narrow places that the robot's way crosses (docs/doors.md):
 //  ahead: scans see the same narrow place ahead, several times, before it is reached;
@@ -22,7 +22,7 @@ class GapDetector {
  public:
   explicit GapDetector(const DoorOptions& options);
 
-  void Add(const LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
+  void Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
   void Finish(std::vector<DoorEvent>& events);
   void Write(BinaryWriter& writer) const;
   bool Read(BinaryReader& reader);
@@ -67,4 +67,4 @@ class GapDetector {
   double last_passage_ = -1e9;  // travelled, m
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -7,29 +7,29 @@
 #include "core/geometry/pose2.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
-double RangeOf(const LaserScan& scan, std::size_t beam) {
-  switch (ClassifyBeam(scan, scan.ranges[beam])) {
-    case BeamKind::kHit:
+double RangeOf(const sensor::LaserScan& scan, std::size_t beam) {
+  switch (sensor::ClassifyBeam(scan, scan.ranges[beam])) {
+    case sensor::BeamKind::kHit:
       return static_cast<double>(scan.ranges[beam]);
-    case BeamKind::kNoReturn:
+    case sensor::BeamKind::kNoReturn:
       return std::numeric_limits<double>::infinity();
-    case BeamKind::kUnknown:
+    case sensor::BeamKind::kUnknown:
       break;
   }
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-std::size_t BeamsOf(const LaserScan& scan, double degrees) {
+std::size_t BeamsOf(const sensor::LaserScan& scan, double degrees) {
   const double beams = std::round(degrees * kDegree / std::abs(scan.angle_increment));
-  return static_cast<std::size_t>(std::clamp(beams, 1.0, static_cast<double>(kMaxBeams)));
+  return static_cast<std::size_t>(std::clamp(beams, 1.0, static_cast<double>(sensor::kMaxBeams)));
 }
 
 // Where the beams point, in the robot's frame, counter-clockwise: a scanner that turns clockwise is read backwards.
 struct Order {
-  const LaserScan& scan;
+  const sensor::LaserScan& scan;
   std::size_t BeamAt(std::size_t i) const { return scan.angle_increment >= 0.0 ? i : scan.ranges.size() - 1 - i; }
   double BearingAt(std::size_t i) const { return WrapAngle(scan.angle(BeamAt(i)) + scan.T_robot_laser.yaw); }
 };
@@ -45,7 +45,7 @@ struct Posts {
   }
 };
 
-Posts PostsOf(const LaserScan& scan, const DerivativeOptions& options) {
+Posts PostsOf(const sensor::LaserScan& scan, const DerivativeOptions& options) {
   const Order order{scan};
   Posts posts;
   posts.offset = BeamsOf(scan, options.post_offset);
@@ -76,13 +76,13 @@ JambSearch Judge(JambSearch search, const JambPair& pair, const DerivativeOption
 
 }  // namespace
 
-std::vector<double> ScanDerivative(const LaserScan& scan, const DerivativeOptions& options) {
+std::vector<double> ScanDerivative(const sensor::LaserScan& scan, const DerivativeOptions& options) {
   std::vector<double> derivative = PostsOf(scan, options).derivative;
   if (scan.angle_increment < 0.0) std::reverse(derivative.begin(), derivative.end());
   return derivative;
 }
 
-JambSearch FindJambsAhead(const LaserScan& scan, const DerivativeOptions& options) {
+JambSearch FindJambsAhead(const sensor::LaserScan& scan, const DerivativeOptions& options) {
   const Order order{scan};
   const Posts posts = PostsOf(scan, options);
   JambSearch search;
@@ -105,7 +105,7 @@ JambSearch FindJambsAhead(const LaserScan& scan, const DerivativeOptions& option
   return Judge(std::move(search), pair, options);
 }
 
-JambSearch FindJambsBehind(const LaserScan& scan, const DerivativeOptions& options) {
+JambSearch FindJambsBehind(const sensor::LaserScan& scan, const DerivativeOptions& options) {
   const Order order{scan};
   const Posts posts = PostsOf(scan, options);
   JambSearch search;
@@ -137,4 +137,4 @@ JambSearch FindJambsBehind(const LaserScan& scan, const DerivativeOptions& optio
   return Judge(std::move(search), pair, options);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

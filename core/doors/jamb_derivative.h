@@ -7,11 +7,11 @@
 #include "core/doors/door_options.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // D of beam j: half the difference of the ranges half_window behind and before it. The window is cut off at the scan's
 // ends. No return counts as infinitely far; NaN where either beam is unknown or both are infinite.
-std::vector<double> ScanDerivative(const LaserScan& scan, const DerivativeOptions& options);
+std::vector<double> ScanDerivative(const sensor::LaserScan& scan, const DerivativeOptions& options);
 
 // The two posts of a door in one scan.
 struct JambPair {
@@ -28,8 +28,8 @@ struct JambSearch {
 
 // Ahead: |bearing| <= front_sector; D rises above the threshold at the right post, falls below its negative at the
 // left.
-JambSearch FindJambsAhead(const LaserScan& scan, const DerivativeOptions& options);
+JambSearch FindJambsAhead(const sensor::LaserScan& scan, const DerivativeOptions& options);
 // Behind: |bearing| >= back_sector, seen through the scan's seam at +-180 degrees.
-JambSearch FindJambsBehind(const LaserScan& scan, const DerivativeOptions& options);
+JambSearch FindJambsBehind(const sensor::LaserScan& scan, const DerivativeOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

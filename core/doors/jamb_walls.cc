@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 constexpr double kTurnStep = 3.0 * M_PI / 180.0;
@@ -154,4 +154,4 @@ double ParallelSurfaces(const LocalMap& map, const Eigen::Vector2d& left, const 
   return longest;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

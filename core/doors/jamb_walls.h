@@ -4,7 +4,7 @@
 
 #include "core/doors/local_map.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // The wall that a door is a gap in: what runs on from both posts along one common straight line.
 struct JambWalls {
@@ -41,4 +41,4 @@ JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const 
 // walls; at a door's two posts it is the wall's thickness, because a leaf that stands open or a corner is on one side.
 double ParallelSurfaces(const LocalMap& map, const Eigen::Vector2d& left, const Eigen::Vector2d& right, double limit);
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

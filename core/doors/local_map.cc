@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace enfilade {
+namespace enfilade::doors {
 
 LocalMap::LocalMap(double cell, double reach)
     : cell_(cell), reach_(reach), side_(2 * static_cast<int>(std::ceil((reach + 2.0) / cell))) {
@@ -63,7 +63,7 @@ void LocalMap::Clear(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   }
 }
 
-void LocalMap::Add(const LaserScan& scan, const Pose2& T_odom_robot) {
+void LocalMap::Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
   MoveTo(T_odom_robot.translation());
   ++scan_;
   const Pose2 T_odom_laser = T_odom_robot * scan.T_robot_laser;
@@ -74,7 +74,7 @@ void LocalMap::Add(const LaserScan& scan, const Pose2& T_odom_robot) {
   };
   // Hits first: no other beam of this scan clears their cells.
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    if (ClassifyBeam(scan, scan.ranges[i]) != BeamKind::kHit || scan.ranges[i] > reach_) continue;
+    if (sensor::ClassifyBeam(scan, scan.ranges[i]) != sensor::BeamKind::kHit || scan.ranges[i] > reach_) continue;
     const Eigen::Vector2d end = end_of(i, static_cast<double>(scan.ranges[i]));
     const int column = CellOf(end.x()) - column0_;
     const int row = CellOf(end.y()) - row0_;
@@ -86,10 +86,10 @@ void LocalMap::Add(const LaserScan& scan, const Pose2& T_odom_robot) {
     cells_[index] = static_cast<std::int8_t>(std::min<int>(kMost, cells_[index] + kHit));
   }
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const BeamKind kind = ClassifyBeam(scan, scan.ranges[i]);
-    if (kind == BeamKind::kUnknown) continue;
+    const sensor::BeamKind kind = sensor::ClassifyBeam(scan, scan.ranges[i]);
+    if (kind == sensor::BeamKind::kUnknown) continue;
     const double range =
-        kind == BeamKind::kHit ? std::min<double>(scan.ranges[i], reach_) : std::min<double>(scan.range_max, reach_);
+        kind == sensor::BeamKind::kHit ? std::min<double>(scan.ranges[i], reach_) : std::min<double>(scan.range_max, reach_);
     Clear(from, end_of(i, range));
   }
 }
@@ -178,4 +178,4 @@ bool LocalMap::Read(BinaryReader& reader) {
   return fits && reader.ok();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -9,7 +9,7 @@
 #include "core/geometry/pose2.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // What the last scans say of the robot's surroundings: a square of cells in the odometry frame that moves along with
 // the robot. Each cell counts hits against beams that went through it, within small bounds, so that a person who walks
@@ -19,7 +19,7 @@ class LocalMap {
   // `cell` and `reach` (of beams) in metres.
   LocalMap(double cell, double reach);
 
-  void Add(const LaserScan& scan, const Pose2& T_odom_robot);
+  void Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
 
   bool IsOccupied(int column, int row) const { return At(column, row) >= kOccupied; }
   bool IsFree(int column, int row) const { return At(column, row) < 0; }
@@ -65,4 +65,4 @@ class LocalMap {
   std::uint32_t scan_ = 0;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

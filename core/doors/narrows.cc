@@ -7,7 +7,7 @@
 
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 constexpr double kBin = 0.05;       // m along the way
@@ -157,4 +157,4 @@ NarrowsSearch FindNarrows(const LocalMap& map, const Eigen::Vector2d& origin, co
   return search;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

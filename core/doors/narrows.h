@@ -7,7 +7,7 @@
 #include "core/doors/door_options.h"
 #include "core/doors/local_map.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // A place where the way is narrow and wider before and behind: what a door is to a laser scanner.
 struct Narrows {
@@ -31,4 +31,4 @@ struct NarrowsSearch {
 NarrowsSearch FindNarrows(const LocalMap& map, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
                           double begin, double end, const GapOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -4,7 +4,7 @@
 
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 constexpr double kLeastDepth = 0.05;  // m, of a wall: the local map tells no less
@@ -45,4 +45,4 @@ PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& 
                             evidence.way_round ? ", though there is a way round" : "", walls.left, walls.right)};
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

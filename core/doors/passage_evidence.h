@@ -6,7 +6,7 @@
 #include "core/doors/door_options.h"
 #include "core/doors/jamb_walls.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // What is known of a narrow place that the robot has driven through.
 struct PassageEvidence {
@@ -33,4 +33,4 @@ struct PassageVerdict {
 // and the environment has changed, or it is far more slender than asked for.
 PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

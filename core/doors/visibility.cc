@@ -7,14 +7,14 @@
 #include "core/geometry/pose2.h"
 #include "core/geometry/pose_codec.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 constexpr double kStep = 0.2;  // m between places along a beam
 
 }  // namespace
 
-RangeView RangeView::Of(const LaserScan& scan, const Pose2& T_odom_robot) {
+RangeView RangeView::Of(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
   RangeView view;
   view.time = scan.time;
   view.T_odom_robot = T_odom_robot;
@@ -30,9 +30,9 @@ RangeView RangeView::Of(const LaserScan& scan, const Pose2& T_odom_robot) {
     float range = std::numeric_limits<float>::quiet_NaN();
     for (std::size_t i = begin; i < std::min(beams, begin + together); ++i) {
       const float one = scan.ranges[forward ? i : beams - 1 - i];
-      const BeamKind kind = ClassifyBeam(scan, one);
-      if (kind == BeamKind::kUnknown) continue;
-      const float seen = kind == BeamKind::kHit ? one : std::numeric_limits<float>::infinity();
+      const sensor::BeamKind kind = sensor::ClassifyBeam(scan, one);
+      if (kind == sensor::BeamKind::kUnknown) continue;
+      const float seen = kind == sensor::BeamKind::kHit ? one : std::numeric_limits<float>::infinity();
       if (std::isnan(range) || seen < range) range = seen;
     }
     view.ranges.push_back(range);
@@ -89,4 +89,4 @@ RangeView GetView(BinaryReader& reader) {
   return view;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

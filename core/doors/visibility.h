@@ -8,7 +8,7 @@
 #include "core/geometry/pose2.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 
 // A scan thinned to about one beam a degree, with the place it was taken at.
 struct RangeView {
@@ -20,7 +20,7 @@ struct RangeView {
   std::vector<float> ranges;     // m; infinite: no return, NaN: unknown
 
   // Counter-clockwise; the beams within a degree give their nearest hit.
-  static RangeView Of(const LaserScan& scan, const Pose2& T_odom_robot);
+  static RangeView Of(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
 };
 
 // Of the ground that one view sees on its own side of the line through a and b, within `radius` of their middle, m^2:
@@ -36,4 +36,4 @@ HiddenGround CompareGround(const RangeView& seen, const RangeView& from, const E
 void PutView(BinaryWriter& writer, const RangeView& view);
 RangeView GetView(BinaryReader& reader);
 
-}  // namespace enfilade
+}  // namespace enfilade::doors

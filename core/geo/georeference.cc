@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::geo {
 namespace {
 
 using Complex = std::complex<double>;
@@ -138,4 +138,4 @@ absl::StatusOr<GeoreferenceFit> FitGeoreference(const std::vector<SurveyPoint>& 
   return fit;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::geo

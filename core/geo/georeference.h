@@ -7,7 +7,7 @@
 #include "core/geo/transverse_mercator.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::geo {
 
 // A place known in both frames.
 struct SurveyPoint {
@@ -64,4 +64,4 @@ struct GeoreferenceFit {
 absl::StatusOr<GeoreferenceFit> FitGeoreference(const std::vector<SurveyPoint>& points,
                                                 const GeoreferenceOptions& options = {});
 
-}  // namespace enfilade
+}  // namespace enfilade::geo

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::geo {
 namespace {
 
 constexpr double kSemiMajor = 6378137.0;
@@ -107,4 +107,4 @@ LonLat TransverseMercator::Inverse(const Eigen::Vector2d& east_north) const {
           .latitude = Degrees(std::atan(GeographicTangent(conformal)))};
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::geo

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace enfilade {
+namespace enfilade::geo {
 
 // A place on the WGS84 ellipsoid, degrees.
 struct LonLat {
@@ -31,4 +31,4 @@ class TransverseMercator {
   double north_of_equator_ = 0.0;  // of the origin, m
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::geo

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <unsupported/Eigen/SpecialFunctions>
 
-namespace enfilade {
+namespace enfilade::graph {
 
 double ChiSquaredQuantile(double probability, int degrees_of_freedom) {
   const double half = 0.5 * degrees_of_freedom;
@@ -18,4 +18,4 @@ double ChiSquaredQuantile(double probability, int degrees_of_freedom) {
   return 0.5 * (low + high);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -7,7 +7,7 @@
 
 #include "core/graph/cow_vector.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // A hash map from Key to a number that is not negative, with CowVector's way of sharing.
 template <typename Key>
@@ -74,4 +74,4 @@ class CowIndex {
   std::size_t size_ = 0;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -6,7 +6,7 @@
 #include <unordered_set>
 #include <vector>
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // A vector whose copies share their chunks of `kChunk` elements (copy on write): a copy costs one pointer per chunk, a
 // change the copy of one chunk, and nobody who reads an older copy sees it or waits. Changes are made between
@@ -42,4 +42,4 @@ class CowVector {
   std::unordered_set<std::size_t> own_;  // the chunks made since the last Freeze
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

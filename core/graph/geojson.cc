@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -56,7 +56,7 @@ const char* NameOf(LinkPointUse use) {
 
 class Writer {
  public:
-  Writer(const WorldPoses& poses, const Georeference* georeference, std::int64_t graph_version)
+  Writer(const WorldPoses& poses, const geo::Georeference* georeference, std::int64_t graph_version)
       : poses_(poses), georeference_(georeference) {
     collection_["type"] = "FeatureCollection";
     if (georeference_ == nullptr) collection_["frame"] = "world_metres";
@@ -76,7 +76,7 @@ class Writer {
 
   Json Position(const Eigen::Vector2d& p_world) const {
     if (georeference_ == nullptr) return {p_world.x(), p_world.y()};
-    const LonLat place = georeference_->ToLonLat(p_world);
+    const geo::LonLat place = georeference_->ToLonLat(p_world);
     return {place.longitude, place.latitude};
   }
 
@@ -115,7 +115,7 @@ class Writer {
 
  private:
   const WorldPoses& poses_;
-  const Georeference* georeference_;
+  const geo::Georeference* georeference_;
   Json collection_;
   std::unordered_map<MapId, std::optional<PoseWithCovariance>> T_world_maps_;
 };
@@ -177,7 +177,7 @@ void AddEdges(const GraphSnapshot& graph, const GraphSnapshot::MapNode& node, Wr
 
 }  // namespace
 
-std::string GraphToGeoJson(const WorldPoses& poses, const Georeference* georeference) {
+std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference) {
   const GraphSnapshot& graph = poses.graph();
   Writer writer(poses, georeference, graph.version());
   const std::vector<const MapInGraph*> maps = graph.ListMaps();
@@ -187,7 +187,7 @@ std::string GraphToGeoJson(const WorldPoses& poses, const Georeference* georefer
   return writer.Text();
 }
 
-std::string RoutesToGeoJson(const Routes& routes, const WorldPoses& poses, const Georeference* georeference) {
+std::string RoutesToGeoJson(const Routes& routes, const WorldPoses& poses, const geo::Georeference* georeference) {
   Writer writer(poses, georeference, routes.graph_version);
   for (std::size_t r = 0; r < routes.routes.size(); ++r) {
     for (std::size_t i = 0; i < routes.routes[r].legs.size(); ++i) {
@@ -206,4 +206,4 @@ std::string RoutesToGeoJson(const Routes& routes, const WorldPoses& poses, const
   return writer.Text();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -6,7 +6,7 @@
 #include "core/graph/global_pose.h"
 #include "core/graph/routes.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // GeoJSON (RFC 7946) FeatureCollections. With a georeference coordinates are longitude and latitude, as the RFC wants
 // them; without one they are metres in the site's world frame, and the collection says so in its member "frame". Both
@@ -16,10 +16,10 @@ namespace enfilade {
 // graph: one LineString for each pair of joining link points of a map, named by it. Features have the member "id":
 // "maps/<id>", "linkPoints/<id>", "maps/<map>/edges/<a>/<b>"; properties as in the API, positions' standard deviations
 // in metres.
-std::string GraphToGeoJson(const WorldPoses& poses, const Georeference* georeference = nullptr);
+std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference = nullptr);
 
 // One LineString per route and leg, with the map, length and the link point that it ends at. Where a map of the way is
 // not joined to the world its legs have no geometry.
-std::string RoutesToGeoJson(const Routes& routes, const WorldPoses& poses, const Georeference* georeference = nullptr);
+std::string RoutesToGeoJson(const Routes& routes, const WorldPoses& poses, const geo::Georeference* georeference = nullptr);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 absl::StatusOr<int> GetMapSlot(const GraphSnapshot& graph, const MapId& map) {
@@ -160,4 +160,4 @@ std::optional<PoseWithCovariance> FindInWorld(const WorldPoses& poses, const Lin
   return best;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -12,7 +12,7 @@
 #include "core/graph/pose_chain.h"
 #include "core/graph/shortest_paths.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // A pose in the world frame, and why it is so.
 struct GlobalPose {
@@ -105,4 +105,4 @@ std::vector<PoseWithCovariance> TransformPoses(const MapTransform& T_a_b,
 // its maps is joined to the world.
 std::optional<PoseWithCovariance> FindInWorld(const WorldPoses& poses, const LinkPoint& link_point);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

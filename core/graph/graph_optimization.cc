@@ -14,7 +14,7 @@
 #include "core/graph/joint_graph.h"
 #include "core/optimize/solve_pose_graph.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 // Sets of maps that are joined (Tarjan 1975).
@@ -65,7 +65,7 @@ class Optimization {
     ENFILADE_RETURN_IF_ERROR(SolveRobustly());
     SwitchOffBeyondGate();
     for (int round = 0;; ++round) {
-      ENFILADE_RETURN_IF_ERROR(Solve({}, Initialisation::kNone));
+      ENFILADE_RETURN_IF_ERROR(Solve({}, optimize::Initialisation::kNone));
       if (round >= options_.max_rounds) break;
       ENFILADE_RETURN_IF_ERROR(JudgeUnused());
       if (!SwitchOffWorst() && !UseAgain()) break;
@@ -78,26 +78,26 @@ class Optimization {
   // right ones, and which one is found is a matter of the start. Huber's kernel has the majority's minimum, if a little
   // off; started there and elsewhere, the least minimum counts.
   absl::Status SolveRobustly() {
-    const RobustKernel dcs{.type = RobustKernel::Type::kDcs, .width = options_.kernel_width};
-    ENFILADE_RETURN_IF_ERROR(Solve({.type = RobustKernel::Type::kHuber, .width = 1.0}, Initialisation::kAuto));
-    ENFILADE_RETURN_IF_ERROR(Solve(dcs, Initialisation::kNone));
+    const optimize::RobustKernel dcs{.type = optimize::RobustKernel::Type::kDcs, .width = options_.kernel_width};
+    ENFILADE_RETURN_IF_ERROR(Solve({.type = optimize::RobustKernel::Type::kHuber, .width = 1.0}, optimize::Initialisation::kAuto));
+    ENFILADE_RETURN_IF_ERROR(Solve(dcs, optimize::Initialisation::kNone));
     const double cost = report_.final_cost;
-    const std::vector<PoseGraphNode> nodes = joint_.graph.nodes;
-    ENFILADE_RETURN_IF_ERROR(Solve(dcs, Initialisation::kAuto));
+    const std::vector<optimize::PoseGraphNode> nodes = joint_.graph.nodes;
+    ENFILADE_RETURN_IF_ERROR(Solve(dcs, optimize::Initialisation::kAuto));
     if (report_.final_cost < cost) return absl::OkStatus();
     joint_.graph.nodes = nodes;
-    return Solve(dcs, Initialisation::kNone);
+    return Solve(dcs, optimize::Initialisation::kNone);
   }
 
-  absl::Status Solve(const RobustKernel& kernel, Initialisation initialisation) {
-    SolveOptions solve{.initialisation = initialisation,
+  absl::Status Solve(const optimize::RobustKernel& kernel, optimize::Initialisation initialisation) {
+    optimize::SolveOptions solve{.initialisation = initialisation,
                        .kernel = kernel,
                        .max_iterations = options_.max_iterations,
                        .fixed = {joint_.graph.nodes.front().id}};
-    if (kernel.type == RobustKernel::Type::kNone) {
+    if (kernel.type == optimize::RobustKernel::Type::kNone) {
       for (std::size_t i = 0; i < joint_.maps; ++i) solve.covariance_of.push_back(joint_.graph.nodes[i].id);
     }
-    ENFILADE_ASSIGN_OR_RETURN(report_, SolvePoseGraph(solve, joint_.graph));
+    ENFILADE_ASSIGN_OR_RETURN(report_, optimize::SolvePoseGraph(solve, joint_.graph));
     iterations_ += report_.iterations;
     for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
       chi2_[i] = 0.0;
@@ -175,7 +175,7 @@ class Optimization {
     ENFILADE_RETURN_IF_ERROR(JudgeUnused());
     SolvedGraph solution{.graph_version = snapshot_.version(), .root = snapshot_.root()};
     for (std::size_t i = 0; i < joint_.maps; ++i) {
-      const PoseGraphNode& node = joint_.graph.nodes[i];
+      const optimize::PoseGraphNode& node = joint_.graph.nodes[i];
       solution.map_poses[snapshot_.map_node(static_cast<int>(node.id)).map->id] = {node.T_world_node,
                                                                                    report_.covariances[i].covariance};
     }
@@ -200,12 +200,12 @@ class Optimization {
   const GraphSnapshot& snapshot_;
   const GraphOptimizationOptions& options_;
   JointGraph joint_;
-  std::vector<PoseGraphNode> begin_;
+  std::vector<optimize::PoseGraphNode> begin_;
   std::vector<char> used_;      // per term
   std::vector<char> returned_;  // per term
   std::vector<double> gate_;    // per term
   std::vector<double> chi2_;    // per term
-  SolveReport report_;
+  optimize::SolveReport report_;
   int iterations_ = 0;
 };
 
@@ -247,4 +247,4 @@ SnapshotChanges ChangesOf(const GraphSnapshot& graph, SolvedGraph solution, std:
   return changes;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -4,7 +4,7 @@
 #include "core/graph/graph_snapshot.h"
 #include "core/graph/solved_graph.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 struct GraphOptimizationOptions {
   // A link point whose anchors disagree by more than this quantile of chi-squared (3 degrees of freedom for each anchor
@@ -40,4 +40,4 @@ absl::StatusOr<SolvedGraph> OptimizeGraph(const GraphSnapshot& graph, const Grap
 // are. `version` is the one after them.
 SnapshotChanges ChangesOf(const GraphSnapshot& graph, SolvedGraph solution, std::int64_t version);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

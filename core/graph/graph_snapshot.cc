@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/graph/validate_link_point.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 std::size_t Index(int slot) { return static_cast<std::size_t>(slot); }
@@ -174,4 +174,4 @@ absl::StatusOr<GraphSnapshot> Apply(const GraphSnapshot& snapshot, const Snapsho
   return next;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

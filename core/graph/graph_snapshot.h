@@ -16,7 +16,7 @@
 #include "core/graph/link_point.h"
 #include "core/graph/solved_graph.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // What the graph knows of a map.
 struct MapInGraph {
@@ -123,4 +123,4 @@ class GraphSnapshot {
 // FAILED_PRECONDITION: a removed map has link points still.
 absl::StatusOr<GraphSnapshot> Apply(const GraphSnapshot& snapshot, const SnapshotChanges& changes);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -11,7 +11,7 @@
 #include "core/optimize/edge_error.h"
 #include "core/optimize/solve_pose_graph.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 // The inverse of a measured pose's covariance, in the frame of PoseGraphEdge's error, which is the measured one.
@@ -28,7 +28,7 @@ Eigen::Matrix3d InformationOf(const PoseWithCovariance& measured, const GraphOpt
   return 0.5 * (information + information.transpose());
 }
 
-PoseGraphEdge Edge(int from, std::int64_t to, const PoseWithCovariance& measured,
+optimize::PoseGraphEdge Edge(int from, std::int64_t to, const PoseWithCovariance& measured,
                    const GraphOptimizationOptions& options) {
   return {.from = from,
           .to = to,
@@ -73,7 +73,7 @@ void AddTerm(const GraphSnapshot& snapshot, int slot, const GraphOptimizationOpt
   const GraphSnapshot::LinkPointNode& node = snapshot.link_point_node(slot);
   const std::vector<Anchor>& anchors = node.link_point->anchors;
   JointTerm term{.link_point = slot, .edges = {}, .degrees_of_freedom = 3 * (static_cast<int>(anchors.size()) - 1)};
-  const auto add = [&joint, &term](PoseGraphEdge edge) {
+  const auto add = [&joint, &term](optimize::PoseGraphEdge edge) {
     term.edges.push_back(joint.graph.edges.size());
     joint.graph.edges.push_back(std::move(edge));
   };
@@ -119,19 +119,19 @@ void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled) {
   for (const std::size_t edge : term.edges) joint.graph.edges[edge].enabled = enabled;
 }
 
-absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<PoseGraphNode>& nodes,
+absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<optimize::PoseGraphNode>& nodes,
                                     const JointTerm& term) {
   const auto node = [&joint, &nodes](std::int64_t id) { return nodes[joint.node_of.at(id)]; };
   if (term.edges.size() == 1) {
-    const PoseGraphEdge& edge = joint.graph.edges[term.edges.front()];
+    const optimize::PoseGraphEdge& edge = joint.graph.edges[term.edges.front()];
     const Eigen::Vector3d error =
-        EdgeError(node(edge.from).T_world_node, node(edge.to).T_world_node, EdgeMeasurement(edge.T_from_to));
+        optimize::EdgeError(node(edge.from).T_world_node, node(edge.to).T_world_node, optimize::EdgeMeasurement(edge.T_from_to));
     return error.dot(edge.information * error);
   }
-  PoseGraph star;
-  SolveOptions options{.initialisation = Initialisation::kNone};
+  optimize::PoseGraph star;
+  optimize::SolveOptions options{.initialisation = optimize::Initialisation::kNone};
   for (const std::size_t index : term.edges) {
-    PoseGraphEdge edge = joint.graph.edges[index];
+    optimize::PoseGraphEdge edge = joint.graph.edges[index];
     edge.enabled = true;
     star.nodes.push_back(node(edge.from));
     options.fixed.push_back(edge.from);
@@ -140,8 +140,8 @@ absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<P
     }
     star.edges.push_back(std::move(edge));
   }
-  ENFILADE_ASSIGN_OR_RETURN(const SolveReport report, SolvePoseGraph(options, star));
+  ENFILADE_ASSIGN_OR_RETURN(const optimize::SolveReport report, optimize::SolvePoseGraph(options, star));
   return report.final_chi2;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

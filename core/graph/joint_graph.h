@@ -9,7 +9,7 @@
 #include "core/graph/graph_snapshot.h"
 #include "core/optimize/pose_graph.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // A link point in the joint graph.
 struct JointTerm {
@@ -21,7 +21,7 @@ struct JointTerm {
 // The maps that the root is joined to and the link points that join them, as a pose graph: a map's node has its slot
 // for an id, the place of a link point with three or more anchors the number of map slots plus its own slot.
 struct JointGraph {
-  PoseGraph graph;  // its first nodes are the maps; the first is the root
+  optimize::PoseGraph graph;  // its first nodes are the maps; the first is the root
   std::size_t maps = 0;
   std::unordered_map<std::int64_t, std::size_t> node_of;  // by id: position in graph.nodes
   std::vector<JointTerm> terms;
@@ -36,7 +36,7 @@ void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled);
 
 // By how much the anchors of the link point disagree where the maps have the poses of `nodes` (joint.graph.nodes, moved
 // or not), its place put where they disagree least: chi-squared with term.degrees_of_freedom.
-absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<PoseGraphNode>& nodes,
+absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<optimize::PoseGraphNode>& nodes,
                                     const JointTerm& term);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

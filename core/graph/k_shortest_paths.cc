@@ -6,7 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 // By cost; of equals the one with fewer, then lesser, link points.
@@ -130,4 +130,4 @@ std::vector<Path> KShortestPaths(const GraphSnapshot& graph, const PathSource& s
   return KShortest(graph, source, target, options).Find(count);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

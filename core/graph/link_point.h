@@ -11,7 +11,7 @@
 #include "core/geometry/pose2.h"
 #include "core/graph/link_point_kind.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // The numbers of these enums are in the database: never reuse one.
 // Whether a robot gets through. Poses are chained through a place in any state.
@@ -72,4 +72,4 @@ struct LinkPoint {
   friend bool operator==(const LinkPoint&, const LinkPoint&) = default;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 // d (P * T * Q) / d T for the pose T of the middle: the effect of P's rotation, and of T's yaw on Q's translation.
@@ -58,4 +58,4 @@ PoseChain ChainAlong(const GraphSnapshot& graph, const Path& path, const PoseWit
   return chain;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

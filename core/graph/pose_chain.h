@@ -10,7 +10,7 @@
 #include "core/graph/link_point.h"
 #include "core/graph/shortest_paths.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // T_from_to across a link point: A * B^-1, with the covariances of both anchors (map_manager: A in map `from`, B in
 // `to`).
@@ -39,4 +39,4 @@ struct PoseChain {
 PoseChain ChainAlong(const GraphSnapshot& graph, const Path& path, const PoseWithCovariance& T_start_map,
                      const PoseWithCovariance& T_map_end);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -6,7 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/graph/k_shortest_paths.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 Route RouteAlong(const GraphSnapshot& graph, const Path& path, const RouteRequest& request) {
@@ -50,4 +50,4 @@ absl::StatusOr<Routes> FindRoutes(const GraphSnapshot& graph, const RouteRequest
   return result;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

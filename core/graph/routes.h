@@ -10,7 +10,7 @@
 #include "core/graph/graph_snapshot.h"
 #include "core/graph/shortest_paths.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 struct RouteRequest {
   MapId from_map;
@@ -54,4 +54,4 @@ struct Routes {
 // INVALID_ARGUMENT: a pose is not finite, max_routes below 1.
 absl::StatusOr<Routes> FindRoutes(const GraphSnapshot& graph, const RouteRequest& request, const RouteOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

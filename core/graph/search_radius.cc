@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::graph {
 
 ErrorEllipse ErrorEllipse95(const Eigen::Matrix3d& covariance) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
@@ -34,4 +34,4 @@ double Bearing(const Pose2& T_frame_robot, const Eigen::Vector2d& position) {
   return WrapAngle(std::atan2(d.y(), d.x()) - T_frame_robot.yaw);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

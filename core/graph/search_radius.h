@@ -5,7 +5,7 @@
 
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // The 95 % quantile of chi-squared with two degrees of freedom.
 constexpr double kChiSquared2Dof95 = 5.991;
@@ -35,4 +35,4 @@ std::optional<double> MahalanobisDistance(const PoseWithCovariance& a, const Pos
 // Of `position`, from a robot at `T_frame_robot`: counter-clockwise from its x axis, rad in [-pi, pi).
 double Bearing(const Pose2& T_frame_robot, const Eigen::Vector2d& position);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

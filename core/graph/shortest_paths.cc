@@ -4,7 +4,7 @@
 #include <cmath>
 #include <queue>
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using Doorway = GraphSnapshot::Doorway;
@@ -327,4 +327,4 @@ std::optional<Path> ShortestPath(const GraphSnapshot& graph, const std::vector<P
   return BestPath(graph, sources, ShortestPaths(graph, sources, options, target), target, options);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

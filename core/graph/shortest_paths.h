@@ -10,7 +10,7 @@
 #include "core/base/time.h"
 #include "core/graph/graph_snapshot.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // What a path is short in. A leg leads through one map from one link point to another; a real number of any size.
 enum class PathCost {
@@ -100,4 +100,4 @@ std::optional<Path> ShortestPath(const GraphSnapshot& graph, const std::vector<P
 double CostOf(const GraphSnapshot& graph, const PathSource& source, const Path& path, const PathTarget& target,
               const PathOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -8,7 +8,7 @@
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // A link point that the optimisation does not use: it contradicts the others.
 struct SwitchedOff {
@@ -36,4 +36,4 @@ struct SolvedGraph {
   bool converged = false;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -4,7 +4,7 @@
 #include "core/base/status_macros.h"
 #include "core/geometry/covariance.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 absl::Status ValidateLinkPoint(const LinkPoint& link_point) {
   if (link_point.id.empty()) return InvalidArgument("the link point has no id");
@@ -21,4 +21,4 @@ absl::Status ValidateLinkPoint(const LinkPoint& link_point) {
   return absl::OkStatus();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

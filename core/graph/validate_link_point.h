@@ -3,10 +3,10 @@
 #include "absl/status/status.h"
 #include "core/graph/link_point.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 
 // INVALID_ARGUMENT, naming the anchor, unless the link point has an id and at least one anchor, no two in the same map,
 // each with a finite pose and a valid covariance.
 absl::Status ValidateLinkPoint(const LinkPoint& link_point);
 
-}  // namespace enfilade
+}  // namespace enfilade::graph

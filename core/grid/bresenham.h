@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // A cell on an unbounded lattice.
 struct CellIndex {
@@ -101,4 +101,4 @@ void VisitLineOffsets(CellIndex from, CellIndex to, std::ptrdiff_t offset_of_fro
   }
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/grid/png_codec.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 std::uint8_t GreyOf(int r, int g, int b, MapDialect dialect) {
@@ -106,4 +106,4 @@ GreyCells SaveAsGrey(const std::vector<std::uint8_t>& occupancy, const GreySaveO
   return cells;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

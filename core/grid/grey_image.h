@@ -8,7 +8,7 @@
 #include "core/grid/map_raster.h"
 #include "core/grid/occupancy_values.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // Between PNG images and a raster's grey cells.
 struct GreyImage {
@@ -30,4 +30,4 @@ absl::StatusOr<std::string> EncodeGreyPng(const GreyCells& cells, int width, int
 // A grid as Nav2 would save it (SavedGrey). Alphas only where a cell is transparent.
 GreyCells SaveAsGrey(const std::vector<std::uint8_t>& occupancy, const GreySaveOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -11,7 +11,7 @@
 #include "core/base/status_macros.h"
 #include "core/grid/json_scanner.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 // How far a map's side may be from a whole number of cells, in cells: limits are often printed with few digits.
@@ -223,4 +223,4 @@ std::string FormatJsonMap(const UnitLimits& limits, std::span<const std::uint8_t
   return Format(limits, cells.size(), 5, [&](std::size_t i, std::string& out) { out += words[cells[i]]; });
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

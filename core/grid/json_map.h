@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/grid/map_raster.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // Maps as one JSON object: xmin, xmax, ymin, ymax, stepx, stepy (m), level, and data, all cells from 0 (no obstacle) to
 // 1 (wall) in one array. Format: A. Mabire, "Making and editing a cartography", 2023.
@@ -39,4 +39,4 @@ std::string FormatJsonMap(const UnitLimits& limits, std::span<const double> valu
 // cells, for which the format has no value, as 0.5.
 std::string FormatJsonMap(const UnitLimits& limits, std::span<const std::uint8_t> cells);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

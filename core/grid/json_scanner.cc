@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr int kMaxDepth = 64;
@@ -106,4 +106,4 @@ absl::Status JsonScanner::SkipMembers(char close, int depth) {
   return Expect(close);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

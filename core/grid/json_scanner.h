@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // Reads a JSON text (RFC 8259) token by token: for files that are one long array of numbers, for which a document in
 // memory would be many times the text. Numbers are converted exactly. All errors are INVALID_ARGUMENT with the line.
@@ -42,4 +42,4 @@ class JsonScanner {
   std::size_t position_ = 0;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

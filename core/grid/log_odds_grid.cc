@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 // Cell coordinates stay below this, so that differences and sums of a few of them fit an int.
@@ -268,4 +268,4 @@ absl::StatusOr<LogOddsGrid> LogOddsGrid::Read(BinaryReader& reader, const LogOdd
   return grid;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -13,7 +13,7 @@
 #include "core/grid/occupancy_grid.h"
 #include "core/grid/scan_rays.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // The inverse sensor model and the bounds of belief. Defaults: Hornung et al., "OctoMap", Autonomous Robots 2013.
 struct LogOddsOptions {
@@ -134,4 +134,4 @@ class LogOddsGrid {
   std::uint8_t scan_ = 0;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -10,7 +10,7 @@
 #include "core/grid/map_yaml.h"
 #include "core/grid/pgm_codec.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr std::string_view kPngSignature = "\x89PNG";
@@ -190,4 +190,4 @@ std::string SafeStem(std::string_view name) {
   return stem.substr(begin, stem.find_last_not_of("-.") + 1 - begin);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

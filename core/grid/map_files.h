@@ -10,7 +10,7 @@
 #include "core/grid/map_raster.h"
 #include "core/grid/occupancy_values.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // Maps as people's files; which say what, see docs/map_files.md.
 enum class MapFileFormat : std::uint8_t { kPgm = 0, kPng = 1, kJson = 2 };
@@ -52,4 +52,4 @@ absl::StatusOr<std::string> ImageNameOf(std::string_view yaml);
 // else as one '-'; no '.' or '-' at either end; at most 64 characters; "map" where nothing is left.
 std::string SafeStem(std::string_view name);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

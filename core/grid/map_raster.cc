@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/grid/occupancy_values.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 absl::Status ExpectCount(std::string_view what, std::size_t count, const GridGeometry& geometry) {
@@ -87,4 +87,4 @@ OccupancyGrid ToOccupancyGrid(const MapRaster& raster) {
   return {raster.geometry, std::visit([](const auto& cells) { return OccupancyOf(cells); }, raster.cells)};
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

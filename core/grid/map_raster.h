@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "core/grid/occupancy_grid.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // How a grey image is read as a map: the keys of a map's YAML file and whose rules apply to them.
 enum class MapMode : std::uint8_t { kTrinary = 0, kScale = 1, kRaw = 2 };
@@ -90,4 +90,4 @@ MapRaster FromOccupancyGrid(OccupancyGrid grid);
 // values as probabilities. `raster` is valid.
 OccupancyGrid ToOccupancyGrid(const MapRaster& raster);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

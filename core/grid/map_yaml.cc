@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr std::size_t kMaxSize = 1 << 20;
@@ -171,4 +171,4 @@ std::string FormatMapYaml(const MapYaml& yaml) {
       Format(yaml.origin.yaw), by.negate ? 1 : 0, Format(by.occupied_thresh), Format(by.free_thresh));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

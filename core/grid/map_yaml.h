@@ -8,7 +8,7 @@
 #include "core/geometry/pose2.h"
 #include "core/grid/map_raster.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // The YAML file beside a map's image, as Nav2's and ROS 1's map_server read it.
 struct MapYaml {
@@ -36,4 +36,4 @@ absl::StatusOr<ParsedMapYaml> ParseMapYaml(std::string_view text, MapDialect dia
 // writer rounds resolution and origin to millimetres). `image` must need no quotes.
 std::string FormatMapYaml(const MapYaml& yaml);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::grid {
 
 std::uint8_t CellFromProbability(double probability) {
   return static_cast<std::uint8_t>(1 + std::lround(std::clamp(probability, 0.0, 1.0) * 254.0));
@@ -11,4 +11,4 @@ std::uint8_t CellFromProbability(double probability) {
 
 double ProbabilityOfCell(std::uint8_t cell) { return (static_cast<double>(cell) - 1.0) / 254.0; }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -6,7 +6,7 @@
 
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // Where a raster lies. Cell (column 0, row 0) is at the lower left; its lower-left CORNER is the grid's origin, and
 // rows count upwards along the grid's y axis (ROS' nav_msgs/OccupancyGrid, Nav2's YAML `origin`).
@@ -40,4 +40,4 @@ std::uint8_t CellFromProbability(double probability);
 // Of a known cell.
 double ProbabilityOfCell(std::uint8_t cell);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr std::int8_t kFree = 0;
@@ -94,4 +94,4 @@ std::int8_t OccupancyValueOfCell(std::uint8_t cell) {
   return cell == kUnknownCell ? kUnknownValue : static_cast<std::int8_t>(std::lround(ProbabilityOfCell(cell) * 100.0));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

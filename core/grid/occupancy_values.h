@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "core/grid/map_raster.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // The occupancy values of ROS' nav_msgs/OccupancyGrid, and how Nav2's map_server (and ROS 1's) makes them from grey
 // images and back. Source: nav2_map_server's map_io.cpp as of 2025; ROS 1: map_server's image_loader.cpp.
@@ -58,4 +58,4 @@ GreyInterpretation InterpretationOfSaved(const GreySaveOptions& options);
 std::uint8_t CellFromOccupancyValue(std::int8_t value);
 std::int8_t OccupancyValueOfCell(std::uint8_t cell);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -9,7 +9,7 @@
 #include "core/grid/bresenham.h"
 #include "core/grid/map_raster.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr double kMaxCoordinate = 1e9;  // cells, so that differences fit an int
@@ -182,4 +182,4 @@ absl::StatusOr<OccupancyGrid> LaidOver(const OccupancyGrid& under, const Occupan
   return grid;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

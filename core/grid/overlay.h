@@ -3,7 +3,7 @@
 #include "absl/status/statusor.h"
 #include "core/grid/occupancy_grid.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // `grid` with its cells on the lattice of the map's frame: multiples of `resolution` (m), no rotation, cropped to what
 // is known. A cell takes the value at its centre; where the given cells are finer or turned, no occupied one is lost. A
@@ -19,4 +19,4 @@ std::uint8_t LaidOver(std::uint8_t under, std::uint8_t over);
 // cells) may have any. INVALID_ARGUMENT where they lie so far apart that more than kMaxRasterCells would come of it.
 absl::StatusOr<OccupancyGrid> LaidOver(const OccupancyGrid& under, const OccupancyGrid& over);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

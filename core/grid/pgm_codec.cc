@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/grid/map_raster.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr std::size_t kMaxSurroundings = std::size_t{64} * 1024;
@@ -198,4 +198,4 @@ std::string EncodePgm(const PgmFrame& frame, std::span<const std::uint8_t> pixel
   return bytes;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

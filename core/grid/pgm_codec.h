@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // Netpbm's grey images (netpbm.sourceforge.net/doc/pgm.html): binary P5 and plain P2, of up to 8 bits, with comments.
 struct PgmImage {
@@ -41,4 +41,4 @@ struct PgmFrame {
 // `pixels`: as many as the frame says, rows from the bottom.
 std::string EncodePgm(const PgmFrame& frame, std::span<const std::uint8_t> pixels);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

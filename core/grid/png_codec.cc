@@ -12,7 +12,7 @@
 // libpng reports errors by longjmp. The functions marked "jumps" below hold no object with a destructor across a call
 // into libpng; what must be destroyed lives in a Session, which outlives the jump.
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 // Maps have few values in long runs: beyond this level files shrink little and take much longer.
@@ -191,4 +191,4 @@ absl::StatusOr<std::string> EncodePng(const PixelImage& image) {
                              .stride = std::ptrdiff_t{image.width} * image.channels});
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // An image of 8-bit samples: 1 channel grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha; rows from the top.
 struct PixelImage {
@@ -55,4 +55,4 @@ absl::StatusOr<PixelImage> DecodePng(std::string_view png);
 absl::StatusOr<std::string> EncodePng(const PixelRows& rows);
 absl::StatusOr<std::string> EncodePng(const PixelImage& image);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -4,7 +4,7 @@
 #include "core/base/error.h"
 #include "core/grid/occupancy_values.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x52464E45;  // "ENFR"
@@ -159,4 +159,4 @@ std::vector<CellPlane<const std::uint8_t>> PlanesOf(const MapRaster& raster, std
   return Planes<const std::uint8_t>(raster, background);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

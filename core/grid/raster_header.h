@@ -10,7 +10,7 @@
 #include "core/grid/bresenham.h"
 #include "core/grid/map_raster.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // All of a tiled raster but its cells.
 struct RasterHeader {
@@ -41,4 +41,4 @@ struct CellPlane {
 std::vector<CellPlane<std::uint8_t>> PlanesOf(MapRaster& raster, std::uint8_t background);
 std::vector<CellPlane<const std::uint8_t>> PlanesOf(const MapRaster& raster, std::uint8_t background);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -5,7 +5,7 @@
 
 #include "core/grid/png_codec.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr Rgb kUnknownColor{196, 206, 214};
@@ -96,4 +96,4 @@ absl::StatusOr<std::string> EncodePng(const RgbImage& image) {
                              .stride = std::ptrdiff_t{image.width} * 3});
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

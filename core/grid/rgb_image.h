@@ -11,7 +11,7 @@
 #include "core/grid/bresenham.h"
 #include "core/grid/occupancy_grid.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
@@ -44,4 +44,4 @@ Eigen::Vector2d PixelOf(const GridGeometry& geometry, const Eigen::Vector2d& p_m
 
 absl::StatusOr<std::string> EncodePng(const RgbImage& image);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

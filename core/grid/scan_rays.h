@@ -6,7 +6,7 @@
 #include "core/geometry/pose2.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // One scan as rays in a grid's frame, m.
 struct ScanRays {
@@ -24,6 +24,6 @@ struct ScanRayOptions {
 };
 
 // Beams that tell nothing (NaN, below range_min) are left out.
-ScanRays RaysOf(const LaserScan& scan, const Pose2& T_grid_robot, const ScanRayOptions& options);
+ScanRays RaysOf(const sensor::LaserScan& scan, const Pose2& T_grid_robot, const ScanRayOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

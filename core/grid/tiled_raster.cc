@@ -12,7 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr char kTileVersion = 1;
@@ -256,4 +256,4 @@ absl::StatusOr<MapRaster> JoinTiles(const TiledRaster& tiled) {
   return std::move(assembler).Finish();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

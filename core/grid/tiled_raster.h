@@ -11,7 +11,7 @@
 #include "core/grid/map_raster.h"
 #include "core/grid/raster_header.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 // A raster in pieces, as it is stored and compared.
 //
@@ -66,4 +66,4 @@ class RasterAssembler {
 
 absl::StatusOr<MapRaster> JoinTiles(const TiledRaster& tiled);
 
-}  // namespace enfilade
+}  // namespace enfilade::grid

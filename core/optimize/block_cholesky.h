@@ -6,7 +6,7 @@
 
 #include "core/optimize/block_structure.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // A symmetric matrix of B x B blocks, its lower triangle in elimination order: diagonal[k] is block (k, k), lower[p]
 // the structure's p-th block.
@@ -68,4 +68,4 @@ void SolveFactorized(const BlockStructure& structure, const BlockMatrix<B>& L, E
   }
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 // Rows of the lower triangle, by column.
@@ -84,4 +84,4 @@ BlockStructure AnalyzeBlocks(int size, const std::vector<std::pair<int, int>>& p
   return structure;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // Which blocks the Cholesky factor L of a symmetric block matrix has, for blocks of any size: found once, used for
 // every factorisation (Davis 2006, Direct Methods for Sparse Linear Systems, chapters 4 and 7). Rows and columns are in
@@ -31,4 +31,4 @@ struct BlockStructure {
 // ones allowed, a != b).
 BlockStructure AnalyzeBlocks(int size, const std::vector<std::pair<int, int>>& pairs);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

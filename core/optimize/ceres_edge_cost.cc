@@ -4,7 +4,7 @@
 
 #include "ceres/sized_cost_function.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 class EdgeCost : public ceres::SizedCostFunction<3, 3, 3> {
@@ -41,4 +41,4 @@ ceres::CostFunction* NewEdgeCost(const EdgeMeasurement& measurement, const Eigen
   return new EdgeCost(measurement, information);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -9,14 +9,14 @@
 #include "core/optimize/ceres_edge_cost.h"
 #include "core/optimize/normal_equations.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 class KernelLoss : public ceres::LossFunction {
  public:
   explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}
   void Evaluate(double squared_error, double rho[3]) const override {
-    const RobustCost robust = enfilade::Evaluate(kernel_, squared_error);
+    const RobustCost robust = enfilade::optimize::Evaluate(kernel_, squared_error);
     rho[0] = robust.cost;
     rho[1] = robust.weight;
     rho[2] = robust.curvature;
@@ -64,4 +64,4 @@ Minimum MinimizeWithCeres(const MinimizeOptions& options, IndexedGraph& graph) {
   return minimum;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -3,9 +3,9 @@
 #include "core/optimize/indexed_graph.h"
 #include "core/optimize/minimize.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // Backend::kCeres of Minimize.
 Minimum MinimizeWithCeres(const MinimizeOptions& options, IndexedGraph& graph);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

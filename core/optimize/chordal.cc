@@ -6,7 +6,7 @@
 #include "core/optimize/block_cholesky.h"
 #include "core/optimize/translations.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 double YawInformation(const Eigen::Matrix3d& information) {
@@ -63,4 +63,4 @@ std::optional<std::vector<Pose2>> ChordalPoses(const IndexedGraph& graph, const 
   return poses;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 EdgeMeasurement::EdgeMeasurement(const Pose2& measured)
     : T_from_to(measured), translation_in_to(-Inverse(measured).translation()) {}
@@ -35,4 +35,4 @@ LinearizedEdge LinearizeEdge(const Pose2& T_world_from, const Pose2& T_world_to,
   return edge;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -4,7 +4,7 @@
 
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // A relative measurement with what every evaluation needs of it.
 struct EdgeMeasurement {
@@ -30,4 +30,4 @@ struct LinearizedEdge {
 };
 LinearizedEdge LinearizeEdge(const Pose2& T_world_from, const Pose2& T_world_to, const EdgeMeasurement& measurement);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

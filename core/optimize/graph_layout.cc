@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 GraphLayout LayOut(const IndexedGraph& graph) {
   GraphLayout layout;
@@ -30,4 +30,4 @@ GraphLayout LayOut(const IndexedGraph& graph) {
   return layout;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

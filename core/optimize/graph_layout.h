@@ -5,7 +5,7 @@
 #include "core/optimize/block_structure.h"
 #include "core/optimize/indexed_graph.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // Where the nodes and edges of a graph are in its block matrices; depends on its topology and held nodes only.
 struct GraphLayout {
@@ -16,4 +16,4 @@ struct GraphLayout {
 
 GraphLayout LayOut(const IndexedGraph& graph);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -13,7 +13,7 @@
 #include "core/optimize/information.h"
 #include "core/optimize/spanning_tree.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 using Fields = std::vector<std::string_view>;
@@ -230,4 +230,4 @@ std::string WritePoseGraph(const PoseGraph& graph, GraphFormat format, const std
   return text;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

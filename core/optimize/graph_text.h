@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/optimize/pose_graph.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // The two text formats of 2D pose graphs, one element a line:
 //   g2o   VERTEX_SE2 id x y yaw | EDGE_SE2 i j x y yaw I11 I12 I13 I22 I23 I33 | FIX id...
@@ -35,4 +35,4 @@ absl::StatusOr<ParsedPoseGraph> ParsePoseGraph(std::string_view text, const std:
 // no way to say it. TORO has no FIX lines.
 std::string WritePoseGraph(const PoseGraph& graph, GraphFormat format, const std::vector<std::int64_t>& fixed = {});
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/optimize/information.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 using NodeIndex = std::unordered_map<std::int64_t, int>;
@@ -99,4 +99,4 @@ absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph
   return components;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -8,7 +8,7 @@
 #include "core/optimize/edge_error.h"
 #include "core/optimize/pose_graph.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // An enabled edge by the positions of its nodes.
 struct IndexedEdge {
@@ -32,4 +32,4 @@ struct IndexedGraph {
 absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph,
                                                           const std::vector<std::int64_t>& fixed);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

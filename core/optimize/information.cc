@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 absl::Status CheckInformation(const Eigen::Matrix3d& information) {
   if (!information.allFinite()) return InvalidArgument("its information matrix is not finite");
@@ -17,4 +17,4 @@ absl::Status CheckInformation(const Eigen::Matrix3d& information) {
   return absl::OkStatus();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

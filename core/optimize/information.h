@@ -4,9 +4,9 @@
 
 #include "absl/status/status.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // INVALID_ARGUMENT saying what is wrong unless the matrix is finite, symmetric and positive definite.
 absl::Status CheckInformation(const Eigen::Matrix3d& information);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -1,6 +1,6 @@
 #include "core/optimize/marginals.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 std::vector<char> WithAncestors(const BlockStructure& structure, const std::vector<int>& columns) {
@@ -71,4 +71,4 @@ std::vector<Eigen::Matrix3d> InverseDiagonal(const BlockStructure& structure, co
   return blocks;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -6,7 +6,7 @@
 #include "core/optimize/block_cholesky.h"
 #include "core/optimize/block_structure.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // The diagonal blocks of (L L^T)^-1 of the columns `wanted` (in elimination order), by the recursion of Takahashi,
 // Fagan and Chen 1973 over those columns and their ancestors in the elimination tree: entries of the inverse where L
@@ -14,4 +14,4 @@ namespace enfilade {
 std::vector<Eigen::Matrix3d> InverseDiagonal(const BlockStructure& structure, const BlockMatrix<3>& L,
                                              const std::vector<int>& wanted);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

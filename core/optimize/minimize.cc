@@ -11,7 +11,7 @@
 #include "core/optimize/normal_equations.h"
 #include "core/optimize/translations.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 // A share of the predicted decrease below which the model is not trusted in the translations.
@@ -115,4 +115,4 @@ Minimum Minimize(const MinimizeOptions& options, const GraphLayout& layout, Inde
   return Descent(options, layout, graph).Run();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

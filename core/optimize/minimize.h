@@ -2,7 +2,7 @@
 
 #include "core/optimize/robust_kernel.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 struct GraphLayout;
 struct IndexedGraph;
@@ -33,4 +33,4 @@ struct Minimum {
 // which straight steps all but stop. (Backend::kCeres has steps of its own.)
 Minimum Minimize(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -1,6 +1,6 @@
 #include "core/optimize/normal_equations.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 double GraphCost(const IndexedGraph& graph, const std::vector<Pose2>& poses, const RobustKernel& kernel) {
   double sum = 0.0;
@@ -69,4 +69,4 @@ std::vector<Pose2> Moved(const GraphLayout& layout, const std::vector<Pose2>& po
   return moved;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

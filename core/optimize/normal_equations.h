@@ -8,7 +8,7 @@
 #include "core/optimize/indexed_graph.h"
 #include "core/optimize/robust_kernel.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // sum_k rho(e_k^T Omega_k e_k) at the poses.
 double GraphCost(const IndexedGraph& graph, const std::vector<Pose2>& poses, const RobustKernel& kernel);
@@ -30,4 +30,4 @@ double PredictedDecrease(const BlockStructure& structure, const NormalEquations&
 // The poses moved by dx.
 std::vector<Pose2> Moved(const GraphLayout& layout, const std::vector<Pose2>& poses, const Eigen::VectorXd& dx);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

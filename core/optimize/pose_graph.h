@@ -7,7 +7,7 @@
 
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // One pose to be estimated.
 struct PoseGraphNode {
@@ -32,4 +32,4 @@ struct PoseGraph {
   std::vector<PoseGraphEdge> edges;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

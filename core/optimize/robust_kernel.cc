@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 RobustCost Evaluate(const RobustKernel& kernel, double squared_error) {
   const double s = squared_error;
@@ -28,4 +28,4 @@ RobustCost Evaluate(const RobustKernel& kernel, double squared_error) {
   return {s, 1.0, 0.0};
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

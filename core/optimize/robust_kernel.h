@@ -1,6 +1,6 @@
 #pragma once
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // A kernel rho(s) of the squared Mahalanobis error s = e^T Omega e, which replaces s in the cost so that a wrong edge
 // pulls less. Its weight rho'(s) is what the edge's information counts (iteratively reweighted least squares).
@@ -24,4 +24,4 @@ struct RobustCost {
 
 RobustCost Evaluate(const RobustKernel& kernel, double squared_error);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -14,7 +14,7 @@
 #include "core/optimize/normal_equations.h"
 #include "core/optimize/starts.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 absl::Status Check(const SolveOptions& options) {
@@ -124,4 +124,4 @@ absl::StatusOr<SolveReport> SolvePoseGraph(const SolveOptions& options, PoseGrap
   return report;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

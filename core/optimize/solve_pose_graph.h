@@ -9,7 +9,7 @@
 #include "core/optimize/pose_graph.h"
 #include "core/optimize/robust_kernel.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 enum class Initialisation {
   kNone,     // the given poses: what a caller with a warm start wants
@@ -70,4 +70,4 @@ struct SolveReport {
 // options.
 absl::StatusOr<SolveReport> SolvePoseGraph(const SolveOptions& options, PoseGraph& graph);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -1,6 +1,6 @@
 #include "core/optimize/spanning_tree.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 std::vector<std::vector<int>> IncidentEdges(const IndexedGraph& graph) {
@@ -37,4 +37,4 @@ std::vector<Pose2> SpanningTreePoses(const IndexedGraph& graph) {
   return poses;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -4,10 +4,10 @@
 
 #include "core/optimize/indexed_graph.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // The graph's poses with those of all nodes that are not held replaced: each is composed from its neighbour nearer (in
 // edges) to a held node and the edge between them.
 std::vector<Pose2> SpanningTreePoses(const IndexedGraph& graph);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

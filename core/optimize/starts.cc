@@ -10,7 +10,7 @@
 #include "core/optimize/normal_equations.h"
 #include "core/optimize/spanning_tree.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 struct Start {
@@ -134,4 +134,4 @@ Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLay
   return minimum;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -4,7 +4,7 @@
 #include "core/optimize/indexed_graph.h"
 #include "core/optimize/minimize.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 
 // Initialisation::kAuto. The cost has many minima: each edge's yaw error is wrapped, and a start decides how often the
 // yaws turn around each loop (Carlone and Censi 2014, From Angular Manifolds to the Integer Lattice); for given turns
@@ -17,4 +17,4 @@ namespace enfilade {
 // (graduated non-convexity, Blake and Zisserman 1987; Yang et al. 2020).
 Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph);
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -2,7 +2,7 @@
 
 #include "core/optimize/block_cholesky.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 double WeightAt(const std::vector<Pose2>& poses, const IndexedEdge& edge, const RobustKernel& kernel) {
@@ -48,4 +48,4 @@ bool SolveTranslations(const IndexedGraph& graph, const GraphLayout& layout, con
   return true;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::plot {
 namespace {
 
 class Bounds {
@@ -32,7 +32,7 @@ class Bounds {
 Bounds BoundsOf(const Scene& scene) {
   Bounds bounds;
   for (const SceneRaster& raster : scene.rasters) {
-    const GridGeometry& geometry = raster.grid.geometry;
+    const grid::GridGeometry& geometry = raster.grid.geometry;
     const Pose2 T_scene_grid = raster.T_scene_map * geometry.T_map_grid;
     for (const double x : {0.0, geometry.width * geometry.resolution}) {
       for (const double y : {0.0, geometry.height * geometry.resolution}) {
@@ -83,9 +83,9 @@ std::vector<Eigen::Vector2d> Outline(const SceneEllipse& ellipse) {
   return points;
 }
 
-Rgb ColorOfCell(std::uint8_t cell, Rgb color) {
-  const double occupied = ProbabilityOfCell(cell);
-  Rgb result;
+grid::Rgb ColorOfCell(std::uint8_t cell, grid::Rgb color) {
+  const double occupied = grid::ProbabilityOfCell(cell);
+  grid::Rgb result;
   for (std::size_t i = 0; i < result.size(); ++i) {
     const double pale = 255.0 - 0.15 * (255.0 - color[i]);
     const double dark = 0.5 * color[i];
@@ -94,4 +94,4 @@ Rgb ColorOfCell(std::uint8_t cell, Rgb color) {
   return result;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::plot

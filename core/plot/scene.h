@@ -10,21 +10,21 @@
 #include "core/grid/occupancy_grid.h"
 #include "core/grid/rgb_image.h"
 
-namespace enfilade {
+namespace enfilade::plot {
 
 // What a plot shows, in one frame ("the scene's", m, y upwards). What comes later lies above; rasters lie below all
 // else and are multiplied with what they cover, so that maps that overlap all stay visible.
 
 // Free cells pale, occupied ones dark in `color`; unknown ones are transparent.
 struct SceneRaster {
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
   Pose2 T_scene_map;
-  Rgb color{};
+  grid::Rgb color{};
 };
 
 struct SceneLine {
   std::vector<Eigen::Vector2d> points;
-  Rgb color{};
+  grid::Rgb color{};
   int width_px = 1;
 };
 
@@ -34,21 +34,21 @@ struct SceneEllipse {
   double semi_major_m = 0.0;
   double semi_minor_m = 0.0;
   double angle = 0.0;  // of the larger axis to the x axis, rad
-  Rgb color{};
+  grid::Rgb color{};
 };
 
 struct SceneMarker {
   enum class Shape : std::uint8_t { kDot, kRing, kCross };
   Eigen::Vector2d at;
   Shape shape = Shape::kDot;
-  Rgb color{};
+  grid::Rgb color{};
 };
 
 // To the right of its point. In SVG only.
 struct SceneLabel {
   Eigen::Vector2d at;
   std::string text;  // UTF-8
-  Rgb color{};
+  grid::Rgb color{};
 };
 
 struct Scene {
@@ -82,11 +82,11 @@ absl::StatusOr<SceneView> ViewOf(const Scene& scene, int longer_side_px);
 std::vector<Eigen::Vector2d> Outline(const SceneEllipse& ellipse);
 
 // A cell's colour as SceneRaster says. `cell` is known.
-Rgb ColorOfCell(std::uint8_t cell, Rgb color);
+grid::Rgb ColorOfCell(std::uint8_t cell, grid::Rgb color);
 
-RgbImage DrawScene(const Scene& scene, const SceneView& view);
+grid::RgbImage DrawScene(const Scene& scene, const SceneView& view);
 
 // SVG 1.1 with the grids as embedded PNG.
 absl::StatusOr<std::string> WriteSvg(const Scene& scene, const SceneView& view);
 
-}  // namespace enfilade
+}  // namespace enfilade::plot

@@ -3,12 +3,12 @@
 
 #include "core/plot/scene.h"
 
-namespace enfilade {
+namespace enfilade::plot {
 namespace {
 
-constexpr Rgb kWhite{255, 255, 255};
+constexpr grid::Rgb kWhite{255, 255, 255};
 
-void Multiply(RgbImage& image, int column, int row, Rgb color) {
+void Multiply(grid::RgbImage& image, int column, int row, grid::Rgb color) {
   const std::size_t offset =
       3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(column));
   for (std::size_t i = 0; i < color.size(); ++i) {
@@ -18,9 +18,9 @@ void Multiply(RgbImage& image, int column, int row, Rgb color) {
 
 // The most occupied of the cells under a pixel, at `samples`^2 points of it, so that thin walls stay; unknown where all
 // are.
-std::uint8_t CellUnder(const OccupancyGrid& grid, const Pose2& T_grid_scene, const SceneView& view,
+std::uint8_t CellUnder(const grid::OccupancyGrid& grid, const Pose2& T_grid_scene, const SceneView& view,
                        const Eigen::Vector2d& pixel, int samples) {
-  std::uint8_t cell = kUnknownCell;
+  std::uint8_t cell = grid::kUnknownCell;
   for (int i = 0; i < samples * samples; ++i) {
     const Eigen::Vector2d offset((i % samples + 0.5) / samples, (i / samples + 0.5) / samples);
     const Eigen::Vector2d p_grid = T_grid_scene * view.ToScene(pixel + offset) / grid.geometry.resolution;
@@ -34,8 +34,8 @@ std::uint8_t CellUnder(const OccupancyGrid& grid, const Pose2& T_grid_scene, con
   return cell;
 }
 
-void Draw(const SceneRaster& raster, const SceneView& view, RgbImage& image) {
-  const GridGeometry& geometry = raster.grid.geometry;
+void Draw(const SceneRaster& raster, const SceneView& view, grid::RgbImage& image) {
+  const grid::GridGeometry& geometry = raster.grid.geometry;
   const Pose2 T_scene_grid = raster.T_scene_map * geometry.T_map_grid;
   const Pose2 T_grid_scene = Inverse(T_scene_grid);
   Eigen::Vector2d low(image.width, image.height);
@@ -53,41 +53,41 @@ void Draw(const SceneRaster& raster, const SceneView& view, RgbImage& image) {
   for (int row = static_cast<int>(std::max(0.0, low.y())); row <= last_row; ++row) {
     for (int column = static_cast<int>(std::max(0.0, low.x())); column <= last_column; ++column) {
       const std::uint8_t cell = CellUnder(raster.grid, T_grid_scene, view, Eigen::Vector2d(column, row), samples);
-      if (cell != kUnknownCell) Multiply(image, column, row, ColorOfCell(cell, raster.color));
+      if (cell != grid::kUnknownCell) Multiply(image, column, row, ColorOfCell(cell, raster.color));
     }
   }
 }
 
-void DrawPoints(const std::vector<Eigen::Vector2d>& points, const SceneView& view, Rgb color, int width,
-                RgbImage& image) {
+void DrawPoints(const std::vector<Eigen::Vector2d>& points, const SceneView& view, grid::Rgb color, int width,
+                grid::RgbImage& image) {
   const Eigen::Vector2d half(0.5, 0.5);  // DrawLine counts from pixels' centres
   for (std::size_t i = 1; i < points.size(); ++i) {
-    DrawLine(image, view.ToPixel(points[i - 1]) - half, view.ToPixel(points[i]) - half, color, width);
+    grid::DrawLine(image, view.ToPixel(points[i - 1]) - half, view.ToPixel(points[i]) - half, color, width);
   }
 }
 
-void Draw(const SceneMarker& marker, const SceneView& view, RgbImage& image) {
+void Draw(const SceneMarker& marker, const SceneView& view, grid::RgbImage& image) {
   const Eigen::Vector2d at = view.ToPixel(marker.at) - Eigen::Vector2d(0.5, 0.5);
   if (marker.shape == SceneMarker::Shape::kCross) {
-    DrawLine(image, at + Eigen::Vector2d(-5, -5), at + Eigen::Vector2d(5, 5), marker.color, 2);
-    DrawLine(image, at + Eigen::Vector2d(-5, 5), at + Eigen::Vector2d(5, -5), marker.color, 2);
+    grid::DrawLine(image, at + Eigen::Vector2d(-5, -5), at + Eigen::Vector2d(5, 5), marker.color, 2);
+    grid::DrawLine(image, at + Eigen::Vector2d(-5, 5), at + Eigen::Vector2d(5, -5), marker.color, 2);
     return;
   }
   constexpr int kRadius = 5;
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     const double dx = std::sqrt(kRadius * kRadius - dy * dy);
-    DrawLine(image, at + Eigen::Vector2d(-dx, dy), at + Eigen::Vector2d(dx, dy), marker.color, 1);
+    grid::DrawLine(image, at + Eigen::Vector2d(-dx, dy), at + Eigen::Vector2d(dx, dy), marker.color, 1);
   }
   if (marker.shape == SceneMarker::Shape::kDot) return;
   for (int dy = -2; dy <= 2; ++dy) {
-    DrawLine(image, at + Eigen::Vector2d(-2, dy), at + Eigen::Vector2d(2, dy), kWhite, 1);
+    grid::DrawLine(image, at + Eigen::Vector2d(-2, dy), at + Eigen::Vector2d(2, dy), kWhite, 1);
   }
 }
 
 }  // namespace
 
-RgbImage DrawScene(const Scene& scene, const SceneView& view) {
-  RgbImage image(view.width, view.height, kWhite);
+grid::RgbImage DrawScene(const Scene& scene, const SceneView& view) {
+  grid::RgbImage image(view.width, view.height, kWhite);
   for (const SceneRaster& raster : scene.rasters) Draw(raster, view, image);
   for (const SceneLine& line : scene.lines) DrawPoints(line.points, view, line.color, line.width_px, image);
   for (const SceneEllipse& ellipse : scene.ellipses) DrawPoints(Outline(ellipse), view, ellipse.color, 2, image);
@@ -95,4 +95,4 @@ RgbImage DrawScene(const Scene& scene, const SceneView& view) {
   return image;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::plot

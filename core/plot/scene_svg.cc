@@ -7,7 +7,7 @@
 #include "core/plot/scene.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::plot {
 namespace {
 
 std::string Base64(std::string_view bytes) {
@@ -39,26 +39,26 @@ std::string Escape(std::string_view text) {
   return escaped;
 }
 
-std::string Hex(Rgb color) { return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]); }
+std::string Hex(grid::Rgb color) { return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]); }
 
 absl::StatusOr<std::string> GridAsPng(const SceneRaster& raster) {
-  const GridGeometry& geometry = raster.grid.geometry;
-  PixelImage image{geometry.width, geometry.height, 4, {}};
+  const grid::GridGeometry& geometry = raster.grid.geometry;
+  grid::PixelImage image{geometry.width, geometry.height, 4, {}};
   image.samples.reserve(4 * geometry.cell_count());
   for (int row = geometry.height - 1; row >= 0; --row) {
     for (int column = 0; column < geometry.width; ++column) {
       const std::uint8_t cell = raster.grid.cells[geometry.index(column, row)];
-      const bool known = cell != kUnknownCell;
-      const Rgb color = known ? ColorOfCell(cell, raster.color) : Rgb{};
+      const bool known = cell != grid::kUnknownCell;
+      const grid::Rgb color = known ? ColorOfCell(cell, raster.color) : grid::Rgb{};
       image.samples.insert(image.samples.end(), color.begin(), color.end());
       image.samples.push_back(known ? 255 : 0);
     }
   }
-  return EncodePng(image);
+  return grid::EncodePng(image);
 }
 
 absl::StatusOr<std::string> ToSvg(const SceneRaster& raster, const SceneView& view) {
-  const GridGeometry& geometry = raster.grid.geometry;
+  const grid::GridGeometry& geometry = raster.grid.geometry;
   const Pose2 T_scene_grid = raster.T_scene_map * geometry.T_map_grid;
   const Eigen::Vector2d corner =
       view.ToPixel(T_scene_grid * Eigen::Vector2d(0.0, geometry.height * geometry.resolution));
@@ -129,4 +129,4 @@ absl::StatusOr<std::string> WriteSvg(const Scene& scene, const SceneView& view) 
   return svg + "</svg>\n";
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::plot

@@ -6,7 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/sensor/scan_box.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 std::string ToString(Surroundings surroundings) { return surroundings == Surroundings::kIndoor ? "indoor" : "outdoor"; }
 
@@ -38,4 +38,4 @@ absl::StatusOr<RangeChoice> ChooseByRange(const LaserScan& scan, const RangeCrit
   return choice;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 // Which SLAM configuration a new map gets: short range indoors, long range outdoors.
 enum class Surroundings : std::uint8_t { kIndoor = 1, kOutdoor = 2 };
@@ -39,4 +39,4 @@ struct RangeChoice {
 // In the robot's frame. INVALID_ARGUMENT: criterion or scan (Validate).
 absl::StatusOr<RangeChoice> ChooseByRange(const LaserScan& scan, const RangeCriterion& criterion = {});
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

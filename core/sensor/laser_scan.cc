@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 BeamCounts CountBeams(const LaserScan& scan) {
   BeamCounts counts;
@@ -64,4 +64,4 @@ absl::Status Validate(const LaserScan& scan) {
   return absl::OkStatus();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -7,7 +7,7 @@
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 // One planar scan. Beam i points along angle_min + i * angle_increment, counter-clockwise, in the laser's frame.
 //
@@ -56,4 +56,4 @@ constexpr std::size_t kMaxBeams = 100'000;
 // Ranges themselves may hold anything (see above).
 absl::Status Validate(const LaserScan& scan);
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

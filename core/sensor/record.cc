@@ -2,7 +2,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 constexpr std::size_t kMaxReasonBytes = 4096;
@@ -83,4 +83,4 @@ absl::Status Validate(const Record& record) {
   return Validate(record.payload);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

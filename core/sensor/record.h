@@ -12,7 +12,7 @@
 #include "core/sensor/environment_choice.h"
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 // The robot's pose by its wheels, in the odometry frame: drifting, continuous.
 struct Odometry {
@@ -65,7 +65,7 @@ struct DoorReport {
 
   TimeNs time = 0;  // when it was settled
   Kind kind = Kind::kCandidate;
-  LinkPointKind place = LinkPointKind::kDoor;
+  graph::LinkPointKind place = graph::LinkPointKind::kDoor;
   TimeNs door_time = 0;  // when the robot was at T_odom_door
   Pose2 T_odom_door;     // the robot's pose at the door, looking along the way through
   double width = 0.0;    // m; 0: unknown
@@ -120,4 +120,4 @@ absl::Status Validate(const RecordPayload& payload);
 // Likewise, and a sequence below 1.
 absl::Status Validate(const Record& record);
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -4,7 +4,7 @@
 #include "core/base/error.h"
 #include "core/geometry/pose_codec.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 constexpr std::uint8_t kRecordVersion = 1;
@@ -106,7 +106,7 @@ DoorReport ReadDoorReport(BinaryReader& reader) {
   DoorReport report;
   report.time = reader.Get<TimeNs>();
   report.kind = reader.Get<DoorReport::Kind>();
-  report.place = reader.Get<LinkPointKind>();
+  report.place = reader.Get<graph::LinkPointKind>();
   report.door_time = reader.Get<TimeNs>();
   report.T_odom_door = GetPose(reader);
   report.width = reader.Get<double>();
@@ -168,4 +168,4 @@ absl::StatusOr<Record> DecodePayload(std::int64_t sequence, RecordKind kind, std
   return record;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

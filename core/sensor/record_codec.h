@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/sensor/record.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 // The bytes of a payload in spools and in the record log: little-endian, a version byte first, exact (every double,
 // float and nanosecond comes back bit for bit). Stored data outlives programs: a new layout gets a new version byte
@@ -19,4 +19,4 @@ void AppendPayload(const Record& record, std::string& out);
 // DATA_LOSS on truncated, trailing or unknown bytes.
 absl::StatusOr<Record> DecodePayload(std::int64_t sequence, RecordKind kind, std::string_view bytes);
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 bool IsFullTurn(const LaserScan& scan) {
@@ -70,4 +70,4 @@ Eigen::AlignedBox2d FilteredBox(const LaserScan& scan, int half_width, const Pos
   return box;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

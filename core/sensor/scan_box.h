@@ -6,7 +6,7 @@
 
 #include "core/sensor/laser_scan.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 // The mean of the hits among beam i and its `half_width` neighbours on either side, for every beam, in m; nullopt where
 // there is no hit among them. Around a scan of a full turn the neighbours go on at its other end; elsewhere they end
@@ -18,4 +18,4 @@ std::vector<std::optional<double>> MeanFilteredRanges(const LaserScan& scan, int
 // detector and its choice of the SLAM configuration look at it.
 Eigen::AlignedBox2d FilteredBox(const LaserScan& scan, int half_width, const Pose2& T_frame_robot = {});
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/sensor/record_codec.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 constexpr std::uint8_t kPairingVersion = 1;
@@ -125,4 +125,4 @@ absl::StatusOr<ScanPairing> ScanPairing::Restore(const ScanPairingOptions& optio
   return pairing;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/sensor/record.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 // A scan with the odometry pose at its time, where odometry near enough in time exists.
 struct PairedScan {
@@ -68,4 +68,4 @@ class ScanPairing {
   TimeNs latest_scan_ = -1;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -4,7 +4,7 @@
 #include "core/base/error.h"
 #include "core/geometry/pose_codec.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 constexpr std::uint8_t kEntryVersion = 1;
@@ -48,4 +48,4 @@ absl::StatusOr<SessionEntry> DecodeSessionEntry(std::string_view bytes) {
   return entry;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -8,7 +8,7 @@
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 
 // How a session's robot came into the map. All unset: the map begins with the session, at the robot's first pose.
 struct SessionEntry {
@@ -25,4 +25,4 @@ std::string Encode(const SessionEntry& entry);
 // DATA_LOSS on bytes that Encode did not write.
 absl::StatusOr<SessionEntry> DecodeSessionEntry(std::string_view bytes);
 
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -5,11 +5,11 @@
 
 #include "core/grid/bresenham.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // A rectangle of cells of a lattice, stored row by row.
 struct CellWindow {
-  CellIndex min;
+  grid::CellIndex min;
   int width = 0;
   int height = 0;
 
@@ -49,4 +49,4 @@ inline CellWindow Intersection(const CellWindow& a, const CellWindow& b) {
   return both.empty() ? CellWindow{} : both;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

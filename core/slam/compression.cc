@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 std::string Compress(std::string_view bytes) {
   std::string compressed(ZSTD_compressBound(bytes.size()), '\0');
@@ -28,4 +28,4 @@ absl::StatusOr<std::string> Decompress(std::string_view compressed, std::size_t 
   return bytes;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr double kPriorWeight = 0.02;  // one sigma away costs as much as 2 % of the points
@@ -12,7 +12,7 @@ constexpr double kPriorWeight = 0.02;  // one sigma away costs as much as 2 % of
 struct TurnedScan {
   double yaw = 0.0;
   double prior_cost = 0.0;
-  std::vector<CellIndex> cells;
+  std::vector<grid::CellIndex> cells;
 };
 
 // A block of 2^level x 2^level offsets (in cells) of one turned scan.
@@ -78,7 +78,7 @@ class Search {
       const double y = window_.centre.y / table_.resolution();
       scan.cells.reserve(points.size());
       for (const Eigen::Vector2d& p : points) {
-        const CellIndex cell{static_cast<int>(std::floor(x + c * p.x() - s * p.y())),
+        const grid::CellIndex cell{static_cast<int>(std::floor(x + c * p.x() - s * p.y())),
                              static_cast<int>(std::floor(y + s * p.x() + c * p.y()))};
         scan.cells.push_back(cell);
       }
@@ -98,7 +98,7 @@ class Search {
   Candidate Bounded(Candidate candidate) const {
     const SearchTable::View view = table_.ViewOf(candidate.level);
     int sum = 0;
-    for (const CellIndex& cell : scans_[static_cast<std::size_t>(candidate.scan)].cells) {
+    for (const grid::CellIndex& cell : scans_[static_cast<std::size_t>(candidate.scan)].cells) {
       sum += view.At((cell.column + candidate.dx) >> candidate.level, (cell.row + candidate.dy) >> candidate.level);
     }
     candidate.bound = sum * inverse_ - PriorCost(candidate);
@@ -152,4 +152,4 @@ SearchResult SearchPose(const SearchTable& table, const std::vector<Eigen::Vecto
   return Search(table, points, window).Run();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -7,7 +7,7 @@
 #include "core/geometry/pose2.h"
 #include "core/slam/search_table.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // Where to look: all poses within the half-widths about `centre`, and how much a pose away from it must score more.
 struct SearchWindow {
@@ -34,4 +34,4 @@ struct SearchResult {
 SearchResult SearchPose(const SearchTable& table, const std::vector<Eigen::Vector2d>& points,
                         const SearchWindow& window);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // So little that it never matters: about 30 m and 30 rad.
@@ -35,4 +35,4 @@ double WeakestDirection(const Eigen::Matrix3d& information) {
   return largest > 0.0 ? std::sqrt(largest) : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -4,7 +4,7 @@
 
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // `information` (of (x, y, yaw), perhaps singular) with an independent error of `sigma` (m) and `yaw_sigma` (rad)
 // added: what the matching's own account of its precision leaves out. Symmetric positive definite.
@@ -17,4 +17,4 @@ Eigen::Matrix3d InMeasurementFrame(const Eigen::Matrix3d& information, double ya
 // The standard deviation of the translation in the direction in which it is the largest, m; infinite where open.
 double WeakestDirection(const Eigen::Matrix3d& information);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -5,7 +5,7 @@
 
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr int kReachInCells = 8;
@@ -63,4 +63,4 @@ PyramidMatch MatchToPyramid(const FieldPyramid& pyramid, const std::vector<Eigen
   return result;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -10,7 +10,7 @@
 #include "core/slam/slam_options.h"
 #include "core/slam/submap_grid.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // A finished submap as loop closing sees it: its likelihood field at resolutions from low to high, and the table for
 // searching poses over all of it.
@@ -36,4 +36,4 @@ struct PyramidMatch {
 PyramidMatch MatchToPyramid(const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
                             const PyramidOptions& options, const FieldMatchOptions& field);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr int kBorder = 3;  // cells: the interpolation reads two beyond a point's
@@ -29,7 +29,7 @@ void CubicWeights(double t, double* w, double* dw) {
 LikelihoodField::LikelihoodField(double resolution, double reach)
     : resolution_(resolution), reach_(reach), reach_cells_(static_cast<int>(std::ceil(reach / resolution))) {}
 
-CellIndex LikelihoodField::CellOf(const Eigen::Vector2d& point) const {
+grid::CellIndex LikelihoodField::CellOf(const Eigen::Vector2d& point) const {
   return {static_cast<int>(std::floor(point.x() / resolution_)), static_cast<int>(std::floor(point.y() / resolution_))};
 }
 
@@ -41,17 +41,17 @@ void LikelihoodField::Add(const std::vector<Eigen::Vector2d>& points) {
 }
 
 // A changed cell's stamp is cleared, and all that can reach into a cleared cell is stamped again.
-CellWindow LikelihoodField::Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed) {
+CellWindow LikelihoodField::Update(const SubmapGrid& grid, const std::vector<grid::CellIndex>& changed) {
   const int margin = reach_cells_ + 1;  // rounding may put a mean just beyond its cell
   CellWindow bounds;
-  for (const CellIndex& cell : changed) bounds = Union(bounds, {cell, 1, 1});
+  for (const grid::CellIndex& cell : changed) bounds = Union(bounds, {cell, 1, 1});
   Cover(bounds);
-  for (const CellIndex& cell : changed) Clear(Dilated({cell, 1, 1}, margin));
+  for (const grid::CellIndex& cell : changed) Clear(Dilated({cell, 1, 1}, margin));
   const CellWindow reaching = Dilated(bounds, 2 * margin);
   const auto& hits = grid.hits();
   for (auto it = hits.lower_bound({reaching.min.row, reaching.min.column});
        it != hits.end() && it->first.first < reaching.top(); ++it) {
-    const CellIndex cell{it->first.second, it->first.first};
+    const grid::CellIndex cell{it->first.second, it->first.first};
     if (reaching.contains(cell.column, cell.row) && grid.IsOccupied(cell)) Stamp(it->second.mean);
   }
   return Intersection(Dilated(bounds, margin), window_);
@@ -81,7 +81,7 @@ void LikelihoodField::Clear(const CellWindow& window) {
 }
 
 void LikelihoodField::Stamp(const Eigen::Vector2d& point) {
-  const CellIndex cell = CellOf(point);
+  const grid::CellIndex cell = CellOf(point);
   const CellWindow w = Intersection(Dilated({cell, 1, 1}, reach_cells_), window_);
   const auto resolution = static_cast<float>(resolution_);
   const auto left = static_cast<float>((w.min.column + 0.5) * resolution_ - point.x());
@@ -124,4 +124,4 @@ LikelihoodField::Sample LikelihoodField::At(const Eigen::Vector2d& point) const 
   return {value, Eigen::Vector2d(by_x, by_y) / resolution_};
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

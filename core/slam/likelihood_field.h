@@ -6,7 +6,7 @@
 #include "core/slam/cell_window.h"
 #include "core/slam/submap_grid.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // The likelihood field of a set of wall points (Thrun, Burgard, Fox, "Probabilistic Robotics", 2005, section 6.4), kept
 // as squared distance to the nearest point: minus twice the log-likelihood times sigma^2. It is stored at cells'
@@ -27,7 +27,7 @@ class LikelihoodField {
 
   // Makes the field that of `grid`'s occupied points again after `changed` (not empty) changed. Returns the cells in
   // which the field may have changed.
-  CellWindow Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed);
+  CellWindow Update(const SubmapGrid& grid, const std::vector<grid::CellIndex>& changed);
 
   Sample At(const Eigen::Vector2d& point) const;
 
@@ -43,7 +43,7 @@ class LikelihoodField {
   void Cover(const CellWindow& needed);
   void Clear(const CellWindow& window);
   void Stamp(const Eigen::Vector2d& point);
-  CellIndex CellOf(const Eigen::Vector2d& point) const;
+  grid::CellIndex CellOf(const Eigen::Vector2d& point) const;
 
   double resolution_;
   double reach_;
@@ -52,4 +52,4 @@ class LikelihoodField {
   std::vector<float> cells_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

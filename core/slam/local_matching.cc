@@ -5,7 +5,7 @@
 
 #include "core/slam/scan_points.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr double kFieldReach = 0.5;  // m: farther points pull nowhere
@@ -65,13 +65,13 @@ bool IsUnmistakable(const LocalMatch& match) {
 LocalFields::LocalFields(double resolution, const LocalMatchOptions& options)
     : field(resolution, kFieldReach), table(options.search_sigma, kLocalSearchLevels) {}
 
-void LocalFields::Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed) {
+void LocalFields::Update(const SubmapGrid& grid, const std::vector<grid::CellIndex>& changed) {
   if (changed.empty()) return;
   table.Update(field, field.Update(grid, changed));
 }
 
 void LocalFields::Rebuild(const SubmapGrid& grid) {
-  std::vector<CellIndex> cells;
+  std::vector<grid::CellIndex> cells;
   for (const auto& [key, hit] : grid.hits()) cells.push_back({key.second, key.first});
   Update(grid, cells);
 }
@@ -88,7 +88,7 @@ Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
     if (field.At(q).squared_distance <= matched_distance * matched_distance) {
       agreement.matched_share += share;
     } else if (const auto value = grid.log_odds().ValueAt(grid.log_odds().CellOf(q));
-               value != LogOddsGrid::kUnknown && value < 0) {
+               value != grid::LogOddsGrid::kUnknown && value < 0) {
       agreement.contradicted_share += share;
     }
   }
@@ -132,4 +132,4 @@ LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const
   return best;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -10,7 +10,7 @@
 #include "core/slam/search_table.h"
 #include "core/slam/submap_grid.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // What the active submap is matched by, kept up to date with its grid.
 struct LocalFields {
@@ -23,7 +23,7 @@ struct LocalFields {
   std::size_t bytes() const { return field.bytes() + table.bytes(); }
 
   // `changed`: what SubmapGrid::Insert returned.
-  void Update(const SubmapGrid& grid, const std::vector<CellIndex>& changed);
+  void Update(const SubmapGrid& grid, const std::vector<grid::CellIndex>& changed);
   // From nothing: the same as all updates together.
   void Rebuild(const SubmapGrid& grid);
 };
@@ -58,4 +58,4 @@ bool IsUnmistakable(const LocalMatch& match);
 LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& hits,
                         const Pose2& T_submap_last, const PredictedMotion& motion, const LocalMatchOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

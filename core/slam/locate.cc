@@ -3,8 +3,8 @@
 #include "core/slam/motion_model.h"
 #include "core/slam/policies.h"
 
-namespace enfilade {
-Place FirstPlace(const PairedScan& scan, const MotionOptions& options) {
+namespace enfilade::slam {
+Place FirstPlace(const sensor::PairedScan& scan, const MotionOptions& options) {
   Place place;
   place.track.T_odom_robot = scan.T_odom_robot;
   place.track.time = scan.scan.time;
@@ -13,7 +13,7 @@ Place FirstPlace(const PairedScan& scan, const MotionOptions& options) {
   return place;
 }
 
-Place Locate(const Track& last, const PairedScan& scan, const ScanRays& rays, const SubmapGrid& grid,
+Place Locate(const Track& last, const sensor::PairedScan& scan, const grid::ScanRays& rays, const SubmapGrid& grid,
              const LocalFields& fields, const SlamOptions& options) {
   Place place;
   Track& track = place.track = last;
@@ -49,4 +49,4 @@ Place Locate(const Track& last, const PairedScan& scan, const ScanRays& rays, co
   return place;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

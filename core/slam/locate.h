@@ -8,7 +8,7 @@
 #include "core/slam/mapper_state.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // Where a scan was taken.
 struct Place {
@@ -19,11 +19,11 @@ struct Place {
 };
 
 // The first scan's: the active submap's origin.
-Place FirstPlace(const PairedScan& scan, const MotionOptions& options);
+Place FirstPlace(const sensor::PairedScan& scan, const MotionOptions& options);
 
 // Predicts the motion since `last`, matches the scan to the active submap, and judges the match. Where odometry leads
 // to no match the scans are asked alone: wheels slip and jump.
-Place Locate(const Track& last, const PairedScan& scan, const ScanRays& rays, const SubmapGrid& grid,
+Place Locate(const Track& last, const sensor::PairedScan& scan, const grid::ScanRays& rays, const SubmapGrid& grid,
              const LocalFields& fields, const SlamOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

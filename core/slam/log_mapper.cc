@@ -6,17 +6,17 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr std::uint8_t kLogMapperVersion = 1;
 
 }  // namespace
 
-void LogMapper::Add(Record record) {
-  if (auto* scan = std::get_if<LaserScan>(&record.payload)) {
+void LogMapper::Add(sensor::Record record) {
+  if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload)) {
     pairing_.Add(record.sequence, std::move(*scan), settled_);
-  } else if (const auto* odometry = std::get_if<Odometry>(&record.payload)) {
+  } else if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) {
     pairing_.Add(*odometry, settled_);
   }
   MapSettled();
@@ -29,7 +29,7 @@ void LogMapper::Finish() {
 }
 
 void LogMapper::MapSettled() {
-  for (const PairedScan& scan : settled_) {
+  for (const sensor::PairedScan& scan : settled_) {
     const ScanReport report = mapper_.AddScan(scan);
     counts_.used += report.used;
     counts_.keyframes += report.keyframe;
@@ -56,7 +56,7 @@ std::string LogMapper::Checkpoint() const {
   return bytes;
 }
 
-absl::StatusOr<LogMapper> LogMapper::Restore(const ScanPairingOptions& pairing_options, const SlamOptions& slam_options,
+absl::StatusOr<LogMapper> LogMapper::Restore(const sensor::ScanPairingOptions& pairing_options, const SlamOptions& slam_options,
                                              const SlamMap& stored, std::string_view checkpoint) {
   BinaryReader reader(checkpoint);
   if (reader.Get<std::uint8_t>() != kLogMapperVersion)
@@ -68,11 +68,11 @@ absl::StatusOr<LogMapper> LogMapper::Restore(const ScanPairingOptions& pairing_o
   const std::string_view pairing_bytes = reader.GetString();
   const std::string_view mapper_bytes = reader.GetString();
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");
-  ENFILADE_ASSIGN_OR_RETURN(ScanPairing pairing, ScanPairing::Restore(pairing_options, pairing_bytes));
+  ENFILADE_ASSIGN_OR_RETURN(sensor::ScanPairing pairing, sensor::ScanPairing::Restore(pairing_options, pairing_bytes));
   ENFILADE_ASSIGN_OR_RETURN(Mapper mapper, Mapper::Restore(slam_options, stored, mapper_bytes));
   LogMapper log_mapper(std::move(pairing), std::move(mapper));
   log_mapper.counts_ = counts;
   return log_mapper;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

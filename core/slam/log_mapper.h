@@ -11,10 +11,10 @@
 #include "core/sensor/scan_pairing.h"
 #include "core/slam/mapper.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 struct LogMapperCounts {
-  ScanPairingCounts pairing;
+  sensor::ScanPairingCounts pairing;
   std::int64_t used = 0;       // scans with a place in the trajectory
   std::int64_t keyframes = 0;  // among them
   std::int64_t lost = 0;       // scans at which the robot was lost
@@ -25,34 +25,34 @@ struct LogMapperCounts {
 // also across Checkpoint and Restore anywhere.
 class LogMapper {
  public:
-  LogMapper(const ScanPairingOptions& pairing, const SlamOptions& slam) : pairing_(pairing), mapper_(slam) {}
+  LogMapper(const sensor::ScanPairingOptions& pairing, const SlamOptions& slam) : pairing_(pairing), mapper_(slam) {}
   // Goes on in a map that is there already.
-  LogMapper(const ScanPairingOptions& pairing, const SlamOptions& slam, const OldMap& old_map)
+  LogMapper(const sensor::ScanPairingOptions& pairing, const SlamOptions& slam, const OldMap& old_map)
       : pairing_(pairing), mapper_(slam, old_map) {}
 
   // `stored` is the sum of the deltas up to the checkpoint. DATA_LOSS where they do not fit.
-  static absl::StatusOr<LogMapper> Restore(const ScanPairingOptions& pairing, const SlamOptions& slam,
+  static absl::StatusOr<LogMapper> Restore(const sensor::ScanPairingOptions& pairing, const SlamOptions& slam,
                                            const SlamMap& stored, std::string_view checkpoint);
 
   // In the order of the log. Images, clouds and withheld records pass by.
-  void Add(Record record);
+  void Add(sensor::Record record);
   // The log is complete: settles what waits and finishes the map.
   void Finish();
 
   SlamDelta TakeDelta() { return mapper_.TakeDelta(); }
   std::string Checkpoint() const;
-  OccupancyGrid RenderGrid() const { return mapper_.RenderGrid(); }
+  grid::OccupancyGrid RenderGrid() const { return mapper_.RenderGrid(); }
   std::optional<PresentPose> FindPresentPose() const { return mapper_.FindPresentPose(); }
   LogMapperCounts counts() const;
 
  private:
-  LogMapper(ScanPairing pairing, Mapper mapper) : pairing_(std::move(pairing)), mapper_(std::move(mapper)) {}
+  LogMapper(sensor::ScanPairing pairing, Mapper mapper) : pairing_(std::move(pairing)), mapper_(std::move(mapper)) {}
   void MapSettled();
 
-  ScanPairing pairing_;
+  sensor::ScanPairing pairing_;
   Mapper mapper_;
   LogMapperCounts counts_;           // without the pairing's
-  std::vector<PairedScan> settled_;  // empty between calls
+  std::vector<sensor::PairedScan> settled_;  // empty between calls
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

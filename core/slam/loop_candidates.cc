@@ -6,7 +6,7 @@
 #include <queue>
 #include <utility>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // An old map, which has no keyframes, is near where anything is known.
@@ -110,4 +110,4 @@ std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const 
   return candidates;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -6,7 +6,7 @@
 #include "core/slam/mapper_state.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // How far, in metres of drift-laden driving, each submap (by its id) is from `from` along the shortest way through the
 // graph: a submap's own way to the next, nothing across an accepted closure. What drift there can be between two
@@ -29,4 +29,4 @@ struct LoopCandidate {
 std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const SlamNode& node,
                                                 const LoopOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

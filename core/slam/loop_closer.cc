@@ -3,11 +3,11 @@
 #include "core/slam/loop_candidates.h"
 #include "core/slam/loop_matching.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // The constraint's frames: the submap's pose and the node's are both in the map, so the node is guessed in the submap
 // at T_submap_node = T_map_submap^-1 T_map_node, and the match corrects that; no third frame comes in.
-std::vector<SlamClosure> TryClosures(const MapperState& state, const SlamNode& node, const ScanRays& rays,
+std::vector<SlamClosure> TryClosures(const MapperState& state, const SlamNode& node, const grid::ScanRays& rays,
                                      const SlamOptions& options, SubmapCache& cache) {
   std::vector<SlamClosure> closures;
   for (const LoopCandidate& candidate : SelectLoopCandidates(state, node, options.loop)) {
@@ -29,4 +29,4 @@ std::vector<SlamClosure> TryClosures(const MapperState& state, const SlamNode& n
   return closures;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -7,11 +7,11 @@
 #include "core/slam/slam_options.h"
 #include "core/slam/submap_cache.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // Looks for `node` in the submaps where the candidate policy expects it. One row per attempt, accepted or rejected with
 // the reason, ids from the state's next on. The state is not changed.
-std::vector<SlamClosure> TryClosures(const MapperState& state, const SlamNode& node, const ScanRays& rays,
+std::vector<SlamClosure> TryClosures(const MapperState& state, const SlamNode& node, const grid::ScanRays& rays,
                                      const SlamOptions& options, SubmapCache& cache);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

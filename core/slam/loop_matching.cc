@@ -9,7 +9,7 @@
 #include "core/slam/scan_points.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 LoopMatch MatchLoop(const SubmapGrid& grid, const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& hits,
                     const Pose2& guess, const LoopCandidate& candidate, const SlamOptions& options) {
   const LoopOptions& loop = options.loop;
@@ -72,4 +72,4 @@ LoopMatch MatchLoop(const SubmapGrid& grid, const FieldPyramid& pyramid, const s
   return result;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -9,7 +9,7 @@
 #include "core/slam/slam_options.h"
 #include "core/slam/submap_grid.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // What came of looking for a node in a submap.
 struct LoopMatch {
@@ -26,4 +26,4 @@ struct LoopMatch {
 LoopMatch MatchLoop(const SubmapGrid& grid, const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& hits,
                     const Pose2& guess, const LoopCandidate& candidate, const SlamOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

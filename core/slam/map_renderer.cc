@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // A map of more cells than this (800 m x 800 m at 5 cm) is not drawn as one grid: submaps outside are left out.
@@ -21,7 +21,7 @@ double CellCount(const CellWindow& window) { return static_cast<double>(window.w
 
 }  // namespace
 
-MapRenderer::MapRenderer(double resolution, const LogOddsOptions& options)
+MapRenderer::MapRenderer(double resolution, const grid::LogOddsOptions& options)
     : resolution_(resolution), min_log_odds_(LogOdds(options.p_min)), max_log_odds_(LogOdds(options.p_max)) {}
 
 bool MapRenderer::Place(std::int64_t submap, const Pose2& T_map_submap,
@@ -39,19 +39,19 @@ bool MapRenderer::Place(std::int64_t submap, const Pose2& T_map_submap,
   return true;
 }
 
-OccupancyGrid MapRenderer::Render(const SubmapGrid* active, const Pose2& T_map_active) const {
+grid::OccupancyGrid MapRenderer::Render(const SubmapGrid* active, const Pose2& T_map_active) const {
   Tiles drawn;
   if (active && CellCount(Union(window_, MappedWindow(*active, Rounded(T_map_active)))) <= kMaxCells) {
     Add(drawn, *active, Rounded(T_map_active), +1);
   }
   const CellWindow known = Union(KnownWindow(tiles_), KnownWindow(drawn));
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
   grid.geometry.resolution = resolution_;
   if (known.empty()) return grid;
   grid.geometry.width = known.width;
   grid.geometry.height = known.height;
   grid.geometry.T_map_grid = {known.min.column * resolution_, known.min.row * resolution_, 0.0};
-  grid.cells.assign(grid.geometry.cell_count(), kUnknownCell);
+  grid.cells.assign(grid.geometry.cell_count(), grid::kUnknownCell);
   std::set<TileIndex> indices;
   for (const Tiles* tiles : {&tiles_, static_cast<const Tiles*>(&drawn)}) {
     for (const auto& [index, cells] : *tiles) indices.insert(index);
@@ -74,10 +74,10 @@ CellWindow MapRenderer::WindowOf(const TileIndex& tile) {
 
 // The cells of the map that the grid at `T_map_submap` can touch.
 CellWindow MapRenderer::MappedWindow(const SubmapGrid& grid, const Pose2& T_map_submap) {
-  const LogOddsGrid& cells = grid.log_odds();
+  const grid::LogOddsGrid& cells = grid.log_odds();
   if (cells.cells().empty()) return {};
   const double r = cells.resolution();
-  const CellIndex min = cells.window_min();
+  const grid::CellIndex min = cells.window_min();
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());
   Eigen::Vector2d high = -low;
   for (const int column : {min.column, min.column + cells.width()}) {
@@ -87,8 +87,8 @@ CellWindow MapRenderer::MappedWindow(const SubmapGrid& grid, const Pose2& T_map_
       high = high.cwiseMax(corner);
     }
   }
-  const CellIndex first = cells.CellOf(low);
-  const CellIndex last = cells.CellOf(high);
+  const grid::CellIndex first = cells.CellOf(low);
+  const grid::CellIndex last = cells.CellOf(high);
   return WindowBetween(first.column, first.row, last.column + 1, last.row + 1);
 }
 
@@ -121,7 +121,7 @@ void MapRenderer::Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_s
 
 void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const CellWindow& mapped, const SubmapGrid& grid,
                             const Pose2& T_submap_map, int sign) const {
-  const LogOddsGrid& cells = grid.log_odds();
+  const grid::LogOddsGrid& cells = grid.log_odds();
   const CellWindow tile = WindowOf(index);
   const CellWindow w = Intersection(tile, mapped);
   const double c = std::cos(T_submap_map.yaw);
@@ -132,7 +132,7 @@ void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const CellWind
     for (int column = w.min.column; column < w.right(); ++column) {
       const double x = (column + 0.5) * resolution_;
       const auto value = cells.ValueAt(cells.CellOf({T_submap_map.x + c * x - s * y, T_submap_map.y + s * x + c * y}));
-      if (value == LogOddsGrid::kUnknown) continue;
+      if (value == grid::LogOddsGrid::kUnknown) continue;
       if (sums == nullptr) {
         sums = &tiles[index];
         sums->resize(tile.cell_count());
@@ -147,8 +147,8 @@ void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const CellWind
 }
 
 void MapRenderer::DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active,
-                           OccupancyGrid& grid) const {
-  const CellIndex first{static_cast<int>(std::lround(grid.geometry.T_map_grid.x / resolution_)),
+                           grid::OccupancyGrid& grid) const {
+  const grid::CellIndex first{static_cast<int>(std::lround(grid.geometry.T_map_grid.x / resolution_)),
                         static_cast<int>(std::lround(grid.geometry.T_map_grid.y / resolution_))};
   const CellWindow tile = WindowOf(index);
   const CellWindow w = Intersection(tile, {first, grid.geometry.width, grid.geometry.height});
@@ -159,12 +159,12 @@ void MapRenderer::DrawTile(const TileIndex& index, const Tiles& placed, const Ti
       const Cell x = a == placed.end() ? Cell{} : a->second[tile.index(column, row)];
       const Cell y = b == active.end() ? Cell{} : b->second[tile.index(column, row)];
       if (x.known + y.known == 0) continue;
-      const double sum = (x.log_odds + y.log_odds) / LogOddsGrid::kUnitsPerLogOdds;
+      const double sum = (x.log_odds + y.log_odds) / grid::LogOddsGrid::kUnitsPerLogOdds;
       const double log_odds = std::clamp(sum, min_log_odds_, max_log_odds_);
       grid.cells[grid.geometry.index(column - first.column, row - first.row)] =
-          CellFromProbability(1.0 / (1.0 + std::exp(-log_odds)));
+          grid::CellFromProbability(1.0 / (1.0 + std::exp(-log_odds)));
     }
   }
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -10,7 +10,7 @@
 #include "core/slam/cell_window.h"
 #include "core/slam/submap_grid.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // The map's grid as the sum of the finished submaps' grids, kept up to date by taking out and putting in only the
 // submaps that moved. Sums of whole numbers at poses rounded to a fraction of a cell: however the sum came about, the
@@ -18,7 +18,7 @@ namespace enfilade {
 // a submap knows: a long way across a campus costs what was seen of it.
 class MapRenderer {
  public:
-  MapRenderer(double resolution, const LogOddsOptions& options);
+  MapRenderer(double resolution, const grid::LogOddsOptions& options);
 
   // Puts a submap in, or moves it. `grid` is called only where something is to be drawn, and must always give the
   // submap's same grid. Returns whether anything was drawn.
@@ -26,7 +26,7 @@ class MapRenderer {
 
   // The grid of all that was placed, and of `active`, a submap that still changes (may be null), cropped to what is
   // known. Cells of the map lie on multiples of the resolution.
-  OccupancyGrid Render(const SubmapGrid* active, const Pose2& T_map_active) const;
+  grid::OccupancyGrid Render(const SubmapGrid* active, const Pose2& T_map_active) const;
 
   // Bytes of memory held.
   std::size_t bytes() const;
@@ -47,7 +47,7 @@ class MapRenderer {
   void Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const;
   void AddToTile(Tiles& tiles, const TileIndex& index, const CellWindow& mapped, const SubmapGrid& grid,
                  const Pose2& T_submap_map, int sign) const;
-  void DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active, OccupancyGrid& grid) const;
+  void DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active, grid::OccupancyGrid& grid) const;
 
   double resolution_;
   double min_log_odds_;
@@ -57,4 +57,4 @@ class MapRenderer {
   Tiles tiles_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

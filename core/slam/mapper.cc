@@ -20,7 +20,7 @@
 #include "core/slam/slam_graph.h"
 #include "core/slam/submap_cache.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 ScanReport NotUsed(std::string reason) {
@@ -53,10 +53,10 @@ class Mapper::Impl {
     fields_->Rebuild(state_.active->content.grid);
   }
 
-  ScanReport AddScan(const PairedScan& scan) {
+  ScanReport AddScan(const sensor::PairedScan& scan) {
     if (state_.ended) return NotUsed("the map is finished");
     if (!scan.T_odom_robot && !options_.match_scans) return NotUsed("no odometry at the scan's time");
-    const ScanRays rays = RobotRays(scan.scan, {options_.max_range, options_.occupancy.no_return_range});
+    const grid::ScanRays rays = RobotRays(scan.scan, {options_.max_range, options_.occupancy.no_return_range});
     if (rays.hits.empty() && options_.match_scans && (!state_.track || !scan.T_odom_robot)) {
       return NotUsed("no beam hit anything in range");
     }
@@ -112,7 +112,7 @@ class Mapper::Impl {
     return footprint;
   }
 
-  OccupancyGrid RenderGrid() const {
+  grid::OccupancyGrid RenderGrid() const {
     for (const auto& [id, submap] : state_.finished) {
       if (state_.is_old_map(id)) continue;
       std::optional<SubmapContent> content;
@@ -125,12 +125,12 @@ class Mapper::Impl {
     return renderer_.Render(&state_.active->content.grid, state_.active->T_map_submap);
   }
 
-  std::optional<PresentPose> PoseNow() const { return enfilade::FindPresentPose(state_, options_.quality); }
+  std::optional<PresentPose> PoseNow() const { return enfilade::slam::FindPresentPose(state_, options_.quality); }
 
  private:
   const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
 
-  Place Begin(const PairedScan& scan) {
+  Place Begin(const sensor::PairedScan& scan) {
     Submap first{0, 0, Pose2{}, EmptyContent()};
     if (state_.entry) {
       const PoseWithCovariance T_map_first = PoseAtScan(*state_.entry, scan.T_odom_robot, options_);
@@ -157,7 +157,7 @@ class Mapper::Impl {
     account_.AddContent(0);
   }
 
-  void AddKeyframe(const PairedScan& scan, const ScanRays& rays, const Eigen::Matrix3d& information) {
+  void AddKeyframe(const sensor::PairedScan& scan, const grid::ScanRays& rays, const Eigen::Matrix3d& information) {
     const Eigen::Matrix3d floored =
         WithFloor(information, options_.graph.match_sigma_floor, options_.graph.match_yaw_floor);
     if (IsElsewhere(state_.track->quality, options_.quality)) {
@@ -183,7 +183,7 @@ class Mapper::Impl {
   }
 
   // Into the active submap. A scan that its grid refuses (absurdly far from the rest) leaves only its pose there.
-  void Put(SubmapNode node, const ScanRays& rays) {
+  void Put(SubmapNode node, const grid::ScanRays& rays) {
     SubmapContent& content = state_.active->content;
     const auto changed = content.grid.Insert(node.T_submap_node, rays);
     if (changed.ok()) fields_->Update(content.grid, *changed);
@@ -191,7 +191,7 @@ class Mapper::Impl {
     content.scans.push_back(rays);
   }
 
-  void CloseLoops(const SlamNode& node, const ScanRays& rays) {
+  void CloseLoops(const SlamNode& node, const grid::ScanRays& rays) {
     for (SlamClosure& closure : TryClosures(state_, node, rays, options_, cache_)) {
       account_.TouchClosure(closure.id);
       if (closure.state == ClosureState::kAccepted) {
@@ -280,7 +280,7 @@ absl::StatusOr<Mapper> Mapper::Restore(const SlamOptions& options, const SlamMap
   return Mapper(std::make_unique<Impl>(options, std::move(state)));
 }
 
-ScanReport Mapper::AddScan(const PairedScan& scan) { return impl_->AddScan(scan); }
+ScanReport Mapper::AddScan(const sensor::PairedScan& scan) { return impl_->AddScan(scan); }
 void Mapper::Finish() { impl_->Finish(); }
 absl::Status Mapper::SetClosureSuspended(std::int64_t id, bool suspended) {
   return impl_->SetClosureSuspended(id, suspended);
@@ -288,7 +288,7 @@ absl::Status Mapper::SetClosureSuspended(std::int64_t id, bool suspended) {
 SlamDelta Mapper::TakeDelta() { return impl_->TakeDelta(); }
 std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
 Footprint Mapper::footprint() const { return impl_->footprint(); }
-OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }
+grid::OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }
 std::optional<PresentPose> Mapper::FindPresentPose() const { return impl_->PoseNow(); }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -15,7 +15,7 @@
 #include "core/slam/slam_map.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // What became of one scan.
 struct ScanReport {
@@ -58,7 +58,7 @@ class Mapper {
   static absl::StatusOr<Mapper> Restore(const SlamOptions& options, const SlamMap& stored, std::string_view checkpoint);
 
   // A scan that cannot be used is no error: the report says so.
-  ScanReport AddScan(const PairedScan& scan);
+  ScanReport AddScan(const sensor::PairedScan& scan);
 
   // No more scans will come: the last submap is finished and the graph solved. Again, after closures were suspended or
   // resumed in the stored rows: the graph is solved anew.
@@ -77,7 +77,7 @@ class Mapper {
   Footprint footprint() const;
 
   // The map by the present estimate: what the scans have shown, without the old map that they were laid in.
-  OccupancyGrid RenderGrid() const;
+  grid::OccupancyGrid RenderGrid() const;
   // Where the robot was at the last used scan; unset before the first.
   std::optional<PresentPose> FindPresentPose() const;
 
@@ -87,4 +87,4 @@ class Mapper {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -7,7 +7,7 @@
 #include "core/geometry/pose_codec.h"
 #include "core/slam/compression.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr std::uint8_t kMapperVersion = 4;
@@ -93,7 +93,7 @@ absl::Status GetActive(BinaryReader& reader, const SlamMap& stored, const Occupa
 }
 
 Eigen::AlignedBox2d KnownBox(const SubmapGrid& grid) {
-  const LogOddsGrid& cells = grid.log_odds();
+  const grid::LogOddsGrid& cells = grid.log_odds();
   Eigen::AlignedBox2d box;
   if (cells.cells().empty()) return box;
   const Eigen::Vector2d min(cells.window_min().column, cells.window_min().row);
@@ -214,4 +214,4 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   return state;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -16,7 +16,7 @@
 #include "core/slam/slam_map.h"
 #include "core/slam/submap.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // A submap that gets no more scans: compressed, with what the pose graph needs of it beside.
 struct FinishedSubmap {
@@ -88,4 +88,4 @@ std::string EncodeCheckpoint(const MapperState& state);
 absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const SlamMap& stored,
                                              const OccupancyOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

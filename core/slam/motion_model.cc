@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr double kMaxStretch = 2.0;
@@ -42,4 +42,4 @@ Eigen::Matrix3d InformationOf(double sigma_translation, double sigma_yaw) {
   return Eigen::Vector3d(t, t, 1.0 / (sigma_yaw * sigma_yaw)).asDiagonal();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

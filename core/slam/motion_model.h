@@ -6,7 +6,7 @@
 #include "core/geometry/pose2.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // A way driven, and how long it took.
 struct Step {
@@ -33,4 +33,4 @@ PredictedMotion PredictMotion(const std::optional<Pose2>& T_odom_last, const std
 // Of (x, y, yaw), with the same deviation along x and y.
 Eigen::Matrix3d InformationOf(double sigma_translation, double sigma_yaw);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

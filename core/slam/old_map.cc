@@ -7,14 +7,14 @@
 #include "core/geometry/pose_codec.h"
 #include "core/slam/motion_model.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr double kSigmas = 3.0;
 
 }  // namespace
 
-SubmapContent ContentOf(const OccupancyGrid& grid, const SlamOptions& options) {
+SubmapContent ContentOf(const grid::OccupancyGrid& grid, const SlamOptions& options) {
   if (grid.cells.empty()) return {{}, {}, {}, SubmapGrid(options.resolution, options.occupancy)};
   return {{}, {}, {}, SubmapGrid::FromOccupancy(grid, options.occupancy)};
 }
@@ -60,4 +60,4 @@ std::optional<OldMapEntry> GetEntry(BinaryReader& reader) {
   return entry;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -8,7 +8,7 @@
 #include "core/slam/slam_options.h"
 #include "core/slam/submap.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // Where the robot is in a map that is there already.
 struct OldMapEntry {
@@ -20,12 +20,12 @@ struct OldMapEntry {
 struct OldMap {
   // Its cells on the lattice of the options' resolution (OnLattice in core/grid/overlay.h); may have none: then the map
   // is but a frame.
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
   OldMapEntry entry;
 };
 
 // Submap 0's content: no keyframes, the map's frame for its own.
-SubmapContent ContentOf(const OccupancyGrid& grid, const SlamOptions& options);
+SubmapContent ContentOf(const grid::OccupancyGrid& grid, const SlamOptions& options);
 
 // The robot's pose at a scan at which odometry says `T_odom_now`: the entry's, moved on by odometry, whose uncertainty
 // adds to the entry's; and no surer than matching a scan is.
@@ -43,4 +43,4 @@ EntryReach ReachOf(const OldMapEntry& entry);
 void PutEntry(BinaryWriter& writer, const std::optional<OldMapEntry>& entry);
 std::optional<OldMapEntry> GetEntry(BinaryReader& reader);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // A scan contradicts the map where it falls on known ground and yet does not fit.
@@ -40,4 +40,4 @@ bool MayInsert(const LocalMatch& match, const LocalMatchOptions& options) {
   return match.good || !Contradicts(match, options);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -6,7 +6,7 @@
 #include "core/slam/slam_options.h"
 #include "core/slam/submap.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // Whether a scan this far from the last keyframe becomes one.
 bool IsKeyframeDue(const Pose2& T_last_now, const KeyframeOptions& options);
@@ -37,4 +37,4 @@ bool IsSolveDue(std::int64_t nodes, std::int64_t nodes_at_solve, bool urgent, co
 // Whether a scan may be drawn into the submap: it fits, or it does not contradict what is there.
 bool MayInsert(const LocalMatch& match, const LocalMatchOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -5,7 +5,7 @@
 #include "core/slam/mapper_state.h"
 #include "core/slam/policies.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 PoseWithCovariance Measured(const Pose2& pose, const Eigen::Matrix3d& information) {
@@ -64,4 +64,4 @@ std::optional<PresentPose> FindPresentPose(const MapperState& state, const Quali
   return present;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -6,7 +6,7 @@
 #include "core/geometry/pose2.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 struct MapperState;
 
@@ -22,4 +22,4 @@ struct PresentPose {
 // submaps what was measured since; before the first solution, from the map's beginning on.
 std::optional<PresentPose> FindPresentPose(const MapperState& state, const QualityOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

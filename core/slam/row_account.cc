@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace enfilade {
+namespace enfilade::slam {
 
 void RowAccount::Touch(const GraphChange& change) {
   nodes_.insert(change.nodes.begin(), change.nodes.end());
@@ -36,4 +36,4 @@ SlamSubmap RowAccount::RowOf(std::int64_t id, const MapperState& state) const {
   return row;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -7,7 +7,7 @@
 #include "core/slam/slam_graph.h"
 #include "core/slam/slam_map.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // Which rows have changed since the last account, and the trajectory's new points.
 class RowAccount {
@@ -33,4 +33,4 @@ class RowAccount {
   std::vector<TrajectoryPoint> trajectory_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr double kSmallStep = 5e-4;  // m
@@ -121,4 +121,4 @@ MatchResult MatchToField(const LikelihoodField& field, const std::vector<Eigen::
   return result;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

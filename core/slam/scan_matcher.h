@@ -8,7 +8,7 @@
 #include "core/slam/likelihood_field.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // What is known of a pose before a scan is matched.
 struct PosePrior {
@@ -42,4 +42,4 @@ MatchCost EvaluateMatch(const LikelihoodField& field, const std::vector<Eigen::V
 MatchResult MatchToField(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
                          const PosePrior& prior, const FieldMatchOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // Not inlined: GCC 12 vectorises the loops below two points at a time and forgets the last of an odd number.
@@ -12,20 +12,20 @@ Eigen::Vector2d Rounded(const Eigen::Vector2d& p) { return {ToSinglePrecision(p.
 
 }  // namespace
 
-ScanRays RobotRays(const LaserScan& scan, const ScanRayOptions& options) {
-  ScanRays rays = RaysOf(scan, Pose2{}, options);
+grid::ScanRays RobotRays(const sensor::LaserScan& scan, const grid::ScanRayOptions& options) {
+  grid::ScanRays rays = grid::RaysOf(scan, Pose2{}, options);
   rays.origin = Rounded(rays.origin);
   for (Eigen::Vector2d& p : rays.hits) p = Rounded(p);
   for (Eigen::Vector2d& p : rays.free_ends) p = Rounded(p);
   return rays;
 }
 
-ScanRays Transformed(const Pose2& T_target_source, const ScanRays& rays) {
+grid::ScanRays Transformed(const Pose2& T_target_source, const grid::ScanRays& rays) {
   Eigen::Matrix2d R;
   R << std::cos(T_target_source.yaw), -std::sin(T_target_source.yaw), std::sin(T_target_source.yaw),
       std::cos(T_target_source.yaw);
   const Eigen::Vector2d t = T_target_source.translation();
-  ScanRays result;
+  grid::ScanRays result;
   result.origin = R * rays.origin + t;
   result.hits.reserve(rays.hits.size());
   for (const Eigen::Vector2d& p : rays.hits) result.hits.emplace_back(R * p + t);
@@ -51,4 +51,4 @@ std::vector<Eigen::Vector2d> Subsampled(const std::vector<Eigen::Vector2d>& poin
   return kept;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

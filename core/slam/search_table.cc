@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // All cells of level `level` that the cells [window] of level 0 fall into.
@@ -106,4 +106,4 @@ void SearchTable::MaxOfSquares(const Level& source, int step, const CellWindow& 
   }
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -6,7 +6,7 @@
 #include "core/slam/cell_window.h"
 #include "core/slam/likelihood_field.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // A likelihood field as bytes, and bounds on it for branch and bound: level k's entry (i, j) is the largest likelihood
 // in the cells [i 2^k, (i + 2) 2^k) x [j 2^k, (j + 2) 2^k), so that one look bounds the likelihood of a point under
@@ -28,7 +28,7 @@ class SearchTable {
   // One level, to be looked into many times; valid until the next update.
   struct View {
     const std::uint8_t* cells;
-    CellIndex min;
+    grid::CellIndex min;
     unsigned width;
     unsigned height;
 
@@ -63,4 +63,4 @@ class SearchTable {
   std::vector<Level> levels_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

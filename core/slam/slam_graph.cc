@@ -9,7 +9,7 @@
 #include "core/slam/edge_information.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 std::int64_t SubmapVertex(std::int64_t submap) { return 2 * submap; }
@@ -20,7 +20,7 @@ bool TakesPart(const SlamClosure& closure) {
 }
 
 struct Problem {
-  PoseGraph graph;
+  optimize::PoseGraph graph;
   std::set<std::int64_t> free_nodes;   // those that have vertices of their own
   std::vector<std::int64_t> closures;  // of the edges at the graph's end, in order
   std::size_t first_closure = 0;
@@ -67,10 +67,10 @@ Problem BuildProblem(const MapperState& state) {
 }
 
 // Which closures hold, by what the robust solution says of them.
-void JudgeClosures(const SolveReport& report, const GraphOptions& options, MapperState& state, Problem& problem,
+void JudgeClosures(const optimize::SolveReport& report, const GraphOptions& options, MapperState& state, Problem& problem,
                    GraphChange& change) {
   for (std::size_t i = 0; i < problem.closures.size(); ++i) {
-    PoseGraphEdge& edge = problem.graph.edges[problem.first_closure + i];
+    optimize::PoseGraphEdge& edge = problem.graph.edges[problem.first_closure + i];
     SlamClosure& closure = state.closures.at(problem.closures[i]);
     const double chi2 = report.edge_chi2[problem.first_closure + i];
     const bool valid = chi2 < options.max_chi2;
@@ -85,11 +85,11 @@ void JudgeClosures(const SolveReport& report, const GraphOptions& options, Mappe
   }
 }
 
-void PutBack(const SolveReport& report, const Problem& problem, MapperState& state, GraphChange& change) {
+void PutBack(const optimize::SolveReport& report, const Problem& problem, MapperState& state, GraphChange& change) {
   std::map<std::int64_t, Pose2> poses;
-  for (const PoseGraphNode& vertex : problem.graph.nodes) poses[vertex.id] = vertex.T_world_node;
+  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) poses[vertex.id] = vertex.T_world_node;
   std::map<std::int64_t, Eigen::Matrix3d> covariances;
-  for (const NodeCovariance& c : report.covariances) covariances[c.id] = c.covariance;
+  for (const optimize::NodeCovariance& c : report.covariances) covariances[c.id] = c.covariance;
 
   const auto put = [&](std::int64_t id, Pose2& T_map_submap, const std::vector<SubmapNode>& nodes) {
     const Pose2& pose = poses.at(SubmapVertex(id));
@@ -129,17 +129,17 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
   GraphChange change;
   if (state.nodes.empty()) return change;
   Problem problem = BuildProblem(state);
-  SolveOptions solve;
-  solve.initialisation = Initialisation::kNone;
-  solve.kernel = {RobustKernel::Type::kCauchy, options.kernel_width};
+  optimize::SolveOptions solve;
+  solve.initialisation = optimize::Initialisation::kNone;
+  solve.kernel = {optimize::RobustKernel::Type::kCauchy, options.kernel_width};
   solve.max_iterations = options.max_iterations;
   solve.fixed = {state.entry ? SubmapVertex(0) : NodeVertex(0)};
-  const absl::StatusOr<SolveReport> first = SolvePoseGraph(solve, problem.graph);
+  const absl::StatusOr<optimize::SolveReport> first = optimize::SolvePoseGraph(solve, problem.graph);
   if (!first.ok()) return change;
   JudgeClosures(*first, options, state, problem, change);
   solve.kernel = {};
-  for (const PoseGraphNode& vertex : problem.graph.nodes) solve.covariance_of.push_back(vertex.id);
-  const absl::StatusOr<SolveReport> second = SolvePoseGraph(solve, problem.graph);
+  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) solve.covariance_of.push_back(vertex.id);
+  const absl::StatusOr<optimize::SolveReport> second = optimize::SolvePoseGraph(solve, problem.graph);
   if (!second.ok()) return change;
   PutBack(*second, problem, state, change);
   change.solved = true;
@@ -153,4 +153,4 @@ double ClosureChi2(const MapperState& state, const SlamClosure& closure) {
   return e.dot(closure.information * e);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

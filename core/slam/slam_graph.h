@@ -6,7 +6,7 @@
 #include "core/slam/mapper_state.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // What solving changed in the state.
 struct GraphChange {
@@ -29,4 +29,4 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state);
 // chi2 of a closure by the present estimate.
 double ClosureChi2(const MapperState& state, const SlamClosure& closure);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

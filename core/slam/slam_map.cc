@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace enfilade {
+namespace enfilade::slam {
 
 void SlamMap::Apply(SlamDelta delta) {
   for (SlamNode& node : delta.nodes) nodes[node.id] = std::move(node);
@@ -24,4 +24,4 @@ std::vector<StampedPose> TrajectoryOf(const SlamMap& map) {
   return poses;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

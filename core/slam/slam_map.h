@@ -9,7 +9,7 @@
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // What SLAM knows about one map, in the pieces in which it is stored: rows that are added once and whose poses move
 // when the pose graph is solved. Poses are in the map's frame: that of the first keyframe's robot pose, or of the old
@@ -93,4 +93,4 @@ struct StampedPose {
 // Every scan's pose by the present estimate, in the order of time.
 std::vector<StampedPose> TrajectoryOf(const SlamMap& map);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -2,7 +2,7 @@
 
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // Calls visit("group.name", value) for every option, in the order of slam_options.h. `Options` is SlamOptions, const or
 // not; values are bool, int or double. The one list of names, for the YAML file and for whoever else needs one.
@@ -88,4 +88,4 @@ void VisitSlamOptions(Options& o, Visit visit) {
   visit("graph.urgent_chi2", o.graph.urgent_chi2);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

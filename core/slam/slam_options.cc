@@ -7,7 +7,7 @@
 #include "core/base/status_macros.h"
 #include "core/slam/slam_option_names.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 absl::Status Within(const char* name, double value, double low, double high) {
@@ -121,4 +121,4 @@ absl::Status SlamOptions::Validate() const {
   return status;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

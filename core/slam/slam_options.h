@@ -2,7 +2,7 @@
 
 #include "absl/status/status.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // How one scan changes the cells that its beams cross.
 struct OccupancyOptions {
@@ -165,4 +165,4 @@ struct SlamOptions {
   absl::Status Validate() const;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -4,7 +4,7 @@
 #include "core/options/yaml_options.h"
 #include "core/slam/slam_option_names.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 absl::StatusOr<SlamOptions> ParseSlamOptions(std::string_view yaml) {
   constexpr std::string_view kWhat = "slam options";
@@ -20,4 +20,4 @@ std::string FormatSlamOptions(const SlamOptions& options) {
   return yaml_options::Format([&](const auto& visitor) { VisitSlamOptions(options, visitor); });
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // SLAM options from YAML: nested maps with the names of slam_options.h, e.g. `loop: {drift_per_metre: 0.05}`. What is
 // not named keeps its default; an empty text gives the defaults. INVALID_ARGUMENT naming the key and the line: a key
@@ -16,4 +16,4 @@ absl::StatusOr<SlamOptions> ParseSlamOptions(std::string_view yaml);
 // All options as YAML that ParseSlamOptions reads back to the same values.
 std::string FormatSlamOptions(const SlamOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

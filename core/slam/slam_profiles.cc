@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace enfilade {
+namespace enfilade::slam {
 
 SlamProfiles::SlamProfiles(const SlamOptions& base) {
   SlamOptions outdoor = base;
@@ -22,4 +22,4 @@ std::vector<std::string> SlamProfiles::Names() const {
   return names;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -6,7 +6,7 @@
 
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // SLAM options by name: each map is mapped with the one that suits it.
 class SlamProfiles {
@@ -31,4 +31,4 @@ class SlamProfiles {
   std::map<std::string, SlamOptions> profiles_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

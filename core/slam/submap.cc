@@ -7,7 +7,7 @@
 #include "core/geometry/pose_codec.h"
 #include "core/slam/compression.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr std::uint8_t kSubmapVersion = 1;
@@ -29,14 +29,14 @@ std::vector<Eigen::Vector2d> GetPoints(BinaryReader& reader) {
 }
 
 // Rays are rounded to single precision where they are made: see RobotRays.
-void PutRays(BinaryWriter& writer, const ScanRays& rays) {
+void PutRays(BinaryWriter& writer, const grid::ScanRays& rays) {
   PutPoints(writer, {rays.origin});
   PutPoints(writer, rays.hits);
   PutPoints(writer, rays.free_ends);
 }
 
-ScanRays GetRays(BinaryReader& reader) {
-  ScanRays rays;
+grid::ScanRays GetRays(BinaryReader& reader) {
+  grid::ScanRays rays;
   if (const auto origin = GetPoints(reader); origin.size() == 1) rays.origin = origin.front();
   rays.hits = GetPoints(reader);
   rays.free_ends = GetPoints(reader);
@@ -96,8 +96,8 @@ int Submap::own_nodes() const {
 
 std::size_t Submap::bytes() const {
   std::size_t bytes = content.grid.bytes() + content.nodes.capacity() * sizeof(SubmapNode);
-  for (const ScanRays& rays : content.scans) {
-    bytes += sizeof(ScanRays) + (rays.hits.capacity() + rays.free_ends.capacity()) * sizeof(Eigen::Vector2d);
+  for (const grid::ScanRays& rays : content.scans) {
+    bytes += sizeof(grid::ScanRays) + (rays.hits.capacity() + rays.free_ends.capacity()) * sizeof(Eigen::Vector2d);
   }
   return bytes;
 }
@@ -114,7 +114,7 @@ absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, con
   if (reader.Get<std::uint8_t>() != kSubmapVersion)
     return DataLoss("a submap's content is of a version unknown to this program");
   std::vector<SubmapNode> nodes;
-  std::vector<ScanRays> scans;
+  std::vector<grid::ScanRays> scans;
   GetAll(reader, nodes, GetNode);
   std::optional<NextSubmap> next = GetNext(reader);
   GetAll(reader, scans, GetRays);
@@ -143,4 +143,4 @@ absl::StatusOr<SubmapContent> DecodeSubmapContent(std::string_view bytes, const 
   return content;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

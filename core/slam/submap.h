@@ -13,7 +13,7 @@
 #include "core/grid/scan_rays.h"
 #include "core/slam/submap_grid.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // A keyframe's place in a submap: what was measured when it was put in, and never changes.
 struct SubmapNode {
@@ -39,7 +39,7 @@ struct NextSubmap {
 struct SubmapContent {
   std::vector<SubmapNode> nodes;
   std::optional<NextSubmap> next;
-  std::vector<ScanRays> scans;  // in the robot's frame
+  std::vector<grid::ScanRays> scans;  // in the robot's frame
   SubmapGrid grid;
 };
 
@@ -62,4 +62,4 @@ absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, con
 std::string Encode(const SubmapContent& content);
 absl::StatusOr<SubmapContent> DecodeSubmapContent(std::string_view bytes, const OccupancyOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

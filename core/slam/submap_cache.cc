@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace enfilade {
+namespace enfilade::slam {
 
 const SubmapCache::Entry& SubmapCache::Get(std::int64_t id, const FinishedSubmap& submap) {
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.id == id; });
@@ -24,4 +24,4 @@ std::size_t SubmapCache::bytes() const {
   return bytes;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

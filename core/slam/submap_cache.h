@@ -8,7 +8,7 @@
 #include "core/slam/mapper_state.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // The submaps last used by loop closing, decompressed, with their pyramids: at most `loop.cached_submaps`. What it
 // gives depends on the submap only, never on what was asked before.
@@ -33,4 +33,4 @@ class SubmapCache {
   std::list<Entry> entries_;  // the last used first
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -8,7 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/slam/scan_points.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr int kSimplifiedClamp = 10;        // steps, the value of the public implementations of seed 001
@@ -21,7 +21,7 @@ constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside t
 double Probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
 // The lowest and highest corner of the cells that the rays touch.
-std::pair<CellIndex, CellIndex> Bounds(const LogOddsGrid& grid, const ScanRays& rays) {
+std::pair<grid::CellIndex, grid::CellIndex> Bounds(const grid::LogOddsGrid& grid, const grid::ScanRays& rays) {
   Eigen::Vector2d low = rays.origin;
   Eigen::Vector2d high = rays.origin;
   for (const std::vector<Eigen::Vector2d>* ends : {&rays.hits, &rays.free_ends}) {
@@ -35,8 +35,8 @@ std::pair<CellIndex, CellIndex> Bounds(const LogOddsGrid& grid, const ScanRays& 
 
 }  // namespace
 
-LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options) {
-  LogOddsOptions result;
+grid::LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options) {
+  grid::LogOddsOptions result;
   if (options.log_odds) {
     result.p_hit = options.hit_probability;
     result.p_miss = options.miss_probability;
@@ -54,24 +54,24 @@ LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options) {
 SubmapGrid::SubmapGrid(double resolution, const OccupancyOptions& options)
     : log_odds_(resolution, LogOddsOptionsOf(options)) {}
 
-SubmapGrid SubmapGrid::FromOccupancy(const OccupancyGrid& grid, const OccupancyOptions& options) {
-  const GridGeometry& geometry = grid.geometry;
+SubmapGrid SubmapGrid::FromOccupancy(const grid::OccupancyGrid& grid, const OccupancyOptions& options) {
+  const grid::GridGeometry& geometry = grid.geometry;
   const double r = geometry.resolution;
-  const CellIndex min{static_cast<int>(std::lround(geometry.T_map_grid.x / r)),
+  const grid::CellIndex min{static_cast<int>(std::lround(geometry.T_map_grid.x / r)),
                       static_cast<int>(std::lround(geometry.T_map_grid.y / r))};
-  std::vector<std::int16_t> cells(grid.cells.size(), LogOddsGrid::kUnknown);
+  std::vector<std::int16_t> cells(grid.cells.size(), grid::LogOddsGrid::kUnknown);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (grid.cells[i] == kUnknownCell) continue;
-    const double p = std::clamp(ProbabilityOfCell(grid.cells[i]), kMinProbability, 1.0 - kMinProbability);
-    cells[i] = static_cast<std::int16_t>(std::lround(LogOddsGrid::kUnitsPerLogOdds * std::log(p / (1.0 - p))));
+    if (grid.cells[i] == grid::kUnknownCell) continue;
+    const double p = std::clamp(grid::ProbabilityOfCell(grid.cells[i]), kMinProbability, 1.0 - kMinProbability);
+    cells[i] = static_cast<std::int16_t>(std::lround(grid::LogOddsGrid::kUnitsPerLogOdds * std::log(p / (1.0 - p))));
   }
-  SubmapGrid result(LogOddsGrid::FromCells(r, LogOddsOptionsOf(options), min, geometry.width, geometry.height,
+  SubmapGrid result(grid::LogOddsGrid::FromCells(r, LogOddsOptionsOf(options), min, geometry.width, geometry.height,
                                            std::move(cells))
                         .value());  // as many as the geometry says
-  const LogOddsGrid& log_odds = result.log_odds_;
+  const grid::LogOddsGrid& log_odds = result.log_odds_;
   for (int row = 0; row < geometry.height; ++row) {
     for (int column = 0; column < geometry.width; ++column) {
-      const CellIndex cell{min.column + column, min.row + row};
+      const grid::CellIndex cell{min.column + column, min.row + row};
       if (log_odds.ValueAt(cell) <= 0) continue;  // kUnknown, too
       const Eigen::Vector2d centre((cell.column + 0.5) * r, (cell.row + 0.5) * r);
       result.hits_.emplace_hint(result.hits_.end(), Key{cell.row, cell.column}, HitMean{centre, 1});
@@ -80,8 +80,8 @@ SubmapGrid SubmapGrid::FromOccupancy(const OccupancyGrid& grid, const OccupancyO
   return result;
 }
 
-absl::StatusOr<std::vector<CellIndex>> SubmapGrid::Insert(const Pose2& T_submap_robot, const ScanRays& rays) {
-  const ScanRays placed = Transformed(T_submap_robot, rays);
+absl::StatusOr<std::vector<grid::CellIndex>> SubmapGrid::Insert(const Pose2& T_submap_robot, const grid::ScanRays& rays) {
+  const grid::ScanRays placed = Transformed(T_submap_robot, rays);
   const auto [low, high] = Bounds(log_odds_, placed);
   std::set<Key> changed;
   // Occupied cells that this scan may turn free.
@@ -89,7 +89,7 @@ absl::StatusOr<std::vector<CellIndex>> SubmapGrid::Insert(const Pose2& T_submap_
   const auto last = hits_.upper_bound({high.row, high.column});
   std::vector<Key> occupied;
   for (auto it = first; it != last; ++it) {
-    const CellIndex cell{it->first.second, it->first.first};
+    const grid::CellIndex cell{it->first.second, it->first.first};
     if (cell.column >= low.column && cell.column <= high.column && IsOccupied(cell)) occupied.push_back(it->first);
   }
   ENFILADE_RETURN_IF_ERROR(log_odds_.Insert(placed));
@@ -97,13 +97,13 @@ absl::StatusOr<std::vector<CellIndex>> SubmapGrid::Insert(const Pose2& T_submap_
     if (!IsOccupied({key.second, key.first})) changed.insert(key);
   }
   for (const Eigen::Vector2d& hit : placed.hits) {
-    const CellIndex cell = log_odds_.CellOf(hit);
+    const grid::CellIndex cell = log_odds_.CellOf(hit);
     HitMean& mean = hits_[{cell.row, cell.column}];
     mean.count = std::min(mean.count + 1, kMaxCount);
     mean.mean += (hit - mean.mean) / mean.count;
     changed.insert({cell.row, cell.column});
   }
-  std::vector<CellIndex> cells;
+  std::vector<grid::CellIndex> cells;
   cells.reserve(changed.size());
   for (const Key& key : changed) cells.push_back({key.second, key.first});
   return cells;
@@ -138,7 +138,7 @@ void SubmapGrid::Serialize(BinaryWriter& writer) const {
 }
 
 absl::StatusOr<SubmapGrid> SubmapGrid::Deserialize(BinaryReader& reader, const OccupancyOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(LogOddsGrid log_odds, LogOddsGrid::Read(reader, LogOddsOptionsOf(options)));
+  ENFILADE_ASSIGN_OR_RETURN(grid::LogOddsGrid log_odds, grid::LogOddsGrid::Read(reader, LogOddsOptionsOf(options)));
   SubmapGrid grid(std::move(log_odds));
   const auto size = reader.Get<std::uint64_t>();
   if (size > reader.remaining() / 28) return DataLoss("a submap's grid is truncated");
@@ -154,4 +154,4 @@ absl::StatusOr<SubmapGrid> SubmapGrid::Deserialize(BinaryReader& reader, const O
   return grid;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

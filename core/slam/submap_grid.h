@@ -11,7 +11,7 @@
 #include "core/grid/log_odds_grid.h"
 #include "core/slam/slam_options.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 
 // The occupancy map of one submap, in the submap's frame: log-odds, and for every cell in which beams ended the mean of
 // their ends (kept by GMapping too: Grisetti, Stachniss, Burgard 2007), which places walls far finer than the
@@ -30,17 +30,17 @@ class SubmapGrid {
 
   // Of a map that is there already, its cells on the lattice of their resolution (OnLattice); the mean of an occupied
   // cell's hits is its centre, of the count 1.
-  static SubmapGrid FromOccupancy(const OccupancyGrid& grid, const OccupancyOptions& options);
+  static SubmapGrid FromOccupancy(const grid::OccupancyGrid& grid, const OccupancyOptions& options);
 
   // Adds a scan taken at `T_submap_robot`, rays in the robot's frame. Returns the cells whose occupied state or mean
   // changed, in order. Errors as LogOddsGrid::Insert's; then nothing has changed.
-  absl::StatusOr<std::vector<CellIndex>> Insert(const Pose2& T_submap_robot, const ScanRays& rays);
+  absl::StatusOr<std::vector<grid::CellIndex>> Insert(const Pose2& T_submap_robot, const grid::ScanRays& rays);
 
-  const LogOddsGrid& log_odds() const { return log_odds_; }
+  const grid::LogOddsGrid& log_odds() const { return log_odds_; }
   double resolution() const { return log_odds_.resolution(); }
   // By row and column; a cell here is occupied only while its log-odds are positive.
   const std::map<Key, HitMean>& hits() const { return hits_; }
-  bool IsOccupied(CellIndex cell) const { return log_odds_.ValueAt(cell) > 0; }
+  bool IsOccupied(grid::CellIndex cell) const { return log_odds_.ValueAt(cell) > 0; }
   // The means of the occupied cells' hits, m, in order of rows.
   std::vector<Eigen::Vector2d> OccupiedPoints() const;
 
@@ -60,14 +60,14 @@ class SubmapGrid {
   }
 
  private:
-  explicit SubmapGrid(LogOddsGrid grid) : log_odds_(std::move(grid)) {}
+  explicit SubmapGrid(grid::LogOddsGrid grid) : log_odds_(std::move(grid)) {}
 
-  LogOddsGrid log_odds_;
+  grid::LogOddsGrid log_odds_;
   std::map<Key, HitMean> hits_;
 };
 
 // The sensor model as LogOddsGrid takes it. The simplified form (+1 for a hit, -1 for a crossing beam, clamped at 10:
 // seed 001) is the log-odds form with equal and opposite steps.
-LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options);
+grid::LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options);
 
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -21,7 +21,7 @@ std::pair<double, double> Extent(const Cloud& cloud, Eigen::Index axis) {
 
 }  // namespace
 
-RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_target_source) {
+grid::RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_target_source) {
   const Cloud below = FinitePoints(target);
   const Cloud above = Transformed(FinitePoints(source), T_target_source);
   Cloud all = below;
@@ -30,16 +30,16 @@ RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen::Isome
   const auto [left, right] = Extent(all, 0);
   const auto [bottom, top] = Extent(all, 1);
   const double scale = (kSide - 1.0) / std::max({right - left, top - bottom, 1e-3});
-  RgbImage picture(1 + static_cast<int>((right - left) * scale), 1 + static_cast<int>((top - bottom) * scale),
+  grid::RgbImage picture(1 + static_cast<int>((right - left) * scale), 1 + static_cast<int>((top - bottom) * scale),
                    {255, 255, 255});
-  const auto draw = [&](const Cloud& cloud, Rgb color) {
+  const auto draw = [&](const Cloud& cloud, grid::Rgb color) {
     for (const Eigen::Vector3f& point : cloud.points) {
       const Eigen::Vector2d pixel((point.x() - left) * scale, (top - point.y()) * scale);
-      DrawLine(picture, pixel, pixel, color);
+      grid::DrawLine(picture, pixel, pixel, color);
     }
   };
-  draw(below, kBlue);
-  draw(above, kRed);
+  draw(below, grid::kBlue);
+  draw(above, grid::kRed);
   return picture;
 }
 

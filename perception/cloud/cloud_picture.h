@@ -6,6 +6,6 @@
 namespace enfilade::perception {
 
 // Both clouds from above, at most 1000 pixels a side: the target blue, the source over it red. White without points.
-RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_target_source);
+grid::RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_target_source);
 
 }  // namespace enfilade::perception

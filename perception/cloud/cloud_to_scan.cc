@@ -19,8 +19,8 @@ absl::Status Validate(const CloudToScanOptions& options) {
     return InvalidArgument("angles {} to {} rad in steps of {}: expected at most one turn, upwards", options.angle_min,
                            options.angle_max, options.angle_increment);
   }
-  if ((options.angle_max - options.angle_min) / options.angle_increment > static_cast<double>(kMaxBeams)) {
-    return InvalidArgument("angle_increment {} rad: more than {} beams", options.angle_increment, kMaxBeams);
+  if ((options.angle_max - options.angle_min) / options.angle_increment > static_cast<double>(sensor::kMaxBeams)) {
+    return InvalidArgument("angle_increment {} rad: more than {} beams", options.angle_increment, sensor::kMaxBeams);
   }
   if (!(options.range_min >= 0.0) || !(options.range_max > options.range_min) || !std::isfinite(options.range_max)) {
     return InvalidArgument("ranges {} to {} m: expected 0 <= range_min < range_max", options.range_min,
@@ -29,9 +29,9 @@ absl::Status Validate(const CloudToScanOptions& options) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<LaserScan> CloudToScan(const Cloud& cloud, TimeNs time, const CloudToScanOptions& options) {
+absl::StatusOr<sensor::LaserScan> CloudToScan(const Cloud& cloud, TimeNs time, const CloudToScanOptions& options) {
   ENFILADE_RETURN_IF_ERROR(Validate(options));
-  LaserScan scan;
+  sensor::LaserScan scan;
   scan.time = time;
   scan.angle_min = options.angle_min;
   scan.angle_increment = options.angle_increment;

@@ -25,6 +25,6 @@ absl::Status Validate(const CloudToScanOptions& options);
 // The nearest point, in the plane, of each sector of one increment: beam i takes the points from angle_min + i *
 // increment up to the next beam, as pointcloud_to_laserscan does. The scan is in the cloud's frame (T_robot_laser is
 // identity for a cloud in the robot's frame). Points that are not finite are left out. INVALID_ARGUMENT: options.
-absl::StatusOr<LaserScan> CloudToScan(const Cloud& cloud, TimeNs time, const CloudToScanOptions& options = {});
+absl::StatusOr<sensor::LaserScan> CloudToScan(const Cloud& cloud, TimeNs time, const CloudToScanOptions& options = {});
 
 }  // namespace enfilade::perception

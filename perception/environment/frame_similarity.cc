@@ -110,7 +110,7 @@ absl::StatusOr<SimilarityChoice> ChooseBySimilarity(std::span<const DepthFrame> 
     last = std::move(next);
   }
   choice.mean = sum / choice.pairs;
-  choice.surroundings = choice.mean < criterion.threshold ? Surroundings::kOutdoor : Surroundings::kIndoor;
+  choice.surroundings = choice.mean < criterion.threshold ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor;
   return choice;
 }
 

@@ -37,7 +37,7 @@ struct SimilarityCriterion {
 absl::Status Validate(const SimilarityCriterion& criterion);
 
 struct SimilarityChoice {
-  Surroundings surroundings = Surroundings::kIndoor;
+  sensor::Surroundings surroundings = sensor::Surroundings::kIndoor;
   double mean = 0.0;  // over consecutive pairs; +infinity where all were equal by PSNR
   int pairs = 0;
 };

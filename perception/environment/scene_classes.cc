@@ -32,16 +32,16 @@ std::vector<Line> LinesOf(std::string_view text) {
   return lines;
 }
 
-std::optional<Surroundings> SurroundingsOf(const std::string& word) {
-  if (word == "1" || word == "indoor") return Surroundings::kIndoor;
-  if (word == "2" || word == "outdoor") return Surroundings::kOutdoor;
+std::optional<sensor::Surroundings> SurroundingsOf(const std::string& word) {
+  if (word == "1" || word == "indoor") return sensor::Surroundings::kIndoor;
+  if (word == "2" || word == "outdoor") return sensor::Surroundings::kOutdoor;
   return std::nullopt;
 }
 
-absl::StatusOr<std::map<std::string, Surroundings>> ParseMapping(std::string_view text) {
-  std::map<std::string, Surroundings> mapping;
+absl::StatusOr<std::map<std::string, sensor::Surroundings>> ParseMapping(std::string_view text) {
+  std::map<std::string, sensor::Surroundings> mapping;
   for (const Line& line : LinesOf(text)) {
-    const std::optional<Surroundings> surroundings = SurroundingsOf(line.second);
+    const std::optional<sensor::Surroundings> surroundings = SurroundingsOf(line.second);
     if (!surroundings) {
       return InvalidArgument("mapping, line {}: \"{} {}\": expected a class and 1 (indoor) or 2 (outdoor)", line.number,
                              line.first, line.second);

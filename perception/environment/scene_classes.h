@@ -12,7 +12,7 @@ namespace enfilade::perception {
 // One output of a scene classifier.
 struct SceneClass {
   std::string name;
-  Surroundings surroundings = Surroundings::kIndoor;
+  sensor::Surroundings surroundings = sensor::Surroundings::kIndoor;
 };
 
 // Labels: one line per class in the order of the network's outputs, as Places365's categories_places365.txt: a name

@@ -115,13 +115,13 @@ absl::StatusOr<SceneVerdict> SceneClassifier::Classify(const ColorFrame& frame) 
     const std::vector<double> shares = Softmax(scores);
     SceneVerdict verdict;
     for (std::size_t i = 0; i < shares.size(); ++i) {
-      if (classes_[i].surroundings == Surroundings::kOutdoor) verdict.outdoor_probability += shares[i];
+      if (classes_[i].surroundings == sensor::Surroundings::kOutdoor) verdict.outdoor_probability += shares[i];
       if (shares[i] > verdict.best_probability) {
         verdict.best_probability = shares[i];
         verdict.best_class = classes_[i].name;
       }
     }
-    verdict.surroundings = verdict.outdoor_probability > 0.5 ? Surroundings::kOutdoor : Surroundings::kIndoor;
+    verdict.surroundings = verdict.outdoor_probability > 0.5 ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor;
     return verdict;
   });
 }

@@ -20,7 +20,7 @@ struct SceneClassifierFiles {
 };
 
 struct SceneVerdict {
-  Surroundings surroundings = Surroundings::kIndoor;
+  sensor::Surroundings surroundings = sensor::Surroundings::kIndoor;
   double outdoor_probability = 0.0;  // sum over the outdoor classes
   std::string best_class;
   double best_probability = 0.0;

@@ -36,8 +36,8 @@ absl::StatusOr<cv::Mat> Decode(std::string_view bytes, int flags, const ImageHea
 }
 
 absl::StatusOr<ImageHeader> CheckHeader(std::string_view bytes, const DecodeLimits& limits) {
-  if (static_cast<std::int64_t>(bytes.size()) > kMaxBlobBytes) {
-    return InvalidArgument("the image has {} bytes, more than the limit of {}", bytes.size(), kMaxBlobBytes);
+  if (static_cast<std::int64_t>(bytes.size()) > sensor::kMaxBlobBytes) {
+    return InvalidArgument("the image has {} bytes, more than the limit of {}", bytes.size(), sensor::kMaxBlobBytes);
   }
   ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, ReadImageHeader(bytes));
   ENFILADE_RETURN_IF_ERROR(CheckSize(header.width, header.height, limits));
@@ -55,7 +55,7 @@ std::uint8_t Luma(int red, int green, int blue) {
   return static_cast<std::uint8_t>((299 * red + 587 * green + 114 * blue + 500) / 1000);
 }
 
-GreyFrame GreyFrom(const PixelImage& image) {
+GreyFrame GreyFrom(const grid::PixelImage& image) {
   GreyFrame grey{image.width, image.height, {}};
   const auto channels = static_cast<std::size_t>(image.channels);
   grey.pixels.resize(image.samples.size() / channels);
@@ -66,7 +66,7 @@ GreyFrame GreyFrom(const PixelImage& image) {
   return grey;
 }
 
-ColorFrame ColorFrom(const PixelImage& image) {
+ColorFrame ColorFrom(const grid::PixelImage& image) {
   ColorFrame color{image.width, image.height, {}};
   const auto channels = static_cast<std::size_t>(image.channels);
   color.samples.reserve(image.samples.size() / channels * 3);
@@ -123,7 +123,7 @@ cv::Mat ToGrey(const cv::Mat& image, PixelOrder order) {
 absl::StatusOr<GreyFrame> DecodeGrey(std::string_view bytes, const DecodeLimits& limits) {
   ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
   if (IsPlainPng(header)) {
-    ENFILADE_ASSIGN_OR_RETURN(const PixelImage image, DecodePng(bytes));
+    ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes));
     return GreyFrom(image);
   }
   return GuardOpenCv("decoding an image", [&]() -> absl::StatusOr<GreyFrame> {
@@ -135,7 +135,7 @@ absl::StatusOr<GreyFrame> DecodeGrey(std::string_view bytes, const DecodeLimits&
 absl::StatusOr<ColorFrame> DecodeColor(std::string_view bytes, const DecodeLimits& limits) {
   ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
   if (IsPlainPng(header)) {
-    ENFILADE_ASSIGN_OR_RETURN(const PixelImage image, DecodePng(bytes));
+    ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes));
     return ColorFrom(image);
   }
   return GuardOpenCv("decoding an image", [&]() -> absl::StatusOr<ColorFrame> {

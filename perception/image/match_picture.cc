@@ -13,7 +13,7 @@ constexpr int kWidth = 1280;
 constexpr int kGap = 8;
 
 // `frame` scaled down by `step` pixels per pixel (nearest), its left edge at `left`.
-void Paste(const GreyFrame& frame, double step, int left, RgbImage& picture) {
+void Paste(const GreyFrame& frame, double step, int left, grid::RgbImage& picture) {
   const int width = static_cast<int>(frame.width / step);
   const int height = static_cast<int>(frame.height / step);
   for (int row = 0; row < height; ++row) {
@@ -32,7 +32,7 @@ void Paste(const GreyFrame& frame, double step, int left, RgbImage& picture) {
 
 }  // namespace
 
-absl::StatusOr<RgbImage> DrawMatches(const GreyFrame& a, const GreyFrame& b, const ImageMatch& match) {
+absl::StatusOr<grid::RgbImage> DrawMatches(const GreyFrame& a, const GreyFrame& b, const ImageMatch& match) {
   ENFILADE_RETURN_IF_ERROR(Validate(a));
   ENFILADE_RETURN_IF_ERROR(Validate(b));
   const double half = (kWidth - kGap) / 2.0;
@@ -41,7 +41,7 @@ absl::StatusOr<RgbImage> DrawMatches(const GreyFrame& a, const GreyFrame& b, con
   const int left_b = std::max(1, static_cast<int>(a.width / step_a)) + kGap;
   const int width = left_b + std::max(1, static_cast<int>(b.width / step_b));
   const int height = std::max({1, static_cast<int>(a.height / step_a), static_cast<int>(b.height / step_b)});
-  RgbImage picture(width, height, {24, 24, 24});
+  grid::RgbImage picture(width, height, {24, 24, 24});
   Paste(a, step_a, 0, picture);
   Paste(b, step_b, left_b, picture);
   for (const bool inliers : {false, true}) {
@@ -49,9 +49,9 @@ absl::StatusOr<RgbImage> DrawMatches(const GreyFrame& a, const GreyFrame& b, con
       if (pair.is_inlier != inliers) continue;
       const Eigen::Vector2d from = pair.a.cast<double>() / step_a;
       const Eigen::Vector2d to = pair.b.cast<double>() / step_b + Eigen::Vector2d(left_b, 0.0);
-      DrawLine(picture, from, to, inliers ? kGreen : kRed);
+      grid::DrawLine(picture, from, to, inliers ? grid::kGreen : grid::kRed);
       if (!inliers) continue;
-      for (const Eigen::Vector2d& end : {from, to}) DrawLine(picture, end, end, kBlue, 5);
+      for (const Eigen::Vector2d& end : {from, to}) grid::DrawLine(picture, end, end, grid::kBlue, 5);
     }
   }
   return picture;

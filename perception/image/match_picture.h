@@ -8,6 +8,6 @@ namespace enfilade::perception {
 
 // The two images side by side, at most 1280 pixels wide together: inliers joined by green lines, other matches by thin
 // red ones. INVALID_ARGUMENT: a malformed frame.
-absl::StatusOr<RgbImage> DrawMatches(const GreyFrame& a, const GreyFrame& b, const ImageMatch& match);
+absl::StatusOr<grid::RgbImage> DrawMatches(const GreyFrame& a, const GreyFrame& b, const ImageMatch& match);
 
 }  // namespace enfilade::perception

@@ -5,7 +5,7 @@
 #include "core/geometry/covariance.h"
 #include "proto/convert/record.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 
 void SetMatrix(const Eigen::Matrix3d& matrix, google::protobuf::RepeatedField<double>* out) {
   out->Resize(9, 0.0);
@@ -36,4 +36,4 @@ absl::StatusOr<PoseWithCovariance> FromProto(const std::string& field, const v1:
   return out;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::convert

@@ -8,7 +8,7 @@
 #include "enfilade/v1/geometry.pb.h"
 #include "google/protobuf/repeated_field.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 
 v1::PoseWithCovariance ToProto(const PoseWithCovariance& pose);
 // Into a message that is a part of another, without a copy.
@@ -21,4 +21,4 @@ absl::StatusOr<PoseWithCovariance> FromProto(const std::string& field, const v1:
 // Row by row.
 void SetMatrix(const Eigen::Matrix3d& matrix, google::protobuf::RepeatedField<double>* out);
 
-}  // namespace enfilade
+}  // namespace enfilade::convert

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 namespace {
 
 // The ids in a name of the form "sites/{site}/maps/{map}": those of `name` at the places in braces.
@@ -116,4 +116,4 @@ absl::StatusOr<ClosureName> ParseClosureName(std::string_view field, std::string
   return InvalidArgument("{} is \"{}\": closures are numbers from 0 on", field, name.substr(0, 200));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::convert

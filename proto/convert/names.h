@@ -8,7 +8,7 @@
 #include "core/base/ids.h"
 #include "core/base/resource_name.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 
 // Resource names (AIP-122), built and taken apart. Parsing gives INVALID_ARGUMENT naming the field, the name and the
 // form that was expected.
@@ -58,4 +58,4 @@ absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_vie
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);
 absl::StatusOr<ClosureName> ParseClosureName(std::string_view field, std::string_view name);
 
-}  // namespace enfilade
+}  // namespace enfilade::convert

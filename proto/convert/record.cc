@@ -5,10 +5,10 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 namespace {
 
-v1::BlobRef BlobToProto(const BlobRef& blob) {
+v1::BlobRef BlobToProto(const sensor::BlobRef& blob) {
   v1::BlobRef out;
   out.set_sha256(blob.sha256);
   out.set_size_bytes(blob.size);
@@ -18,33 +18,33 @@ v1::BlobRef BlobToProto(const BlobRef& blob) {
 struct PayloadToProto {
   v1::Record& out;
 
-  void operator()(const LaserScan& scan) const { enfilade::ToProto(scan, *out.mutable_laser_scan()); }
-  void operator()(const Odometry& odometry) const {
+  void operator()(const sensor::LaserScan& scan) const { enfilade::convert::ToProto(scan, *out.mutable_laser_scan()); }
+  void operator()(const sensor::Odometry& odometry) const {
     *out.mutable_odometry()->mutable_time() = ToTimestamp(odometry.time);
-    *out.mutable_odometry()->mutable_pose_odom_robot() = enfilade::ToProto(odometry.T_odom_robot);
+    *out.mutable_odometry()->mutable_pose_odom_robot() = enfilade::convert::ToProto(odometry.T_odom_robot);
   }
-  void operator()(const Image& image) const {
+  void operator()(const sensor::Image& image) const {
     *out.mutable_image()->mutable_time() = ToTimestamp(image.time);
     out.mutable_image()->set_camera(static_cast<v1::Image::Camera>(image.camera));
     out.mutable_image()->set_encoding(static_cast<v1::Image::Encoding>(image.encoding));
     *out.mutable_image()->mutable_content() = BlobToProto(image.content);
   }
-  void operator()(const PointCloud& cloud) const {
+  void operator()(const sensor::PointCloud& cloud) const {
     *out.mutable_point_cloud()->mutable_time() = ToTimestamp(cloud.time);
     out.mutable_point_cloud()->set_encoding(static_cast<v1::PointCloud::Encoding>(cloud.encoding));
     *out.mutable_point_cloud()->mutable_content() = BlobToProto(cloud.content);
   }
-  void operator()(const Withheld& withheld) const { out.mutable_withheld()->set_reason(withheld.reason); }
-  void operator()(const DoorReport& report) const {
+  void operator()(const sensor::Withheld& withheld) const { out.mutable_withheld()->set_reason(withheld.reason); }
+  void operator()(const sensor::DoorReport& report) const {
     v1::DoorReport& door = *out.mutable_door_report();
     *door.mutable_time() = ToTimestamp(report.time);
     door.set_kind(static_cast<v1::DoorReport::Kind>(report.kind));
     door.set_place(static_cast<v1::DoorReport::Place>(report.place));
     *door.mutable_door_time() = ToTimestamp(report.door_time);
-    *door.mutable_pose_odom_door() = enfilade::ToProto(report.T_odom_door);
+    *door.mutable_pose_odom_door() = enfilade::convert::ToProto(report.T_odom_door);
     door.set_width_m(report.width);
     door.set_entered_surroundings(
-        static_cast<v1::DoorReport::Surroundings>(report.entered_surroundings.value_or(Surroundings{})));
+        static_cast<v1::DoorReport::Surroundings>(report.entered_surroundings.value_or(sensor::Surroundings{})));
     if (report.entered_level) door.set_entered_level(*report.entered_level);
     door.set_by_hand(report.by_hand);
     door.set_reason(report.reason);
@@ -52,12 +52,12 @@ struct PayloadToProto {
 };
 
 // The core enums number their values as the wire does.
-static_assert(static_cast<int>(Camera::kRear) == v1::Image::CAMERA_REAR);
-static_assert(static_cast<int>(ImageEncoding::kDepthPng16) == v1::Image::ENCODING_DEPTH_PNG16);
-static_assert(static_cast<int>(CloudEncoding::kXyz32) == v1::PointCloud::ENCODING_XYZ32);
-static_assert(static_cast<int>(DoorReport::Kind::kPassage) == v1::DoorReport::KIND_PASSAGE);
-static_assert(static_cast<int>(LinkPointKind::kOpening) == v1::DoorReport::PLACE_OPENING);
-static_assert(static_cast<int>(Surroundings::kOutdoor) == v1::DoorReport::SURROUNDINGS_OUTDOOR);
+static_assert(static_cast<int>(sensor::Camera::kRear) == v1::Image::CAMERA_REAR);
+static_assert(static_cast<int>(sensor::ImageEncoding::kDepthPng16) == v1::Image::ENCODING_DEPTH_PNG16);
+static_assert(static_cast<int>(sensor::CloudEncoding::kXyz32) == v1::PointCloud::ENCODING_XYZ32);
+static_assert(static_cast<int>(sensor::DoorReport::Kind::kPassage) == v1::DoorReport::KIND_PASSAGE);
+static_assert(static_cast<int>(graph::LinkPointKind::kOpening) == v1::DoorReport::PLACE_OPENING);
+static_assert(static_cast<int>(sensor::Surroundings::kOutdoor) == v1::DoorReport::SURROUNDINGS_OUTDOOR);
 
 // A value that this program knows, and not the unspecified one; `known` is the generated _IsValid.
 template <typename Core, typename Wire>
@@ -67,8 +67,8 @@ absl::StatusOr<Core> FromEnum(const char* field, Wire value, bool (*known)(int))
   return static_cast<Core>(value);
 }
 
-absl::StatusOr<LaserScan> ScanFromProto(const v1::LaserScan& in) {
-  LaserScan scan;
+absl::StatusOr<sensor::LaserScan> ScanFromProto(const v1::LaserScan& in) {
+  sensor::LaserScan scan;
   ENFILADE_ASSIGN_OR_RETURN(scan.time, FromTimestamp(in.time()));
   scan.angle_min = in.angle_min_rad();
   scan.angle_increment = in.angle_increment_rad();
@@ -80,49 +80,49 @@ absl::StatusOr<LaserScan> ScanFromProto(const v1::LaserScan& in) {
   return scan;
 }
 
-absl::StatusOr<Odometry> OdometryFromProto(const v1::Odometry& in) {
-  Odometry odometry;
+absl::StatusOr<sensor::Odometry> OdometryFromProto(const v1::Odometry& in) {
+  sensor::Odometry odometry;
   if (!in.has_pose_odom_robot()) return InvalidArgument("odometry.pose_odom_robot is not set");
   ENFILADE_ASSIGN_OR_RETURN(odometry.time, FromTimestamp(in.time()));
   odometry.T_odom_robot = FromProto(in.pose_odom_robot());
   return odometry;
 }
 
-absl::StatusOr<Image> ImageFromProto(const v1::Image& in) {
-  Image image;
+absl::StatusOr<sensor::Image> ImageFromProto(const v1::Image& in) {
+  sensor::Image image;
   ENFILADE_ASSIGN_OR_RETURN(image.time, FromTimestamp(in.time()));
-  ENFILADE_ASSIGN_OR_RETURN(image.camera, FromEnum<Camera>("image.camera", in.camera(), v1::Image::Camera_IsValid));
+  ENFILADE_ASSIGN_OR_RETURN(image.camera, FromEnum<sensor::Camera>("image.camera", in.camera(), v1::Image::Camera_IsValid));
   ENFILADE_ASSIGN_OR_RETURN(image.encoding,
-                            FromEnum<ImageEncoding>("image.encoding", in.encoding(), v1::Image::Encoding_IsValid));
+                            FromEnum<sensor::ImageEncoding>("image.encoding", in.encoding(), v1::Image::Encoding_IsValid));
   image.content = {in.content().sha256(), in.content().size_bytes()};
   return image;
 }
 
-absl::StatusOr<PointCloud> CloudFromProto(const v1::PointCloud& in) {
-  PointCloud cloud;
+absl::StatusOr<sensor::PointCloud> CloudFromProto(const v1::PointCloud& in) {
+  sensor::PointCloud cloud;
   ENFILADE_ASSIGN_OR_RETURN(cloud.time, FromTimestamp(in.time()));
   ENFILADE_ASSIGN_OR_RETURN(
-      cloud.encoding, FromEnum<CloudEncoding>("point_cloud.encoding", in.encoding(), v1::PointCloud::Encoding_IsValid));
+      cloud.encoding, FromEnum<sensor::CloudEncoding>("point_cloud.encoding", in.encoding(), v1::PointCloud::Encoding_IsValid));
   cloud.content = {in.content().sha256(), in.content().size_bytes()};
   return cloud;
 }
 
-absl::StatusOr<DoorReport> DoorReportFromProto(const v1::DoorReport& in) {
-  DoorReport report;
+absl::StatusOr<sensor::DoorReport> DoorReportFromProto(const v1::DoorReport& in) {
+  sensor::DoorReport report;
   if (!in.has_pose_odom_door()) return InvalidArgument("door_report.pose_odom_door is not set");
   ENFILADE_ASSIGN_OR_RETURN(report.time, FromTimestamp(in.time()));
   ENFILADE_ASSIGN_OR_RETURN(report.kind,
-                            FromEnum<DoorReport::Kind>("door_report.kind", in.kind(), v1::DoorReport::Kind_IsValid));
+                            FromEnum<sensor::DoorReport::Kind>("door_report.kind", in.kind(), v1::DoorReport::Kind_IsValid));
   if (in.place() != v1::DoorReport::PLACE_UNSPECIFIED) {
     ENFILADE_ASSIGN_OR_RETURN(report.place,
-                              FromEnum<LinkPointKind>("door_report.place", in.place(), v1::DoorReport::Place_IsValid));
+                              FromEnum<graph::LinkPointKind>("door_report.place", in.place(), v1::DoorReport::Place_IsValid));
   }
   ENFILADE_ASSIGN_OR_RETURN(report.door_time, FromTimestamp(in.door_time()));
   report.T_odom_door = FromProto(in.pose_odom_door());
   report.width = in.width_m();
   if (in.entered_surroundings() != v1::DoorReport::SURROUNDINGS_UNSPECIFIED) {
     ENFILADE_ASSIGN_OR_RETURN(report.entered_surroundings,
-                              FromEnum<Surroundings>("door_report.entered_surroundings", in.entered_surroundings(),
+                              FromEnum<sensor::Surroundings>("door_report.entered_surroundings", in.entered_surroundings(),
                                                      v1::DoorReport::Surroundings_IsValid));
   }
   if (in.has_entered_level()) report.entered_level = in.entered_level();
@@ -131,8 +131,8 @@ absl::StatusOr<DoorReport> DoorReportFromProto(const v1::DoorReport& in) {
   return report;
 }
 
-absl::StatusOr<Record> PayloadFromProto(const v1::Record& in) {
-  Record record;
+absl::StatusOr<sensor::Record> PayloadFromProto(const v1::Record& in) {
+  sensor::Record record;
   record.sequence = in.sequence();
   switch (in.payload_case()) {
     case v1::Record::kLaserScan: {
@@ -152,7 +152,7 @@ absl::StatusOr<Record> PayloadFromProto(const v1::Record& in) {
       return record;
     }
     case v1::Record::kWithheld:
-      record.payload = Withheld{in.withheld().reason()};
+      record.payload = sensor::Withheld{in.withheld().reason()};
       return record;
     case v1::Record::kDoorReport: {
       ENFILADE_ASSIGN_OR_RETURN(record.payload, DoorReportFromProto(in.door_report()));
@@ -192,7 +192,7 @@ absl::StatusOr<TimeNs> FromTimestamp(const google::protobuf::Timestamp& time) {
   return time.seconds() * kNsPerSecond + time.nanos();
 }
 
-void ToProto(const LaserScan& scan, v1::LaserScan& out) {
+void ToProto(const sensor::LaserScan& scan, v1::LaserScan& out) {
   *out.mutable_time() = ToTimestamp(scan.time);
   out.set_angle_min_rad(scan.angle_min);
   out.set_angle_increment_rad(scan.angle_increment);
@@ -203,17 +203,17 @@ void ToProto(const LaserScan& scan, v1::LaserScan& out) {
   out.mutable_ranges_m()->Add(scan.ranges.begin(), scan.ranges.end());
 }
 
-v1::Record ToProto(const Record& record) {
+v1::Record ToProto(const sensor::Record& record) {
   v1::Record out;
   out.set_sequence(record.sequence);
   std::visit(PayloadToProto{out}, record.payload);
   return out;
 }
 
-absl::StatusOr<Record> FromProto(const v1::Record& in) {
-  ENFILADE_ASSIGN_OR_RETURN(Record record, PayloadFromProto(in));
-  ENFILADE_RETURN_IF_ERROR(Validate(record));
+absl::StatusOr<sensor::Record> FromProto(const v1::Record& in) {
+  ENFILADE_ASSIGN_OR_RETURN(sensor::Record record, PayloadFromProto(in));
+  ENFILADE_RETURN_IF_ERROR(sensor::Validate(record));
   return record;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::convert

@@ -6,7 +6,7 @@
 #include "enfilade/v1/record.pb.h"
 #include "google/protobuf/timestamp.pb.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 
 // Between the wire's messages and core values, for server and client alike. Exact both ways: no number changes.
 
@@ -17,11 +17,11 @@ google::protobuf::Timestamp ToTimestamp(TimeNs time);
 // INVALID_ARGUMENT outside the years 1970 to 2200 or with nanos out of range.
 absl::StatusOr<TimeNs> FromTimestamp(const google::protobuf::Timestamp& time);
 
-void ToProto(const LaserScan& scan, v1::LaserScan& out);
-v1::Record ToProto(const Record& record);
+void ToProto(const sensor::LaserScan& scan, v1::LaserScan& out);
+v1::Record ToProto(const sensor::Record& record);
 
 // INVALID_ARGUMENT naming the field: an unset payload, an unset or unknown enum value, a missing pose or content, and
 // all that Validate(Record) refuses.
-absl::StatusOr<Record> FromProto(const v1::Record& record);
+absl::StatusOr<sensor::Record> FromProto(const v1::Record& record);
 
-}  // namespace enfilade
+}  // namespace enfilade::convert

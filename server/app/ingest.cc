@@ -19,7 +19,7 @@ constexpr std::size_t kMaxStreamsPerTransaction = 32;
 // All fields but the constant ones belong to Ingest's mutex.
 class Ingest::Stream {
  public:
-  Stream(SessionName name, std::function<void(const IngestEvent&)> callback)
+  Stream(convert::SessionName name, std::function<void(const IngestEvent&)> callback)
       : session(std::move(name)), on_event(std::move(callback)) {}
 
   // Calls are serialised here: a stream's events come from its writer, and RoomAgain from any.
@@ -28,7 +28,7 @@ class Ingest::Stream {
     if (!closed) on_event(event);
   }
 
-  const SessionName session;
+  const convert::SessionName session;
   Mutex event_mutex;
   const std::function<void(const IngestEvent&)> on_event;
   bool closed ABSL_GUARDED_BY(event_mutex) = false;
@@ -52,7 +52,7 @@ struct Ingest::Work {
   std::vector<IngestEvent> events;
 };
 
-Ingest::Ingest(const ServerOptions::Ingest& options, const RecordStore& records, const BlobStore& blobs,
+Ingest::Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records, const storage::BlobStore& blobs,
                Metrics& metrics, std::function<void()> on_stored)
     : options_(options), records_(records), blobs_(blobs), metrics_(metrics), on_stored_(std::move(on_stored)) {
   for (int i = 0; i < options_.writers; ++i) writers_.emplace_back([this] { Run(); });
@@ -67,7 +67,7 @@ Ingest::~Ingest() {
   for (std::thread& writer : writers_) writer.join();
 }
 
-std::shared_ptr<Ingest::Stream> Ingest::Open(const SessionName& session,
+std::shared_ptr<Ingest::Stream> Ingest::Open(const convert::SessionName& session,
                                              std::function<void(const IngestEvent&)> on_event) {
   auto stream = std::make_shared<Stream>(session, std::move(on_event));
   MutexLock lock(mutex_);
@@ -164,9 +164,9 @@ void Ingest::WriteBlobs(std::vector<Work>& work) {
     if (one.entries.size() != 1 || one.stream->failed) continue;
     const auto* blob = std::get_if<IngestBlob>(&one.entries.front().item);
     if (!blob) continue;
-    const BlobView view{blob->sha256, blob->data};
+    const storage::BlobView view{blob->sha256, blob->data};
     const absl::Status status =
-        blobs_.Put(CallContext::WithTimeout(kWriteTimeout), one.stream->session.site, absl::MakeConstSpan(&view, 1));
+        blobs_.Put(storage::CallContext::WithTimeout(kWriteTimeout), one.stream->session.site, absl::MakeConstSpan(&view, 1));
     if (!status.ok()) one.events.push_back(Failed{status});
   }
 }
@@ -176,7 +176,7 @@ void Ingest::WriteBatches(std::vector<Work>& work) {
     Work* work;
     std::int64_t first_sequence;
   };
-  std::vector<RecordBatch> batches;
+  std::vector<storage::RecordBatch> batches;
   std::vector<Origin> origins;
   for (Work& one : work) {
     if (one.stream->failed) continue;
@@ -192,16 +192,16 @@ void Ingest::WriteBatches(std::vector<Work>& work) {
   }
   if (batches.empty()) return;
 
-  const auto results = records_.AppendGroup(CallContext::WithTimeout(kWriteTimeout), batches);
+  const auto results = records_.AppendGroup(storage::CallContext::WithTimeout(kWriteTimeout), batches);
   bool news = false;
   for (std::size_t i = 0; i < batches.size(); ++i) {
     const absl::Status& status = results[i].status();
     if (status.ok()) {
-      const AppendResult& result = *results[i];
+      const storage::AppendResult& result = *results[i];
       metrics_.CountRecordsStored(result.inserted, result.duplicates);
       news = news || result.inserted > 0;
       origins[i].work->events.push_back(Stored{result.acknowledged_sequence});
-    } else if (const std::int64_t sequence = RefusedSequenceOf(status); sequence > 0) {
+    } else if (const std::int64_t sequence = storage::RefusedSequenceOf(status); sequence > 0) {
       const auto reason =
           absl::IsAlreadyExists(status) ? Refusal::Reason::kConflictingRecord : Refusal::Reason::kInvalidRecord;
       origins[i].work->events.push_back(

@@ -35,7 +35,7 @@ struct Refusal {
 
 // What a stream hands in, to be dealt with in this order.
 struct IngestBatch {
-  std::vector<Record> records;
+  std::vector<sensor::Record> records;
 };
 struct IngestBlob {
   std::string sha256;
@@ -61,7 +61,7 @@ class Ingest {
   class Stream;
 
   // `on_stored` is called after every commit that brought new records (mapping has something to do).
-  Ingest(const ServerOptions::Ingest& options, const RecordStore& records, const BlobStore& blobs, Metrics& metrics,
+  Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records, const storage::BlobStore& blobs, Metrics& metrics,
          std::function<void()> on_stored);
   // All streams must be closed.
   ~Ingest();
@@ -69,7 +69,7 @@ class Ingest {
   Ingest& operator=(const Ingest&) = delete;
 
   // `on_event` is called from writer threads, one call at a time per stream, and must not block.
-  std::shared_ptr<Stream> Open(const SessionName& session, std::function<void(const IngestEvent&)> on_event);
+  std::shared_ptr<Stream> Open(const convert::SessionName& session, std::function<void(const IngestEvent&)> on_event);
   // False: no more until RoomAgain (the item itself is taken).
   bool Offer(const std::shared_ptr<Stream>& stream, IngestItem item, std::size_t bytes);
   // No event comes after it returns, but for those that are under way in other threads. What has been offered is
@@ -92,8 +92,8 @@ class Ingest {
   std::vector<std::shared_ptr<Stream>> StreamsWithRoomAgain() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ServerOptions::Ingest options_;
-  const RecordStore& records_;
-  const BlobStore& blobs_;
+  const storage::RecordStore& records_;
+  const storage::BlobStore& blobs_;
   Metrics& metrics_;
   const std::function<void()> on_stored_;
 

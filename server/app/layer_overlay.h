@@ -15,18 +15,18 @@ namespace enfilade::server {
 // Lays a session's raster between the other layers of its map. Keeps what it has read of them until they change.
 class LayerOverlay {
  public:
-  LayerOverlay(const BlobStore& blobs, SiteId site) : blobs_(blobs), site_(std::move(site)) {}
+  LayerOverlay(const storage::BlobStore& blobs, SiteId site) : blobs_(blobs), site_(std::move(site)) {}
 
   // `own` lies on the lattice of its resolution. FAILED_PRECONDITION where layers lie too far apart for one raster.
-  absl::StatusOr<OccupancyGrid> Lay(const CallContext& context, const LayersBeside& beside, const OccupancyGrid& own);
+  absl::StatusOr<grid::OccupancyGrid> Lay(const storage::CallContext& context, const storage::LayersBeside& beside, const grid::OccupancyGrid& own);
 
  private:
-  absl::StatusOr<const OccupancyGrid*> Read(const CallContext& context, const MapLayer& layer, double resolution,
-                                            std::map<std::string, OccupancyGrid>& used);
+  absl::StatusOr<const grid::OccupancyGrid*> Read(const storage::CallContext& context, const storage::MapLayer& layer, double resolution,
+                                            std::map<std::string, grid::OccupancyGrid>& used);
 
-  const BlobStore& blobs_;
+  const storage::BlobStore& blobs_;
   const SiteId site_;
-  std::map<std::string, OccupancyGrid> grids_;  // by what they were read from
+  std::map<std::string, grid::OccupancyGrid> grids_;  // by what they were read from
 };
 
 }  // namespace enfilade::server

@@ -15,7 +15,7 @@ constexpr std::int64_t kRowsPerPortion = 5000;
 
 }  // namespace
 
-MaintenanceLoop::MaintenanceLoop(const ServerOptions::Retention& options, postgres::Pool& pool,
+MaintenanceLoop::MaintenanceLoop(const ServerOptions::Retention& options, storage::postgres::Pool& pool,
                                  const Readiness& readiness, Metrics& metrics)
     : options_(options), pool_(pool), readiness_(readiness), metrics_(metrics), maintenance_(pool) {
   thread_ = std::thread([this] { Run(); });
@@ -29,7 +29,7 @@ MaintenanceLoop::~MaintenanceLoop() {
 void MaintenanceLoop::Run() {
   std::chrono::duration<double> since_clean_up{0.0};
   while (!stop_.WaitFor(kFiguresInterval)) {
-    const postgres::Pool::Stats stats = pool_.stats();
+    const storage::postgres::Pool::Stats stats = pool_.stats();
     metrics_.SetDatabaseConnections(stats.open, stats.busy, stats.waiting);
     since_clean_up += kFiguresInterval;
     if (since_clean_up.count() < options_.interval_s || !readiness_.state().ready) continue;
@@ -41,20 +41,20 @@ void MaintenanceLoop::Run() {
 void MaintenanceLoop::CleanUp() {
   struct Job {
     const char* what;
-    std::function<absl::StatusOr<std::int64_t>(const CallContext&)> run;
+    std::function<absl::StatusOr<std::int64_t>(const storage::CallContext&)> run;
   };
   const Job jobs[] = {
       {"rows of deleted sessions",
-       [this](const CallContext& context) { return maintenance_.PurgeDeletedSessions(context, kRowsPerPortion); }},
+       [this](const storage::CallContext& context) { return maintenance_.PurgeDeletedSessions(context, kRowsPerPortion); }},
       {"records past their retention",
-       [this](const CallContext& context) { return maintenance_.DeleteExpiredRecords(context, kRowsPerPortion); }},
+       [this](const storage::CallContext& context) { return maintenance_.DeleteExpiredRecords(context, kRowsPerPortion); }},
       {"unused blobs",
-       [this](const CallContext& context) { return maintenance_.CollectBlobs(context, kBlobGrace, kRowsPerPortion); }},
+       [this](const storage::CallContext& context) { return maintenance_.CollectBlobs(context, kBlobGrace, kRowsPerPortion); }},
   };
   for (const Job& job : jobs) {
     std::int64_t deleted = 0;
     while (!stop_.is_set()) {
-      const auto portion = job.run(CallContext::WithTimeout(kSweepTimeout));
+      const auto portion = job.run(storage::CallContext::WithTimeout(kSweepTimeout));
       if (!portion.ok()) {
         spdlog::warn("maintenance: {}: {}", job.what, portion.status().ToString());
         break;

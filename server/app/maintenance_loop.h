@@ -15,7 +15,7 @@ namespace enfilade::server {
 // refers to, in small portions, and brings the pool's figures up to date. Does nothing while the server is not ready.
 class MaintenanceLoop {
  public:
-  MaintenanceLoop(const ServerOptions::Retention& options, postgres::Pool& pool, const Readiness& readiness,
+  MaintenanceLoop(const ServerOptions::Retention& options, storage::postgres::Pool& pool, const Readiness& readiness,
                   Metrics& metrics);
   ~MaintenanceLoop();
   MaintenanceLoop(const MaintenanceLoop&) = delete;
@@ -26,10 +26,10 @@ class MaintenanceLoop {
   void CleanUp();
 
   const ServerOptions::Retention options_;
-  postgres::Pool& pool_;
+  storage::postgres::Pool& pool_;
   const Readiness& readiness_;
   Metrics& metrics_;
-  const Maintenance maintenance_;
+  const storage::Maintenance maintenance_;
   StopSignal stop_;
   std::thread thread_;
 };

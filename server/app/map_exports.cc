@@ -81,7 +81,7 @@ absl::Status ReadOnlyFile::Read(std::int64_t offset, std::size_t size, char* out
 }
 
 absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptions::Transfers& options,
-                                                               const MapStore& maps, const RevisionStore& revisions) {
+                                                               const storage::MapStore& maps, const storage::RevisionStore& revisions) {
   std::error_code error;
   const fs::path parent =
       options.cache_directory.empty() ? fs::temp_directory_path(error) : fs::path(options.cache_directory);
@@ -95,7 +95,7 @@ absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptio
   return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, directory));
 }
 
-MapExports::MapExports(const ServerOptions::Transfers& options, const MapStore& maps, const RevisionStore& revisions,
+MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps, const storage::RevisionStore& revisions,
                        fs::path directory)
     : options_(options), maps_(maps), revisions_(revisions), directory_(std::move(directory)) {}
 
@@ -104,15 +104,15 @@ MapExports::~MapExports() {
   fs::remove_all(directory_, ignored);
 }
 
-absl::StatusOr<ExportedMap> MapExports::Get(const CallContext& context, const RevisionName& name,
-                                            MapFileFormat format) {
-  ENFILADE_ASSIGN_OR_RETURN(const Map map, maps_.Get(context, name.site, name.map));
+absl::StatusOr<ExportedMap> MapExports::Get(const storage::CallContext& context, const convert::RevisionName& name,
+                                            grid::MapFileFormat format) {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map map, maps_.Get(context, name.site, name.map));
   if (name.revision == 0 && map.current_revision == 0) {
     return FailedPrecondition("map \"{}\" has no revision yet: map something into it, or import one", map.display_name);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const MapRevision revision, revisions_.Get(context, name.site, name.map, name.revision));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision, revisions_.Get(context, name.site, name.map, name.revision));
   const std::string key =
-      fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format), SafeStem(map.display_name));
+      fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format), grid::SafeStem(map.display_name));
   const auto find = [&]() -> std::optional<ExportedMap> {
     MutexLock lock(mutex_);
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
@@ -137,15 +137,15 @@ absl::StatusOr<ExportedMap> MapExports::Get(const CallContext& context, const Re
   return rendered;
 }
 
-absl::StatusOr<MapExports::Entry> MapExports::Render(const CallContext& context, const MapRevision& revision,
-                                                     const std::string& display_name, MapFileFormat format) {
-  ENFILADE_ASSIGN_OR_RETURN(const MapRaster raster, ReadRaster(context, revisions_, revision));
-  MapFileOptions file_options;
+absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext& context, const storage::MapRevision& revision,
+                                                     const std::string& display_name, grid::MapFileFormat format) {
+  ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, revisions_, revision));
+  grid::MapFileOptions file_options;
   file_options.format = format;
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, RenderFiles(raster, display_name, file_options));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, grid::RenderFiles(raster, display_name, file_options));
   Entry entry;
   entry.map.revision = revision;
-  for (const MapFile& file : files) {
+  for (const grid::MapFile& file : files) {
     const fs::path path = directory_ / std::to_string(next_file_++);
     ENFILADE_RETURN_IF_ERROR(WriteFile(path, file.bytes));
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);

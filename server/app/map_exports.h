@@ -42,7 +42,7 @@ struct ExportedFile {
 };
 
 struct ExportedMap {
-  MapRevision revision;
+  storage::MapRevision revision;
   std::vector<ExportedFile> files;
 };
 
@@ -52,12 +52,12 @@ class MapExports {
  public:
   // RESOURCE_EXHAUSTED or PERMISSION_DENIED naming the folder where it cannot be written to.
   static absl::StatusOr<std::unique_ptr<MapExports>> Create(const ServerOptions::Transfers& options,
-                                                            const MapStore& maps, const RevisionStore& revisions);
+                                                            const storage::MapStore& maps, const storage::RevisionStore& revisions);
   // Removes what it has made.
   ~MapExports();
 
   // NOT_FOUND; FAILED_PRECONDITION where the map has no revision yet; RESOURCE_EXHAUSTED where the disk is full.
-  absl::StatusOr<ExportedMap> Get(const CallContext& context, const RevisionName& name, MapFileFormat format);
+  absl::StatusOr<ExportedMap> Get(const storage::CallContext& context, const convert::RevisionName& name, grid::MapFileFormat format);
 
  private:
   struct Entry {
@@ -67,15 +67,15 @@ class MapExports {
     std::int64_t bytes = 0;
   };
 
-  MapExports(const ServerOptions::Transfers& options, const MapStore& maps, const RevisionStore& revisions,
+  MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps, const storage::RevisionStore& revisions,
              std::filesystem::path directory);
-  absl::StatusOr<Entry> Render(const CallContext& context, const MapRevision& revision, const std::string& display_name,
-                               MapFileFormat format);
+  absl::StatusOr<Entry> Render(const storage::CallContext& context, const storage::MapRevision& revision, const std::string& display_name,
+                               grid::MapFileFormat format);
   void Evict() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ServerOptions::Transfers options_;
-  const MapStore& maps_;
-  const RevisionStore& revisions_;
+  const storage::MapStore& maps_;
+  const storage::RevisionStore& revisions_;
   const std::filesystem::path directory_;
 
   Mutex render_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);

@@ -25,7 +25,7 @@ std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(options.lease_s * 1000.0));
 }
 
-SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, const SlamProfiles& slam) {
+SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam) {
   SessionMappingOptions session;
   session.pairing.window_s = options.pairing_window_s;
   session.slam = slam;
@@ -37,11 +37,11 @@ SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, cons
 }  // namespace
 
 struct Mapping::Turn {
-  SessionLease lease;
+  storage::SessionLease lease;
   std::atomic<bool> lease_lost{false};
 };
 
-Mapping::Mapping(const ServerOptions::Mapping& options, const SlamProfiles& slam, const SessionMappingStores& stores,
+Mapping::Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam, const SessionMappingStores& stores,
                  Metrics& metrics, std::function<void()> mapped)
     : options_(options),
       stores_(stores),
@@ -92,7 +92,7 @@ void Mapping::Work(int worker) {
 }
 
 bool Mapping::TakeTurn(const std::string& owner) {
-  const auto leased = stores_.mappings.Acquire(CallContext::WithTimeout(kWorkTimeout), owner, LeaseTime(options_));
+  const auto leased = stores_.mappings.Acquire(storage::CallContext::WithTimeout(kWorkTimeout), owner, LeaseTime(options_));
   if (!leased.ok() || !*leased) return false;  // readiness tells of an unreachable database
   const auto turn = std::make_shared<Turn>();
   turn->lease = (*leased)->lease;
@@ -110,7 +110,7 @@ bool Mapping::TakeTurn(const std::string& owner) {
   return true;
 }
 
-void Mapping::MapSession(const LeasedSession& leased, Turn& turn) {
+void Mapping::MapSession(const storage::LeasedSession& leased, Turn& turn) {
   const std::string& session = leased.session.id.value();
   std::unique_ptr<SessionMapping> mapping = Unpark(leased);
   absl::Status status;
@@ -133,16 +133,16 @@ void Mapping::MapSession(const LeasedSession& leased, Turn& turn) {
     spdlog::warn("mapping: session {} goes on from its checkpoint later: {}", session, status.ToString());
   }
   // Where the database is away the lease just ends in time.
-  (void)stores_.mappings.Release(CallContext::WithTimeout(kWorkTimeout), leased.lease);
+  (void)stores_.mappings.Release(storage::CallContext::WithTimeout(kWorkTimeout), leased.lease);
   if (ended && mapped_) mapped_();
 }
 
-absl::Status Mapping::MapUntilTurnEnds(const SessionLease& lease, SessionMapping& mapping, Turn& turn) {
+absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn) {
   const auto end = std::chrono::steady_clock::now() + kTurn;
   while (!turn.lease_lost && !stop_.is_set() && std::chrono::steady_clock::now() < end) {
-    const LogMapperCounts before = mapping.counts();
+    const slam::LogMapperCounts before = mapping.counts();
     ENFILADE_ASSIGN_OR_RETURN(const SessionMapping::Progress progress, mapping.Step(lease));
-    const LogMapperCounts after = mapping.counts();
+    const slam::LogMapperCounts after = mapping.counts();
     const std::int64_t used = after.used - before.used;
     const std::int64_t settled =
         after.pairing.paired + after.pairing.unpaired - before.pairing.paired - before.pairing.unpaired;
@@ -155,7 +155,7 @@ absl::Status Mapping::MapUntilTurnEnds(const SessionLease& lease, SessionMapping
 }
 
 // A parked mapping is good only where nobody else had the session since.
-std::unique_ptr<SessionMapping> Mapping::Unpark(const LeasedSession& leased) {
+std::unique_ptr<SessionMapping> Mapping::Unpark(const storage::LeasedSession& leased) {
   MutexLock lock(mutex_);
   for (auto parked = parked_.begin(); parked != parked_.end(); ++parked) {
     if (parked->lease.site != leased.lease.site || parked->lease.session != leased.lease.session) continue;
@@ -168,7 +168,7 @@ std::unique_ptr<SessionMapping> Mapping::Unpark(const LeasedSession& leased) {
   return nullptr;
 }
 
-void Mapping::Park(const SessionLease& lease, std::unique_ptr<SessionMapping> mapping) {
+void Mapping::Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping) {
   if (mapping->ended()) return;
   MutexLock lock(mutex_);
   parked_.push_front({lease, std::move(mapping)});
@@ -186,7 +186,7 @@ void Mapping::KeepLeases() {
     }
     for (const auto& turn : turns) {
       const absl::Status status =
-          stores_.mappings.Renew(CallContext::WithTimeout(LeaseTime(options_) / 3), turn->lease, LeaseTime(options_));
+          stores_.mappings.Renew(storage::CallContext::WithTimeout(LeaseTime(options_) / 3), turn->lease, LeaseTime(options_));
       if (absl::IsAborted(status)) turn->lease_lost = true;
     }
   }

@@ -25,7 +25,7 @@ namespace enfilade::server {
 class Mapping {
  public:
   // `mapped` is called whenever a session has come to its end.
-  Mapping(const ServerOptions::Mapping& options, const SlamProfiles& slam, const SessionMappingStores& stores,
+  Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam, const SessionMappingStores& stores,
           Metrics& metrics, std::function<void()> mapped = {});
   // Stores what is mapped and gives the leases back.
   ~Mapping();
@@ -44,11 +44,11 @@ class Mapping {
   void KeepLeases();
   // False where there was nothing to do.
   bool TakeTurn(const std::string& owner);
-  void MapSession(const LeasedSession& leased, Turn& turn);
-  absl::Status MapUntilTurnEnds(const SessionLease& lease, SessionMapping& mapping, Turn& turn);
+  void MapSession(const storage::LeasedSession& leased, Turn& turn);
+  absl::Status MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn);
   void WaitForRecords();
-  std::unique_ptr<SessionMapping> Unpark(const LeasedSession& leased);
-  void Park(const SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
+  std::unique_ptr<SessionMapping> Unpark(const storage::LeasedSession& leased);
+  void Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
 
   const ServerOptions::Mapping options_;
   const SessionMappingStores stores_;
@@ -59,7 +59,7 @@ class Mapping {
 
   // A mapping that had its turn and may soon have another: spares reading all of it back from the database.
   struct Parked {
-    SessionLease lease;
+    storage::SessionLease lease;
     std::unique_ptr<SessionMapping> mapping;
   };
 

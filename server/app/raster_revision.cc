@@ -16,10 +16,10 @@ constexpr std::int64_t kTilePortionBytes = 16 << 20;
 
 }  // namespace
 
-std::string ContentHash(const std::string& header, const std::vector<TileRef>& tiles) {
+std::string ContentHash(const std::string& header, const std::vector<storage::TileRef>& tiles) {
   Sha256Stream hash;
   hash.Add(Sha256(header));
-  for (const TileRef& tile : tiles) {
+  for (const storage::TileRef& tile : tiles) {
     hash.Add({reinterpret_cast<const char*>(&tile.key.row), sizeof(tile.key.row)});
     hash.Add({reinterpret_cast<const char*>(&tile.key.column), sizeof(tile.key.column)});
     hash.Add(tile.sha256);
@@ -27,21 +27,21 @@ std::string ContentHash(const std::string& header, const std::vector<TileRef>& t
   return hash.Finish();
 }
 
-absl::StatusOr<OccupancyGrid> OnMapLattice(const MapRaster& raster, double resolution) {
-  absl::StatusOr<OccupancyGrid> grid = OnLattice(ToOccupancyGrid(raster), resolution);
+absl::StatusOr<grid::OccupancyGrid> OnMapLattice(const grid::MapRaster& raster, double resolution) {
+  absl::StatusOr<grid::OccupancyGrid> grid = grid::OnLattice(grid::ToOccupancyGrid(raster), resolution);
   if (grid.ok()) return grid;
   return FailedPrecondition("the map's raster cannot be laid on cells of {} m: {}", resolution,
                             std::string(grid.status().message()));
 }
 
-absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster) {
-  ENFILADE_RETURN_IF_ERROR(Validate(raster));
-  TiledRaster tiled = SplitIntoTiles(raster);
+absl::StatusOr<RasterRevision> ToRevision(const grid::MapRaster& raster) {
+  ENFILADE_RETURN_IF_ERROR(grid::Validate(raster));
+  grid::TiledRaster tiled = grid::SplitIntoTiles(raster);
   RasterRevision result;
   result.revision.geometry = raster.geometry;
   result.revision.raster_header = std::move(tiled.header);
   for (auto& [index, bytes] : tiled.tiles) {
-    const TileKey key{index.row, index.column};
+    const storage::TileKey key{index.row, index.column};
     std::string sha256 = Sha256(bytes);
     result.revision.tiles.push_back({key, sha256});
     result.tiles.push_back({key, std::move(sha256), std::move(bytes)});
@@ -50,11 +50,11 @@ absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster) {
   return result;
 }
 
-absl::Status PutTiles(const CallContext& context, const BlobStore& blobs, const SiteId& site,
+absl::Status PutTiles(const storage::CallContext& context, const storage::BlobStore& blobs, const SiteId& site,
                       const RasterRevision& raster, const std::set<std::string>& known) {
-  std::vector<BlobView> portion;
+  std::vector<storage::BlobView> portion;
   std::int64_t bytes = 0;
-  for (const Tile& tile : raster.tiles) {
+  for (const storage::Tile& tile : raster.tiles) {
     if (known.contains(tile.sha256)) continue;
     portion.push_back({tile.sha256, tile.data});
     bytes += static_cast<std::int64_t>(tile.data.size());
@@ -66,16 +66,16 @@ absl::Status PutTiles(const CallContext& context, const BlobStore& blobs, const 
   return portion.empty() ? absl::OkStatus() : blobs.Put(context, site, portion);
 }
 
-absl::StatusOr<MapRaster> ReadRaster(const CallContext& context, const RevisionStore& revisions,
-                                     const MapRevision& revision) {
-  ENFILADE_ASSIGN_OR_RETURN(RasterAssembler assembler, RasterAssembler::Create(revision.raster_header));
-  std::optional<TileKey> last;
+absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::RevisionStore& revisions,
+                                     const storage::MapRevision& revision) {
+  ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(revision.raster_header));
+  std::optional<storage::TileKey> last;
   while (true) {
     ENFILADE_ASSIGN_OR_RETURN(
-        const std::vector<Tile> tiles,
+        const std::vector<storage::Tile> tiles,
         revisions.ReadTiles(context, revision.site, revision.map, revision.number, last, kTilePortionBytes));
     if (tiles.empty()) return std::move(assembler).Finish();
-    for (const Tile& tile : tiles) {
+    for (const storage::Tile& tile : tiles) {
       ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, tile.data));
     }
     last = tiles.back().key;

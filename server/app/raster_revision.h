@@ -15,24 +15,24 @@ namespace enfilade::server {
 
 // A raster in the pieces in which it is stored.
 struct RasterRevision {
-  NewRevision revision;
-  std::vector<Tile> tiles;  // with their bytes; those of `revision.tiles`
+  storage::NewRevision revision;
+  std::vector<storage::Tile> tiles;  // with their bytes; those of `revision.tiles`
 };
 
-absl::StatusOr<RasterRevision> ToRevision(const MapRaster& raster);
+absl::StatusOr<RasterRevision> ToRevision(const grid::MapRaster& raster);
 
 // Of the header and of every tile with its place: equal hashes, equal rasters.
-std::string ContentHash(const std::string& header, const std::vector<TileRef>& tiles);
+std::string ContentHash(const std::string& header, const std::vector<storage::TileRef>& tiles);
 
 // What a raster says of occupancy, on the lattice of the map's frame. FAILED_PRECONDITION where it would be too large.
-absl::StatusOr<OccupancyGrid> OnMapLattice(const MapRaster& raster, double resolution);
+absl::StatusOr<grid::OccupancyGrid> OnMapLattice(const grid::MapRaster& raster, double resolution);
 
 // Stores the tiles' bytes in portions, but for those that are in `known` (by SHA-256).
-absl::Status PutTiles(const CallContext& context, const BlobStore& blobs, const SiteId& site,
+absl::Status PutTiles(const storage::CallContext& context, const storage::BlobStore& blobs, const SiteId& site,
                       const RasterRevision& raster, const std::set<std::string>& known);
 
 // The raster of a stored revision. DATA_LOSS where its pieces do not fit.
-absl::StatusOr<MapRaster> ReadRaster(const CallContext& context, const RevisionStore& revisions,
-                                     const MapRevision& revision);
+absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::RevisionStore& revisions,
+                                     const storage::MapRevision& revision);
 
 }  // namespace enfilade::server

@@ -12,21 +12,21 @@ namespace {
 constexpr auto kInterval = std::chrono::seconds(1);
 constexpr auto kPingTimeout = std::chrono::seconds(3);
 
-Readiness::State StateFrom(const absl::StatusOr<SchemaState>& schema) {
+Readiness::State StateFrom(const absl::StatusOr<storage::SchemaState>& schema) {
   if (!schema.ok()) {
     return {false, "the database does not answer: " + std::string(schema.status().message()), {}};
   }
   switch (schema->position) {
-    case SchemaState::Position::kAtHead:
+    case storage::SchemaState::Position::kAtHead:
       return {true, "", *schema};
-    case SchemaState::Position::kEmpty:
+    case storage::SchemaState::Position::kEmpty:
       return {false, "the database has no schema: run deploy/database/migrate up", *schema};
-    case SchemaState::Position::kBehind:
+    case storage::SchemaState::Position::kBehind:
       return {false,
               fmt::format("the database is at {}, this program needs {}: run deploy/database/migrate up",
                           schema->deployed, schema->expected),
               *schema};
-    case SchemaState::Position::kAhead:
+    case storage::SchemaState::Position::kAhead:
       return {false,
               fmt::format("the database is at {}, which this program does not know: use a newer one", schema->deployed),
               *schema};
@@ -36,7 +36,7 @@ Readiness::State StateFrom(const absl::StatusOr<SchemaState>& schema) {
 
 }  // namespace
 
-Readiness::Readiness(postgres::Pool& pool, std::function<void(const State&)> on_change)
+Readiness::Readiness(storage::postgres::Pool& pool, std::function<void(const State&)> on_change)
     : pool_(pool), on_change_(std::move(on_change)) {
   {
     MutexLock lock(mutex_);
@@ -70,7 +70,7 @@ void Readiness::Drain() {
 }
 
 void Readiness::Look() {
-  State found = StateFrom(CheckSchema(CallContext::WithTimeout(kPingTimeout), pool_));
+  State found = StateFrom(storage::CheckSchema(storage::CallContext::WithTimeout(kPingTimeout), pool_));
   bool changed = false;
   {
     MutexLock lock(mutex_);

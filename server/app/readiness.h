@@ -19,11 +19,11 @@ class Readiness {
   struct State {
     bool ready = false;
     std::string reason;  // why not, for people
-    SchemaState schema;
+    storage::SchemaState schema;
   };
 
   // `on_change` is called with every change of `ready`, first from the constructor, then from the looking thread.
-  Readiness(postgres::Pool& pool, std::function<void(const State&)> on_change);
+  Readiness(storage::postgres::Pool& pool, std::function<void(const State&)> on_change);
   ~Readiness();
   Readiness(const Readiness&) = delete;
   Readiness& operator=(const Readiness&) = delete;
@@ -36,7 +36,7 @@ class Readiness {
   void Look();
   void Run();
 
-  postgres::Pool& pool_;
+  storage::postgres::Pool& pool_;
   const std::function<void(const State&)> on_change_;
   mutable Mutex mutex_;
   State state_ ABSL_GUARDED_BY(mutex_);

@@ -37,20 +37,20 @@ struct Services {
   Metrics& metrics;
   const Readiness& readiness;
 
-  const SiteStore& sites;
-  const RobotStore& robots;
-  const MapStore& maps;
-  const RevisionStore& revisions;
-  const SessionStore& sessions;
-  const RecordStore& records;
-  const BlobStore& blobs;
-  const MappingStore& mappings;
-  const ClosureStore& closures;
-  const LinkPointStore& link_points;
-  const GraphStore& graph_store;
-  const RobotPoseStore& robot_poses;
-  const AuditStore& audit;
-  const DoorVerdictStore& door_verdicts;
+  const storage::SiteStore& sites;
+  const storage::RobotStore& robots;
+  const storage::MapStore& maps;
+  const storage::RevisionStore& revisions;
+  const storage::SessionStore& sessions;
+  const storage::RecordStore& records;
+  const storage::BlobStore& blobs;
+  const storage::MappingStore& mappings;
+  const storage::ClosureStore& closures;
+  const storage::LinkPointStore& link_points;
+  const storage::GraphStore& graph_store;
+  const storage::RobotPoseStore& robot_poses;
+  const storage::AuditStore& audit;
+  const storage::DoorVerdictStore& door_verdicts;
 
   Ingest& ingest;
   Mapping& mapping;

@@ -23,18 +23,18 @@
 namespace enfilade::server {
 
 struct SessionMappingStores {
-  const MappingStore& mappings;
-  const RecordStore& records;
-  const SessionStore& sessions;
-  const BlobStore& blobs;
-  const RevisionStore& revisions;
-  const RobotPoseStore& robot_poses;
-  const MapStore& maps;
+  const storage::MappingStore& mappings;
+  const storage::RecordStore& records;
+  const storage::SessionStore& sessions;
+  const storage::BlobStore& blobs;
+  const storage::RevisionStore& revisions;
+  const storage::RobotPoseStore& robot_poses;
+  const storage::MapStore& maps;
 };
 
 struct SessionMappingOptions {
-  ScanPairingOptions pairing;
-  SlamProfiles slam;  // a map without a profile of its own has that of its environment
+  sensor::ScanPairingOptions pairing;
+  slam::SlamProfiles slam;  // a map without a profile of its own has that of its environment
   std::chrono::duration<double> checkpoint_interval{5.0};
   std::chrono::duration<double> revision_interval{20.0};
 };
@@ -50,7 +50,7 @@ class SessionMapping {
   // current revision as the old map. `session` has a map. DATA_LOSS where the stored state does not fit this program.
   static absl::StatusOr<std::unique_ptr<SessionMapping>> Load(const SessionMappingStores& stores,
                                                               const SessionMappingOptions& options,
-                                                              const Session& session);
+                                                              const storage::Session& session);
 
   enum class Progress {
     kWorked,   // there may be more to do
@@ -60,24 +60,24 @@ class SessionMapping {
 
   // Maps the next portion of the log; stores when a checkpoint is due. ABORTED where the lease is lost. After any error
   // the object is of no more use: what it had not stored is mapped again from the checkpoint.
-  absl::StatusOr<Progress> Step(const SessionLease& lease);
+  absl::StatusOr<Progress> Step(const storage::SessionLease& lease);
   // Stores what is not yet.
-  absl::Status Store(const SessionLease& lease);
+  absl::Status Store(const storage::SessionLease& lease);
 
   // Ends the session's mapping with `error`; its records and what is mapped stay.
-  static absl::Status Fail(const SessionMappingStores& stores, const LeasedSession& leased, const absl::Status& error);
+  static absl::Status Fail(const SessionMappingStores& stores, const storage::LeasedSession& leased, const absl::Status& error);
 
   std::int64_t stored_sequence() const { return stored_sequence_; }
   bool ended() const { return ended_; }
-  LogMapperCounts counts() const { return mapper_.counts(); }
+  slam::LogMapperCounts counts() const { return mapper_.counts(); }
 
  private:
-  SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options, const Session& session,
-                 LogMapper mapper);
+  SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options, const storage::Session& session,
+                 slam::LogMapper mapper);
 
-  absl::StatusOr<Progress> AtEndOfLog(const SessionLease& lease);
-  absl::Status Commit(const SessionLease& lease, bool with_revision, std::optional<SessionState> final_state);
-  absl::Status CommitRevision(const SessionLease& lease, const OccupancyGrid& own, MappingStep& step);
+  absl::StatusOr<Progress> AtEndOfLog(const storage::SessionLease& lease);
+  absl::Status Commit(const storage::SessionLease& lease, bool with_revision, std::optional<storage::SessionState> final_state);
+  absl::Status CommitRevision(const storage::SessionLease& lease, const grid::OccupancyGrid& own, storage::MappingStep& step);
   void StorePose() const;
 
   const SessionMappingStores stores_;
@@ -87,7 +87,7 @@ class SessionMapping {
   const RobotId robot_;
   const MapId map_;
   LayerOverlay overlay_;
-  LogMapper mapper_;
+  slam::LogMapper mapper_;
   std::int64_t mapped_sequence_ = 0;
   std::int64_t stored_sequence_ = 0;
   bool ended_ = false;

@@ -36,7 +36,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("mapping.pairing_window_s", options.mapping.pairing_window_s);
   visit("mapping.slam_options_file", options.mapping.slam_options_file);
   visit("mapping.slam_profiles_directory", options.mapping.slam_profiles_directory);
-  VisitClosureOptions(options.closure,
+  closure::VisitClosureOptions(options.closure,
                       [&](const char* name, auto& value) { visit(fmt::format("closure.{}", name).c_str(), value); });
   visit("transfers.cache_directory", options.transfers.cache_directory);
   visit("transfers.cache_bytes", options.transfers.cache_bytes);

@@ -61,7 +61,7 @@ struct ServerOptions {
   } mapping;
 
   // How robots' door reports are judged: core/closure/closure_options.h.
-  ClosureOptions closure;
+  closure::ClosureOptions closure;
 
   struct Transfers {
     // Rendered files are kept here for the next download; empty: a folder of its own under the system's temporary one.

@@ -30,30 +30,30 @@ absl::Status CheckDisplayName(const char* field, const std::string& name) {
 
 }  // namespace
 
-v1::Site ToProto(const Site& site) {
+v1::Site ToProto(const storage::Site& site) {
   v1::Site out;
   out.set_name(NameOf(site.id));
   out.set_display_name(site.display_name);
   if (site.raw_retention) out.mutable_raw_retention()->set_seconds(site.raw_retention->count());
   out.set_etag(std::to_string(site.etag));
-  *out.mutable_create_time() = ToTimestamp(site.create_time);
+  *out.mutable_create_time() = convert::ToTimestamp(site.create_time);
   return out;
 }
 
-v1::Robot ToProto(const Robot& robot) {
+v1::Robot ToProto(const storage::Robot& robot) {
   v1::Robot out;
-  out.set_name(NameOf(RobotName{robot.site, robot.id}));
+  out.set_name(convert::NameOf(convert::RobotName{robot.site, robot.id}));
   out.set_display_name(robot.display_name);
-  *out.mutable_create_time() = ToTimestamp(robot.create_time);
+  *out.mutable_create_time() = convert::ToTimestamp(robot.create_time);
   return out;
 }
 
-v1::Map ToProto(const Map& map) {
+v1::Map ToProto(const storage::Map& map) {
   v1::Map out;
-  out.set_name(NameOf(MapName{map.site, map.id}));
+  out.set_name(convert::NameOf(convert::MapName{map.site, map.id}));
   out.set_display_name(map.display_name);
   out.set_level(map.level);
-  out.set_environment(map.environment == Environment::kOutdoor ? v1::Map::ENVIRONMENT_OUTDOOR
+  out.set_environment(map.environment == storage::Environment::kOutdoor ? v1::Map::ENVIRONMENT_OUTDOOR
                                                                : v1::Map::ENVIRONMENT_INDOOR);
   out.set_slam_profile(map.slam_profile);
   for (const Eigen::Vector2d& corner : map.outline) {
@@ -61,33 +61,33 @@ v1::Map ToProto(const Map& map) {
     added.set_x(corner.x());
     added.set_y(corner.y());
   }
-  if (map.current_revision > 0) out.set_latest_revision(NameOf(RevisionName{map.site, map.id, map.current_revision}));
+  if (map.current_revision > 0) out.set_latest_revision(convert::NameOf(convert::RevisionName{map.site, map.id, map.current_revision}));
   out.set_etag(std::to_string(map.etag));
-  *out.mutable_create_time() = ToTimestamp(map.create_time);
+  *out.mutable_create_time() = convert::ToTimestamp(map.create_time);
   return out;
 }
 
-v1::MapRevision ToProto(const MapRevision& revision) {
+v1::MapRevision ToProto(const storage::MapRevision& revision) {
   v1::MapRevision out;
-  out.set_name(NameOf(RevisionName{revision.site, revision.map, revision.number}));
-  out.set_source(revision.source == RevisionSource::kImport ? v1::MapRevision::SOURCE_IMPORT
+  out.set_name(convert::NameOf(convert::RevisionName{revision.site, revision.map, revision.number}));
+  out.set_source(revision.source == storage::RevisionSource::kImport ? v1::MapRevision::SOURCE_IMPORT
                                                             : v1::MapRevision::SOURCE_MAPPING);
-  if (revision.session) out.set_session(NameOf(SessionName{revision.site, *revision.session}));
+  if (revision.session) out.set_session(convert::NameOf(convert::SessionName{revision.site, *revision.session}));
   out.set_resolution_m(revision.geometry.resolution);
-  *out.mutable_pose_map_grid() = enfilade::ToProto(revision.geometry.T_map_grid);
+  *out.mutable_pose_map_grid() = enfilade::convert::ToProto(revision.geometry.T_map_grid);
   out.set_width(revision.geometry.width);
   out.set_height(revision.geometry.height);
   out.set_content_sha256(revision.content_sha256);
-  *out.mutable_create_time() = ToTimestamp(revision.create_time);
+  *out.mutable_create_time() = convert::ToTimestamp(revision.create_time);
   return out;
 }
 
-v1::Session ToProto(const Session& session) {
+v1::Session ToProto(const storage::Session& session) {
   v1::Session out;
-  out.set_name(NameOf(SessionName{session.site, session.id}));
-  out.set_robot(NameOf(RobotName{session.site, session.robot}));
-  if (session.map) out.set_map(NameOf(MapName{session.site, *session.map}));
-  static_assert(static_cast<int>(SessionState::kFailed) == v1::Session::STATE_FAILED);
+  out.set_name(convert::NameOf(convert::SessionName{session.site, session.id}));
+  out.set_robot(convert::NameOf(convert::RobotName{session.site, session.robot}));
+  if (session.map) out.set_map(convert::NameOf(convert::MapName{session.site, *session.map}));
+  static_assert(static_cast<int>(storage::SessionState::kFailed) == v1::Session::STATE_FAILED);
   out.set_state(static_cast<v1::Session::State>(session.state));
   out.set_acknowledged_sequence(session.acknowledged_sequence);
   out.set_mapped_sequence(session.mapped_sequence);
@@ -106,24 +106,24 @@ v1::Session ToProto(const Session& session) {
   mapping.set_keyframes(session.mapping_counts.keyframes);
   mapping.set_lost(session.mapping_counts.lost);
   out.set_error(session.error);
-  *out.mutable_create_time() = ToTimestamp(session.create_time);
-  if (session.finish_time) *out.mutable_finish_time() = ToTimestamp(*session.finish_time);
-  const SessionEntry& entry = session.entry;
+  *out.mutable_create_time() = convert::ToTimestamp(session.create_time);
+  if (session.finish_time) *out.mutable_finish_time() = convert::ToTimestamp(*session.finish_time);
+  const sensor::SessionEntry& entry = session.entry;
   if (entry.previous) {
-    out.mutable_entry()->set_previous_session(NameOf(SessionName{session.site, *entry.previous}));
+    out.mutable_entry()->set_previous_session(convert::NameOf(convert::SessionName{session.site, *entry.previous}));
   }
-  if (entry.T_map_robot) *out.mutable_entry()->mutable_pose_map_robot() = enfilade::ToProto(*entry.T_map_robot);
-  if (entry.T_odom_robot) *out.mutable_entry()->mutable_pose_odom_robot() = enfilade::ToProto(*entry.T_odom_robot);
+  if (entry.T_map_robot) *out.mutable_entry()->mutable_pose_map_robot() = enfilade::convert::ToProto(*entry.T_map_robot);
+  if (entry.T_odom_robot) *out.mutable_entry()->mutable_pose_odom_robot() = enfilade::convert::ToProto(*entry.T_odom_robot);
   return out;
 }
 
-v1::Closure ToProto(const SessionName& session, const SlamClosure& closure) {
+v1::Closure ToProto(const convert::SessionName& session, const slam::SlamClosure& closure) {
   v1::Closure out;
-  out.set_name(NameOf(ClosureName{session.site, session.session, closure.id}));
+  out.set_name(convert::NameOf(convert::ClosureName{session.site, session.session, closure.id}));
   out.set_submap(closure.submap);
   out.set_node(closure.node);
-  *out.mutable_pose_submap_node() = enfilade::ToProto(closure.T_submap_node);
-  static_assert(static_cast<int>(ClosureState::kSuspended) == v1::Closure::STATE_SUSPENDED);
+  *out.mutable_pose_submap_node() = enfilade::convert::ToProto(closure.T_submap_node);
+  static_assert(static_cast<int>(slam::ClosureState::kSuspended) == v1::Closure::STATE_SUSPENDED);
   out.set_state(static_cast<v1::Closure::State>(closure.state));
   out.set_score(closure.score);
   out.set_chi2(closure.chi2);
@@ -131,8 +131,8 @@ v1::Closure ToProto(const SessionName& session, const SlamClosure& closure) {
   return out;
 }
 
-absl::StatusOr<Site> FromProto(const v1::Site& in) {
-  Site site;
+absl::StatusOr<storage::Site> FromProto(const v1::Site& in) {
+  storage::Site site;
   ENFILADE_RETURN_IF_ERROR(CheckDisplayName("site.display_name", in.display_name()));
   site.display_name = in.display_name();
   if (in.has_raw_retention()) {
@@ -144,22 +144,22 @@ absl::StatusOr<Site> FromProto(const v1::Site& in) {
   return site;
 }
 
-absl::StatusOr<Robot> FromProto(const v1::Robot& in) {
-  Robot robot;
+absl::StatusOr<storage::Robot> FromProto(const v1::Robot& in) {
+  storage::Robot robot;
   ENFILADE_RETURN_IF_ERROR(CheckDisplayName("robot.display_name", in.display_name()));
   robot.display_name = in.display_name();
   return robot;
 }
 
-absl::StatusOr<Map> FromProto(const v1::Map& in) {
-  Map map;
+absl::StatusOr<storage::Map> FromProto(const v1::Map& in) {
+  storage::Map map;
   ENFILADE_RETURN_IF_ERROR(CheckDisplayName("map.display_name", in.display_name()));
   if (!v1::Map::Environment_IsValid(in.environment())) {
     return InvalidArgument("map.environment is {}: unknown to this server", static_cast<int>(in.environment()));
   }
   map.display_name = in.display_name();
   map.level = in.level();
-  map.environment = in.environment() == v1::Map::ENVIRONMENT_OUTDOOR ? Environment::kOutdoor : Environment::kIndoor;
+  map.environment = in.environment() == v1::Map::ENVIRONMENT_OUTDOOR ? storage::Environment::kOutdoor : storage::Environment::kIndoor;
   map.slam_profile = in.slam_profile();
   for (const v1::Point& corner : in.outline().corners()) map.outline.emplace_back(corner.x(), corner.y());
   return map;

@@ -22,17 +22,17 @@ namespace enfilade::server {
 
 // Stored rows as the API's resources, and the API's values as rows.
 
-v1::Site ToProto(const Site& site);
-v1::Robot ToProto(const Robot& robot);
-v1::Map ToProto(const Map& map);
-v1::MapRevision ToProto(const MapRevision& revision);
-v1::Session ToProto(const Session& session);
-v1::Closure ToProto(const SessionName& session, const SlamClosure& closure);
+v1::Site ToProto(const storage::Site& site);
+v1::Robot ToProto(const storage::Robot& robot);
+v1::Map ToProto(const storage::Map& map);
+v1::MapRevision ToProto(const storage::MapRevision& revision);
+v1::Session ToProto(const storage::Session& session);
+v1::Closure ToProto(const convert::SessionName& session, const slam::SlamClosure& closure);
 
 // INVALID_ARGUMENT naming the field. Names, etags and output-only fields of the message are not read.
-absl::StatusOr<Site> FromProto(const v1::Site& site);
-absl::StatusOr<Robot> FromProto(const v1::Robot& robot);
-absl::StatusOr<Map> FromProto(const v1::Map& map);
+absl::StatusOr<storage::Site> FromProto(const v1::Site& site);
+absl::StatusOr<storage::Robot> FromProto(const v1::Robot& robot);
+absl::StatusOr<storage::Map> FromProto(const v1::Map& map);
 
 // 0 for "" (any).
 absl::StatusOr<std::int64_t> ParseEtag(const std::string& etag);

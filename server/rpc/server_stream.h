@@ -29,12 +29,12 @@ using MessageSource = std::function<absl::StatusOr<bool>(Response& message)>;
 template <typename Request, typename Response>
 class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
  public:
-  using Open = absl::StatusOr<MessageSource<Response>> (*)(const Services&, const CallContext&, const Request&);
+  using Open = absl::StatusOr<MessageSource<Response>> (*)(const Services&, const storage::CallContext&, const Request&);
 
   ServerStreamReactor(const Services& services, grpc::CallbackServerContext* call, const char* name,
                       const Request* request, Open open)
       : services_(services), name_(name) {
-    const CallContext context =
+    const storage::CallContext context =
         ContextOf(*call, std::chrono::duration<double>(services.options.database.default_deadline_s));
     const bool queued = services_.executor.Post([this, context, request, open] {
       absl::StatusOr<MessageSource<Response>> source = open(services_, context, *request);
@@ -148,7 +148,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
 template <typename Request, typename Response>
 grpc::ServerWriteReactor<Response>* RunServerStream(
     const Services& services, grpc::CallbackServerContext* call, const char* name, const Request* request,
-    absl::StatusOr<MessageSource<Response>> (*open)(const Services&, const CallContext&, const Request&)) {
+    absl::StatusOr<MessageSource<Response>> (*open)(const Services&, const storage::CallContext&, const Request&)) {
   return new ServerStreamReactor<Request, Response>(services, call, name, request, open);
 }
 

@@ -19,17 +19,17 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {static_cast<grpc::StatusCode>(code), std::string(status.message().data(), status.message().size())};
 }
 
-CallContext ContextOf(const grpc::CallbackServerContext& call, std::chrono::duration<double> otherwise) {
+storage::CallContext ContextOf(const grpc::CallbackServerContext& call, std::chrono::duration<double> otherwise) {
   using std::chrono::steady_clock;
   using std::chrono::system_clock;
   const auto fallback = std::chrono::duration_cast<steady_clock::duration>(otherwise);
   // A call without deadline reports one beyond all times.
   const auto until = call.deadline();
   const auto now = system_clock::now();
-  CallContext context =
+  storage::CallContext context =
       until > now + std::chrono::hours(24)
-          ? CallContext::WithTimeout(fallback)
-          : CallContext::WithTimeout(std::max<steady_clock::duration>(until - now, steady_clock::duration::zero()));
+          ? storage::CallContext::WithTimeout(fallback)
+          : storage::CallContext::WithTimeout(std::max<steady_clock::duration>(until - now, steady_clock::duration::zero()));
   const auto actor = call.client_metadata().find(kActorKey);
   if (actor != call.client_metadata().end()) {
     context.actor = std::string(actor->second.data(), std::min(actor->second.size(), kMaxActorBytes));

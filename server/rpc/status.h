@@ -14,6 +14,6 @@ grpc::Status ToGrpcStatus(const absl::Status& status);
 
 // The call's deadline, or `otherwise` from now where the client set none; and who calls, by the request metadata
 // `enfilade-actor`, for the audit trail.
-CallContext ContextOf(const grpc::CallbackServerContext& call, std::chrono::duration<double> otherwise);
+storage::CallContext ContextOf(const grpc::CallbackServerContext& call, std::chrono::duration<double> otherwise);
 
 }  // namespace enfilade::server

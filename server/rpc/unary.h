@@ -14,12 +14,12 @@ namespace enfilade::server {
 
 // What answers a unary RPC: by a response, or, where that is large, into one.
 template <typename Request, typename Response>
-using Handle = absl::StatusOr<Response> (*)(const Services&, const CallContext&, const Request&);
+using Handle = absl::StatusOr<Response> (*)(const Services&, const storage::CallContext&, const Request&);
 template <typename Request, typename Response>
-using HandleInto = absl::Status (*)(const Services&, const CallContext&, const Request&, Response&);
+using HandleInto = absl::Status (*)(const Services&, const storage::CallContext&, const Request&, Response&);
 
 template <typename Request, typename Response>
-absl::Status Answer(Handle<Request, Response> handle, const Services& services, const CallContext& context,
+absl::Status Answer(Handle<Request, Response> handle, const Services& services, const storage::CallContext& context,
                     const Request& request, Response& response) {
   absl::StatusOr<Response> answer = handle(services, context, request);
   if (answer.ok()) response = *std::move(answer);
@@ -27,7 +27,7 @@ absl::Status Answer(Handle<Request, Response> handle, const Services& services, 
 }
 
 template <typename Request, typename Response>
-absl::Status Answer(HandleInto<Request, Response> handle, const Services& services, const CallContext& context,
+absl::Status Answer(HandleInto<Request, Response> handle, const Services& services, const storage::CallContext& context,
                     const Request& request, Response& response) {
   return handle(services, context, request, response);
 }
@@ -40,7 +40,7 @@ grpc::ServerUnaryReactor* RunUnary(
     Response* response, AnyHandle handle,
     std::optional<absl::StatusOr<Response>> (*answer_at_once)(const Services&, const Request&) = nullptr) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  const CallContext context =
+  const storage::CallContext context =
       ContextOf(*call, std::chrono::duration<double>(services.options.database.default_deadline_s));
   const auto begin = std::chrono::steady_clock::now();
   const auto finish = [&services, reactor, name, begin](const absl::Status& status) {

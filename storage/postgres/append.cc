@@ -12,7 +12,7 @@
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_growth.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 // In the order of their ids, so that two writers never wait for each other. NO KEY: mapping, whose rows refer to the
@@ -48,12 +48,12 @@ struct Log {
   bool records_deleted = false;
   std::int64_t stored_highest = 0;  // in the database before this transaction
   SessionGrowth growth;
-  std::vector<const Record*> accepted;  // in this transaction
+  std::vector<const sensor::Record*> accepted;  // in this transaction
 };
 
 absl::Status ValidateBatch(const RecordBatch& batch) {
   std::int64_t previous = 0;
-  for (const Record& record : batch.records) {
+  for (const sensor::Record& record : batch.records) {
     if (record.sequence <= previous) {
       return RefuseRecord(
           InvalidArgument("sequence {} comes after {}: sequences start at 1 and increase", record.sequence, previous),
@@ -64,14 +64,14 @@ absl::Status ValidateBatch(const RecordBatch& batch) {
   return ValidateBlobs(batch.blobs);
 }
 
-bool SameContent(const Record& record, std::int16_t stored_kind, std::string_view stored) {
-  const RecordKind kind = KindOf(record);
+bool SameContent(const sensor::Record& record, std::int16_t stored_kind, std::string_view stored) {
+  const sensor::RecordKind kind = sensor::KindOf(record);
   if (static_cast<std::int16_t>(kind) != stored_kind) return false;
-  const std::string payload = EncodePayload(record);
+  const std::string payload = sensor::EncodePayload(record);
   if (payload == stored) return true;
   // It may have been stored by a program with another layout of the same values.
-  const auto decoded = DecodePayload(record.sequence, kind, stored);
-  return decoded.ok() && EncodePayload(*decoded) == payload;
+  const auto decoded = sensor::DecodePayload(record.sequence, kind, stored);
+  return decoded.ok() && sensor::EncodePayload(*decoded) == payload;
 }
 
 class SiteAppend {
@@ -87,9 +87,9 @@ class SiteAppend {
 
  private:
   // The records of the batch that are not stored yet; refuses the batch where one differs from the stored one.
-  absl::StatusOr<absl::StatusOr<std::vector<const Record*>>> SelectNew(const RecordBatch& batch, const Log& log);
-  absl::StatusOr<absl::Status> CheckBlobs(const RecordBatch& batch, const std::vector<const Record*>& records);
-  void Take(const RecordBatch& batch, Log& log, const std::vector<const Record*>& records);
+  absl::StatusOr<absl::StatusOr<std::vector<const sensor::Record*>>> SelectNew(const RecordBatch& batch, const Log& log);
+  absl::StatusOr<absl::Status> CheckBlobs(const RecordBatch& batch, const std::vector<const sensor::Record*>& records);
+  void Take(const RecordBatch& batch, Log& log, const std::vector<const sensor::Record*>& records);
   absl::Status AdvanceAcknowledged();
 
   Transaction& transaction_;
@@ -140,12 +140,12 @@ absl::StatusOr<absl::StatusOr<AppendResult>> SiteAppend::Accept(const RecordBatc
   return Refused(result);
 }
 
-absl::StatusOr<absl::StatusOr<std::vector<const Record*>>> SiteAppend::SelectNew(const RecordBatch& batch,
+absl::StatusOr<absl::StatusOr<std::vector<const sensor::Record*>>> SiteAppend::SelectNew(const RecordBatch& batch,
                                                                                  const Log& log) {
-  using Refused = absl::StatusOr<std::vector<const Record*>>;
-  std::vector<const Record*> fresh;
-  std::map<std::int64_t, const Record*> doubtful;
-  for (const Record& record : batch.records) {
+  using Refused = absl::StatusOr<std::vector<const sensor::Record*>>;
+  std::vector<const sensor::Record*> fresh;
+  std::map<std::int64_t, const sensor::Record*> doubtful;
+  for (const sensor::Record& record : batch.records) {
     if (record.sequence > log.growth.highest) {
       fresh.push_back(&record);
     } else if (!log.records_deleted) {
@@ -159,11 +159,11 @@ absl::StatusOr<absl::StatusOr<std::vector<const Record*>>> SiteAppend::SelectNew
         AlreadyExists("record {} of {} is stored with another content", sequence, NameOf(site_, batch.session)),
         sequence));
   };
-  for (const Record* accepted : log.accepted) {
+  for (const sensor::Record* accepted : log.accepted) {
     const auto same = doubtful.find(accepted->sequence);
     if (same == doubtful.end()) continue;
-    const auto kind = static_cast<std::int16_t>(KindOf(*accepted));
-    if (!SameContent(*same->second, kind, EncodePayload(*accepted))) return conflict(accepted->sequence);
+    const auto kind = static_cast<std::int16_t>(sensor::KindOf(*accepted));
+    if (!SameContent(*same->second, kind, sensor::EncodePayload(*accepted))) return conflict(accepted->sequence);
     doubtful.erase(same);
   }
   std::vector<std::int64_t> sequences;
@@ -182,19 +182,19 @@ absl::StatusOr<absl::StatusOr<std::vector<const Record*>>> SiteAppend::SelectNew
     doubtful.erase(sequence);
   }
   // What is left fills holes, in front of what is beyond the log's end.
-  std::vector<const Record*> records;
+  std::vector<const sensor::Record*> records;
   for (const auto& [sequence, record] : doubtful) records.push_back(record);
   records.insert(records.end(), fresh.begin(), fresh.end());
   return Refused(std::move(records));
 }
 
 absl::StatusOr<absl::Status> SiteAppend::CheckBlobs(const RecordBatch& batch,
-                                                    const std::vector<const Record*>& records) {
+                                                    const std::vector<const sensor::Record*>& records) {
   std::unordered_map<std::string_view, std::int64_t> sizes;
   for (const BlobView& blob : batch.blobs) sizes[blob.sha256] = static_cast<std::int64_t>(blob.data.size());
   std::vector<Bytes> wanted;
-  for (const Record* record : records) {
-    const BlobRef* blob = FindBlob(*record);
+  for (const sensor::Record* record : records) {
+    const sensor::BlobRef* blob = sensor::FindBlob(*record);
     if (blob && !sizes.contains(blob->sha256)) wanted.push_back(Bytes{blob->sha256});
   }
   std::optional<Result> stored;  // holds the digests that `sizes` refers to
@@ -207,8 +207,8 @@ absl::StatusOr<absl::Status> SiteAppend::CheckBlobs(const RecordBatch& batch,
       ENFILADE_RETURN_IF_ERROR(row.status());
     }
   }
-  for (const Record* record : records) {
-    const BlobRef* blob = FindBlob(*record);
+  for (const sensor::Record* record : records) {
+    const sensor::BlobRef* blob = sensor::FindBlob(*record);
     if (!blob) continue;
     const auto size = sizes.find(blob->sha256);
     if (size == sizes.end()) {
@@ -224,20 +224,20 @@ absl::StatusOr<absl::Status> SiteAppend::CheckBlobs(const RecordBatch& batch,
   return absl::Status();
 }
 
-void SiteAppend::Take(const RecordBatch& batch, Log& log, const std::vector<const Record*>& records) {
+void SiteAppend::Take(const RecordBatch& batch, Log& log, const std::vector<const sensor::Record*>& records) {
   constexpr std::size_t kRowBytes = 200;  // all but the ranges, about
-  for (const Record* record : records) {
-    const auto* scan = std::get_if<LaserScan>(&record->payload);
+  for (const sensor::Record* record : records) {
+    const auto* scan = std::get_if<sensor::LaserScan>(&record->payload);
     rows_.Reserve(kRowBytes + (scan ? scan->ranges.size() * sizeof(float) : 0));
     rows_.BeginRow(6);
     rows_.Put(site_.value());
     rows_.Put(batch.session.value());
     rows_.Put(record->sequence);
-    rows_.Put(TimeOf(*record));
-    rows_.Put(static_cast<std::int16_t>(KindOf(*record)));
-    const std::size_t bytes = rows_.PutAppended([&](std::string& out) { AppendPayload(*record, out); });
+    rows_.Put(sensor::TimeOf(*record));
+    rows_.Put(static_cast<std::int16_t>(sensor::KindOf(*record)));
+    const std::size_t bytes = rows_.PutAppended([&](std::string& out) { sensor::AppendPayload(*record, out); });
     log.growth.Add(*record, static_cast<std::int64_t>(bytes));
-    if (const BlobRef* blob = FindBlob(*record)) {
+    if (const sensor::BlobRef* blob = sensor::FindBlob(*record)) {
       ref_sessions_.push_back(batch.session.value());
       ref_sequences_.push_back(record->sequence);
       ref_blobs_.push_back(Bytes{blob->sha256});
@@ -308,4 +308,4 @@ std::vector<absl::StatusOr<AppendResult>> AppendToSite(Pool& pool, const CallCon
   return answers;
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -9,7 +9,7 @@
 #include "storage/postgres/pool.h"
 #include "storage/record_store.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // RecordStore::AppendGroup for batches of one site: one transaction.
 std::vector<absl::StatusOr<AppendResult>> AppendToSite(Pool& pool, const CallContext& context, const SiteId& site,
@@ -18,4 +18,4 @@ std::vector<absl::StatusOr<AppendResult>> AppendToSite(Pool& pool, const CallCon
 // `status` with the record at fault: see RefusedSequenceOf.
 absl::Status RefuseRecord(absl::Status status, std::int64_t sequence);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -2,7 +2,7 @@
 
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -33,9 +33,9 @@ AuditEntry ReadEntry(Row& row) {
 absl::StatusOr<std::vector<AuditEntry>> AuditStore::List(const CallContext& context, const SiteId& site,
                                                          const std::string& resource, std::int64_t before,
                                                          int limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListAuditEntries,
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kListAuditEntries,
                                                             Params(site, resource, before, std::int64_t{limit})));
-  return ReadRows(result, ReadEntry);
+  return storage::postgres::ReadRows(result, ReadEntry);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -6,7 +6,7 @@
 #include "storage/blob_store.h"
 #include "storage/postgres/transaction.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // INVALID_ARGUMENT where a digest is not that of its data, or the size is out of range.
 absl::Status ValidateBlobs(absl::Span<const BlobView> blobs);
@@ -14,4 +14,4 @@ absl::Status ValidateBlobs(absl::Span<const BlobView> blobs);
 // Stores validated blobs that are not stored yet, and renews the grace time of those that are. Queued only.
 void QueueBlobs(Transaction& transaction, const SiteId& site, absl::Span<const BlobView> blobs);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -7,7 +7,7 @@
 #include "storage/postgres/blob_rows.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::Bytes;
@@ -42,8 +42,8 @@ namespace postgres {
 
 absl::Status ValidateBlobs(absl::Span<const BlobView> blobs) {
   for (const BlobView& blob : blobs) {
-    if (blob.data.empty() || static_cast<std::int64_t>(blob.data.size()) > kMaxBlobBytes) {
-      return InvalidArgument("a blob has {} bytes: expected 1 to {}", blob.data.size(), kMaxBlobBytes);
+    if (blob.data.empty() || static_cast<std::int64_t>(blob.data.size()) > sensor::kMaxBlobBytes) {
+      return InvalidArgument("a blob has {} bytes: expected 1 to {}", blob.data.size(), sensor::kMaxBlobBytes);
     }
     if (const std::string digest = Sha256(blob.data); digest != blob.sha256) {
       return InvalidArgument("a blob's SHA-256 is {}, not {} as was said", ToHex(digest), ToHex(blob.sha256));
@@ -52,13 +52,13 @@ absl::Status ValidateBlobs(absl::Span<const BlobView> blobs) {
   return absl::OkStatus();
 }
 
-void QueueBlobs(Transaction& transaction, const SiteId& site, absl::Span<const BlobView> blobs) {
+void QueueBlobs(storage::postgres::Transaction& transaction, const SiteId& site, absl::Span<const BlobView> blobs) {
   // In one order everywhere, against deadlocks.
   std::vector<const BlobView*> ordered;
   for (const BlobView& blob : blobs) ordered.push_back(&blob);
   std::sort(ordered.begin(), ordered.end(), [](auto* a, auto* b) { return a->sha256 < b->sha256; });
   for (const BlobView* blob : ordered)
-    transaction.Queue(kPutBlob, Params(site, Bytes{blob->sha256}, Bytes{blob->data}));
+    transaction.Queue(kPutBlob, storage::postgres::Params(site, storage::postgres::Bytes{blob->sha256}, storage::postgres::Bytes{blob->data}));
 }
 
 }  // namespace postgres
@@ -74,22 +74,22 @@ absl::Status BlobStore::Put(const CallContext& context, const SiteId& site, absl
 
 absl::StatusOr<std::string> BlobStore::Get(const CallContext& context, const SiteId& site,
                                            std::string_view sha256) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectBlob, Params(site, Bytes{sha256})));
-  return ReadOne(
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectBlob, Params(site, Bytes{sha256})));
+  return storage::postgres::ReadOne(
       result, [](Row& row) { return std::string(row.Bytes()); }, NameOfBlob(site, sha256));
 }
 
 absl::StatusOr<std::string> BlobStore::GetRange(const CallContext& context, const SiteId& site, std::string_view sha256,
                                                 std::int64_t offset, std::int64_t size) const {
-  if (offset < 0 || size < 0 || offset > kMaxBlobBytes) {
+  if (offset < 0 || size < 0 || offset > sensor::kMaxBlobBytes) {
     return absl::OutOfRangeError(fmt::format("there is no part of {} bytes at {} of a blob", size, offset));
   }
   const auto first = static_cast<std::int32_t>(offset + 1);  // counted from 1
-  const auto count = static_cast<std::int32_t>(std::min(size, kMaxBlobBytes));
+  const auto count = static_cast<std::int32_t>(std::min(size, sensor::kMaxBlobBytes));
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kSelectRange, Params(site, Bytes{sha256}, first, count)));
+                            storage::postgres::ExecuteAlone(pool_, context, kSelectRange, Params(site, Bytes{sha256}, first, count)));
   std::int64_t stored_size = 0;
-  ENFILADE_ASSIGN_OR_RETURN(std::string data, ReadOne(
+  ENFILADE_ASSIGN_OR_RETURN(std::string data, storage::postgres::ReadOne(
                                                   result,
                                                   [&](Row& row) {
                                                     stored_size = row.Int64();
@@ -103,12 +103,12 @@ absl::StatusOr<std::string> BlobStore::GetRange(const CallContext& context, cons
   return data;
 }
 
-absl::StatusOr<BlobRef> BlobStore::Stat(const CallContext& context, const SiteId& site, std::string_view sha256) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kStat, Params(site, Bytes{sha256})));
-  return ReadOne(
+absl::StatusOr<sensor::BlobRef> BlobStore::Stat(const CallContext& context, const SiteId& site, std::string_view sha256) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kStat, Params(site, Bytes{sha256})));
+  return storage::postgres::ReadOne(
       result,
       [&](Row& row) {
-        return BlobRef{std::string(sha256), row.Int64()};
+        return sensor::BlobRef{std::string(sha256), row.Int64()};
       },
       NameOfBlob(site, sha256));
 }
@@ -117,8 +117,8 @@ absl::StatusOr<std::vector<std::string>> BlobStore::Missing(const CallContext& c
                                                             absl::Span<const std::string> sha256s) const {
   std::vector<Bytes> digests;
   for (const std::string& sha256 : sha256s) digests.push_back(Bytes{sha256});
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kMissing, Params(site, digests)));
-  return ReadRows(result, [](Row& row) { return std::string(row.Bytes()); });
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kMissing, Params(site, digests)));
+  return storage::postgres::ReadRows(result, [](Row& row) { return std::string(row.Bytes()); });
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

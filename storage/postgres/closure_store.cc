@@ -7,7 +7,7 @@
 #include "storage/postgres/session_row.h"
 #include "storage/postgres/slam_rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -44,7 +44,7 @@ std::string ClosureName(const SiteId& site, const SessionId& session, std::int64
 
 }  // namespace
 
-absl::StatusOr<std::vector<SlamClosure>> ClosureStore::List(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<slam::SlamClosure>> ClosureStore::List(const CallContext& context, const SiteId& site,
                                                             const SessionId& session, std::int64_t after,
                                                             int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
@@ -52,10 +52,10 @@ absl::StatusOr<std::vector<SlamClosure>> ClosureStore::List(const CallContext& c
   transaction.Queue(kListClosures, Params(site, session, after, std::int64_t{limit}));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
-  return ReadRows(results[1], postgres::ReadClosure);
+  return storage::postgres::ReadRows(results[1], postgres::ReadClosure);
 }
 
-absl::StatusOr<SlamClosure> ClosureStore::SetSuspended(const CallContext& context, const SiteId& site,
+absl::StatusOr<slam::SlamClosure> ClosureStore::SetSuspended(const CallContext& context, const SiteId& site,
                                                        const SessionId& session, std::int64_t closure,
                                                        bool suspended) const {
   const std::string name = ClosureName(site, session, closure);
@@ -66,13 +66,13 @@ absl::StatusOr<SlamClosure> ClosureStore::SetSuspended(const CallContext& contex
   // The lease's row refers to the session.
   if (!locked.ok() && absl::IsFailedPrecondition(locked.status())) return NotFound("{} does not exist", name);
   ENFILADE_RETURN_IF_ERROR(locked.status());
-  ENFILADE_ASSIGN_OR_RETURN(const SlamClosure stored, ReadOne((*locked)[1], postgres::ReadClosure, name));
-  if ((stored.state == ClosureState::kSuspended) == suspended) return stored;  // rolls the lease back
-  const ClosureState state = suspended ? ClosureState::kSuspended : ClosureState::kAccepted;
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamClosure stored, storage::postgres::ReadOne((*locked)[1], postgres::ReadClosure, name));
+  if ((stored.state == slam::ClosureState::kSuspended) == suspended) return stored;  // rolls the lease back
+  const slam::ClosureState state = suspended ? slam::ClosureState::kSuspended : slam::ClosureState::kAccepted;
   transaction.Queue(kSetClosureState, Params(site, session, closure, static_cast<std::int16_t>(state)));
   transaction.Queue(kReopen, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto changed, transaction.FlushAndCommit());
-  return ReadOne(changed[0], postgres::ReadClosure, name);
+  return storage::postgres::ReadOne(changed[0], postgres::ReadClosure, name);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

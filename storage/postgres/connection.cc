@@ -11,7 +11,7 @@
 #include "core/base/status_macros.h"
 #include "storage/postgres/error.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 using std::chrono::steady_clock;
@@ -289,4 +289,4 @@ absl::Status Connection::FinishCopy(const Statement& statement, Deadline deadlin
   return status;
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -14,7 +14,7 @@
 
 struct pg_conn;
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // One SQL statement: a constant at namespace scope beside its one user; each connection prepares it at its first use.
 struct Statement {
@@ -98,4 +98,4 @@ class Connection {
   bool broken_ = false;
 };
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

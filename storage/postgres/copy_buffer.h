@@ -6,7 +6,7 @@
 
 #include "storage/postgres/types.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // Rows for COPY ... FROM STDIN (FORMAT binary), each column in PostgreSQL's binary format, without copies of what goes
 // in. Per row: BeginRow, then every column in the order of the COPY.
@@ -54,4 +54,4 @@ class CopyBuffer {
   std::string bytes_;
 };
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

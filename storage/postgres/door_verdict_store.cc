@@ -10,7 +10,7 @@
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_row.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -20,7 +20,7 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr std::int16_t kDoorReport = static_cast<std::int16_t>(RecordKind::kDoorReport);
+constexpr std::int16_t kDoorReport = static_cast<std::int16_t>(sensor::RecordKind::kDoorReport);
 static_assert(kDoorReport == 6);  // of the index session_records_doors_idx
 
 // As for mapping, work is found over all sites, and taken by its site's name.
@@ -93,11 +93,11 @@ constexpr Statement kListComparisons{
     " clouds_agree, chi2, accepted, reason FROM enfilade.door_comparisons WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 ORDER BY sequence, ordinal"};
 
-DoorVerdict ReadVerdict(Row& row) {
-  DoorVerdict verdict;
+closure::DoorVerdict ReadVerdict(Row& row) {
+  closure::DoorVerdict verdict;
   verdict.session = SessionId(std::string(row.Text()));
   verdict.sequence = row.Int64();
-  verdict.decision = static_cast<DoorDecision>(row.Int16());
+  verdict.decision = static_cast<closure::DoorDecision>(row.Int16());
   if (const auto link_point = row.OptionalText()) verdict.link_point = LinkPointId(std::string(*link_point));
   if (const auto map = row.OptionalText()) verdict.entered_map = MapId(std::string(*map));
   verdict.T_map_robot = postgres::ReadOptionalPoseWithCovariance(row);
@@ -111,13 +111,13 @@ DoorVerdict ReadVerdict(Row& row) {
 
 struct ComparisonRow {
   std::int64_t sequence = 0;
-  DoorComparison comparison;
+  closure::DoorComparison comparison;
 };
 
 ComparisonRow ReadComparison(Row& row) {
   ComparisonRow out;
   out.sequence = row.Int64();
-  DoorComparison& comparison = out.comparison;
+  closure::DoorComparison& comparison = out.comparison;
   comparison.link_point = LinkPointId(std::string(row.Text()));
   comparison.map = MapId(std::string(row.Text()));
   comparison.distance = row.OptionalDouble();
@@ -181,14 +181,14 @@ absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, cons
   return absl::OkStatus();
 }
 
-void QueueVerdict(Transaction& transaction, const SiteId& site, const DoorVerdict& verdict) {
+void QueueVerdict(Transaction& transaction, const SiteId& site, const closure::DoorVerdict& verdict) {
   const PoseColumns pose(verdict.T_map_robot), odom(verdict.T_odom_robot);
   transaction.Queue(kInsertVerdict,
                     Params(site, verdict.session, verdict.sequence, static_cast<std::int16_t>(verdict.decision),
                            verdict.link_point, verdict.entered_map, pose.x, pose.y, pose.yaw, pose.covariance, odom.x,
                            odom.y, odom.yaw, verdict.evidence, verdict.reason, verdict.graph_version));
   std::int32_t ordinal = 0;
-  for (const DoorComparison& comparison : verdict.comparisons) {
+  for (const closure::DoorComparison& comparison : verdict.comparisons) {
     std::optional<std::int32_t> matches;
     if (comparison.image_matches) matches = *comparison.image_matches;
     transaction.Queue(
@@ -209,8 +209,8 @@ void QueueEntry(Transaction& transaction, const SiteId& site, const SessionId& p
 }  // namespace
 
 absl::StatusOr<std::vector<PendingDoors>> DoorVerdictStore::FindPending(const CallContext& context, int limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kFindPending, Params(std::int64_t{limit})));
-  return ReadRows(result, [](Row& row) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kFindPending, Params(std::int64_t{limit})));
+  return storage::postgres::ReadRows(result, [](Row& row) {
     PendingDoors pending;
     pending.site = SiteId(std::string(row.Text()));
     pending.session = SessionId(std::string(row.Text()));
@@ -221,7 +221,7 @@ absl::StatusOr<std::vector<PendingDoors>> DoorVerdictStore::FindPending(const Ca
 absl::StatusOr<std::vector<StoredDoorReport>> DoorVerdictStore::ReadReports(const CallContext& context,
                                                                             const SiteId& site,
                                                                             const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kReadReports, Params(site, session)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kReadReports, Params(site, session)));
   std::vector<StoredDoorReport> reports;
   for (int i = 0; i < result.rows(); ++i) {
     Row row(result, i);
@@ -230,9 +230,9 @@ absl::StatusOr<std::vector<StoredDoorReport>> DoorVerdictStore::ReadReports(cons
     const std::string_view payload = row.Bytes();
     stored.judged = row.Bool();
     ENFILADE_RETURN_IF_ERROR(row.status());
-    auto record = DecodePayload(stored.sequence, RecordKind::kDoorReport, payload);
+    auto record = sensor::DecodePayload(stored.sequence, sensor::RecordKind::kDoorReport, payload);
     if (!record.ok()) return WithContext(record.status(), NameOf(site, session));
-    stored.report = std::get<DoorReport>(std::move(record->payload));
+    stored.report = std::get<sensor::DoorReport>(std::move(record->payload));
     reports.push_back(std::move(stored));
   }
   return reports;
@@ -240,14 +240,14 @@ absl::StatusOr<std::vector<StoredDoorReport>> DoorVerdictStore::ReadReports(cons
 
 absl::StatusOr<std::vector<SessionId>> DoorVerdictStore::ListWaiting(const CallContext& context, const SiteId& site,
                                                                      const SessionId& previous) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListWaiting, Params(site, previous)));
-  return ReadRows(result, [](Row& row) { return SessionId(std::string(row.Text())); });
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kListWaiting, Params(site, previous)));
+  return storage::postgres::ReadRows(result, [](Row& row) { return SessionId(std::string(row.Text())); });
 }
 
 absl::Status DoorVerdictStore::Commit(const CallContext& context, const SiteLease& lease,
                                       const DoorChange& change) const {
   const SiteId& site = lease.site;
-  const DoorVerdict& verdict = change.verdict;
+  const closure::DoorVerdict& verdict = change.verdict;
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(const auto judged,
                             transaction.Execute(kIsJudged, Params(site, verdict.session, verdict.sequence)));
@@ -284,7 +284,7 @@ absl::Status DoorVerdictStore::MarkJudged(const CallContext& context, const Site
   return WithContext(transaction.Commit(), NameOf(lease.site, session));
 }
 
-absl::StatusOr<std::vector<DoorVerdict>> DoorVerdictStore::List(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<closure::DoorVerdict>> DoorVerdictStore::List(const CallContext& context, const SiteId& site,
                                                                 const SessionId& session, std::int64_t after,
                                                                 int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
@@ -292,12 +292,12 @@ absl::StatusOr<std::vector<DoorVerdict>> DoorVerdictStore::List(const CallContex
   transaction.Queue(kListVerdicts, Params(site, session, after, std::int64_t{limit}));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<DoorVerdict> verdicts, ReadRows(results[1], ReadVerdict));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::DoorVerdict> verdicts, storage::postgres::ReadRows(results[1], ReadVerdict));
   if (verdicts.empty()) return verdicts;
   ENFILADE_ASSIGN_OR_RETURN(const auto listed,
                             transaction.Execute(kListComparisons, Params(site, session, verdicts.front().sequence,
                                                                          verdicts.back().sequence)));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<ComparisonRow> comparisons, ReadRows(listed, ReadComparison));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<ComparisonRow> comparisons, storage::postgres::ReadRows(listed, ReadComparison));
   auto verdict = verdicts.begin();
   for (ComparisonRow& row : comparisons) {
     while (verdict != verdicts.end() && verdict->sequence < row.sequence) ++verdict;
@@ -306,19 +306,19 @@ absl::StatusOr<std::vector<DoorVerdict>> DoorVerdictStore::List(const CallContex
   return verdicts;
 }
 
-absl::StatusOr<std::optional<DoorVerdict>> DoorVerdictStore::FindPassage(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::optional<closure::DoorVerdict>> DoorVerdictStore::FindPassage(const CallContext& context, const SiteId& site,
                                                                          const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto found, ExecuteAlone(pool_, context, kFindPassage, Params(site, session)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, storage::postgres::ExecuteAlone(pool_, context, kFindPassage, Params(site, session)));
   if (found.rows() == 0) return std::nullopt;
-  ENFILADE_ASSIGN_OR_RETURN(DoorVerdict verdict, ReadOne(found, ReadVerdict, "the verdict"));
-  return std::optional<DoorVerdict>(std::move(verdict));
+  ENFILADE_ASSIGN_OR_RETURN(closure::DoorVerdict verdict, storage::postgres::ReadOne(found, ReadVerdict, "the verdict"));
+  return std::optional<closure::DoorVerdict>(std::move(verdict));
 }
 
-absl::StatusOr<std::vector<DoorVerdict>> DoorVerdictStore::ListInto(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<closure::DoorVerdict>> DoorVerdictStore::ListInto(const CallContext& context, const SiteId& site,
                                                                     const MapId& map, int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto listed,
-                            ExecuteAlone(pool_, context, kListInto, Params(site, map, std::int64_t{limit})));
-  return ReadRows(listed, ReadVerdict);
+                            storage::postgres::ExecuteAlone(pool_, context, kListInto, Params(site, map, std::int64_t{limit})));
+  return storage::postgres::ReadRows(listed, ReadVerdict);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 constexpr char kSqlStatePayload[] = "enfilade/sqlstate";
@@ -92,4 +92,4 @@ absl::Status LostConnection(const pg_conn* connection, std::string_view what) {
 std::string SqlStateOf(const absl::Status& status) { return PayloadOf(status, kSqlStatePayload); }
 std::string ConstraintOf(const absl::Status& status) { return PayloadOf(status, kConstraintPayload); }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

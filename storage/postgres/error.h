@@ -8,7 +8,7 @@
 struct pg_conn;
 struct pg_result;
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // What an SQLSTATE means to callers: 40001, 40P01, 55P03 -> ABORTED (retry); 23505 -> ALREADY_EXISTS; 23503 ->
 // FAILED_PRECONDITION; class 22, 23502, 23514 -> INVALID_ARGUMENT; 57014 -> DEADLINE_EXCEEDED; 53100, 53200, 54xxx ->
@@ -27,4 +27,4 @@ absl::Status LostConnection(const pg_conn* connection, std::string_view what);
 std::string SqlStateOf(const absl::Status& status);
 std::string ConstraintOf(const absl::Status& status);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

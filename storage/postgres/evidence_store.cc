@@ -4,7 +4,7 @@
 #include "storage/postgres/link_point_changes.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::Bytes;
@@ -65,8 +65,8 @@ absl::StatusOr<std::vector<Evidence>> LinkPointStore::ListEvidence(const CallCon
   if (link_points.empty()) return std::vector<Evidence>();
   std::vector<std::string_view> ids;
   for (const LinkPointId& id : link_points) ids.push_back(id.value());
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListEvidence, Params(site, ids)));
-  return ReadRows(result, ReadEvidence);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kListEvidence, Params(site, ids)));
+  return storage::postgres::ReadRows(result, ReadEvidence);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

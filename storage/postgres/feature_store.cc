@@ -2,7 +2,7 @@
 
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::Bytes;
@@ -22,15 +22,15 @@ constexpr Statement kPutFeatures{"storing an image's features",
 
 absl::StatusOr<std::string> FeatureStore::Find(const CallContext& context, const SiteId& site,
                                                std::string_view sha256) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto found, ExecuteAlone(pool_, context, kFind, Params(site, Bytes{sha256})));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, storage::postgres::ExecuteAlone(pool_, context, kFind, Params(site, Bytes{sha256})));
   if (found.rows() == 0) return std::string();
-  return ReadOne(
+  return storage::postgres::ReadOne(
       found, [](Row& row) { return std::string(row.Bytes()); }, "the features");
 }
 
 absl::Status FeatureStore::Put(const CallContext& context, const SiteId& site, std::string_view sha256,
                                std::string_view features) const {
-  return ExecuteAlone(pool_, context, kPutFeatures, Params(site, Bytes{sha256}, Bytes{features})).status();
+  return storage::postgres::ExecuteAlone(pool_, context, kPutFeatures, Params(site, Bytes{sha256}, Bytes{features})).status();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -3,7 +3,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 constexpr Statement kLockGraph{"locking the graph",
@@ -53,4 +53,4 @@ void QueueRemoval(Transaction& transaction, const SiteId& site, const LinkPointI
   transaction.Queue(kRemove, Params(site, kRemovedLinkPoint, link_point));
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -8,7 +8,7 @@
 #include "storage/graph_store.h"
 #include "storage/postgres/transaction.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 constexpr Statement kSelectGraphVersion{"reading the graph's version",
                                         "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1"};
@@ -32,4 +32,4 @@ absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const S
 void QueueRemoval(Transaction& transaction, const SiteId& site, const MapId& map);
 void QueueRemoval(Transaction& transaction, const SiteId& site, const LinkPointId& link_point);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

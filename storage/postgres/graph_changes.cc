@@ -8,7 +8,7 @@
 #include "storage/postgres/rows.h"
 #include "storage/postgres/wkb.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::Params;
@@ -59,7 +59,7 @@ GraphMapRow ReadGraphMapRow(Row& row) {
 
 absl::Status Read(const postgres::Result& maps, const postgres::Result& link_points, const postgres::Result& removals,
                   GraphChanges& changes) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<GraphMapRow> rows, ReadRows(maps, ReadGraphMapRow));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<GraphMapRow> rows, storage::postgres::ReadRows(maps, ReadGraphMapRow));
   for (GraphMapRow& row : rows) {
     if (!row.outline.empty()) {
       ENFILADE_ASSIGN_OR_RETURN(row.map.outline, postgres::DecodePolygon(row.outline));
@@ -131,13 +131,13 @@ absl::StatusOr<GraphChanges> GraphStore::ReadChanges(const CallContext& context,
   return Aborted("{} was deleted and made again meanwhile: repeat the call", NameOf(site));
 }
 
-absl::StatusOr<GraphChanges> postgres::ReadHeldGraph(Transaction& transaction, const SiteId& site, std::int64_t since) {
+absl::StatusOr<GraphChanges> postgres::ReadHeldGraph(storage::postgres::Transaction& transaction, const SiteId& site, std::int64_t since) {
   QueueChanges(transaction, site, since);
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
   ENFILADE_ASSIGN_OR_RETURN(auto changes, ReadQueued(results, site, since));
   if (!changes) return Internal("the graph of {} changed while it was held", NameOf(site));
-  if (changes->version < since) return ReadHeldGraph(transaction, site, 0);
+  if (changes->version < since) return storage::postgres::ReadHeldGraph(transaction, site, 0);
   return *std::move(changes);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

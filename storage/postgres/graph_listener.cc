@@ -5,7 +5,7 @@
 #include "storage/postgres/pool.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 constexpr postgres::Statement kListen{"listening for changes of graphs", "LISTEN enfilade_graph"};
@@ -40,4 +40,4 @@ absl::StatusOr<std::vector<GraphListener::Change>> GraphListener::Await(const Ca
   return changes;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -6,7 +6,7 @@
 #include "storage/postgres/placement.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -113,7 +113,7 @@ absl::StatusOr<std::int64_t> StoreAndCommit(Transaction& transaction, const Site
 
 absl::StatusOr<std::int64_t> GraphStore::GetVersion(const CallContext& context, const SiteId& site) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
+                            storage::postgres::ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
   return postgres::ReadGraphVersion(result);
 }
 
@@ -141,35 +141,35 @@ absl::StatusOr<std::int64_t> GraphStore::SolveHeld(
 absl::StatusOr<std::vector<GraphVersion>> GraphStore::ListVersions(const CallContext& context, const SiteId& site,
                                                                    std::int64_t before, int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kListVersions, Params(site, before, std::int64_t{limit})));
-  return ReadRows(result, ReadVersion);
+                            storage::postgres::ExecuteAlone(pool_, context, kListVersions, Params(site, before, std::int64_t{limit})));
+  return storage::postgres::ReadRows(result, ReadVersion);
 }
 
 absl::StatusOr<std::int64_t> GraphStore::FindLastOptimization(const CallContext& context, const SiteId& site,
                                                               std::int64_t since) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kLastOptimization,
+                            storage::postgres::ExecuteAlone(pool_, context, kLastOptimization,
                                          Params(site, since, static_cast<std::int16_t>(GraphCause::kOptimized))));
-  return ReadOne(
+  return storage::postgres::ReadOne(
       result, [](Row& row) { return row.Int64(); }, NameOf(site));
 }
 
 absl::StatusOr<std::vector<MapPose>> GraphStore::GetMapPoses(const CallContext& context, const SiteId& site,
                                                              std::int64_t version) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectPoses, Params(site, version)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectPoses, Params(site, version)));
   if (result.rows() == 0) {
     return NotFound("version {} of the graph of {} is none of its last {} optimisations", version, NameOf(site),
                     kKeptOptimizations);
   }
-  return ReadRows(result, ReadMapPose);
+  return storage::postgres::ReadRows(result, ReadMapPose);
 }
 
 absl::StatusOr<std::vector<MapPose>> GraphStore::GetPlaces(const CallContext& context, const SiteId& site,
                                                            const std::vector<MapId>& maps) const {
   std::vector<std::string_view> ids;
   for (const MapId& map : maps) ids.push_back(map.value());
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectPlaces, Params(site, ids)));
-  return ReadRows(result, ReadMapPose);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectPlaces, Params(site, ids)));
+  return storage::postgres::ReadRows(result, ReadMapPose);
 }
 
 absl::StatusOr<std::int64_t> GraphStore::SetControlPoints(const CallContext& context, const SiteId& site,
@@ -198,8 +198,8 @@ absl::StatusOr<std::int64_t> GraphStore::SetControlPoints(const CallContext& con
 
 absl::StatusOr<std::vector<ControlPoint>> GraphStore::GetControlPoints(const CallContext& context,
                                                                        const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectControlPoints, Params(site)));
-  return ReadRows(result, [](Row& row) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectControlPoints, Params(site)));
+  return storage::postgres::ReadRows(result, [](Row& row) {
     ControlPoint point;
     point.map = MapId(std::string(row.Text()));
     point.position = {row.Double(), row.Double()};
@@ -209,4 +209,4 @@ absl::StatusOr<std::vector<ControlPoint>> GraphStore::GetControlPoints(const Cal
   });
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

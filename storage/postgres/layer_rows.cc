@@ -4,7 +4,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 constexpr char kChangedPayload[] = "enfilade/layers-changed";
@@ -102,8 +102,8 @@ absl::StatusOr<LayersBeside> RevisionStore::ReadLayersBeside(const CallContext& 
   transaction.Queue(kSelectLayers, Params(site, map));
   transaction.Queue(kSelectTiles, Params(site, map, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<LayerRow> layers, ReadRows(results[0], ReadLayer));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<TileRow> tiles, ReadRows(results[1], ReadTile));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<LayerRow> layers, storage::postgres::ReadRows(results[0], ReadLayer));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<TileRow> tiles, storage::postgres::ReadRows(results[1], ReadTile));
   LayersBeside beside;
   bool above = false;
   auto tile = tiles.begin();
@@ -125,43 +125,43 @@ absl::StatusOr<LayersBeside> RevisionStore::ReadLayersBeside(const CallContext& 
 
 namespace postgres {
 
-absl::Status CheckLayers(Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision) {
+absl::Status CheckLayers(storage::postgres::Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision) {
   if (!revision.layers_version) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectVersion, Params(site, map)));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::postgres::Result result, transaction.Execute(kSelectVersion, storage::postgres::Params(site, map)));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            ReadOne(
-                                result, [](Row& row) { return row.Int64(); }, "the layers' version"));
+                            storage::postgres::ReadOne(
+                                result, [](storage::postgres::Row& row) { return row.Int64(); }, "the layers' version"));
   if (version == *revision.layers_version) return absl::OkStatus();
   absl::Status status = Aborted("the layers of {} have changed since they were read", NameOf(site, map));
   status.SetPayload(kChangedPayload, absl::Cord("1"));
   return status;
 }
 
-void QueueLayer(Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision,
+void QueueLayer(storage::postgres::Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision,
                 std::int64_t number) {
   if (!revision.session) {
-    transaction.Queue(kDeleteLayer, Params(site, map));
-    transaction.Queue(kInsertImport, Params(site, map, number));
+    transaction.Queue(kDeleteLayer, storage::postgres::Params(site, map));
+    transaction.Queue(kInsertImport, storage::postgres::Params(site, map, number));
     return;
   }
   std::optional<std::int64_t> whole;
-  std::optional<Bytes> header;
+  std::optional<storage::postgres::Bytes> header;
   std::vector<std::int32_t> rows, columns;
-  std::vector<Bytes> digests;
+  std::vector<storage::postgres::Bytes> digests;
   if (revision.layer) {
-    header = Bytes{revision.layer->header};
+    header = storage::postgres::Bytes{revision.layer->header};
     for (const TileRef& tile : revision.layer->tiles) {
       rows.push_back(tile.key.row);
       columns.push_back(tile.key.column);
-      digests.push_back(Bytes{tile.sha256});
+      digests.push_back(storage::postgres::Bytes{tile.sha256});
     }
   } else {
     whole = number;
   }
-  transaction.Queue(kUpsert, Params(site, map, revision.session, whole, header));
-  transaction.Queue(kDeleteTiles, Params(site, map, revision.session, rows, columns));
-  if (!rows.empty()) transaction.Queue(kUpsertTiles, Params(site, map, revision.session, rows, columns, digests));
+  transaction.Queue(kUpsert, storage::postgres::Params(site, map, revision.session, whole, header));
+  transaction.Queue(kDeleteTiles, storage::postgres::Params(site, map, revision.session, rows, columns));
+  if (!rows.empty()) transaction.Queue(kUpsertTiles, storage::postgres::Params(site, map, revision.session, rows, columns, digests));
 }
 
 }  // namespace postgres
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -7,7 +7,7 @@
 #include "storage/postgres/transaction.h"
 #include "storage/revision_store.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // Within a transaction that has locked the map's row. Where the revision was laid together from layers that have
 // changed since: ABORTED, see AreLayersChanged.
@@ -17,4 +17,4 @@ absl::Status CheckLayers(Transaction& transaction, const SiteId& site, const Map
 void QueueLayer(Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision,
                 std::int64_t number);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -4,7 +4,7 @@
 #include "storage/postgres/rows.h"
 #include "storage/postgres/session_row.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -50,9 +50,9 @@ absl::StatusOr<std::optional<LeasedSession>> Take(postgres::Pool& pool, const Ca
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0 || results[1].rows() == 0) return std::nullopt;
   LeasedSession leased;
-  ENFILADE_ASSIGN_OR_RETURN(leased.session, ReadOne(results[1], postgres::ReadSession, NameOf(site, session)));
+  ENFILADE_ASSIGN_OR_RETURN(leased.session, storage::postgres::ReadOne(results[1], postgres::ReadSession, NameOf(site, session)));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t token,
-                            ReadOne(
+                            storage::postgres::ReadOne(
                                 results[0], [](Row& row) { return row.Int64(); }, "the lease"));
   leased.lease = {site, session, owner, token};
   return leased;
@@ -62,8 +62,8 @@ absl::StatusOr<std::optional<LeasedSession>> Take(postgres::Pool& pool, const Ca
 
 absl::StatusOr<std::optional<LeasedSession>> MappingStore::Acquire(const CallContext& context, const std::string& owner,
                                                                    std::chrono::milliseconds ttl) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kFindWork, Params()));
-  ENFILADE_ASSIGN_OR_RETURN(const auto candidates, ReadRows(result, [](Row& row) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kFindWork, Params()));
+  ENFILADE_ASSIGN_OR_RETURN(const auto candidates, storage::postgres::ReadRows(result, [](Row& row) {
                               const std::string site(row.Text());
                               return std::pair(SiteId(site), SessionId(std::string(row.Text())));
                             }));
@@ -76,7 +76,7 @@ absl::StatusOr<std::optional<LeasedSession>> MappingStore::Acquire(const CallCon
 
 absl::Status MappingStore::Renew(const CallContext& context, const SessionLease& lease,
                                  std::chrono::milliseconds ttl) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto renewed, ExecuteAlone(pool_, context, kRenewSessionLease,
+  ENFILADE_ASSIGN_OR_RETURN(const auto renewed, storage::postgres::ExecuteAlone(pool_, context, kRenewSessionLease,
                                                              Params(lease.site, lease.session, lease.owner, lease.token,
                                                                     std::int64_t{ttl.count()})));
   if (renewed.affected() > 0) return absl::OkStatus();
@@ -84,8 +84,8 @@ absl::Status MappingStore::Renew(const CallContext& context, const SessionLease&
 }
 
 absl::Status MappingStore::Release(const CallContext& context, const SessionLease& lease) const {
-  return ExecuteAlone(pool_, context, kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token))
+  return storage::postgres::ExecuteAlone(pool_, context, kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token))
       .status();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

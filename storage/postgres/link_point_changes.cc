@@ -8,7 +8,7 @@
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 constexpr Statement kInsertLinkPoint{
@@ -55,13 +55,13 @@ constexpr Statement kPutEvidence{
     " ON CONFLICT (site_id, link_point_id, map_id, kind, ordinal) DO UPDATE SET encoding = excluded.encoding,"
     " sha256 = excluded.sha256, time_ns = excluded.time_ns, x = excluded.x, y = excluded.y, yaw = excluded.yaw"};
 
-std::optional<std::string_view> DirectionOf(const LinkPoint& point) { return NullIfEmpty(point.direction.value()); }
+std::optional<std::string_view> DirectionOf(const graph::LinkPoint& point) { return NullIfEmpty(point.direction.value()); }
 
 std::int16_t EnvironmentOf(const StoredLinkPoint& link_point) {
   return link_point.environment ? static_cast<std::int16_t>(*link_point.environment) : std::int16_t{0};
 }
 
-std::optional<Timestamp> ValidUntilOf(const LinkPoint& point) {
+std::optional<Timestamp> ValidUntilOf(const graph::LinkPoint& point) {
   if (!point.state_valid_until) return std::nullopt;
   return Timestamp{*point.state_valid_until};
 }
@@ -80,7 +80,7 @@ absl::Status ValidateLinkPoint(const StoredLinkPoint& link_point) {
 absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point, std::int64_t version,
                              const std::string& request_id) {
   const SiteId& site = link_point.site;
-  const LinkPoint& point = link_point.point;
+  const graph::LinkPoint& point = link_point.point;
   transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
                                              DirectionOf(point), std::int32_t{point.difficulty},
                                              EnvironmentOf(link_point), static_cast<std::int16_t>(point.state),
@@ -91,7 +91,7 @@ absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& li
 
 absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point, std::int64_t version) {
   const SiteId& site = link_point.site;
-  const LinkPoint& point = link_point.point;
+  const graph::LinkPoint& point = link_point.point;
   const auto updated = transaction.Execute(
       kUpdateLinkPoint,
       Params(site, point.id, link_point.etag, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
@@ -100,7 +100,7 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   if (!updated.ok()) return ExplainLinkPoint(updated.status(), site, point);
   if (updated->rows() == 0) return WhyUntouched(transaction, site, point.id);
   std::vector<std::string_view> maps;
-  for (const Anchor& anchor : point.anchors) maps.push_back(anchor.map.value());
+  for (const graph::Anchor& anchor : point.anchors) maps.push_back(anchor.map.value());
   transaction.Queue(kDropAnchors, Params(site, point.id, maps));
   QueueAnchors(transaction, site, point.id, point.anchors);
   return ExplainLinkPoint(transaction.Flush().status(), site, point);
@@ -114,10 +114,10 @@ absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const
 }
 
 void QueueAnchors(Transaction& transaction, const SiteId& site, const LinkPointId& id,
-                  const std::vector<Anchor>& anchors) {
+                  const std::vector<graph::Anchor>& anchors) {
   std::vector<std::string_view> maps;
   std::vector<double> x, y, yaw, covariances;
-  for (const Anchor& anchor : anchors) {
+  for (const graph::Anchor& anchor : anchors) {
     maps.push_back(anchor.map.value());
     x.push_back(anchor.T_map_place.x);
     y.push_back(anchor.T_map_place.y);
@@ -128,7 +128,7 @@ void QueueAnchors(Transaction& transaction, const SiteId& site, const LinkPointI
   transaction.Queue(kPutAnchors, Params(site, id, maps, x, y, yaw, covariances));
 }
 
-absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, const LinkPoint& point) {
+absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, const graph::LinkPoint& point) {
   if (status.ok()) return status;
   const std::string constraint = ConstraintOf(status);
   const std::string name = NameOf(site, point.id);
@@ -141,7 +141,7 @@ absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, co
   if (constraint == "link_points_pkey") return AlreadyExists("{} exists already", name);
   if (constraint == "link_point_anchors_site_id_map_id_fkey") {
     std::string maps;
-    for (const Anchor& anchor : point.anchors) maps += (maps.empty() ? "" : ", ") + anchor.map.value();
+    for (const graph::Anchor& anchor : point.anchors) maps += (maps.empty() ? "" : ", ") + anchor.map.value();
     return NotFound("{}: one of its maps does not exist: {}", name, maps);
   }
   return WithContext(status, name);
@@ -173,4 +173,4 @@ void QueueEvidence(Transaction& transaction, const SiteId& site, const std::vect
   }
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

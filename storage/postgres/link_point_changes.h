@@ -8,7 +8,7 @@
 #include "storage/link_point_store.h"
 #include "storage/postgres/transaction.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // Changes of link points as parts of a transaction that holds the site's graph at `version` (RaiseGraphVersion). What
 // they say of errors is what LinkPointStore says.
@@ -25,9 +25,9 @@ absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const
 
 // Adds anchors behind those that are there, or writes those that are. Queued only: ExplainLinkPoint tells of errors.
 void QueueAnchors(Transaction& transaction, const SiteId& site, const LinkPointId& id,
-                  const std::vector<Anchor>& anchors);
+                  const std::vector<graph::Anchor>& anchors);
 // What the schema says, in the words of the API.
-absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, const LinkPoint& point);
+absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, const graph::LinkPoint& point);
 // Why a change that asks for an etag touched no row: NOT_FOUND or ABORTED.
 absl::Status WhyUntouched(Transaction& transaction, const SiteId& site, const LinkPointId& id);
 
@@ -37,4 +37,4 @@ void QueueEvidence(Transaction& transaction, const SiteId& site, const std::vect
 // The resource of a link point in the graph's history.
 inline std::string ResourceOf(const LinkPointId& id) { return "linkPoints/" + id.value(); }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

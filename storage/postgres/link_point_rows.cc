@@ -6,7 +6,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 // Of ENFILADE_LINK_POINT_COLUMNS.
@@ -15,18 +15,18 @@ constexpr int kFirstAnchorColumn = 20;
 
 StoredLinkPoint ReadWithoutAnchors(Row& row) {
   StoredLinkPoint stored;
-  LinkPoint& point = stored.point;
+  graph::LinkPoint& point = stored.point;
   stored.site = SiteId(std::string(row.Text()));
   point.id = LinkPointId(std::string(row.Text()));
-  point.kind = static_cast<LinkPointKind>(row.Int16());
+  point.kind = static_cast<graph::LinkPointKind>(row.Int16());
   point.tag = row.Text();
   point.direction = MapId(std::string(row.OptionalText().value_or("")));
   point.difficulty = row.Int32();
   const std::int16_t environment = row.Int16();
   if (environment != 0) stored.environment = static_cast<Environment>(environment);
-  point.state = static_cast<PassageState>(row.Int16());
+  point.state = static_cast<graph::PassageState>(row.Int16());
   point.state_valid_until = row.OptionalTime();
-  point.use = static_cast<LinkPointUse>(row.Int16());
+  point.use = static_cast<graph::LinkPointUse>(row.Int16());
   stored.forced = row.Bool();
   const bool placed = row.Bool();
   PoseWithCovariance world;
@@ -40,8 +40,8 @@ StoredLinkPoint ReadWithoutAnchors(Row& row) {
   return stored;
 }
 
-Anchor ReadAnchor(Row& row) {
-  Anchor anchor;
+graph::Anchor ReadAnchor(Row& row) {
+  graph::Anchor anchor;
   anchor.map = MapId(std::string(row.Text()));
   anchor.T_map_place = {row.Double(), row.Double(), row.Double()};
   anchor.covariance = ReadCovariance(row);
@@ -99,11 +99,11 @@ absl::Status ValidateCovariance(const std::string& field, const Eigen::Matrix3d&
   return absl::OkStatus();
 }
 
-absl::Status ValidateAnchors(const std::vector<Anchor>& anchors) {
+absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors) {
   if (anchors.empty()) return InvalidArgument("anchors are missing: a link point has one at least");
   std::set<MapId> maps;
   for (std::size_t i = 0; i < anchors.size(); ++i) {
-    const Anchor& anchor = anchors[i];
+    const graph::Anchor& anchor = anchors[i];
     if (!maps.insert(anchor.map).second) {
       return InvalidArgument("anchors[{}]: the map \"{}\" has an anchor already", i, anchor.map.value());
     }
@@ -113,4 +113,4 @@ absl::Status ValidateAnchors(const std::vector<Anchor>& anchors) {
   return absl::OkStatus();
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

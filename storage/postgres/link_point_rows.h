@@ -7,7 +7,7 @@
 #include "storage/link_point_store.h"
 #include "storage/postgres/result.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // A link point's columns (table p) with those of one of its anchors (table a): what ReadLinkPoints reads. Rows of one
 // link point follow one another.
@@ -32,6 +32,6 @@ Eigen::Matrix3d ReadCovariance(Row& row);
 absl::Status ValidateCovariance(const std::string& field, const Eigen::Matrix3d& covariance);
 // INVALID_ARGUMENT naming the anchor: none at all, a map that comes twice, a pose that is not finite, a covariance that
 // is none.
-absl::Status ValidateAnchors(const std::vector<Anchor>& anchors);
+absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -10,7 +10,7 @@
 #include "storage/postgres/rows.h"
 #include "storage/postgres/wkb.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::Bytes;
@@ -88,7 +88,7 @@ absl::StatusOr<postgres::Result> FindInCircle(postgres::Pool& pool, const CallCo
   if (query.level) params.Add(std::int32_t{*query.level});
   const Statement& statement = nearest ? (query.level ? postgres::kFindNearestOnLevel : postgres::kFindNearest)
                                        : (query.level ? postgres::kFindWithinOnLevel : postgres::kFindWithin);
-  return ExecuteAlone(pool, context, statement, params);
+  return storage::postgres::ExecuteAlone(pool, context, statement, params);
 }
 
 absl::StatusOr<postgres::Result> FindInPolygon(postgres::Pool& pool, const CallContext& context, const SiteId& site,
@@ -102,7 +102,7 @@ absl::StatusOr<postgres::Result> FindInPolygon(postgres::Pool& pool, const CallC
   const std::string wkb = postgres::EncodePolygon(polygon);
   Params params(site, subset.min_anchors, subset.max_anchors, subset.max_use, subset.limit, Bytes{wkb});
   if (query.level) params.Add(std::int32_t{*query.level});
-  return ExecuteAlone(pool, context, query.level ? kFindInPolygonOnLevel : kFindInPolygon, params);
+  return storage::postgres::ExecuteAlone(pool, context, query.level ? kFindInPolygonOnLevel : kFindInPolygon, params);
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ absl::StatusOr<FoundLinkPoints> LinkPointStore::Find(const CallContext& context,
   ENFILADE_ASSIGN_OR_RETURN(found.link_points, postgres::ReadLinkPoints(result));
   if (result.rows() == 0) {
     ENFILADE_ASSIGN_OR_RETURN(const auto graph,
-                              ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
+                              storage::postgres::ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
     ENFILADE_ASSIGN_OR_RETURN(found.graph_version, postgres::ReadGraphVersion(graph));
   } else {
     Row last(result, 0, result.columns() - 1);
@@ -131,7 +131,7 @@ absl::StatusOr<FoundLinkPoints> LinkPointStore::Find(const CallContext& context,
 absl::StatusOr<std::vector<StoredLinkPoint>> LinkPointStore::ListUnplaced(const CallContext& context,
                                                                           const SiteId& site, int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kListUnplaced, Params(site, std::int64_t{limit})));
+                            storage::postgres::ExecuteAlone(pool_, context, kListUnplaced, Params(site, std::int64_t{limit})));
   return postgres::ReadLinkPoints(result);
 }
 
@@ -140,10 +140,10 @@ absl::StatusOr<std::vector<StoredLinkPoint>> LinkPointStore::List(const CallCont
                                                                   const PageRequest& page) const {
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
-      ExecuteAlone(pool_, context, filter.map ? kListInMap : kListLinkPoints,
+      storage::postgres::ExecuteAlone(pool_, context, filter.map ? kListInMap : kListLinkPoints,
                    Params(site, page.after, filter.map, NumberOf(filter.kind), NumberOf(filter.state),
                           NumberOf(filter.use), filter.candidate, filter.tag, std::int64_t{page.limit})));
   return postgres::ReadLinkPoints(result);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

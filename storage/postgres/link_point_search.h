@@ -3,7 +3,7 @@
 #include "storage/postgres/connection.h"
 #include "storage/postgres/link_point_rows.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // The statements of LinkPointStore::Find, apart so that the benchmark can give the same to pgbench. The inner query is
 // the indexed search; the joined anchors come with those that it found, and the graph's version with each row.
@@ -25,4 +25,4 @@ constexpr Statement kFindNearestOnLevel{
 constexpr Statement kFindNearest{"looking for the nearest link points",
                                  ENFILADE_FIND_LINK_POINTS(" AND position IS NOT NULL", "")};
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

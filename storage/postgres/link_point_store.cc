@@ -7,7 +7,7 @@
 #include "storage/postgres/placement.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -52,10 +52,10 @@ absl::StatusOr<StoredLinkPoint> LinkPointStore::Create(const CallContext& contex
                                                        const std::string& request_id) const {
   ENFILADE_RETURN_IF_ERROR(postgres::ValidateLinkPoint(link_point));
   const SiteId& site = link_point.site;
-  const LinkPoint& point = link_point.point;
+  const graph::LinkPoint& point = link_point.point;
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointAdded, ResourceOf(point.id)));
+                            storage::postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointAdded, storage::postgres::ResourceOf(point.id)));
   if (!request_id.empty()) {  // the graph's lock makes this sure
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier, transaction.Execute(kFindLinkPointRequest, Params(site, request_id)));
     if (earlier.rows() > 0) {
@@ -71,11 +71,11 @@ absl::StatusOr<StoredLinkPoint> LinkPointStore::Create(const CallContext& contex
 
 absl::StatusOr<StoredLinkPoint> LinkPointStore::AddAnchor(const CallContext& context, const SiteId& site,
                                                           const LinkPointId& id, std::int64_t etag,
-                                                          const Anchor& anchor, bool force) const {
+                                                          const graph::Anchor& anchor, bool force) const {
   ENFILADE_RETURN_IF_ERROR(postgres::ValidateAnchors({anchor}));
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(id)));
+                            storage::postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, storage::postgres::ResourceOf(id)));
   ENFILADE_ASSIGN_OR_RETURN(const auto touched, transaction.Execute(kTouch, Params(site, id, etag, version, force)));
   if (touched.rows() == 0) return postgres::WhyUntouched(transaction, site, id);
   ENFILADE_ASSIGN_OR_RETURN(const auto present, transaction.Execute(kHasAnchor, Params(site, id, anchor.map)));
@@ -83,7 +83,7 @@ absl::StatusOr<StoredLinkPoint> LinkPointStore::AddAnchor(const CallContext& con
     return AlreadyExists("{} has an anchor in the map \"{}\" already: update it instead", NameOf(site, id),
                          anchor.map.value());
   }
-  LinkPoint point;
+  graph::LinkPoint point;
   point.id = id;
   point.anchors = {anchor};
   postgres::QueueAnchors(transaction, site, id, point.anchors);
@@ -96,10 +96,10 @@ absl::StatusOr<StoredLinkPoint> LinkPointStore::Update(const CallContext& contex
                                                        const StoredLinkPoint& link_point) const {
   ENFILADE_RETURN_IF_ERROR(postgres::ValidateLinkPoint(link_point));
   const SiteId& site = link_point.site;
-  const LinkPoint& point = link_point.point;
+  const graph::LinkPoint& point = link_point.point;
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(point.id)));
+                            storage::postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, storage::postgres::ResourceOf(point.id)));
   ENFILADE_RETURN_IF_ERROR(postgres::UpdateLinkPoint(transaction, link_point, version));
   return FinishChange(transaction, site, point.id, version);
 }
@@ -107,13 +107,13 @@ absl::StatusOr<StoredLinkPoint> LinkPointStore::Update(const CallContext& contex
 absl::StatusOr<StoredLinkPoint> LinkPointStore::SetSuspended(const CallContext& context, const SiteId& site,
                                                              const LinkPointId& id, std::int64_t etag,
                                                              bool suspended) const {
-  const auto use = static_cast<std::int16_t>(suspended ? LinkPointUse::kSuspended : LinkPointUse::kUsed);
+  const auto use = static_cast<std::int16_t>(suspended ? graph::LinkPointUse::kSuspended : graph::LinkPointUse::kUsed);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(id)));
+                            storage::postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, storage::postgres::ResourceOf(id)));
   const auto changed = transaction.Execute(kSetUse, Params(site, id, etag, version, use));
   if (!changed.ok()) {
-    LinkPoint point;
+    graph::LinkPoint point;
     point.id = id;
     return postgres::ExplainLinkPoint(changed.status(), site, point);
   }
@@ -125,15 +125,15 @@ absl::Status LinkPointStore::Delete(const CallContext& context, const SiteId& si
                                     std::int64_t etag) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_RETURN_IF_ERROR(
-      RaiseGraphVersion(transaction, site, GraphCause::kLinkPointRemoved, ResourceOf(id)).status());
+      storage::postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointRemoved, storage::postgres::ResourceOf(id)).status());
   ENFILADE_RETURN_IF_ERROR(postgres::RemoveLinkPoint(transaction, site, id, etag));
   return WithContext(transaction.Commit(), NameOf(site, id));
 }
 
 absl::StatusOr<StoredLinkPoint> LinkPointStore::Get(const CallContext& context, const SiteId& site,
                                                     const LinkPointId& id) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectLinkPoint, Params(site, id)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectLinkPoint, Params(site, id)));
   return postgres::ReadLinkPoint(result, site, id);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -5,7 +5,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -101,15 +101,15 @@ absl::StatusOr<std::int64_t> Maintenance::PurgeDeletedSessions(const CallContext
 }
 
 absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const {
-  ENFILADE_RETURN_IF_ERROR(ExecuteAlone(pool_, context, kMarkExpired, Params()).status());
+  ENFILADE_RETURN_IF_ERROR(storage::postgres::ExecuteAlone(pool_, context, kMarkExpired, Params()).status());
   return Purge(pool_, context, kFindExpired, false, limit);
 }
 
 absl::StatusOr<std::int64_t> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,
                                                        std::int64_t limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kCollectBlobs,
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kCollectBlobs,
                                                             Params(static_cast<std::int64_t>(grace.count()), limit)));
   return result.affected();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -8,7 +8,7 @@
 #include "storage/postgres/session_deletion.h"
 #include "storage/postgres/wkb.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -116,12 +116,12 @@ absl::StatusOr<Map> Decode(MapRow row) {
 }
 
 absl::StatusOr<Map> ReadMap(const postgres::Result& result, const std::string& name) {
-  ENFILADE_ASSIGN_OR_RETURN(MapRow row, ReadOne(result, ReadMapRow, name));
+  ENFILADE_ASSIGN_OR_RETURN(MapRow row, storage::postgres::ReadOne(result, ReadMapRow, name));
   return Decode(std::move(row));
 }
 
 absl::StatusOr<std::vector<Map>> ReadMaps(const postgres::Result& result) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<MapRow> rows, ReadRows(result, ReadMapRow));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<MapRow> rows, storage::postgres::ReadRows(result, ReadMapRow));
   std::vector<Map> maps;
   for (MapRow& row : rows) {
     ENFILADE_ASSIGN_OR_RETURN(Map map, Decode(std::move(row)));
@@ -184,7 +184,7 @@ absl::Status TakeFromGraph(Transaction& transaction, const SiteId& site, const M
   const std::vector<std::string_view> ids(link_points.begin(), link_points.end());
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kFindOrphans, Params(site, ids)));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> orphans,
-                            ReadRows(found, [](Row& row) { return std::string(row.Text()); }));
+                            storage::postgres::ReadRows(found, [](Row& row) { return std::string(row.Text()); }));
   for (const std::string& orphan : orphans) postgres::QueueRemoval(transaction, site, LinkPointId(orphan));
   const std::vector<std::string_view> orphan_ids(orphans.begin(), orphans.end());
   transaction.Queue(kDeleteOrphans, Params(site, orphan_ids));
@@ -210,21 +210,21 @@ absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map,
   if (inserted.ok()) return ReadMap(inserted->back(), NameOf(map.site, map.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindMapRequest, Params(map.site, request_id)));
+                              storage::postgres::ExecuteAlone(pool_, context, kFindMapRequest, Params(map.site, request_id)));
     if (earlier.rows() > 0) return ReadMap(earlier, NameOf(map.site, map.id));
   }
   return Explain(inserted.status(), map);
 }
 
 absl::StatusOr<Map> MapStore::Get(const CallContext& context, const SiteId& site, const MapId& map) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectMap, Params(site, map)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectMap, Params(site, map)));
   return ReadMap(result, NameOf(site, map));
 }
 
 absl::StatusOr<Map> MapStore::GetByDisplayName(const CallContext& context, const SiteId& site,
                                                const std::string& display_name) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kSelectByDisplayName, Params(site, display_name)));
+                            storage::postgres::ExecuteAlone(pool_, context, kSelectByDisplayName, Params(site, display_name)));
   return ReadMap(result, fmt::format("a map \"{}\" in {}", display_name, NameOf(site)));
 }
 
@@ -232,14 +232,14 @@ absl::StatusOr<std::vector<Map>> MapStore::List(const CallContext& context, cons
                                                 const PageRequest& page) const {
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
-      ExecuteAlone(pool_, context, kListMaps, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
+      storage::postgres::ExecuteAlone(pool_, context, kListMaps, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
   return ReadMaps(result);
 }
 
 absl::StatusOr<std::vector<Map>> MapStore::FindByOutline(const CallContext& context, const SiteId& site, int level,
                                                          const Rectangle& rectangle) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kFindByOutline,
+                            storage::postgres::ExecuteAlone(pool_, context, kFindByOutline,
                                          Params(site, std::int32_t{level}, rectangle.min.x(), rectangle.min.y(),
                                                 rectangle.max.x(), rectangle.max.y())));
   return ReadMaps(result);
@@ -269,7 +269,7 @@ absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map)
 absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
                               bool force) const {
   const auto ids_of = [](const postgres::Result& result) {
-    return ReadRows(result, [](Row& row) { return std::string(row.Text()); });
+    return storage::postgres::ReadRows(result, [](Row& row) { return std::string(row.Text()); });
   };
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(
@@ -284,7 +284,7 @@ absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, co
   if (force) transaction.Queue(postgres::kRevokeLeases, Params(site, session_views));
   ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockMap, Params(site, map)));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
-                            ReadOne(
+                            storage::postgres::ReadOne(
                                 locked, [](Row& row) { return row.Int64(); }, NameOf(site, map)));
   if (etag != 0 && etag != stored_etag) return postgres::StaleEtag(NameOf(site, map));
   if (!force) ENFILADE_RETURN_IF_ERROR(RefuseWhereNeeded(NameOf(site, map), sessions, link_points));
@@ -298,4 +298,4 @@ absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, co
   return WithContext(committed, NameOf(site, map));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -10,7 +10,7 @@
 #include "storage/postgres/session_row.h"
 #include "storage/postgres/slam_rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::Bytes;
@@ -87,7 +87,7 @@ absl::StatusOr<Target> LockTarget(Transaction& transaction, const SessionLease& 
   if (results[0].rows() == 0 || results[1].rows() == 0) return lost;
   Row row(results[0], 0);
   if (row.Int64() != lease.token) return lost;
-  return ReadOne(results[1], ReadTarget, NameOf(lease.site, lease.session));
+  return storage::postgres::ReadOne(results[1], ReadTarget, NameOf(lease.site, lease.session));
 }
 
 absl::Status ValidateStep(const SessionLease& lease, const Target& target, const MappingStep& step) {
@@ -126,7 +126,7 @@ absl::StatusOr<std::int64_t> MappingStore::Commit(const CallContext& context, co
   std::int64_t revision = 0;
   if (step.revision) {
     const MapState state = step.final_state ? MapState::kReady : MapState::kMapping;
-    const auto added = AddRevision(transaction, lease.site, target.map, *step.revision, step.blobs, state);
+    const auto added = storage::postgres::AddRevision(transaction, lease.site, target.map, *step.revision, step.blobs, state);
     if (!added.ok()) return postgres::ExplainRevisionError(added.status(), lease.site, target.map);
     revision = *added;
   } else if (step.final_state) {
@@ -174,15 +174,15 @@ absl::StatusOr<Trajectory> MappingStore::ReadTrajectory(const CallContext& conte
   Row row(results[0], 0);
   trajectory.mapped_sequence = row.Int64();
   ENFILADE_RETURN_IF_ERROR(row.status());
-  ENFILADE_ASSIGN_OR_RETURN(trajectory.poses, ReadRows(results[1], [](Row& point) {
+  ENFILADE_ASSIGN_OR_RETURN(trajectory.poses, storage::postgres::ReadRows(results[1], [](Row& point) {
                               const TimeNs time = point.Int64();
-                              const Pose2 T_map_node = ReadPose(point);
-                              return StampedPose{time, T_map_node * ReadPose(point)};
+                              const Pose2 T_map_node = storage::postgres::ReadPose(point);
+                              return slam::StampedPose{time, T_map_node * storage::postgres::ReadPose(point)};
                             }));
   return trajectory;
 }
 
-absl::StatusOr<std::vector<SlamNode>> MappingStore::ListKeyframes(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<slam::SlamNode>> MappingStore::ListKeyframes(const CallContext& context, const SiteId& site,
                                                                   const SessionId& session) const {
   return postgres::ListNodes(pool_, context, site, session);
 }
@@ -196,10 +196,10 @@ absl::StatusOr<std::optional<PoseWithCovariance>> MappingStore::FindKeyframe(con
   if (found.rows() == 0) return std::nullopt;
   Row row(found, 0);
   PoseWithCovariance keyframe;
-  keyframe.pose = ReadPose(row);
+  keyframe.pose = storage::postgres::ReadPose(row);
   keyframe.covariance = postgres::ReadCovariance(row);
   ENFILADE_RETURN_IF_ERROR(row.status());
   return std::optional<PoseWithCovariance>(keyframe);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

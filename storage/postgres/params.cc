@@ -1,6 +1,6 @@
 #include "storage/postgres/params.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 Params::Bound Params::Bind() const {
   // libpq takes a null pointer for NULL, so that an empty text needs one that is not null.
@@ -36,4 +36,4 @@ void Params::AppendElement(std::string_view value) {
   buffer_.append(value);
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -11,7 +11,7 @@
 #include "core/base/time.h"
 #include "storage/postgres/types.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // Marks bytes to be bound as bytea, where a plain std::string_view is bound as text.
 struct Bytes {
@@ -108,4 +108,4 @@ class Params {
   std::vector<Param> params_;
 };
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -8,7 +8,7 @@
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 constexpr Statement kSelectWithMaps{
@@ -63,7 +63,7 @@ absl::Status ReadPlaces(Transaction& transaction, const SiteId& site, const std:
                         Places& places) {
   std::set<std::string_view> ids;
   for (const StoredLinkPoint& link_point : link_points) {
-    for (const Anchor& anchor : link_point.point.anchors) {
+    for (const graph::Anchor& anchor : link_point.point.anchors) {
       if (!places.contains(anchor.map)) ids.insert(anchor.map.value());
     }
   }
@@ -81,9 +81,9 @@ absl::Status ReadPlaces(Transaction& transaction, const SiteId& site, const std:
   return absl::OkStatus();
 }
 
-std::optional<PoseWithCovariance> BestPlace(const LinkPoint& point, const Places& places) {
+std::optional<PoseWithCovariance> BestPlace(const graph::LinkPoint& point, const Places& places) {
   std::optional<PoseWithCovariance> best;
-  for (const Anchor& anchor : point.anchors) {
+  for (const graph::Anchor& anchor : point.anchors) {
     const auto map = places.find(anchor.map);
     if (map == places.end()) continue;
     const PoseWithCovariance place = Compose(map->second, {anchor.T_map_place, anchor.covariance});
@@ -111,8 +111,8 @@ absl::Status PlaceLinkPoint(Transaction& transaction, const SiteId& site, std::i
       const auto place = BestPlace(next.point, places);
       if (!place) continue;
       placed.emplace(next.point.id, *place);
-      if (next.point.use != LinkPointUse::kUsed) continue;
-      for (const Anchor& anchor : next.point.anchors) {
+      if (next.point.use != graph::LinkPointUse::kUsed) continue;
+      for (const graph::Anchor& anchor : next.point.anchors) {
         const auto [map, is_new] = places.try_emplace(anchor.map);
         if (!is_new) continue;
         map->second = Compose(*place, Inverse(PoseWithCovariance{anchor.T_map_place, anchor.covariance}));
@@ -139,4 +139,4 @@ void QueuePlaces(Transaction& transaction, const SiteId& site, std::int64_t vers
   link_point_columns.QueueTo(transaction, kPlaceLinkPoints, site, version);
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -7,7 +7,7 @@
 #include "storage/graph_store.h"
 #include "storage/postgres/transaction.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // Gives the link point its place in the world, by the anchor that leaves the least uncertain position, and through it
 // (where it is used) the maps that have none yet, their link points, and so on: a first estimate, until the graph is
@@ -19,4 +19,4 @@ absl::Status PlaceLinkPoint(Transaction& transaction, const SiteId& site, std::i
 void QueuePlaces(Transaction& transaction, const SiteId& site, std::int64_t version, const std::vector<MapPose>& maps,
                  const std::vector<LinkPointPose>& link_points);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

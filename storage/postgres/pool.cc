@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "storage/postgres/connection.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 using std::chrono::milliseconds;
@@ -145,4 +145,4 @@ Pool::Stats Pool::stats() const {
   return stats_;
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

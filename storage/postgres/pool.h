@@ -12,7 +12,7 @@
 #include "core/base/mutex.h"
 #include "storage/call_context.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 class Connection;
 
@@ -105,4 +105,4 @@ class Pool {
   absl::Status last_failure_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -7,7 +7,7 @@
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/result.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // A pose that may be missing, as the parameters of its columns: NULLs where it is.
 struct PoseColumns {
@@ -50,4 +50,4 @@ inline std::optional<PoseWithCovariance> ReadOptionalPoseWithCovariance(Row& row
   return PoseWithCovariance{*pose, covariance};
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -8,7 +8,7 @@
 #include "storage/postgres/append.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -45,16 +45,16 @@ constexpr Statement kReadEach{
 
 constexpr char kRefusedSequencePayload[] = "enfilade/refused_sequence";
 
-absl::StatusOr<std::vector<Record>> DecodeRecords(const postgres::Result& result, const std::string& session) {
-  std::vector<Record> records;
+absl::StatusOr<std::vector<sensor::Record>> DecodeRecords(const postgres::Result& result, const std::string& session) {
+  std::vector<sensor::Record> records;
   records.reserve(static_cast<std::size_t>(result.rows()));
   for (int i = 0; i < result.rows(); ++i) {
     Row row(result, i);
     const std::int64_t sequence = row.Int64();
-    const auto kind = static_cast<RecordKind>(row.Int16());
+    const auto kind = static_cast<sensor::RecordKind>(row.Int16());
     const std::string_view payload = row.Bytes();
     ENFILADE_RETURN_IF_ERROR(row.status());
-    auto record = DecodePayload(sequence, kind, payload);
+    auto record = sensor::DecodePayload(sequence, kind, payload);
     if (!record.ok()) return WithContext(record.status(), session);
     records.push_back(*std::move(record));
   }
@@ -99,7 +99,7 @@ std::vector<absl::StatusOr<AppendResult>> RecordStore::AppendGroup(const CallCon
   return answers;
 }
 
-absl::StatusOr<std::vector<Record>> RecordStore::Read(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<sensor::Record>> RecordStore::Read(const CallContext& context, const SiteId& site,
                                                       const SessionId& session, std::int64_t from_sequence,
                                                       std::int64_t max_bytes) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
@@ -107,7 +107,7 @@ absl::StatusOr<std::vector<Record>> RecordStore::Read(const CallContext& context
   transaction.Queue(kSelectRetention, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   ENFILADE_ASSIGN_OR_RETURN(const bool deleted,
-                            ReadOne(
+                            storage::postgres::ReadOne(
                                 results[1], [](Row& row) { return row.Bool(); }, NameOf(site, session)));
   if (deleted) {
     return FailedPrecondition("the records of {} were deleted at the end of the site's retention",
@@ -116,24 +116,24 @@ absl::StatusOr<std::vector<Record>> RecordStore::Read(const CallContext& context
   return DecodeRecords(results[0], NameOf(site, session));
 }
 
-absl::StatusOr<std::vector<Record>> RecordStore::ReadSelected(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<sensor::Record>> RecordStore::ReadSelected(const CallContext& context, const SiteId& site,
                                                               const SessionId& session,
                                                               const RecordSelection& selection) const {
   std::vector<std::int16_t> kinds;
-  for (const RecordKind kind : selection.kinds) kinds.push_back(static_cast<std::int16_t>(kind));
+  for (const sensor::RecordKind kind : selection.kinds) kinds.push_back(static_cast<std::int16_t>(kind));
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kReadSelected,
+                            storage::postgres::ExecuteAlone(pool_, context, kReadSelected,
                                          Params(site, session, selection.first_sequence, selection.last_sequence, kinds,
                                                 selection.from_time, selection.to_time)));
   return DecodeRecords(result, NameOf(site, session));
 }
 
-absl::StatusOr<std::vector<Record>> RecordStore::ReadEach(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<sensor::Record>> RecordStore::ReadEach(const CallContext& context, const SiteId& site,
                                                           const SessionId& session,
                                                           const std::vector<std::int64_t>& sequences) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kReadEach, Params(site, session, sequences)));
+                            storage::postgres::ExecuteAlone(pool_, context, kReadEach, Params(site, session, sequences)));
   return DecodeRecords(result, NameOf(site, session));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

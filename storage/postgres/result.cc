@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 // Bytes of an array of one dimension before its elements: dimensions, flags, type, length, lower bound.
@@ -122,4 +122,4 @@ void Row::Fail(std::string_view why) {
   status_ = Internal("column {} ({}) of a result {}", column_, name ? name : "?", why);
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

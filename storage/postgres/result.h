@@ -14,7 +14,7 @@
 
 struct pg_result;
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // The rows that a statement gave, in binary.
 class Result {
@@ -85,4 +85,4 @@ class Row {
   absl::Status status_;
 };
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -5,7 +5,7 @@
 #include "storage/postgres/layer_rows.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 // NO KEY: robots' new sessions, which refer to the map, do not wait.
@@ -57,7 +57,7 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const SiteId&
       columns.push_back(tile.key.column);
       digests.push_back(Bytes{tile.sha256});
     }
-    const GridGeometry& grid = revision.geometry;
+    const grid::GridGeometry& grid = revision.geometry;
     transaction.Queue(kInsertRevision, Params(site, map, number, source, revision.session, grid.resolution,
                                               grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw,
                                               std::int32_t{grid.width}, std::int32_t{grid.height},
@@ -81,4 +81,4 @@ absl::Status ExplainRevisionError(const absl::Status& status, const SiteId& site
   return WithContext(status, NameOf(site, map));
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

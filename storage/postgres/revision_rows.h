@@ -8,7 +8,7 @@
 #include "storage/postgres/transaction.h"
 #include "storage/revision_store.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // RevisionStore::Add within a transaction: gives the number of the new revision, or of the current one where that has
 // the same content already. The map's state becomes `state`. Partly queued: errors may come with the commit only, to be
@@ -18,4 +18,4 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const SiteId&
 
 absl::Status ExplainRevisionError(const absl::Status& status, const SiteId& site, const MapId& map);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

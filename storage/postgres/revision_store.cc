@@ -7,7 +7,7 @@
 #include "storage/postgres/revision_rows.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -81,19 +81,19 @@ absl::StatusOr<MapRevision> RevisionStore::Add(const CallContext& context, const
                                                const NewRevision& revision, absl::Span<const BlobView> blobs) const {
   ENFILADE_RETURN_IF_ERROR(postgres::ValidateBlobs(blobs));
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  const auto number = AddRevision(transaction, site, map, revision, blobs, MapState::kReady);
+  const auto number = storage::postgres::AddRevision(transaction, site, map, revision, blobs, MapState::kReady);
   if (!number.ok()) return postgres::ExplainRevisionError(number.status(), site, map);
   transaction.Queue(kSelectRevision, Params(site, map, *number));
   const auto results = transaction.FlushAndCommit();
   if (!results.ok()) return postgres::ExplainRevisionError(results.status(), site, map);
-  return ReadOne(results->back(), ReadRevision, NameOfRevision(site, map, *number));
+  return storage::postgres::ReadOne(results->back(), ReadRevision, NameOfRevision(site, map, *number));
 }
 
 absl::StatusOr<MapRevision> RevisionStore::Get(const CallContext& context, const SiteId& site, const MapId& map,
                                                std::int64_t number) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
-  return ReadOne(result, ReadRevision, NameOfRevision(site, map, number));
+                            storage::postgres::ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
+  return storage::postgres::ReadOne(result, ReadRevision, NameOfRevision(site, map, number));
 }
 
 absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& context, const SiteId& site,
@@ -104,7 +104,7 @@ absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& 
   transaction.Queue(kListRevisions, Params(site, map, below, static_cast<std::int64_t>(limit)));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
-  return ReadRows(results[1], ReadRevision);
+  return storage::postgres::ReadRows(results[1], ReadRevision);
 }
 
 absl::StatusOr<std::vector<TileRef>> RevisionStore::ListTiles(const CallContext& context, const SiteId& site,
@@ -114,7 +114,7 @@ absl::StatusOr<std::vector<TileRef>> RevisionStore::ListTiles(const CallContext&
   transaction.Queue(kListTiles, Params(site, map, number));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOfRevision(site, map, number));
-  return ReadRows(results[1], [](Row& row) {
+  return storage::postgres::ReadRows(results[1], [](Row& row) {
     const std::int32_t tile_row = row.Int32();
     const std::int32_t tile_column = row.Int32();
     return TileRef{{tile_row, tile_column}, std::string(row.Bytes())};
@@ -126,10 +126,10 @@ absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& co
                                                            std::optional<TileKey> after, std::int64_t max_bytes) const {
   constexpr int kFirst = std::numeric_limits<std::int32_t>::min();
   const TileKey behind = after.value_or(TileKey{kFirst, kFirst});
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kReadTiles,
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kReadTiles,
                                                             Params(site, map, number, std::int32_t{behind.row},
                                                                    std::int32_t{behind.column}, max_bytes)));
-  return ReadRows(result, [](Row& row) {
+  return storage::postgres::ReadRows(result, [](Row& row) {
     const std::int32_t tile_row = row.Int32();
     const std::int32_t tile_column = row.Int32();
     Tile tile{{tile_row, tile_column}, std::string(row.Bytes()), {}};
@@ -138,4 +138,4 @@ absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& co
   });
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

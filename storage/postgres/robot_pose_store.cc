@@ -4,7 +4,7 @@
 #include "storage/postgres/link_point_rows.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -48,7 +48,7 @@ absl::Status RobotPoseStore::Report(const CallContext& context, const RobotPose&
   const Pose2& T_map_robot = pose.T_map_robot.pose;
   if (!IsFinite(T_map_robot)) return InvalidArgument("the pose is not finite");
   ENFILADE_RETURN_IF_ERROR(postgres::ValidateCovariance("covariance", pose.T_map_robot.covariance));
-  const auto stored = ExecuteAlone(pool_, context, kReport,
+  const auto stored = storage::postgres::ExecuteAlone(pool_, context, kReport,
                                    Params(pose.site, pose.robot, pose.map, pose.session, T_map_robot.x, T_map_robot.y,
                                           T_map_robot.yaw, pose.time, postgres::ToRow(pose.T_map_robot.covariance)));
   const std::string constraint = postgres::ConstraintOf(stored.status());
@@ -62,13 +62,13 @@ absl::Status RobotPoseStore::Report(const CallContext& context, const RobotPose&
 
 absl::StatusOr<RobotPose> RobotPoseStore::Get(const CallContext& context, const SiteId& site,
                                               const RobotId& robot) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectRobotPose, Params(site, robot)));
-  return ReadOne(result, ReadRobotPose, "a pose of " + NameOf(site, robot));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectRobotPose, Params(site, robot)));
+  return storage::postgres::ReadOne(result, ReadRobotPose, "a pose of " + NameOf(site, robot));
 }
 
 absl::StatusOr<std::vector<RobotPose>> RobotPoseStore::List(const CallContext& context, const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListRobotPoses, Params(site)));
-  return ReadRows(result, ReadRobotPose);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kListRobotPoses, Params(site)));
+  return storage::postgres::ReadRows(result, ReadRobotPose);
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

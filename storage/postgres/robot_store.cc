@@ -3,7 +3,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -58,49 +58,49 @@ absl::Status Explain(const absl::Status& status, const Robot& robot) {
 absl::StatusOr<Robot> RobotStore::Create(const CallContext& context, const Robot& robot,
                                          const std::string& request_id) const {
   const auto inserted =
-      ExecuteAlone(pool_, context, kInsertRobot,
+      storage::postgres::ExecuteAlone(pool_, context, kInsertRobot,
                    Params(robot.site, robot.id, robot.display_name, postgres::NullIfEmpty(request_id)));
-  if (inserted.ok()) return ReadOne(*inserted, ReadRobot, NameOf(robot.site, robot.id));
+  if (inserted.ok()) return storage::postgres::ReadOne(*inserted, ReadRobot, NameOf(robot.site, robot.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindRobotRequest, Params(robot.site, request_id)));
-    if (earlier.rows() > 0) return ReadOne(earlier, ReadRobot, NameOf(robot.site, robot.id));
+                              storage::postgres::ExecuteAlone(pool_, context, kFindRobotRequest, Params(robot.site, request_id)));
+    if (earlier.rows() > 0) return storage::postgres::ReadOne(earlier, ReadRobot, NameOf(robot.site, robot.id));
   }
   return Explain(inserted.status(), robot);
 }
 
 absl::StatusOr<Robot> RobotStore::Ensure(const CallContext& context, const Robot& robot) const {
   const auto inserted =
-      ExecuteAlone(pool_, context, kInsertIfMissing, Params(robot.site, robot.id, robot.display_name));
+      storage::postgres::ExecuteAlone(pool_, context, kInsertIfMissing, Params(robot.site, robot.id, robot.display_name));
   if (!inserted.ok()) return Explain(inserted.status(), robot);
   return Get(context, robot.site, robot.id);
 }
 
 absl::StatusOr<Robot> RobotStore::Get(const CallContext& context, const SiteId& site, const RobotId& robot) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectRobot, Params(site, robot)));
-  return ReadOne(result, ReadRobot, NameOf(site, robot));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectRobot, Params(site, robot)));
+  return storage::postgres::ReadOne(result, ReadRobot, NameOf(site, robot));
 }
 
 absl::StatusOr<std::vector<Robot>> RobotStore::List(const CallContext& context, const SiteId& site,
                                                     const PageRequest& page) const {
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
-      ExecuteAlone(pool_, context, kListRobots, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
-  return ReadRows(result, ReadRobot);
+      storage::postgres::ExecuteAlone(pool_, context, kListRobots, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
+  return storage::postgres::ReadRows(result, ReadRobot);
 }
 
 absl::StatusOr<Robot> RobotStore::Update(const CallContext& context, const Robot& robot) const {
   const auto updated =
-      ExecuteAlone(pool_, context, kUpdateRobot, Params(robot.site, robot.id, robot.etag, robot.display_name));
+      storage::postgres::ExecuteAlone(pool_, context, kUpdateRobot, Params(robot.site, robot.id, robot.etag, robot.display_name));
   if (!updated.ok()) return Explain(updated.status(), robot);
-  if (updated->rows() > 0) return ReadOne(*updated, ReadRobot, NameOf(robot.site, robot.id));
+  if (updated->rows() > 0) return storage::postgres::ReadOne(*updated, ReadRobot, NameOf(robot.site, robot.id));
   ENFILADE_RETURN_IF_ERROR(Get(context, robot.site, robot.id).status());
   return postgres::StaleEtag(NameOf(robot.site, robot.id));
 }
 
 absl::Status RobotStore::Delete(const CallContext& context, const SiteId& site, const RobotId& robot,
                                 std::int64_t etag) const {
-  const auto deleted = ExecuteAlone(pool_, context, kDeleteRobot, Params(site, robot, etag));
+  const auto deleted = storage::postgres::ExecuteAlone(pool_, context, kDeleteRobot, Params(site, robot, etag));
   if (absl::IsFailedPrecondition(deleted.status()) && postgres::SqlStateOf(deleted.status()) == "23503") {
     return FailedPrecondition("{} still has sessions: delete them first", NameOf(site, robot));
   }
@@ -110,4 +110,4 @@ absl::Status RobotStore::Delete(const CallContext& context, const SiteId& site, 
   return postgres::StaleEtag(NameOf(site, robot));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -12,7 +12,7 @@
 #include "storage/postgres/error.h"
 #include "storage/postgres/transaction.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // Bound as NULL where empty.
 inline std::optional<std::string_view> NullIfEmpty(const std::string& text) {
@@ -48,4 +48,4 @@ inline absl::Status StaleEtag(const std::string& name) {
   return Aborted("{} has been changed meanwhile: read it again and repeat the change", name);
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

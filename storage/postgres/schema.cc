@@ -5,7 +5,7 @@
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -24,12 +24,12 @@ constexpr Statement kSelectDeployed{
 absl::StatusOr<SchemaState> CheckSchema(const CallContext& context, postgres::Pool& pool) {
   SchemaState state;
   state.expected = kMigrations.back();
-  ENFILADE_ASSIGN_OR_RETURN(const auto registry, ExecuteAlone(pool, context, kHasRegistry, Params()));
-  ENFILADE_ASSIGN_OR_RETURN(const bool migrated, ReadOne(
+  ENFILADE_ASSIGN_OR_RETURN(const auto registry, storage::postgres::ExecuteAlone(pool, context, kHasRegistry, Params()));
+  ENFILADE_ASSIGN_OR_RETURN(const bool migrated, storage::postgres::ReadOne(
                                                      registry, [](Row& row) { return row.Bool(); }, "the registry"));
   if (!migrated) return state;
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, kSelectDeployed, Params()));
-  ENFILADE_ASSIGN_OR_RETURN(const auto deployed, ReadRows(result, [](Row& row) { return std::string(row.Text()); }));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool, context, kSelectDeployed, Params()));
+  ENFILADE_ASSIGN_OR_RETURN(const auto deployed, storage::postgres::ReadRows(result, [](Row& row) { return std::string(row.Text()); }));
   if (deployed.empty()) return state;
   state.deployed = deployed.back();
   const auto unknown = [](const std::string& change) {
@@ -45,4 +45,4 @@ absl::StatusOr<SchemaState> CheckSchema(const CallContext& context, postgres::Po
   return state;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -1,6 +1,6 @@
 #include "storage/postgres/session_deletion.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 const Statement kRevokeLeases{
     "revoking the sessions' leases",
@@ -14,4 +14,4 @@ const Statement kMarkSessionsDeleted{
     "UPDATE enfilade.sessions SET delete_time = now(), robot_id = NULL, map_id = NULL, purged = false"
     " WHERE site_id = $1 AND session_id = ANY ($2) AND delete_time IS NULL RETURNING session_id"};
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

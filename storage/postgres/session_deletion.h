@@ -2,7 +2,7 @@
 
 #include "storage/postgres/connection.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // What deleting a session means, for one session and for all that map into a deleted map. Locks are taken in the order
 // lease, map, session, as everywhere.
@@ -12,4 +12,4 @@ extern const Statement kRevokeLeases;
 // $1 site, $2 sessions (text[]): leaves what late records are refused by; gives the sessions that were not yet deleted.
 extern const Statement kMarkSessionsDeleted;
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

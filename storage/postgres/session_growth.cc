@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 // Times are the numbers' limits where no record with a time was added.
@@ -22,17 +22,17 @@ constexpr Statement kGrow{
     " last_time)"
     " WHERE s.site_id = $1 AND s.session_id = u.session_id"};
 
-std::int64_t& CountOf(RecordCounts& counts, RecordKind kind) {
+std::int64_t& CountOf(RecordCounts& counts, sensor::RecordKind kind) {
   switch (kind) {
-    case RecordKind::kLaserScan:
+    case sensor::RecordKind::kLaserScan:
       return counts.laser_scans;
-    case RecordKind::kOdometry:
+    case sensor::RecordKind::kOdometry:
       return counts.odometry;
-    case RecordKind::kImage:
+    case sensor::RecordKind::kImage:
       return counts.images;
-    case RecordKind::kPointCloud:
+    case sensor::RecordKind::kPointCloud:
       return counts.point_clouds;
-    case RecordKind::kDoorReport:
+    case sensor::RecordKind::kDoorReport:
       return counts.door_reports;
     default:
       return counts.withheld;
@@ -41,7 +41,7 @@ std::int64_t& CountOf(RecordCounts& counts, RecordKind kind) {
 
 }  // namespace
 
-void SessionGrowth::Add(const Record& record, std::int64_t record_bytes) {
+void SessionGrowth::Add(const sensor::Record& record, std::int64_t record_bytes) {
   if (record.sequence == acknowledged + 1) {
     if (highest <= acknowledged) {
       acknowledged = record.sequence;
@@ -50,11 +50,11 @@ void SessionGrowth::Add(const Record& record, std::int64_t record_bytes) {
     }
   }
   highest = std::max(highest, record.sequence);
-  const RecordKind kind = KindOf(record);
+  const sensor::RecordKind kind = sensor::KindOf(record);
   ++CountOf(counts, kind);
   payload_bytes += record_bytes;
-  if (kind == RecordKind::kWithheld) return;
-  const TimeNs time = TimeOf(record);
+  if (kind == sensor::RecordKind::kWithheld) return;
+  const TimeNs time = sensor::TimeOf(record);
   first_time = std::min(first_time.value_or(time), time);
   last_time = std::max(last_time.value_or(time), time);
 }
@@ -83,4 +83,4 @@ void QueueGrowth(Transaction& transaction, const SiteId& site,
                                   doors, bytes, first, last));
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -11,7 +11,7 @@
 #include "storage/postgres/transaction.h"
 #include "storage/session_store.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // How a session's row changes with the records that are added to its log.
 struct SessionGrowth {
@@ -26,11 +26,11 @@ struct SessionGrowth {
   std::optional<TimeNs> last_time;
 
   // `record` is not stored yet. Records come in any order.
-  void Add(const Record& record, std::int64_t record_bytes);
+  void Add(const sensor::Record& record, std::int64_t record_bytes);
 };
 
 // Queues the change of the rows, which the transaction has locked.
 void QueueGrowth(Transaction& transaction, const SiteId& site,
                  absl::Span<const std::pair<std::string_view, const SessionGrowth*>> growths);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

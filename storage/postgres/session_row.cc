@@ -2,11 +2,11 @@
 
 #include "storage/postgres/pose_columns.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
-SessionEntry ReadEntry(Row& row) {
-  SessionEntry entry;
+sensor::SessionEntry ReadEntry(Row& row) {
+  sensor::SessionEntry entry;
   if (const auto previous = row.OptionalText()) entry.previous = SessionId(std::string(*previous));
   entry.T_map_robot = ReadOptionalPoseWithCovariance(row);
   entry.T_odom_robot = ReadOptionalPose(row);
@@ -43,4 +43,4 @@ Session ReadSession(Row& row) {
   return session;
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -4,7 +4,7 @@
 #include "storage/postgres/result.h"
 #include "storage/session_store.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // What ReadSession reads, for sessions `s` with their checkpoint `c`.
 #define ENFILADE_SESSION_COLUMNS                                                                         \
@@ -26,4 +26,4 @@ constexpr Statement kSessionExists{
 
 Session ReadSession(Row& row);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

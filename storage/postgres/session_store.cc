@@ -7,7 +7,7 @@
 #include "storage/postgres/session_deletion.h"
 #include "storage/postgres/session_row.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -66,30 +66,30 @@ absl::Status Explain(const absl::Status& status, const Session& session) {
 
 absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const Session& session,
                                              const std::string& request_id) const {
-  const SessionEntry& entry = session.entry;
+  const sensor::SessionEntry& entry = session.entry;
   if (entry.T_map_robot) {
     ENFILADE_RETURN_IF_ERROR(
         postgres::ValidateCovariance("entry.pose_map_robot.covariance", entry.T_map_robot->covariance));
   }
   const PoseColumns initial(entry.T_map_robot);
   const PoseColumns odom(entry.T_odom_robot);
-  const auto inserted = ExecuteAlone(
+  const auto inserted = storage::postgres::ExecuteAlone(
       pool_, context, kInsertSession,
       Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id), entry.previous,
              initial.x, initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw));
   if (inserted.ok()) return Get(context, session.site, session.id);
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindSessionRequest, Params(session.site, request_id)));
-    if (earlier.rows() > 0) return ReadOne(earlier, ReadSession, NameOf(session.site, session.id));
+                              storage::postgres::ExecuteAlone(pool_, context, kFindSessionRequest, Params(session.site, request_id)));
+    if (earlier.rows() > 0) return storage::postgres::ReadOne(earlier, storage::postgres::ReadSession, NameOf(session.site, session.id));
   }
   return Explain(inserted.status(), session);
 }
 
 absl::StatusOr<Session> SessionStore::Get(const CallContext& context, const SiteId& site,
                                           const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectSession, Params(site, session)));
-  return ReadOne(result, ReadSession, NameOf(site, session));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectSession, Params(site, session)));
+  return storage::postgres::ReadOne(result, storage::postgres::ReadSession, NameOf(site, session));
 }
 
 absl::StatusOr<std::vector<Session>> SessionStore::List(const CallContext& context, const SiteId& site,
@@ -100,10 +100,10 @@ absl::StatusOr<std::vector<Session>> SessionStore::List(const CallContext& conte
   std::optional<std::int16_t> state;
   if (filter.state) state = static_cast<std::int16_t>(*filter.state);
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kListSessions,
+                            storage::postgres::ExecuteAlone(pool_, context, kListSessions,
                                          Params(site, postgres::Timestamp{before.create_time}, before.id, filter.robot,
                                                 filter.map, state, static_cast<std::int64_t>(limit))));
-  return ReadRows(result, ReadSession);
+  return storage::postgres::ReadRows(result, storage::postgres::ReadSession);
 }
 
 absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const SiteId& site, const SessionId& session,
@@ -126,7 +126,7 @@ absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const S
   if (!finished) transaction.Queue(kFinish, Params(site, session));
   transaction.Queue(kSelectSession, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  return ReadOne(results.back(), ReadSession, NameOf(site, session));
+  return storage::postgres::ReadOne(results.back(), storage::postgres::ReadSession, NameOf(site, session));
 }
 
 absl::Status SessionStore::Delete(const CallContext& context, const SiteId& site, const SessionId& session) const {
@@ -139,4 +139,4 @@ absl::Status SessionStore::Delete(const CallContext& context, const SiteId& site
   return WithContext(transaction.Commit(), NameOf(site, session));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

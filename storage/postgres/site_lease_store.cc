@@ -3,7 +3,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -30,11 +30,11 @@ constexpr Statement kReleaseSiteLease{"giving the site's lease back",
 absl::StatusOr<std::optional<SiteLease>> SiteLeaseStore::Acquire(const CallContext& context, const SiteId& site,
                                                                  const std::string& owner,
                                                                  std::chrono::milliseconds ttl) const {
-  const auto taken = ExecuteAlone(pool_, context, kTakeSiteLease, Params(site, owner, std::int64_t{ttl.count()}));
+  const auto taken = storage::postgres::ExecuteAlone(pool_, context, kTakeSiteLease, Params(site, owner, std::int64_t{ttl.count()}));
   if (postgres::SqlStateOf(taken.status()) == "23503") return NotFound("{} does not exist", NameOf(site));
   ENFILADE_RETURN_IF_ERROR(taken.status());
   if (taken->rows() == 0) return std::nullopt;
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t token, ReadOne(
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t token, storage::postgres::ReadOne(
                                                           *taken, [](Row& row) { return row.Int64(); }, "the lease"));
   return SiteLease{site, owner, token};
 }
@@ -42,14 +42,14 @@ absl::StatusOr<std::optional<SiteLease>> SiteLeaseStore::Acquire(const CallConte
 absl::Status SiteLeaseStore::Renew(const CallContext& context, const SiteLease& lease,
                                    std::chrono::milliseconds ttl) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto renewed,
-                            ExecuteAlone(pool_, context, kRenewSiteLease,
+                            storage::postgres::ExecuteAlone(pool_, context, kRenewSiteLease,
                                          Params(lease.site, lease.owner, lease.token, std::int64_t{ttl.count()})));
   if (renewed.affected() > 0) return absl::OkStatus();
   return Aborted("{} has lost the lease on {}", lease.owner, NameOf(lease.site));
 }
 
 absl::Status SiteLeaseStore::Release(const CallContext& context, const SiteLease& lease) const {
-  return ExecuteAlone(pool_, context, kReleaseSiteLease, Params(lease.site, lease.owner, lease.token)).status();
+  return storage::postgres::ExecuteAlone(pool_, context, kReleaseSiteLease, Params(lease.site, lease.owner, lease.token)).status();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

@@ -6,7 +6,7 @@
 #include "storage/postgres/graph_change.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade {
+namespace enfilade::storage {
 namespace {
 
 using postgres::ExecuteAlone;
@@ -92,33 +92,33 @@ std::optional<std::int64_t> RetentionSeconds(const Site& site) {
 absl::StatusOr<Site> SiteStore::Create(const CallContext& context, const Site& site,
                                        const std::string& request_id) const {
   const auto inserted =
-      ExecuteAlone(pool_, context, kInsertSite,
+      storage::postgres::ExecuteAlone(pool_, context, kInsertSite,
                    Params(site.id, site.display_name, RetentionSeconds(site), postgres::NullIfEmpty(request_id)));
-  if (inserted.ok()) return ReadOne(*inserted, ReadSite, NameOf(site.id));
+  if (inserted.ok()) return storage::postgres::ReadOne(*inserted, ReadSite, NameOf(site.id));
   if (!absl::IsAlreadyExists(inserted.status())) return WithContext(inserted.status(), NameOf(site.id));
   if (!request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, ExecuteAlone(pool_, context, kFindSiteRequest, Params(request_id)));
-    if (earlier.rows() > 0) return ReadOne(earlier, ReadSite, NameOf(site.id));
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, storage::postgres::ExecuteAlone(pool_, context, kFindSiteRequest, Params(request_id)));
+    if (earlier.rows() > 0) return storage::postgres::ReadOne(earlier, ReadSite, NameOf(site.id));
   }
   return AlreadyExists("{} exists already", NameOf(site.id));
 }
 
 absl::StatusOr<Site> SiteStore::Get(const CallContext& context, const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectSite, Params(site)));
-  return ReadOne(result, ReadSite, NameOf(site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectSite, Params(site)));
+  return storage::postgres::ReadOne(result, ReadSite, NameOf(site));
 }
 
 absl::StatusOr<std::vector<Site>> SiteStore::List(const CallContext& context, const PageRequest& page) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListSites,
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kListSites,
                                                             Params(page.after, static_cast<std::int64_t>(page.limit))));
-  return ReadRows(result, ReadSite);
+  return storage::postgres::ReadRows(result, ReadSite);
 }
 
 absl::StatusOr<Site> SiteStore::Update(const CallContext& context, const Site& site) const {
   const auto updated =
-      ExecuteAlone(pool_, context, kUpdateSite, Params(site.id, site.etag, site.display_name, RetentionSeconds(site)));
+      storage::postgres::ExecuteAlone(pool_, context, kUpdateSite, Params(site.id, site.etag, site.display_name, RetentionSeconds(site)));
   if (!updated.ok()) return WithContext(updated.status(), NameOf(site.id));
-  if (updated->rows() > 0) return ReadOne(*updated, ReadSite, NameOf(site.id));
+  if (updated->rows() > 0) return storage::postgres::ReadOne(*updated, ReadSite, NameOf(site.id));
   ENFILADE_RETURN_IF_ERROR(Get(context, site.id).status());
   return postgres::StaleEtag(NameOf(site.id));
 }
@@ -130,7 +130,7 @@ absl::Status SiteStore::Delete(const CallContext& context, const SiteId& site, s
   transaction.Queue(kCountContent, Params(site));
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Flush());
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
-                            ReadOne(
+                            storage::postgres::ReadOne(
                                 found[1], [](Row& row) { return row.Int64(); }, NameOf(site)));
   if (etag != 0 && etag != stored_etag) return postgres::StaleEtag(NameOf(site));
   Row content(found[2], 0);
@@ -147,4 +147,4 @@ absl::Status SiteStore::Delete(const CallContext& context, const SiteId& site, s
   return WithContext(transaction.Commit(), NameOf(site));
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::storage

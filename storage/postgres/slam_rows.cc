@@ -3,7 +3,7 @@
 #include "storage/postgres/pose_columns.h"
 #include "storage/postgres/rows.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 constexpr Statement kUpsertSubmap{
@@ -71,8 +71,8 @@ Eigen::Matrix3d ReadMatrix(Row& row) {
   return matrix;
 }
 
-SlamSubmap ReadSubmap(Row& row) {
-  SlamSubmap submap;
+slam::SlamSubmap ReadSubmap(Row& row) {
+  slam::SlamSubmap submap;
   submap.id = row.Int64();
   submap.version = row.Int64();
   submap.T_map_submap = ReadPose(row);
@@ -81,8 +81,8 @@ SlamSubmap ReadSubmap(Row& row) {
   return submap;
 }
 
-SlamNode ReadNode(Row& row) {
-  SlamNode node;
+slam::SlamNode ReadNode(Row& row) {
+  slam::SlamNode node;
   node.id = row.Int64();
   node.sequence = row.Int64();
   node.time = row.Int64();
@@ -92,8 +92,8 @@ SlamNode ReadNode(Row& row) {
   return node;
 }
 
-TrajectoryPoint ReadTrajectoryPoint(Row& row) {
-  TrajectoryPoint point;
+slam::TrajectoryPoint ReadTrajectoryPoint(Row& row) {
+  slam::TrajectoryPoint point;
   point.sequence = row.Int64();
   point.time = row.Int64();
   point.node = row.Int64();
@@ -102,10 +102,10 @@ TrajectoryPoint ReadTrajectoryPoint(Row& row) {
 }
 
 void QueueNodes(Transaction& transaction, const SiteId& site, const SessionId& session,
-                const std::vector<SlamNode>& nodes) {
+                const std::vector<slam::SlamNode>& nodes) {
   std::vector<std::int64_t> ids, sequences, times, submaps;
   std::vector<double> x, y, yaw, covariances;
-  for (const SlamNode& node : nodes) {
+  for (const slam::SlamNode& node : nodes) {
     ids.push_back(node.id);
     sequences.push_back(node.sequence);
     times.push_back(node.time);
@@ -119,10 +119,10 @@ void QueueNodes(Transaction& transaction, const SiteId& site, const SessionId& s
 }
 
 void QueueTrajectory(Transaction& transaction, const SiteId& site, const SessionId& session,
-                     const std::vector<TrajectoryPoint>& points) {
+                     const std::vector<slam::TrajectoryPoint>& points) {
   std::vector<std::int64_t> sequences, times, nodes;
   std::vector<double> x, y, yaw;
-  for (const TrajectoryPoint& point : points) {
+  for (const slam::TrajectoryPoint& point : points) {
     sequences.push_back(point.sequence);
     times.push_back(point.time);
     nodes.push_back(point.node);
@@ -135,14 +135,14 @@ void QueueTrajectory(Transaction& transaction, const SiteId& site, const Session
 
 }  // namespace
 
-SlamClosure ReadClosure(Row& row) {
-  SlamClosure closure;
+slam::SlamClosure ReadClosure(Row& row) {
+  slam::SlamClosure closure;
   closure.id = row.Int64();
   closure.submap = row.Int64();
   closure.node = row.Int64();
   closure.T_submap_node = ReadPose(row);
   closure.information = ReadMatrix(row);
-  closure.state = static_cast<ClosureState>(row.Int16());
+  closure.state = static_cast<slam::ClosureState>(row.Int16());
   closure.score = row.Double();
   closure.chi2 = row.Double();
   closure.reason = row.Text();
@@ -150,14 +150,14 @@ SlamClosure ReadClosure(Row& row) {
 }
 
 // In the order in which they refer to one another.
-void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const SlamDelta& delta) {
-  for (const SlamSubmap& submap : delta.submaps) {
+void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const slam::SlamDelta& delta) {
+  for (const slam::SlamSubmap& submap : delta.submaps) {
     const Pose2& pose = submap.T_map_submap;
     transaction.Queue(kUpsertSubmap, Params(site, session, submap.id, submap.version, pose.x, pose.y, pose.yaw,
                                             submap.finished, Bytes{submap.content}));
   }
   if (!delta.nodes.empty()) QueueNodes(transaction, site, session, delta.nodes);
-  for (const SlamClosure& closure : delta.closures) {
+  for (const slam::SlamClosure& closure : delta.closures) {
     const Pose2& pose = closure.T_submap_node;
     std::vector<double> information;
     AppendMatrix(closure.information, information);
@@ -168,7 +168,7 @@ void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& s
   if (!delta.trajectory.empty()) QueueTrajectory(transaction, site, session, delta.trajectory);
 }
 
-absl::StatusOr<std::vector<SlamNode>> ListNodes(Pool& pool, const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<slam::SlamNode>> ListNodes(Pool& pool, const CallContext& context, const SiteId& site,
                                                 const SessionId& session) {
   ENFILADE_ASSIGN_OR_RETURN(const auto listed, ExecuteAlone(pool, context, kSelectNodes, Params(site, session)));
   return ReadRows(listed, ReadNode);
@@ -180,16 +180,16 @@ void QueueSlamMap(Transaction& transaction, const SiteId& site, const SessionId&
   }
 }
 
-absl::StatusOr<SlamMap> ReadSlamMap(const Result& submaps, const Result& nodes, const Result& closures,
+absl::StatusOr<slam::SlamMap> ReadSlamMap(const Result& submaps, const Result& nodes, const Result& closures,
                                     const Result& trajectory) {
-  SlamDelta all;
+  slam::SlamDelta all;
   ENFILADE_ASSIGN_OR_RETURN(all.submaps, ReadRows(submaps, ReadSubmap));
   ENFILADE_ASSIGN_OR_RETURN(all.nodes, ReadRows(nodes, ReadNode));
   ENFILADE_ASSIGN_OR_RETURN(all.closures, ReadRows(closures, ReadClosure));
   ENFILADE_ASSIGN_OR_RETURN(all.trajectory, ReadRows(trajectory, ReadTrajectoryPoint));
-  SlamMap map;
+  slam::SlamMap map;
   map.Apply(std::move(all));
   return map;
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

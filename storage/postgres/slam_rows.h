@@ -8,22 +8,22 @@
 #include "storage/postgres/result.h"
 #include "storage/postgres/transaction.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // In the order in which ReadClosure reads them.
 #define ENFILADE_CLOSURE_COLUMNS "closure_id, submap_id, node_id, x, y, yaw, information, state, score, chi2, reason"
-SlamClosure ReadClosure(Row& row);
+slam::SlamClosure ReadClosure(Row& row);
 
 // Queues the delta's rows: what is there already is overwritten, so that the same delta may be stored twice.
-void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const SlamDelta& delta);
+void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const slam::SlamDelta& delta);
 
 // By id.
-absl::StatusOr<std::vector<SlamNode>> ListNodes(Pool& pool, const CallContext& context, const SiteId& site,
+absl::StatusOr<std::vector<slam::SlamNode>> ListNodes(Pool& pool, const CallContext& context, const SiteId& site,
                                                 const SessionId& session);
 
 // Queues four statements whose results ReadSlamMap takes, in that order.
 void QueueSlamMap(Transaction& transaction, const SiteId& site, const SessionId& session);
-absl::StatusOr<SlamMap> ReadSlamMap(const Result& submaps, const Result& nodes, const Result& closures,
+absl::StatusOr<slam::SlamMap> ReadSlamMap(const Result& submaps, const Result& nodes, const Result& closures,
                                     const Result& trajectory);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -6,7 +6,7 @@
 
 #include "core/base/status_macros.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 using std::chrono::steady_clock;
@@ -114,4 +114,4 @@ absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, cons
   return std::move(results.back());
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -9,7 +9,7 @@
 #include "storage/postgres/connection.h"
 #include "storage/postgres/pool.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // BEGIN ... COMMIT on a connection of the pool, with the database's statement_timeout at what remains of the deadline
 // (rounded down by at most 5 %) and the audit trail's actor set.
@@ -51,4 +51,4 @@ class Transaction {
 absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
                                     const Params& params);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -8,7 +8,7 @@
 
 #include "core/base/time.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // PostgreSQL's type numbers (pg_type.dat); fixed for built-in types.
 enum class TypeOid : unsigned {
@@ -68,4 +68,4 @@ constexpr std::int64_t kEpochOffsetUs = 946'684'800'000'000;
 constexpr TimeNs TimeFromTimestamp(std::int64_t timestamp_us) { return (timestamp_us + kEpochOffsetUs) * 1000; }
 constexpr std::int64_t TimestampFromTime(TimeNs time) { return time / 1000 - kEpochOffsetUs; }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -5,7 +5,7 @@
 #include "core/base/binary.h"
 #include "core/base/error.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 constexpr std::uint8_t kLittleEndian = 1;
@@ -48,4 +48,4 @@ absl::StatusOr<std::vector<Eigen::Vector2d>> DecodePolygon(std::string_view byte
   return corners;
 }
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 
 // A polygon without holes as well-known binary (OGC 06-103r4, 8.2), little-endian; `corners` without the repeated last
 // one. Empty bytes for no corners.
@@ -17,4 +17,4 @@ std::string EncodePolygon(const std::vector<Eigen::Vector2d>& corners);
 // other bytes.
 absl::StatusOr<std::vector<Eigen::Vector2d>> DecodePolygon(std::string_view bytes);
 
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -17,17 +17,17 @@ constexpr char kEmpty[] = "TRUNCATE bare_records";
 constexpr char kCopy[] =
     "COPY bare_records (site_id, session_id, sequence, time_ns, kind, payload) FROM STDIN (FORMAT binary)";
 
-std::string_view ToRows(const std::vector<std::string>& sessions, const std::vector<Record>& records,
-                        postgres::CopyBuffer& rows) {
+std::string_view ToRows(const std::vector<std::string>& sessions, const std::vector<sensor::Record>& records,
+                        storage::postgres::CopyBuffer& rows) {
   for (const std::string& session : sessions) {
-    for (const Record& record : records) {
+    for (const sensor::Record& record : records) {
       rows.BeginRow(6);
       rows.Put(std::string_view("bench"));
       rows.Put(std::string_view(session).substr(session.rfind('/') + 1));
       rows.Put(record.sequence);
-      rows.Put(TimeOf(record));
-      rows.Put(static_cast<std::int16_t>(KindOf(record)));
-      rows.PutAppended([&](std::string& out) { AppendPayload(record, out); });
+      rows.Put(sensor::TimeOf(record));
+      rows.Put(static_cast<std::int16_t>(sensor::KindOf(record)));
+      rows.PutAppended([&](std::string& out) { sensor::AppendPayload(record, out); });
     }
   }
   return rows.Finish();
@@ -41,9 +41,9 @@ BareCopy::BareCopy(const std::string& database_url) : connection_(PQconnectdb(da
   Execute(kCreate);
 }
 
-double BareCopy::Run(const std::vector<std::string>& sessions, const std::vector<Record>& records) {
+double BareCopy::Run(const std::vector<std::string>& sessions, const std::vector<sensor::Record>& records) {
   constexpr std::size_t kPieceBytes = 1U << 20;
-  postgres::CopyBuffer buffer;
+  storage::postgres::CopyBuffer buffer;
   const std::string_view rows = ToRows(sessions, records, buffer);
   Execute(kEmpty);
   const auto begin = std::chrono::steady_clock::now();

@@ -18,7 +18,7 @@ class BareCopy {
 
   // Empties the table and fills it with `records` once per session (resource names); seconds from the COPY's first byte
   // to the answer of its commit. The rows' bytes are made before.
-  double Run(const std::vector<std::string>& sessions, const std::vector<Record>& records);
+  double Run(const std::vector<std::string>& sessions, const std::vector<sensor::Record>& records);
 
  private:
   struct Disconnect {

@@ -39,7 +39,7 @@ BenchSystem::BenchSystem(std::vector<std::string> settings)
 }
 
 std::vector<std::string> BenchSystem::CreateSessions(int count) {
-  const Connection connection = server_.Connect();
+  const client::Connection connection = server_.Connect();
   std::vector<std::string> names;
   for (int i = 0; i < count; ++i) {
     v1::CreateSessionRequest request;

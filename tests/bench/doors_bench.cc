@@ -24,7 +24,7 @@
 #include "fmt/format.h"
 #include "tests/bench/recorded_scans.h"
 
-namespace enfilade {
+namespace enfilade::bench {
 namespace {
 
 struct Tally {
@@ -40,7 +40,7 @@ struct Tally {
 };
 
 struct Scenario {
-  std::vector<PairedScan> scans;
+  std::vector<sensor::PairedScan> scans;
   simulator::GroundTruth truth;
 };
 
@@ -54,28 +54,28 @@ absl::StatusOr<Scenario> Drive(std::uint64_t seed) {
   scenario.truth = std::move(drive->truth);
   Pose2 T_odom_robot;
   for (simulator::SimulatedRecord& record : drive->records) {
-    if (const auto* odometry = std::get_if<Odometry>(&record.payload)) T_odom_robot = odometry->T_odom_robot;
-    if (auto* scan = std::get_if<LaserScan>(&record.payload)) {
+    if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) T_odom_robot = odometry->T_odom_robot;
+    if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload)) {
       scenario.scans.push_back({0, std::move(*scan), T_odom_robot});
     }
   }
   return scenario;
 }
 
-std::vector<DoorEvent> Detect(const std::vector<PairedScan>& scans, const DoorOptions& options, Tally& tally) {
+std::vector<doors::DoorEvent> Detect(const std::vector<sensor::PairedScan>& scans, const doors::DoorOptions& options, Tally& tally) {
   const std::clock_t begin = std::clock();
-  DoorDetector detector(options);
-  std::vector<DoorEvent> all;
-  for (const PairedScan& scan : scans) {
+  doors::DoorDetector detector(options);
+  std::vector<doors::DoorEvent> all;
+  for (const sensor::PairedScan& scan : scans) {
     if (!scan.T_odom_robot) continue;
-    for (DoorEvent& event : detector.Add(scan.scan, *scan.T_odom_robot)) all.push_back(std::move(event));
+    for (doors::DoorEvent& event : detector.Add(scan.scan, *scan.T_odom_robot)) all.push_back(std::move(event));
   }
-  for (DoorEvent& event : detector.Finish()) all.push_back(std::move(event));
+  for (doors::DoorEvent& event : detector.Finish()) all.push_back(std::move(event));
   tally.seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   tally.scans += static_cast<std::int64_t>(scans.size());
-  for (const DoorEvent& event : all) {
-    tally.latched += event.kind == DoorEvent::Kind::kLatched ? 1 : 0;
-    tally.candidates += event.kind == DoorEvent::Kind::kCandidate ? 1 : 0;
+  for (const doors::DoorEvent& event : all) {
+    tally.latched += event.kind == doors::DoorEvent::Kind::kLatched ? 1 : 0;
+    tally.candidates += event.kind == doors::DoorEvent::Kind::kCandidate ? 1 : 0;
   }
   return all;
 }
@@ -86,7 +86,7 @@ const simulator::TruePose& PoseAt(const simulator::GroundTruth& truth, TimeNs ti
   return found == truth.poses.end() ? truth.poses.back() : *found;
 }
 
-void Score(const Scenario& scenario, const std::vector<DoorEvent>& events, bool list, Tally& tally) {
+void Score(const Scenario& scenario, const std::vector<doors::DoorEvent>& events, bool list, Tally& tally) {
   const simulator::GroundTruth& truth = scenario.truth;
   std::vector<bool> claimed(truth.passages.size(), false);
   tally.travelled += truth.travelled;
@@ -99,7 +99,7 @@ void Score(const Scenario& scenario, const std::vector<DoorEvent>& events, bool 
   };
   std::vector<Pair> pairs;
   for (std::size_t e = 0; e < events.size(); ++e) {
-    if (events[e].kind != DoorEvent::Kind::kPassage) continue;
+    if (events[e].kind != doors::DoorEvent::Kind::kPassage) continue;
     const Pose2 T_campus_robot = PoseAt(truth, events[e].time).T_campus_robot;
     const Eigen::Vector2d door =
         (T_campus_robot * Between(events[e].T_odom_robot, events[e].T_odom_door)).translation();
@@ -118,8 +118,8 @@ void Score(const Scenario& scenario, const std::vector<DoorEvent>& events, bool 
     ++tally.found;
   }
   for (std::size_t e = 0; e < events.size(); ++e) {
-    const DoorEvent& event = events[e];
-    if (event.kind != DoorEvent::Kind::kPassage) continue;
+    const doors::DoorEvent& event = events[e];
+    if (event.kind != doors::DoorEvent::Kind::kPassage) continue;
     tally.false_alarms += right[e] ? 0 : 1;
     if (!list) continue;
     const Pose2 T_campus_robot = PoseAt(truth, event.time).T_campus_robot;
@@ -160,12 +160,12 @@ nlohmann::json ToJson(const Tally& tally) {
           {"ms_per_scan", tally.scans > 0 ? 1e3 * tally.seconds / static_cast<double>(tally.scans) : 0.0}};
 }
 
-nlohmann::json ScoreRecording(const std::vector<PairedScan>& scans, const nlohmann::json& doors,
-                              const DoorOptions& options, bool list) {
+nlohmann::json ScoreRecording(const std::vector<sensor::PairedScan>& scans, const nlohmann::json& doors,
+                              const doors::DoorOptions& options, bool list) {
   constexpr double kNear = 6.0;     // s
   constexpr double kTrusted = 1.3;  // m: transitions farther from a plan's door are the plan's errors
   Tally tally;
-  const std::vector<DoorEvent> events = Detect(scans, options, tally);
+  const std::vector<doors::DoorEvent> events = Detect(scans, options, tally);
   struct Transition {
     double time;
     bool trusted;
@@ -178,8 +178,8 @@ nlohmann::json ScoreRecording(const std::vector<PairedScan>& scans, const nlohma
   int told = 0;
   int right = 0;
   int excluded = 0;  // near passages that the plan does not tell reliably
-  for (const DoorEvent& event : events) {
-    if (event.kind != DoorEvent::Kind::kPassage) continue;
+  for (const doors::DoorEvent& event : events) {
+    if (event.kind != doors::DoorEvent::Kind::kPassage) continue;
     Transition* match = nullptr;
     const double time = ToSeconds(event.door_time);
     for (Transition& one : transitions) {
@@ -218,14 +218,14 @@ nlohmann::json ScoreRecording(const std::vector<PairedScan>& scans, const nlohma
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::bench
 
 int main(int argc, char** argv) {
   using namespace enfilade;
   CLI::App app("Door detection in random buildings and on a recording");
   int buildings = 50;
   std::uint64_t first_seed = 5001;
-  std::vector<std::string> presets = DoorPresetNames();
+  std::vector<std::string> presets = doors::DoorPresetNames();
   std::vector<std::string> intel;
   std::string options_file;
   bool list = false;
@@ -245,10 +245,10 @@ int main(int argc, char** argv) {
     std::ifstream file(options_file);
     yaml.assign(std::istreambuf_iterator<char>(file), {});
   }
-  std::vector<std::pair<std::string, DoorOptions>> tried;
+  std::vector<std::pair<std::string, doors::DoorOptions>> tried;
   for (const std::string& name : presets) {
-    absl::StatusOr<DoorOptions> options = DoorPreset(name);
-    if (options.ok()) options = ParseDoorOptions(yaml, *options);
+    absl::StatusOr<doors::DoorOptions> options = doors::DoorPreset(name);
+    if (options.ok()) options = doors::ParseDoorOptions(yaml, *options);
     if (!options.ok()) return fail(options.status());
     tried.emplace_back(name, *options);
   }

@@ -25,26 +25,26 @@ using namespace enfilade::bench;
 constexpr int kClients = 4;
 constexpr int kRooms = 40;
 
-CallContext Soon() { return CallContext::WithTimeout(std::chrono::seconds(60)); }
+enfilade::storage::CallContext Soon() { return enfilade::storage::CallContext::WithTimeout(std::chrono::seconds(60)); }
 void Must(const absl::Status& status) {
   if (!status.ok()) throw std::runtime_error(status.ToString());
 }
 
 // A row of rooms, each 5 m behind the one before.
-void MakeRooms(postgres::Pool& pool) {
+void MakeRooms(storage::postgres::Pool& pool) {
   for (int i = 0; i < kRooms; ++i) {
-    Map map;
+    enfilade::storage::Map map;
     map.site = SiteId("bench");
     map.id = MapId(fmt::format("room-{}", i));
     map.display_name = map.id.value();
-    Must(MapStore(pool).Create(Soon(), map, "").status());
+    Must(enfilade::storage::MapStore(pool).Create(Soon(), map, "").status());
     if (i == 0) continue;
-    StoredLinkPoint door;
+    enfilade::storage::StoredLinkPoint door;
     door.site = map.site;
     door.point.id = LinkPointId(fmt::format("door-{}", i));
-    door.point.anchors = {{MapId(fmt::format("room-{}", i - 1)), {5, 0, 0}, DefaultAnchorCovariance()},
-                          {map.id, {}, DefaultAnchorCovariance()}};
-    Must(LinkPointStore(pool).Create(Soon(), door, "").status());
+    door.point.anchors = {{MapId(fmt::format("room-{}", i - 1)), {5, 0, 0}, enfilade::graph::DefaultAnchorCovariance()},
+                          {map.id, {}, enfilade::graph::DefaultAnchorCovariance()}};
+    Must(enfilade::storage::LinkPointStore(pool).Create(Soon(), door, "").status());
   }
 }
 
@@ -85,7 +85,7 @@ double Rate(const std::string& address, std::chrono::duration<double> time) {
   return static_cast<double>(calls) / time.count();
 }
 
-v1::GetGlobalPoseResponse Ask(const Connection& connection) {
+v1::GetGlobalPoseResponse Ask(const enfilade::client::Connection& connection) {
   auto response = connection.Call(&v1::GraphService::Stub::GetGlobalPose, Request());
   if (!response.ok()) throw std::runtime_error(response.status().ToString());
   return *std::move(response);
@@ -93,12 +93,12 @@ v1::GetGlobalPoseResponse Ask(const Connection& connection) {
 
 nlohmann::json Measure(int rounds, std::chrono::duration<double> time) {
   BenchSystem system({"mapping.workers=0"});
-  postgres::PoolOptions options;
+  storage::postgres::PoolOptions options;
   options.url = system.database_url();
-  auto pool = postgres::Pool::Create(options);
+  auto pool = storage::postgres::Pool::Create(options);
   Must(pool.status());
   MakeRooms(**pool);
-  const Connection server = system.server().Connect();
+  const enfilade::client::Connection server = system.server().Connect();
   // Until the graph is solved: its version then stays.
   v1::GetGlobalPoseResponse response = Ask(server);
   while (response.global_pose().solution_version() != response.global_pose().graph_version()) {
@@ -110,7 +110,7 @@ nlohmann::json Measure(int rounds, std::chrono::duration<double> time) {
   const std::string bare_address = "unix:" + (system.directory() / "bare.sock").string();
   testing::Process bare_server({testing::Program("bench_global_pose"), "--serve-bare", bare_address, file.string()},
                                system.directory() / "bare.log");
-  const Connection bare(bare_address, std::chrono::seconds(60));
+  const enfilade::client::Connection bare(bare_address, std::chrono::seconds(60));
   if (!bare.channel()->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(60))) {
     throw std::runtime_error("the echo's server does not come up");
   }

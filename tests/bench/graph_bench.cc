@@ -17,20 +17,20 @@
 #include "core/graph/routes.h"
 #include "fmt/format.h"
 
-namespace enfilade {
+namespace enfilade::bench {
 namespace {
 
 constexpr double kRoom = 10.0;  // m
 
 std::string RoomId(int x, int y) { return fmt::format("room-{}-{}", x, y); }
 
-LinkPoint Door(int x, int y, bool east, std::mt19937_64& random) {
+graph::LinkPoint Door(int x, int y, bool east, std::mt19937_64& random) {
   std::uniform_real_distribution<double> along(1.0, kRoom - 1.0);
   const double at = along(random);
   const auto anchor = [](const std::string& map, double px, double py) {
-    return Anchor{.map = MapId(map), .T_map_place = {px, py, 0.0}, .covariance = DefaultAnchorCovariance()};
+    return graph::Anchor{.map = MapId(map), .T_map_place = {px, py, 0.0}, .covariance = graph::DefaultAnchorCovariance()};
   };
-  LinkPoint door{.id = LinkPointId(fmt::format("door-{}-{}-{}", x, y, east ? "e" : "n"))};
+  graph::LinkPoint door{.id = LinkPointId(fmt::format("door-{}-{}-{}", x, y, east ? "e" : "n"))};
   if (east) {
     door.anchors = {anchor(RoomId(x, y), kRoom, at), anchor(RoomId(x + 1, y), 0.0, at)};
   } else {
@@ -40,13 +40,13 @@ LinkPoint Door(int x, int y, bool east, std::mt19937_64& random) {
 }
 
 // With about that many link points: 2 n (n - 1) for n x n rooms.
-const GraphSnapshot& Rooms(std::int64_t link_points) {
-  static std::map<std::int64_t, GraphSnapshot> graphs;
+const graph::GraphSnapshot& Rooms(std::int64_t link_points) {
+  static std::map<std::int64_t, graph::GraphSnapshot> graphs;
   const auto [found, is_new] = graphs.try_emplace(link_points);
   if (!is_new) return found->second;
   std::mt19937_64 random(1);
   const int n = static_cast<int>(std::lround(0.5 + std::sqrt(0.25 + 0.5 * static_cast<double>(link_points))));
-  SnapshotChanges changes{.version = 1};
+  graph::SnapshotChanges changes{.version = 1};
   for (int x = 0; x < n; ++x) {
     for (int y = 0; y < n; ++y) {
       changes.maps.push_back({.id = MapId(RoomId(x, y))});
@@ -54,18 +54,18 @@ const GraphSnapshot& Rooms(std::int64_t link_points) {
       if (y + 1 < n) changes.link_points.push_back(Door(x, y, false, random));
     }
   }
-  found->second = Apply({}, changes).value();
+  found->second = graph::Apply({}, changes).value();
   return found->second;
 }
 
-PathOptions ByDistance() { return {.cost = PathCost::kDistance}; }
+graph::PathOptions ByDistance() { return {.cost = graph::PathCost::kDistance}; }
 
 // From the first room to all link points.
 void OurDijkstra(benchmark::State& state) {
-  const GraphSnapshot& graph = Rooms(state.range(0));
-  const std::vector<PathSource> sources = {
+  const graph::GraphSnapshot& graph = Rooms(state.range(0));
+  const std::vector<graph::PathSource> sources = {
       {.map = graph.MapSlot(graph.root()), .cost = 0.0, .position = Eigen::Vector2d(0, 0)}};
-  for (auto _ : state) benchmark::DoNotOptimize(ShortestPaths(graph, sources, ByDistance()));
+  for (auto _ : state) benchmark::DoNotOptimize(graph::ShortestPaths(graph, sources, ByDistance()));
   state.counters["vertices"] = static_cast<double>(graph.link_point_count());
 }
 
@@ -75,12 +75,12 @@ struct EdgeWeight {
 };
 using BoostGraph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, EdgeWeight>;
 
-BoostGraph ToBoost(const GraphSnapshot& graph) {
+BoostGraph ToBoost(const graph::GraphSnapshot& graph) {
   std::vector<std::pair<std::size_t, std::size_t>> edges;
   std::vector<EdgeWeight> weights;
   const std::size_t source = graph.link_point_slots();
   for (std::size_t m = 0; m < graph.map_slots(); ++m) {
-    const GraphSnapshot::MapNode& map = graph.map_node(static_cast<int>(m));
+    const graph::GraphSnapshot::MapNode& map = graph.map_node(static_cast<int>(m));
     for (const auto& a : map.doorways) {
       for (const auto& b : map.doorways) {
         if (a.link_point == b.link_point) continue;
@@ -96,7 +96,7 @@ BoostGraph ToBoost(const GraphSnapshot& graph) {
 }
 
 void BoostDijkstra(benchmark::State& state) {
-  const GraphSnapshot& graph = Rooms(state.range(0));
+  const graph::GraphSnapshot& graph = Rooms(state.range(0));
   const BoostGraph boost_graph = ToBoost(graph);
   const std::size_t source = graph.link_point_slots();
   std::vector<double> distance(source + 1);
@@ -110,9 +110,9 @@ void BoostDijkstra(benchmark::State& state) {
                 boost::make_iterator_property_map(predecessor.begin(), get(boost::vertex_index, boost_graph))));
     benchmark::DoNotOptimize(distance.data());
   }
-  const std::vector<PathSource> sources = {
+  const std::vector<graph::PathSource> sources = {
       {.map = graph.MapSlot(graph.root()), .cost = 0.0, .position = Eigen::Vector2d(0, 0)}};
-  const std::vector<PathLabel> ours = ShortestPaths(graph, sources, ByDistance());
+  const std::vector<graph::PathLabel> ours = graph::ShortestPaths(graph, sources, ByDistance());
   double difference = 0.0;
   for (std::size_t i = 0; i < ours.size(); ++i) {
     // Boost also allows to turn round at a link point into the room that it came from, which never is shorter.
@@ -127,59 +127,59 @@ BENCHMARK(BoostDijkstra)->Arg(10'000)->Arg(90'000)->Arg(100'000)->Arg(1'000'000)
 
 // Corner to corner, ending where the goal is reached.
 void RouteAcross(benchmark::State& state) {
-  const GraphSnapshot& graph = Rooms(state.range(0));
+  const graph::GraphSnapshot& graph = Rooms(state.range(0));
   const int n = static_cast<int>(std::lround(std::sqrt(static_cast<double>(graph.map_count()))));
-  const RouteRequest request{.from_map = MapId(RoomId(0, 0)),
+  const graph::RouteRequest request{.from_map = MapId(RoomId(0, 0)),
                              .T_from_map_start = {1, 1, 0},
                              .to_map = MapId(RoomId(n - 1, n - 1)),
                              .T_to_map_goal = {9, 9, 0}};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(FindRoutes(graph, request, {.max_routes = static_cast<int>(state.range(1))}));
+    benchmark::DoNotOptimize(graph::FindRoutes(graph, request, {.max_routes = static_cast<int>(state.range(1))}));
   }
 }
 BENCHMARK(RouteAcross)->Args({10'000, 1})->Args({1'000, 3})->Unit(benchmark::kMillisecond);
 
 // A graph of 10^4 maps: one link point changes, and a robot asks for its global pose.
 void AnswerAfterAChange(benchmark::State& state) {
-  GraphSnapshot graph = Rooms(20'000);
+  graph::GraphSnapshot graph = Rooms(20'000);
   const LinkPointId id("door-3-4-e");
   std::int64_t version = 1;
   for (auto _ : state) {
-    LinkPoint door = *graph.FindLinkPoint(id);
+    graph::LinkPoint door = *graph.FindLinkPoint(id);
     door.anchors[0].T_map_place.y += 0.01;
-    graph = Apply(graph, {.version = ++version, .link_points = {door}}).value();
-    const WorldPoses poses(graph);
-    benchmark::DoNotOptimize(poses.Find(MapId(RoomId(50, 50)), {{1, 2, 3}, DefaultTransformCovariance()}));
+    graph = graph::Apply(graph, {.version = ++version, .link_points = {door}}).value();
+    const graph::WorldPoses poses(graph);
+    benchmark::DoNotOptimize(poses.Find(MapId(RoomId(50, 50)), {{1, 2, 3}, graph::DefaultTransformCovariance()}));
   }
   state.counters["maps"] = static_cast<double>(graph.map_count());
 }
 BENCHMARK(AnswerAfterAChange)->Unit(benchmark::kMillisecond);
 
 void ApplyOneChange(benchmark::State& state) {
-  GraphSnapshot graph = Rooms(state.range(0));
-  const LinkPoint door = *graph.FindLinkPoint(LinkPointId("door-3-4-e"));
+  graph::GraphSnapshot graph = Rooms(state.range(0));
+  const graph::LinkPoint door = *graph.FindLinkPoint(LinkPointId("door-3-4-e"));
   for (auto _ : state) {
-    graph = Apply(graph, {.version = graph.version() + 1, .link_points = {door}}).value();
+    graph = graph::Apply(graph, {.version = graph.version() + 1, .link_points = {door}}).value();
   }
 }
 BENCHMARK(ApplyOneChange)->Arg(20'000)->Arg(1'000'000)->Unit(benchmark::kMicrosecond);
 
 void FindGlobalPose(benchmark::State& state) {
-  const WorldPoses poses(Rooms(20'000));
-  const PoseWithCovariance T_map_robot{{1, 2, 3}, DefaultTransformCovariance()};
+  const graph::WorldPoses poses(Rooms(20'000));
+  const PoseWithCovariance T_map_robot{{1, 2, 3}, graph::DefaultTransformCovariance()};
   const MapId map(RoomId(static_cast<int>(state.range(0)), static_cast<int>(state.range(0))));
   for (auto _ : state) benchmark::DoNotOptimize(poses.Find(map, T_map_robot));
 }
 BENCHMARK(FindGlobalPose)->Arg(1)->Arg(5)->Arg(50)->Unit(benchmark::kMicrosecond);
 
 void Optimize(benchmark::State& state) {
-  const GraphSnapshot& graph = Rooms(state.range(0));
-  for (auto _ : state) benchmark::DoNotOptimize(OptimizeGraph(graph));
+  const graph::GraphSnapshot& graph = Rooms(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(graph::OptimizeGraph(graph));
   state.counters["maps"] = static_cast<double>(graph.map_count());
 }
 BENCHMARK(Optimize)->Arg(200)->Arg(2'000)->Arg(20'000)->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::bench
 
 BENCHMARK_MAIN();

@@ -24,7 +24,7 @@ struct Scenario {
 constexpr Scenario kScenarios[] = {{1, 50'000, 1000, 8}, {10, 5'000, 200, 8}, {100, 600, 50, 4}};
 
 nlohmann::json Measure(BenchSystem& system, BareCopy& bare, const Scenario& scenario, int rounds) {
-  const std::vector<Record> records = RandomScans(scenario.scans_per_robot, 1);
+  const std::vector<enfilade::sensor::Record> records = RandomScans(scenario.scans_per_robot, 1);
   const std::vector<LoadBatch> batches = ToBatches(records, scenario.batch_records);
   const double scans = static_cast<double>(scenario.robots) * scenario.scans_per_robot;
   std::vector<double> served;

@@ -80,7 +80,7 @@ void Populate(BenchSystem& system) {
 // The statement of the server, its parameters as pgbench's variables.
 std::string WriteScript(const BenchSystem& system) {
   constexpr const char* kNames[] = {"site", "min_anchors", "max_anchors", "max_use", "limit", "x", "y", "radius"};
-  std::string sql = postgres::kFindWithin.sql;
+  std::string sql = storage::postgres::kFindWithin.sql;
   for (int i = 0; i < 8; ++i) {
     const std::string number = fmt::format("${}", i + 1);
     for (auto at = sql.find(number); at != std::string::npos; at = sql.find(number)) {
@@ -221,7 +221,7 @@ nlohmann::json Measure(BenchSystem& system, const std::string& script, int clien
 }
 
 template <typename Service, typename Request, typename Response>
-Response Must(const Connection& connection,
+Response Must(const enfilade::client::Connection& connection,
               grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
               const Request& request) {
   auto response = connection.Call(method, request);
@@ -232,7 +232,7 @@ Response Must(const Connection& connection,
 // A link point is moved, then a pose is asked for at the other end of the campus, some 200 link points away.
 nlohmann::json MeasureChanges(BenchSystem& system, int rounds) {
   using Points = v1::LinkPointService::Stub;
-  const Connection connection = system.server().Connect();
+  const enfilade::client::Connection connection = system.server().Connect();
   v1::GetGlobalPoseRequest ask;
   ask.mutable_map_pose()->set_map("sites/bench/maps/room-9999");
   ask.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose();

@@ -156,12 +156,12 @@ class Robot final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteB
 
 }  // namespace
 
-std::vector<Record> RandomScans(int count, std::uint64_t seed) {
+std::vector<sensor::Record> RandomScans(int count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<float> range(0.5F, 12.0F);
-  std::vector<Record> records;
+  std::vector<sensor::Record> records;
   for (int i = 0; i < count; ++i) {
-    LaserScan scan;
+    sensor::LaserScan scan;
     scan.time = 1'700'000'000 * kNsPerSecond + i * (kNsPerSecond / 10);
     scan.angle_min = -M_PI / 2;
     scan.angle_increment = M_PI / 180;
@@ -174,12 +174,12 @@ std::vector<Record> RandomScans(int count, std::uint64_t seed) {
   return records;
 }
 
-std::vector<LoadBatch> ToBatches(const std::vector<Record>& records, int batch_records) {
+std::vector<LoadBatch> ToBatches(const std::vector<sensor::Record>& records, int batch_records) {
   std::vector<LoadBatch> batches;
   for (std::size_t begin = 0; begin < records.size(); begin += static_cast<std::size_t>(batch_records)) {
     const std::size_t end = std::min(records.size(), begin + static_cast<std::size_t>(batch_records));
     v1::StreamRecordsRequest request;
-    for (std::size_t i = begin; i < end; ++i) *request.mutable_batch()->add_records() = ToProto(records[i]);
+    for (std::size_t i = begin; i < end; ++i) *request.mutable_batch()->add_records() = convert::ToProto(records[i]);
     grpc::ByteBuffer bytes = Serialize(request);
     const auto size = static_cast<std::int64_t>(bytes.Length());
     batches.push_back({std::move(bytes), records[end - 1].sequence, size});

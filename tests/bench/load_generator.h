@@ -10,7 +10,7 @@
 namespace enfilade::bench {
 
 // `count` records with scans of 180 beams at random ranges, as of a 10 Hz scanner; sequences from 1.
-std::vector<Record> RandomScans(int count, std::uint64_t seed);
+std::vector<sensor::Record> RandomScans(int count, std::uint64_t seed);
 
 // Requests of StreamRecords, ready to be sent: the generator stands for many machines and must not be what is measured.
 struct LoadBatch {
@@ -18,7 +18,7 @@ struct LoadBatch {
   std::int64_t last_sequence = 0;
   std::int64_t bytes = 0;
 };
-std::vector<LoadBatch> ToBatches(const std::vector<Record>& records, int batch_records);
+std::vector<LoadBatch> ToBatches(const std::vector<sensor::Record>& records, int batch_records);
 
 struct LoadOptions {
   std::string address;

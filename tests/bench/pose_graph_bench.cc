@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 struct NamedGraph {
   std::string name;
-  PoseGraph graph;
+  optimize::PoseGraph graph;
 };
 
 std::string ShortName(const fs::path& path, const fs::path& data) {
@@ -50,7 +50,7 @@ std::vector<NamedGraph> RecordedGraphs(const fs::path& data) {
   for (const fs::path& path : paths) {
     std::stringstream text;
     text << std::ifstream(path).rdbuf();
-    absl::StatusOr<ParsedPoseGraph> parsed = ParsePoseGraph(text.str(), path);
+    absl::StatusOr<optimize::ParsedPoseGraph> parsed = optimize::ParsePoseGraph(text.str(), path);
     if (!parsed.ok()) continue;  // the 3D one
     graphs.push_back({ShortName(path, data), std::move(parsed->graph)});
   }
@@ -87,13 +87,13 @@ nlohmann::json Measure(const NamedGraph& named, int repetitions) {
   Timings cold;
   Timings warm;
   Timings plain_ceres;
-  SolveReport ours;
+  optimize::SolveReport ours;
   CeresExampleResult ceres;
   for (int i = 0; i < repetitions; ++i) {  // in turn, so that a busy machine hits all alike
-    PoseGraph graph = named.graph;
-    cold.Run([&] { ours = SolvePoseGraph({}, graph).value(); });
-    warm.Run([&] { SolvePoseGraph({.initialisation = Initialisation::kNone}, graph).value(); });
-    PoseGraph again = named.graph;
+    optimize::PoseGraph graph = named.graph;
+    cold.Run([&] { ours = optimize::SolvePoseGraph({}, graph).value(); });
+    warm.Run([&] { optimize::SolvePoseGraph({.initialisation = optimize::Initialisation::kNone}, graph).value(); });
+    optimize::PoseGraph again = named.graph;
     plain_ceres.Run([&] { ceres = SolveAsCeresExample(again); });
   }
   return {{"graph", named.name},
@@ -114,18 +114,18 @@ nlohmann::json Measure(const NamedGraph& named, int repetitions) {
 }
 
 // As a SLAM front end does: a node more at a time, a warm solve after every tenth.
-nlohmann::json MeasureGrowth(const PoseGraph& whole, std::size_t nodes) {
-  PoseGraph growing;
+nlohmann::json MeasureGrowth(const optimize::PoseGraph& whole, std::size_t nodes) {
+  optimize::PoseGraph growing;
   std::vector<double> seconds;
   for (std::size_t i = 0; i < nodes; ++i) {
     growing.nodes.push_back(whole.nodes[i]);
     if (i > 0) growing.nodes[i].T_world_node = growing.nodes[i - 1].T_world_node * whole.edges[i - 1].T_from_to;
-    for (const PoseGraphEdge& edge : whole.edges) {
+    for (const optimize::PoseGraphEdge& edge : whole.edges) {
       if (std::max(edge.from, edge.to) == static_cast<std::int64_t>(i)) growing.edges.push_back(edge);
     }
     if (i % 10 != 9) continue;
     const std::clock_t start = std::clock();
-    SolvePoseGraph({.initialisation = Initialisation::kNone}, growing).value();
+    optimize::SolvePoseGraph({.initialisation = optimize::Initialisation::kNone}, growing).value();
     seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
   double sum = 0.0;

@@ -55,12 +55,12 @@ class RelativePoseError {
 
 }  // namespace
 
-CeresExampleResult SolveAsCeresExample(PoseGraph& graph) {
+CeresExampleResult SolveAsCeresExample(optimize::PoseGraph& graph) {
   std::unordered_map<std::int64_t, Pose2*> poses;
-  for (PoseGraphNode& node : graph.nodes) poses[node.id] = &node.T_world_node;
+  for (optimize::PoseGraphNode& node : graph.nodes) poses[node.id] = &node.T_world_node;
   ceres::Problem problem;
   ceres::Manifold* angle = new ceres::AutoDiffManifold<AngleOnCircle, 1, 1>;
-  for (const PoseGraphEdge& edge : graph.edges) {
+  for (const optimize::PoseGraphEdge& edge : graph.edges) {
     Pose2& from = *poses.at(edge.from);
     Pose2& to = *poses.at(edge.to);
     const Eigen::Matrix3d L = edge.information.llt().matrixL();

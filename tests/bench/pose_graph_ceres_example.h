@@ -14,6 +14,6 @@ struct CeresExampleResult {
 };
 
 // Writes the solution into the graph.
-CeresExampleResult SolveAsCeresExample(PoseGraph& graph);
+CeresExampleResult SolveAsCeresExample(optimize::PoseGraph& graph);
 
 }  // namespace enfilade::bench

@@ -6,9 +6,9 @@
 #include "absl/status/statusor.h"
 #include "core/sensor/scan_pairing.h"
 
-namespace enfilade {
+namespace enfilade::bench {
 
 // All scans of a recorded log, paired with its odometry, or without any. Errors as LogReader's.
-absl::StatusOr<std::vector<PairedScan>> ReadPairedScans(const std::string& path, bool odometry);
+absl::StatusOr<std::vector<sensor::PairedScan>> ReadPairedScans(const std::string& path, bool odometry);
 
-}  // namespace enfilade
+}  // namespace enfilade::bench

@@ -17,7 +17,7 @@
 #include "core/slam/log_mapper.h"
 #include "tests/bench/recorded_scans.h"
 
-namespace enfilade {
+namespace enfilade::bench {
 namespace {
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -28,23 +28,23 @@ std::int64_t PeakMemory() {
   return usage.ru_maxrss * std::int64_t{1024};
 }
 
-nlohmann::json Run(std::vector<PairedScan> scans, int laps) {
+nlohmann::json Run(std::vector<sensor::PairedScan> scans, int laps) {
   nlohmann::json report;
   report["scans_per_lap"] = scans.size();
-  Mapper mapper(SlamOptions{});
+  slam::Mapper mapper(slam::SlamOptions{});
   double total = 0.0;
   std::int64_t closures = 0;
   std::int64_t submaps = 0;
   for (int lap = 0; lap < laps; ++lap) {
     const double begin = ProcessorSeconds();
-    for (const PairedScan& scan : scans) mapper.AddScan(scan);
-    const SlamDelta delta = mapper.TakeDelta();
+    for (const sensor::PairedScan& scan : scans) mapper.AddScan(scan);
+    const slam::SlamDelta delta = mapper.TakeDelta();
     if (lap + 1 == laps) mapper.Finish();
     const double seconds = ProcessorSeconds() - begin;
-    const Footprint footprint = mapper.footprint();
+    const slam::Footprint footprint = mapper.footprint();
     total += seconds;
-    for (const SlamSubmap& submap : delta.submaps) submaps = std::max(submaps, submap.id + 1);
-    for (const SlamClosure& closure : delta.closures) closures = std::max(closures, closure.id + 1);
+    for (const slam::SlamSubmap& submap : delta.submaps) submaps = std::max(submaps, submap.id + 1);
+    for (const slam::SlamClosure& closure : delta.closures) closures = std::max(closures, closure.id + 1);
     report["laps"].push_back({{"seconds", seconds},
                               {"ms_per_scan", 1e3 * seconds / static_cast<double>(scans.size())},
                               {"submaps", submaps},
@@ -60,7 +60,7 @@ nlohmann::json Run(std::vector<PairedScan> scans, int laps) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::bench
 
 int main(int argc, char** argv) {
   CLI::App app("SLAM's cost on a recorded log");
@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
   app.add_option("--laps", laps, "How often it is driven")->capture_default_str();
   app.add_flag("--no-odometry", no_odometry, "Use the scans only");
   CLI11_PARSE(app, argc, argv);
-  auto scans = enfilade::ReadPairedScans(log, !no_odometry);
+  auto scans = enfilade::bench::ReadPairedScans(log, !no_odometry);
   if (!scans.ok()) {
     std::cerr << "bench_slam: " << scans.status().message() << '\n';
     return 1;

@@ -20,7 +20,7 @@
 #include "storage/site_store.h"
 #include "tests/support/database.h"
 
-namespace enfilade {
+namespace enfilade::bench {
 namespace {
 
 constexpr int kBeams = 180;  // as many as the Intel recording's
@@ -33,29 +33,29 @@ T OrDie(absl::StatusOr<T> value) {
   return *std::move(value);
 }
 
-CallContext Soon() { return CallContext::WithTimeout(std::chrono::seconds(60)); }
+storage::CallContext Soon() { return storage::CallContext::WithTimeout(std::chrono::seconds(60)); }
 
 // One database for all benchmarks: it grows, as a real one does.
 struct Fixture {
   testing::TestDatabase database;
-  std::unique_ptr<postgres::Pool> pool = OrDie(postgres::Pool::Create({.url = database.url(), .max_connections = 16}));
-  SessionStore sessions{*pool};
-  RecordStore records{*pool};
+  std::unique_ptr<storage::postgres::Pool> pool = OrDie(storage::postgres::Pool::Create({.url = database.url(), .max_connections = 16}));
+  storage::SessionStore sessions{*pool};
+  storage::RecordStore records{*pool};
   int session_count = 0;
 
   Fixture() {
-    Site site;
+    storage::Site site;
     site.id = kSite;
     site.display_name = "Bench";
-    OrDie(SiteStore(*pool).Create(Soon(), site, ""));
-    Robot robot;
+    OrDie(storage::SiteStore(*pool).Create(Soon(), site, ""));
+    storage::Robot robot;
     robot.site = kSite;
     robot.id = kRobot;
     robot.display_name = "Robot";
-    OrDie(RobotStore(*pool).Create(Soon(), robot, ""));
+    OrDie(storage::RobotStore(*pool).Create(Soon(), robot, ""));
   }
   SessionId NewSession() {
-    Session session;
+    storage::Session session;
     session.site = kSite;
     session.id = SessionId(fmt::format("0190c1d2-7a4b-7000-8000-{:012}", ++session_count));
     session.robot = kRobot;
@@ -67,10 +67,10 @@ struct Fixture {
   }
 };
 
-std::vector<Record> Scans(std::int64_t first, std::int64_t count) {
-  std::vector<Record> records;
+std::vector<sensor::Record> Scans(std::int64_t first, std::int64_t count) {
+  std::vector<sensor::Record> records;
   for (std::int64_t sequence = first; sequence < first + count; ++sequence) {
-    LaserScan scan;
+    sensor::LaserScan scan;
     scan.time = 1'700'000'000 * kNsPerSecond + sequence * kNsPerSecond / 10;
     scan.angle_increment = 0.0174;
     scan.range_max = 81.0F;
@@ -82,7 +82,7 @@ std::vector<Record> Scans(std::int64_t first, std::int64_t count) {
 
 // COPY BINARY of `batch` rows per transaction into a table like the log's, and nothing else.
 void BM_BareCopy(benchmark::State& state) {
-  constexpr postgres::Statement kCopy{
+  constexpr storage::postgres::Statement kCopy{
       "copying",
       "COPY bare_records (site_id, session_id, sequence, time_ns, kind, payload) FROM STDIN (FORMAT binary)"};
   Fixture& fixture = Fixture::Instance();
@@ -92,20 +92,20 @@ void BM_BareCopy(benchmark::State& state) {
   std::int64_t first = 1;
   for (auto _ : state) {
     state.PauseTiming();
-    postgres::CopyBuffer rows;
-    for (const Record& record : Scans(first, batch)) {
+    storage::postgres::CopyBuffer rows;
+    for (const sensor::Record& record : Scans(first, batch)) {
       rows.BeginRow(6);
       rows.Put(kSite.value());
       rows.Put("0190c1d2-7a4b-7000-8000-000000000000");
       rows.Put(record.sequence);
-      rows.Put(TimeOf(record));
-      rows.Put(static_cast<std::int16_t>(KindOf(record)));
-      rows.PutAppended([&](std::string& out) { AppendPayload(record, out); });
+      rows.Put(sensor::TimeOf(record));
+      rows.Put(static_cast<std::int16_t>(sensor::KindOf(record)));
+      rows.PutAppended([&](std::string& out) { sensor::AppendPayload(record, out); });
     }
     const std::string_view bytes = rows.Finish();
     first += batch;
     state.ResumeTiming();
-    postgres::Transaction transaction = OrDie(postgres::Transaction::Begin(*fixture.pool, Soon()));
+    storage::postgres::Transaction transaction = OrDie(storage::postgres::Transaction::Begin(*fixture.pool, Soon()));
     if (!transaction.CopyIn(kCopy, bytes).ok() || !transaction.Commit().ok()) state.SkipWithError("copy failed");
   }
   state.SetItemsProcessed(state.iterations() * batch);
@@ -120,7 +120,7 @@ void BM_Append(benchmark::State& state) {
   std::int64_t first = 1;
   for (auto _ : state) {
     state.PauseTiming();
-    const std::vector<Record> scans = Scans(first, batch);
+    const std::vector<sensor::Record> scans = Scans(first, batch);
     first += batch;
     state.ResumeTiming();
     OrDie(fixture.records.Append(Soon(), {kSite, session, scans, {}}));
@@ -138,8 +138,8 @@ void BM_AppendGroup(benchmark::State& state) {
   std::int64_t first = 1;
   for (auto _ : state) {
     state.PauseTiming();
-    const std::vector<Record> scans = Scans(first, batch);
-    std::vector<RecordBatch> batches;
+    const std::vector<sensor::Record> scans = Scans(first, batch);
+    std::vector<storage::RecordBatch> batches;
     for (const SessionId& session : sessions) batches.push_back({kSite, session, scans, {}});
     first += batch;
     state.ResumeTiming();
@@ -167,7 +167,7 @@ void BM_AppendThreads(benchmark::State& state) {
   std::int64_t first = 1;
   for (auto _ : state) {
     const SessionId& session = sessions[static_cast<std::size_t>(state.thread_index())];
-    const std::vector<Record> scans = Scans(first, batch);
+    const std::vector<sensor::Record> scans = Scans(first, batch);
     first += batch;
     OrDie(fixture.records.Append(Soon(), {kSite, session, scans, {}}));
   }
@@ -197,34 +197,34 @@ BENCHMARK(BM_Read)->Arg(1 << 16)->Arg(1 << 20)->UseRealTime()->Unit(benchmark::k
 // A raster of 200 MB in tiles of 64 KiB, as a map's download reads it.
 void BM_ReadTiles(benchmark::State& state) {
   Fixture& fixture = Fixture::Instance();
-  Map map;
+  storage::Map map;
   map.site = kSite;
   static int maps = 0;  // this function is called several times
   map.id = MapId(fmt::format("map{}", ++maps));
   map.display_name = map.id.value();
-  OrDie(MapStore(*fixture.pool).Create(Soon(), map, ""));
-  const BlobStore blobs(*fixture.pool);
-  const RevisionStore revisions(*fixture.pool);
-  NewRevision revision;
-  revision.source = RevisionSource::kImport;
+  OrDie(storage::MapStore(*fixture.pool).Create(Soon(), map, ""));
+  const storage::BlobStore blobs(*fixture.pool);
+  const storage::RevisionStore revisions(*fixture.pool);
+  storage::NewRevision revision;
+  revision.source = storage::RevisionSource::kImport;
   revision.content_sha256 = std::string(32, 'c');
   constexpr int kTiles = 3200;
   for (int i = 0; i < kTiles; ++i) {
     std::string data(1 << 16, static_cast<char>(i));
     data.replace(0, 8, fmt::format("{:08}", i));
     const std::string digest = Sha256(data);
-    const BlobView view{digest, data};
+    const storage::BlobView view{digest, data};
     if (!blobs.Put(Soon(), kSite, absl::MakeConstSpan(&view, 1)).ok()) state.SkipWithError("put failed");
     revision.tiles.push_back({{i / 64, i % 64}, digest});
   }
   OrDie(revisions.Add(Soon(), kSite, map.id, revision, {}));
   std::int64_t bytes = 0;
   for (auto _ : state) {
-    std::optional<TileKey> after;
+    std::optional<storage::TileKey> after;
     while (true) {
       const auto tiles = OrDie(revisions.ReadTiles(Soon(), kSite, map.id, 1, after, state.range(0)));
       if (tiles.empty()) break;
-      for (const Tile& tile : tiles) bytes += static_cast<std::int64_t>(tile.data.size());
+      for (const storage::Tile& tile : tiles) bytes += static_cast<std::int64_t>(tile.data.size());
       after = tiles.back().key;
     }
   }
@@ -233,6 +233,6 @@ void BM_ReadTiles(benchmark::State& state) {
 BENCHMARK(BM_ReadTiles)->Arg(1 << 20)->Arg(8 << 20)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::bench
 
 BENCHMARK_MAIN();

@@ -49,7 +49,7 @@ struct Download {
   std::int64_t bytes = 0;
 };
 
-Download Receive(const Connection& connection, const std::string& name) {
+Download Receive(const enfilade::client::Connection& connection, const std::string& name) {
   v1::ExportMapRequest request;
   request.set_name(name);
   request.set_format(v1::MAP_FORMAT_PGM);
@@ -78,11 +78,11 @@ nlohmann::json Measure(int megabytes, int rounds) {
   testing::Process bare_server(
       {testing::Program("bench_transfer"), "--serve-bare", bare_address, (system.directory() / "floor.pgm").string()},
       system.directory() / "bare.log");
-  const Connection bare(bare_address, std::chrono::seconds(60));
+  const enfilade::client::Connection bare(bare_address, std::chrono::seconds(60));
   if (!bare.channel()->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(60))) {
     throw std::runtime_error("the bare stream's server does not come up");
   }
-  const Connection server = system.server().Connect();
+  const enfilade::client::Connection server = system.server().Connect();
   v1::ListMapsRequest list;
   list.set_parent("sites/bench");
   const auto maps = server.Call(&v1::MapService::Stub::ListMaps, list);

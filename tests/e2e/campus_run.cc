@@ -97,7 +97,7 @@ class Names {
 
 class Judgement {
  public:
-  Judgement(const Connection& connection, const std::string& site) : connection_(connection) {
+  Judgement(const client::Connection& connection, const std::string& site) : connection_(connection) {
     v1::GetGraphRequest request;
     request.set_site("sites/" + site);
     const auto response = connection_.Call(&v1::GraphService::Stub::GetGraph, request);
@@ -191,7 +191,7 @@ class Judgement {
   }
 
  private:
-  const Connection connection_;
+  const client::Connection connection_;
   v1::Graph graph_;
   Names areas_;
   Names doors_;
@@ -214,7 +214,7 @@ std::string StartOf(const std::string& campus, const std::string& root_robot, co
 }
 
 // Until the first robot's first map is there, for the others to begin in.
-void AwaitFirstMap(const Connection& connection, const std::string& site) {
+void AwaitFirstMap(const client::Connection& connection, const std::string& site) {
   const bool there = Eventually(
       [&] {
         v1::GetGraphRequest request;

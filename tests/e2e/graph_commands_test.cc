@@ -61,7 +61,7 @@ class GraphCommands : public ::testing::Test {
 std::set<std::array<std::uint8_t, 3>> ColorsOf(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(in)), {});
-  const auto image = DecodePng(bytes);
+  const auto image = grid::DecodePng(bytes);
   EXPECT_OK(image);
   std::set<std::array<std::uint8_t, 3>> colors;
   if (!image.ok()) return colors;

@@ -35,7 +35,7 @@ TEST_F(OutageTest, SigtermAnswersOpenStreamsAndEndsInTime) {
   const auto robot = system_.StartReplay(replay, system_.server());
   ASSERT_TRUE(Eventually([&] { return system_.AcknowledgedSequence("s") > 0; })) << TailOf(system_.ReplayLog(replay));
   // A second stream, idle.
-  const Connection connection = system_.server().Connect();
+  const client::Connection connection = system_.server().Connect();
   const auto stub = v1::IngestService::NewStub(connection.channel());
   grpc::ClientContext context;
   const auto stream = stub->StreamRecords(&context);
@@ -65,7 +65,7 @@ TEST_F(OutageTest, WithoutDatabaseTheServerIsNotReadyAndRobotsSpoolOn) {
   const auto robot = system_.StartReplay(replay, system_.server());
   ASSERT_TRUE(Eventually([&] { return system_.AcknowledgedSequence("s") > 0; })) << TailOf(system_.ReplayLog(replay));
   system_.KillDatabase();
-  const Connection connection = system_.server().Connect();
+  const client::Connection connection = system_.server().Connect();
   EXPECT_TRUE(Eventually([&] { return HealthOf(connection) == Health::kNotServing; }));
   EXPECT_EQ(ListSites().code(), absl::StatusCode::kUnavailable) << ListSites();
   EXPECT_TRUE(SpoolGrows(replay));

@@ -25,8 +25,8 @@ class ClosureTest : public ServerTest {
     TestStream stream(*connection_, session);
     for (const std::string& content : driven.contents) ASSERT_TRUE(stream.SendBlob(content, Sha256(content)));
     std::vector<v1::Record> batch;
-    for (const Record& record : driven.log) {
-      batch.push_back(ToProto(record));
+    for (const sensor::Record& record : driven.log) {
+      batch.push_back(convert::ToProto(record));
       if (batch.size() < 200 && &record != &driven.log.back()) continue;
       ASSERT_TRUE(stream.SendBatch(batch));
       batch.clear();

@@ -68,14 +68,14 @@ TEST_F(GraphTest, OptimisesByItselfAndOnRequestAndListsVersions) {
 TEST_F(GraphTest, AFalseClosureIsSwitchedOffAndASuspendedOneLeftOut) {
   AwaitSolution();
   Join("mc", "m", "c", {0, 5, 0}, {-10, 5, 0});
-  StoredLinkPoint wrong = Join("wrong", "m", "c", {0, -5, 0}, {20, 5, 1});
+  storage::StoredLinkPoint wrong = Join("wrong", "m", "c", {0, -5, 0}, {20, 5, 1});
   const v1::Graph graph = AwaitGraph(
       [](const v1::Graph& g) { return g.solution_version() == g.graph_version() && g.link_points_size() == 4; });
   ASSERT_EQ(graph.link_points(3).link_point(), "sites/s/linkPoints/wrong");
   EXPECT_FALSE(graph.link_points(3).joins());
   EXPECT_NEAR(graph.maps(1).pose_world_map().pose().x(), 10.0, 1e-3);
   ASSERT_OK_AND_ASSIGN(wrong, link_points_.Get(Soon(), site_, LinkPointId("wrong")));
-  EXPECT_EQ(wrong.point.use, LinkPointUse::kSwitchedOff);
+  EXPECT_EQ(wrong.point.use, graph::LinkPointUse::kSwitchedOff);
   ASSERT_OK(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), 0, true));
   AwaitGraph([&graph](const v1::Graph& g) { return g.graph_version() > graph.graph_version(); });
   v1::OptimizeGraphRequest request;

@@ -29,20 +29,20 @@ class GraphTest : public ServerTest {
   }
 
   void MakeMapNamed(const std::string& id) {
-    Map map;
+    storage::Map map;
     map.site = site_;
     map.id = MapId(id);
     map.display_name = fmt::format("Room {}", id);
     EXPECT_OK(maps_.Create(Soon(), map, ""));
   }
 
-  StoredLinkPoint Join(const std::string& id, const std::string& from, const std::string& to,
+  storage::StoredLinkPoint Join(const std::string& id, const std::string& from, const std::string& to,
                        const Pose2& T_from_place = {5, 0, 0}, const Pose2& T_to_place = {}) {
-    StoredLinkPoint link_point;
+    storage::StoredLinkPoint link_point;
     link_point.site = site_;
     link_point.point.id = LinkPointId(id);
-    link_point.point.anchors = {{MapId(from), T_from_place, DefaultAnchorCovariance()},
-                                {MapId(to), T_to_place, DefaultAnchorCovariance()}};
+    link_point.point.anchors = {{MapId(from), T_from_place, graph::DefaultAnchorCovariance()},
+                                {MapId(to), T_to_place, graph::DefaultAnchorCovariance()}};
     auto made = link_points_.Create(Soon(), link_point, "");
     EXPECT_OK(made);
     return made.ok() ? *made : link_point;
@@ -52,7 +52,7 @@ class GraphTest : public ServerTest {
     v1::GetGlobalPoseRequest request;
     request.mutable_map_pose()->set_map(fmt::format("sites/s/maps/{}", map));
     *request.mutable_map_pose()->mutable_pose_map_robot() =
-        ToProto(PoseWithCovariance{pose, DefaultTransformCovariance()});
+        convert::ToProto(PoseWithCovariance{pose, graph::DefaultTransformCovariance()});
     return request;
   }
 
@@ -84,20 +84,20 @@ class GraphTest : public ServerTest {
   }
 
   void Report(const std::string& map, const Pose2& pose, TimeNs time) {
-    RobotPose report;
+    storage::RobotPose report;
     report.site = site_;
     report.robot = RobotId("r");
     report.map = MapId(map);
-    report.T_map_robot = {pose, DefaultTransformCovariance()};
+    report.T_map_robot = {pose, graph::DefaultTransformCovariance()};
     report.time = time;
     EXPECT_OK(robot_poses_.Report(Soon(), report));
   }
 
   const SiteId site_{"s"};
-  const MapStore maps_{*pool_};
-  const LinkPointStore link_points_{*pool_};
-  const GraphStore graph_store_{*pool_};
-  const RobotPoseStore robot_poses_{*pool_};
+  const storage::MapStore maps_{*pool_};
+  const storage::LinkPointStore link_points_{*pool_};
+  const storage::GraphStore graph_store_{*pool_};
+  const storage::RobotPoseStore robot_poses_{*pool_};
 };
 
 }  // namespace enfilade::testing

@@ -76,7 +76,7 @@ TEST_F(GraphTest, TransformsManyPosesAtOnce) {
   request.set_source_map("sites/s/maps/c");
   request.set_target_map("sites/s/maps/b");
   for (int i = 0; i < 100; ++i) {
-    *request.add_poses() = ToProto(PoseWithCovariance{{static_cast<double>(i), 1, 0}, Eigen::Matrix3d::Zero()});
+    *request.add_poses() = convert::ToProto(PoseWithCovariance{{static_cast<double>(i), 1, 0}, Eigen::Matrix3d::Zero()});
   }
   ASSERT_OK_AND_ASSIGN(const v1::TransformPosesResponse response, Call(&Stub::TransformPoses, request));
   ASSERT_EQ(response.poses_size(), 100);
@@ -101,8 +101,8 @@ TEST_F(GraphTest, RoutesRespectDoors) {
   EXPECT_EQ(open.routes(0).legs(0).exit(), "sites/s/linkPoints/mb");
   EXPECT_EQ(nlohmann::json::parse(open.geojson())["features"].size(), 3u);
 
-  ASSERT_OK_AND_ASSIGN(StoredLinkPoint door, link_points_.Get(Soon(), site_, LinkPointId("bc")));
-  door.point.state = PassageState::kClosed;
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door, link_points_.Get(Soon(), site_, LinkPointId("bc")));
+  door.point.state = graph::PassageState::kClosed;
   door.point.state_valid_until = 4'000'000'000 * kNsPerSecond;
   ASSERT_OK(link_points_.Update(Soon(), door));
   const std::int64_t before = open.graph_version();

@@ -176,7 +176,7 @@ TEST_F(IngestTest, TheFirstMessageMustOpenASessionThatExists) {
     v1::StreamRecordsResponse response;
     while (stream->Read(&response)) {
     }
-    return FromGrpcStatus(stream->Finish());
+    return client::FromGrpcStatus(stream->Finish());
   };
   v1::StreamRecordsRequest empty;
   v1::StreamRecordsRequest batch;

@@ -75,7 +75,7 @@ class LinkPointTest : public ServerTest {
       writer->Write(chunk);
     }
     writer->WritesDone();
-    return FromGrpcStatus(writer->Finish());
+    return client::FromGrpcStatus(writer->Finish());
   }
 };
 

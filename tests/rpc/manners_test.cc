@@ -10,7 +10,7 @@ namespace {
 class MannersTest : public ServerTest {};
 
 template <typename Service, typename Request, typename Response>
-void ExpectRefusesEmpty(const Connection& connection,
+void ExpectRefusesEmpty(const client::Connection& connection,
                         grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*)) {
   EXPECT_CODE(connection.Call(method, Request()), absl::StatusCode::kInvalidArgument)
       << Request::descriptor()->full_name();
@@ -54,7 +54,7 @@ TEST_F(MannersTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
     typename std::remove_reference_t<decltype(*reader.second)>* stream = reader.second.get();
     decltype(reader.first) message;
     EXPECT_FALSE(stream->Read(&message));
-    return FromGrpcStatus(stream->Finish());
+    return client::FromGrpcStatus(stream->Finish());
   };
   const auto maps = MapService::NewStub(connection_->channel());
   const auto sessions = SessionService::NewStub(connection_->channel());
@@ -70,7 +70,7 @@ TEST_F(MannersTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   const auto import = maps->ImportMap(&contexts[3], &imported);
   import->Write(v1::ImportMapRequest());
   import->WritesDone();
-  EXPECT_CODE(FromGrpcStatus(import->Finish()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(client::FromGrpcStatus(import->Finish()), absl::StatusCode::kInvalidArgument);
 
   ASSERT_OK_AND_ASSIGN(const auto status,
                        Call(&v1::ServerService::Stub::GetServerStatus, v1::GetServerStatusRequest()));
@@ -93,9 +93,9 @@ TEST_F(MannersTest, ASecondServerOnTheSameAddressSaysSo) {
   server::ServerOptions options = Options();
   options.database.url = database_.url();
   options.listen.address = "127.0.0.1:0";
-  ASSERT_OK_AND_ASSIGN(const auto first, server::Server::Start(options, SlamOptions()));
+  ASSERT_OK_AND_ASSIGN(const auto first, server::Server::Start(options, slam::SlamOptions()));
   options.listen.address = first->address();
-  EXPECT_STATUS(server::Server::Start(options, SlamOptions()), absl::StatusCode::kUnavailable,
+  EXPECT_STATUS(server::Server::Start(options, slam::SlamOptions()), absl::StatusCode::kUnavailable,
                 ::testing::HasSubstr(first->address()));
 }
 

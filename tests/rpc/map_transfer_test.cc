@@ -37,7 +37,7 @@ class MapTransferTest : public ServerTest {
       ++index;
     }
     writer->WritesDone();
-    const absl::Status status = FromGrpcStatus(writer->Finish());
+    const absl::Status status = client::FromGrpcStatus(writer->Finish());
     if (!status.ok()) return status;
     return response.revision();
   }
@@ -60,7 +60,7 @@ class MapTransferTest : public ServerTest {
         contents[static_cast<std::size_t>(part.chunk().file())] += part.chunk().data();
       }
     }
-    const absl::Status status = FromGrpcStatus(reader->Finish());
+    const absl::Status status = client::FromGrpcStatus(reader->Finish());
     if (!status.ok()) return status;
     Files files;
     for (int i = 0; i < manifest.files_size(); ++i) {

@@ -8,14 +8,14 @@ namespace {
 
 class MappingTest : public ServerTest {
  protected:
-  static std::vector<Record> SimulatedLog(int laps = 1) {
+  static std::vector<sensor::Record> SimulatedLog(int laps = 1) {
     simulator::SimulationOptions options = simulator::RoomsOptions();
     options.laps = laps;
     const auto drive = simulator::SimulateRooms(options);
     EXPECT_OK(drive);
-    std::vector<Record> log;
+    std::vector<sensor::Record> log;
     for (const simulator::SimulatedRecord& entry : drive->records) {
-      Record record;
+      sensor::Record record;
       record.sequence = static_cast<std::int64_t>(log.size()) + 1;
       std::visit([&](const auto& payload) { record.payload = payload; }, entry.payload);
       log.push_back(std::move(record));
@@ -23,11 +23,11 @@ class MappingTest : public ServerTest {
     return log;
   }
 
-  void Stream(const std::string& session, const std::vector<Record>& log, std::size_t begin, std::size_t end) {
+  void Stream(const std::string& session, const std::vector<sensor::Record>& log, std::size_t begin, std::size_t end) {
     TestStream stream(*connection_, session);
     std::vector<v1::Record> batch;
     for (std::size_t i = begin; i < end; ++i) {
-      batch.push_back(ToProto(log[i]));
+      batch.push_back(convert::ToProto(log[i]));
       if (batch.size() < 200 && i + 1 < end) continue;
       ASSERT_TRUE(stream.SendBatch(batch));
       batch.clear();
@@ -50,13 +50,13 @@ class MappingTest : public ServerTest {
 };
 
 TEST_F(MappingTest, TheServersMapIsTheOfflineToolsAlsoAcrossRestarts) {
-  const std::vector<Record> log = SimulatedLog();
-  LogMapper offline({}, SlamOptions());
-  SlamMap expected;
-  for (const Record& record : log) offline.Add(record);
+  const std::vector<sensor::Record> log = SimulatedLog();
+  slam::LogMapper offline({}, slam::SlamOptions());
+  slam::SlamMap expected;
+  for (const sensor::Record& record : log) offline.Add(record);
   offline.Finish();
   expected.Apply(offline.TakeDelta());
-  const std::vector<StampedPose> expected_poses = TrajectoryOf(expected);
+  const std::vector<slam::StampedPose> expected_poses = slam::TrajectoryOf(expected);
 
   const std::string session = CreateSession(true);
   Stream(session, log, 0, log.size() / 3);
@@ -70,8 +70,8 @@ TEST_F(MappingTest, TheServersMapIsTheOfflineToolsAlsoAcrossRestarts) {
   const auto poses = Trajectory(session);
   ASSERT_EQ(poses.size(), expected_poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    EXPECT_EQ(*FromTimestamp(poses[i].time()), expected_poses[i].time);
-    EXPECT_EQ(FromProto(poses[i].pose_map_robot()), expected_poses[i].T_map_robot) << i;
+    EXPECT_EQ(*convert::FromTimestamp(poses[i].time()), expected_poses[i].time);
+    EXPECT_EQ(convert::FromProto(poses[i].pose_map_robot()), expected_poses[i].T_map_robot) << i;
   }
   const v1::Session mapped = GetSession(session);
   EXPECT_EQ(mapped.mapped_sequence(), static_cast<std::int64_t>(log.size()));
@@ -83,7 +83,7 @@ TEST_F(MappingTest, TheServersMapIsTheOfflineToolsAlsoAcrossRestarts) {
   v1::GetMapRevisionRequest get;
   get.set_name(map.map().latest_revision());
   ASSERT_OK_AND_ASSIGN(const auto revision, Call(&v1::MapService::Stub::GetMapRevision, get));
-  const OccupancyGrid grid = offline.RenderGrid();
+  const grid::OccupancyGrid grid = offline.RenderGrid();
   EXPECT_EQ(revision.revision().width(), grid.geometry.width);
   EXPECT_EQ(revision.revision().height(), grid.geometry.height);
   EXPECT_EQ(revision.revision().session(), session);
@@ -98,7 +98,7 @@ TEST_F(MappingTest, AnEmptySessionEndsMappedWithoutARevision) {
 }
 
 TEST_F(MappingTest, SeveralSessionsAreMappedByOneWorkerInTurns) {
-  const std::vector<Record> log = SimulatedLog();
+  const std::vector<sensor::Record> log = SimulatedLog();
   std::vector<std::string> sessions;
   for (int i = 0; i < 3; ++i) {
     sessions.push_back(CreateSession(true));
@@ -110,7 +110,7 @@ TEST_F(MappingTest, SeveralSessionsAreMappedByOneWorkerInTurns) {
 }
 
 TEST_F(MappingTest, ASuspendedClosureLeavesTheMapAndAResumedOneComesBack) {
-  const std::vector<Record> log = SimulatedLog(2);
+  const std::vector<sensor::Record> log = SimulatedLog(2);
   const std::string session = CreateSession(true);
   Stream(session, log, 0, log.size());
   ASSERT_OK(FinishSession(session, static_cast<std::int64_t>(log.size())));

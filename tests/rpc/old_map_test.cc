@@ -20,7 +20,7 @@ using server::ToRevision;
 
 // A drive of one lap through the simulated rooms, to be cut in two before the robot has seen all of them.
 struct Log {
-  std::vector<Record> records;
+  std::vector<sensor::Record> records;
   std::size_t cut = 0;  // the second part's first record
 
   explicit Log(std::uint64_t seed) {
@@ -35,28 +35,28 @@ struct Log {
   }
 
   // With sequences from 1.
-  std::vector<Record> Part(std::size_t begin, std::size_t end) const {
-    std::vector<Record> part(records.begin() + static_cast<std::ptrdiff_t>(begin),
+  std::vector<sensor::Record> Part(std::size_t begin, std::size_t end) const {
+    std::vector<sensor::Record> part(records.begin() + static_cast<std::ptrdiff_t>(begin),
                              records.begin() + static_cast<std::ptrdiff_t>(end));
     for (std::size_t i = 0; i < part.size(); ++i) part[i].sequence = static_cast<std::int64_t>(i) + 1;
     return part;
   }
-  std::vector<Record> First() const { return Part(0, cut); }
-  std::vector<Record> Second() const { return Part(cut, records.size()); }
+  std::vector<sensor::Record> First() const { return Part(0, cut); }
+  std::vector<sensor::Record> Second() const { return Part(cut, records.size()); }
 };
 
 struct Offline {
-  std::vector<StampedPose> trajectory;
-  OccupancyGrid grid;
+  std::vector<slam::StampedPose> trajectory;
+  grid::OccupancyGrid grid;
 };
 
-Offline MapOffline(const std::vector<Record>& log) {
-  LogMapper mapper({}, SlamOptions());
-  for (const Record& record : log) mapper.Add(record);
+Offline MapOffline(const std::vector<sensor::Record>& log) {
+  slam::LogMapper mapper({}, slam::SlamOptions());
+  for (const sensor::Record& record : log) mapper.Add(record);
   mapper.Finish();
-  SlamMap map;
+  slam::SlamMap map;
   map.Apply(mapper.TakeDelta());
-  return {TrajectoryOf(map), mapper.RenderGrid()};
+  return {slam::TrajectoryOf(map), mapper.RenderGrid()};
 }
 
 // By one session over both halves.
@@ -68,9 +68,9 @@ const Offline& OneSession() {
   return offline;
 }
 
-Pose2 PoseAt(const std::vector<StampedPose>& trajectory, TimeNs time) {
+Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
   return std::min_element(trajectory.begin(), trajectory.end(),
-                          [&](const StampedPose& a, const StampedPose& b) {
+                          [&](const slam::StampedPose& a, const slam::StampedPose& b) {
                             return std::abs(a.time - time) < std::abs(b.time - time);
                           })
       ->T_map_robot;
@@ -88,16 +88,16 @@ class OldMapTest : public ServerTest {
     request.mutable_session()->set_robot("sites/s/robots/r");
     request.mutable_session()->set_map("sites/s/maps/m");
     *request.mutable_session()->mutable_entry()->mutable_pose_map_robot() =
-        ToProto(PoseWithCovariance{T_map_robot, Covariance(0.2, 0.1)});
+        convert::ToProto(PoseWithCovariance{T_map_robot, Covariance(0.2, 0.1)});
     const auto response = Call(&v1::SessionService::Stub::CreateSession, request);
     EXPECT_OK(response);
     return response.ok() ? response->session().name() : "";
   }
 
-  void Send(TestStream& stream, const std::vector<Record>& log, std::size_t begin, std::size_t end) {
+  void Send(TestStream& stream, const std::vector<sensor::Record>& log, std::size_t begin, std::size_t end) {
     std::vector<v1::Record> batch;
     for (std::size_t i = begin; i < end; ++i) {
-      batch.push_back(ToProto(log[i]));
+      batch.push_back(convert::ToProto(log[i]));
       if (batch.size() < 200 && i + 1 < end) continue;
       ASSERT_TRUE(stream.SendBatch(batch));
       batch.clear();
@@ -105,37 +105,37 @@ class OldMapTest : public ServerTest {
     ASSERT_TRUE(stream.AwaitAcknowledged(static_cast<std::int64_t>(end)));
   }
 
-  void Map(const std::string& session, const std::vector<Record>& log) {
+  void Map(const std::string& session, const std::vector<sensor::Record>& log) {
     TestStream stream(*connection_, session);
     Send(stream, log, 0, log.size());
     ASSERT_OK(FinishSession(session, static_cast<std::int64_t>(log.size())));
     AwaitState(session, v1::Session::STATE_MAPPED);
   }
 
-  std::vector<StampedPose> Trajectory(const std::string& session) {
-    const auto mapping = MappingStore(*pool_).ReadTrajectory(Soon(), site_, IdOf(session));
+  std::vector<slam::StampedPose> Trajectory(const std::string& session) {
+    const auto mapping = storage::MappingStore(*pool_).ReadTrajectory(Soon(), site_, IdOf(session));
     EXPECT_OK(mapping);
-    return mapping.ok() ? mapping->poses : std::vector<StampedPose>();
+    return mapping.ok() ? mapping->poses : std::vector<slam::StampedPose>();
   }
 
-  OccupancyGrid Published() {
+  grid::OccupancyGrid Published() {
     const auto revision = revisions_.Get(Soon(), site_, map_, 0);
     EXPECT_OK(revision);
     const auto raster = ReadRaster(Soon(), revisions_, *revision);
     EXPECT_OK(raster);
-    return OnLattice(ToOccupancyGrid(*raster), 0.05).value();
+    return grid::OnLattice(grid::ToOccupancyGrid(*raster), 0.05).value();
   }
 
   static SessionId IdOf(const std::string& session) { return SessionId(session.substr(session.rfind('/') + 1)); }
 
   const SiteId site_{"s"};
   const MapId map_{"m"};
-  RevisionStore revisions_{*pool_};
+  storage::RevisionStore revisions_{*pool_};
 };
 
 // The share of the occupied cells of `wanted` that have an occupied cell of `grid` within 0.1 m.
-double ShareOfWallsIn(const OccupancyGrid& grid, const OccupancyGrid& wanted) {
-  const auto occupied = [](const OccupancyGrid& g, int column, int row) {
+double ShareOfWallsIn(const grid::OccupancyGrid& grid, const grid::OccupancyGrid& wanted) {
+  const auto occupied = [](const grid::OccupancyGrid& g, int column, int row) {
     return g.geometry.contains(column, row) && g.cells[g.geometry.index(column, row)] > 165;
   };
   const double r = wanted.geometry.resolution;
@@ -157,9 +157,9 @@ double ShareOfWallsIn(const OccupancyGrid& grid, const OccupancyGrid& wanted) {
   return all == 0 ? 0.0 : static_cast<double>(found) / all;
 }
 
-double WorstDifference(const std::vector<StampedPose>& trajectory, const std::vector<StampedPose>& wanted) {
+double WorstDifference(const std::vector<slam::StampedPose>& trajectory, const std::vector<slam::StampedPose>& wanted) {
   double worst = 0.0;
-  for (const StampedPose& pose : trajectory) {
+  for (const slam::StampedPose& pose : trajectory) {
     worst = std::max(worst, Between(PoseAt(wanted, pose.time), pose.T_map_robot).translation().norm());
   }
   return worst;
@@ -169,21 +169,21 @@ TEST_F(OldMapTest, ASecondSessionGoesOnWhereTheFirstOneEnded) {
   const Log log(1);
   const std::string first = CreateSession(true);
   Map(first, log.First());
-  const OccupancyGrid after_first = Published();
+  const grid::OccupancyGrid after_first = Published();
   const Pose2 end = Trajectory(first).back().T_map_robot;
   const std::string second = CreateSessionAt({end.x + 0.3, end.y - 0.2, end.yaw + 0.1});
   Map(second, log.Second());
 
-  const std::vector<StampedPose> trajectory = Trajectory(second);
+  const std::vector<slam::StampedPose> trajectory = Trajectory(second);
   ASSERT_GT(trajectory.size(), 100U);
   EXPECT_LT(WorstDifference(trajectory, OneSession().trajectory), 0.15);
-  const OccupancyGrid published = Published();
+  const grid::OccupancyGrid published = Published();
   EXPECT_GT(ShareOfWallsIn(published, after_first), 0.98);
   EXPECT_GT(ShareOfWallsIn(published, OneSession().grid), 0.98);
   EXPECT_GT(ShareOfWallsIn(OneSession().grid, published), 0.98) << "no walls beside the true ones";
   EXPECT_LT(ShareOfWallsIn(after_first, published), 0.98) << "the second part has seen more";
 
-  ASSERT_OK_AND_ASSIGN(const RobotPose pose, RobotPoseStore(*pool_).Get(Soon(), site_, RobotId("r")));
+  ASSERT_OK_AND_ASSIGN(const storage::RobotPose pose, storage::RobotPoseStore(*pool_).Get(Soon(), site_, RobotId("r")));
   EXPECT_EQ(pose.map, map_);
   EXPECT_EQ(pose.session, IdOf(second));
   EXPECT_EQ(pose.time, trajectory.back().time);
@@ -198,12 +198,12 @@ TEST_F(OldMapTest, TwoSessionsAtOnceLoseNothing) {
   options.mapping.revision_interval_s = 0.05;
   Restart(options);
   const Log log(1);
-  const std::vector<Record> first_log = log.First();
-  const std::vector<Record> second_log = log.Second();
+  const std::vector<sensor::Record> first_log = log.First();
+  const std::vector<sensor::Record> second_log = log.Second();
   const std::string first = CreateSession(true);
   TimeNs begin = 0;
-  for (const Record& record : second_log) {
-    if (const auto* scan = std::get_if<LaserScan>(&record.payload); scan != nullptr && begin == 0) begin = scan->time;
+  for (const sensor::Record& record : second_log) {
+    if (const auto* scan = std::get_if<sensor::LaserScan>(&record.payload); scan != nullptr && begin == 0) begin = scan->time;
   }
   const std::string second = CreateSessionAt(PoseAt(OneSession().trajectory, begin));
   {
@@ -221,15 +221,15 @@ TEST_F(OldMapTest, TwoSessionsAtOnceLoseNothing) {
   AwaitState(second, v1::Session::STATE_MAPPED);
 
   EXPECT_LT(WorstDifference(Trajectory(second), OneSession().trajectory), 0.3);
-  const OccupancyGrid published = Published();
+  const grid::OccupancyGrid published = Published();
   EXPECT_GT(ShareOfWallsIn(published, OneSession().grid), 0.95);
   // All that the first session has seen by itself is there.
-  const OccupancyGrid first_alone = MapOffline(first_log).grid;
+  const grid::OccupancyGrid first_alone = MapOffline(first_log).grid;
   EXPECT_GT(ShareOfWallsIn(published, first_alone), 0.95);
-  ASSERT_OK_AND_ASSIGN(const LayersBeside layers, revisions_.ReadLayersBeside(Soon(), site_, map_, IdOf(second)));
+  ASSERT_OK_AND_ASSIGN(const storage::LayersBeside layers, revisions_.ReadLayersBeside(Soon(), site_, map_, IdOf(second)));
   ASSERT_EQ(layers.below.size() + layers.above.size(), 1U);
-  const MapLayer& layer = layers.below.empty() ? layers.above.front() : layers.below.front();
-  ASSERT_OK_AND_ASSIGN(const server::RasterRevision expected, ToRevision(FromOccupancyGrid(first_alone)));
+  const storage::MapLayer& layer = layers.below.empty() ? layers.above.front() : layers.below.front();
+  ASSERT_OK_AND_ASSIGN(const server::RasterRevision expected, ToRevision(grid::FromOccupancyGrid(first_alone)));
   EXPECT_EQ(layer.session, IdOf(first));
   EXPECT_EQ(server::ContentHash(layer.raster.header, layer.raster.tiles), expected.revision.content_sha256)
       << "the first session's layer is what it would be alone";
@@ -239,21 +239,21 @@ TEST_F(OldMapTest, ASessionOnAnImportedMapKeepsWhatItDoesNotSee) {
   const Log log(1);
   const Offline first_part = MapOffline(log.First());
   // Coarser than SLAM's, and with a wall that no robot has ever seen.
-  ASSERT_OK_AND_ASSIGN(OccupancyGrid imported, OnLattice(first_part.grid, 0.1));
-  OccupancyGrid wall;
+  ASSERT_OK_AND_ASSIGN(grid::OccupancyGrid imported, grid::OnLattice(first_part.grid, 0.1));
+  grid::OccupancyGrid wall;
   wall.geometry = {0.1, {-30.0, 0.0, 0.0}, 1, 20};
   wall.cells.assign(20, 250);
-  ASSERT_OK_AND_ASSIGN(imported, LaidOver(imported, wall));
-  ASSERT_OK_AND_ASSIGN(server::RasterRevision raster, ToRevision(FromOccupancyGrid(imported)));
-  raster.revision.source = RevisionSource::kImport;
-  ASSERT_OK(PutTiles(Soon(), BlobStore(*pool_), site_, raster, {}));
+  ASSERT_OK_AND_ASSIGN(imported, grid::LaidOver(imported, wall));
+  ASSERT_OK_AND_ASSIGN(server::RasterRevision raster, ToRevision(grid::FromOccupancyGrid(imported)));
+  raster.revision.source = storage::RevisionSource::kImport;
+  ASSERT_OK(PutTiles(Soon(), storage::BlobStore(*pool_), site_, raster, {}));
   ASSERT_OK(revisions_.Add(Soon(), site_, map_, raster.revision, {}));
 
   const std::string session = CreateSessionAt(first_part.trajectory.back().T_map_robot);
   Map(session, log.Second());
   EXPECT_LT(WorstDifference(Trajectory(session), OneSession().trajectory), 0.2);
-  const OccupancyGrid published = Published();
-  ASSERT_OK_AND_ASSIGN(const OccupancyGrid far_wall, OnLattice(wall, 0.05));
+  const grid::OccupancyGrid published = Published();
+  ASSERT_OK_AND_ASSIGN(const grid::OccupancyGrid far_wall, grid::OnLattice(wall, 0.05));
   EXPECT_EQ(ShareOfWallsIn(published, far_wall), 1.0);
   EXPECT_GT(ShareOfWallsIn(published, OneSession().grid), 0.95);
 }

@@ -45,10 +45,10 @@ void ServerTest::Restart(const server::ServerOptions& given) {
   options.listen.address = "unix:" + (directory_.path() / "socket").string();
   options.transfers.cache_directory = directory_.path().string();
   server_.reset();
-  auto server = server::Server::Start(options, SlamOptions());
+  auto server = server::Server::Start(options, slam::SlamOptions());
   EXPECT_OK(server);
   server_ = *std::move(server);
-  connection_ = std::make_unique<Connection>(server_->address(), std::chrono::duration<double>(kPatienceS));
+  connection_ = std::make_unique<client::Connection>(server_->address(), std::chrono::duration<double>(kPatienceS));
   // A first attempt that takes too long on a busy machine would fail the first call.
   EXPECT_TRUE(connection_->channel()->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(60)));
 }
@@ -89,7 +89,7 @@ void ServerTest::AwaitState(const std::string& name, v1::Session::State state) c
   FAIL() << "still waiting: " << session.ShortDebugString();
 }
 
-TestStream::TestStream(const Connection& connection, const std::string& session)
+TestStream::TestStream(const client::Connection& connection, const std::string& session)
     : stub_(v1::IngestService::NewStub(connection.channel())), stream_(stub_->StreamRecords(&context_)) {
   v1::StreamRecordsRequest open;
   open.mutable_open()->set_session(session);
@@ -150,7 +150,7 @@ absl::Status TestStream::AwaitEnd() {
   while (stream_->Read(&ignored)) {
   }
   finished_ = true;
-  return FromGrpcStatus(stream_->Finish());
+  return client::FromGrpcStatus(stream_->Finish());
 }
 
 v1::Record ScanRecord(std::int64_t sequence) {

@@ -43,13 +43,13 @@ class ServerTest : public DatabaseTest {
 
   TemporaryDirectory directory_;
   std::unique_ptr<server::Server> server_;
-  std::unique_ptr<Connection> connection_;
+  std::unique_ptr<client::Connection> connection_;
 };
 
 // A stream of records, spoken by hand.
 class TestStream {
  public:
-  TestStream(const Connection& connection, const std::string& session);
+  TestStream(const client::Connection& connection, const std::string& session);
   // Cancels what is still open.
   ~TestStream();
 

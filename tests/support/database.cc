@@ -102,7 +102,7 @@ std::string TestDatabase::SqlValue(const std::string& sql) const {
 }
 
 DatabaseTest::DatabaseTest() {
-  auto pool = postgres::Pool::Create({.url = database_.url()});
+  auto pool = storage::postgres::Pool::Create({.url = database_.url()});
   if (!pool.ok()) throw std::runtime_error(pool.status().ToString());
   pool_ = *std::move(pool);
 }

@@ -40,10 +40,10 @@ class DatabaseTest : public ::testing::Test {
   DatabaseTest();
 
   // Time enough for any one call.
-  static CallContext Soon() { return CallContext::WithTimeout(std::chrono::seconds(60)); }
+  static storage::CallContext Soon() { return storage::CallContext::WithTimeout(std::chrono::seconds(60)); }
 
   TestDatabase database_;
-  std::unique_ptr<postgres::Pool> pool_;
+  std::unique_ptr<storage::postgres::Pool> pool_;
 };
 
 }  // namespace enfilade::testing

@@ -11,10 +11,10 @@
 namespace enfilade::testing {
 namespace {
 
-DoorReport ToReport(const DoorEvent& event) {
-  DoorReport report;
+sensor::DoorReport ToReport(const doors::DoorEvent& event) {
+  sensor::DoorReport report;
   report.time = event.time;
-  report.kind = event.kind == DoorEvent::Kind::kPassage ? DoorReport::Kind::kPassage : DoorReport::Kind::kCandidate;
+  report.kind = event.kind == doors::DoorEvent::Kind::kPassage ? sensor::DoorReport::Kind::kPassage : sensor::DoorReport::Kind::kCandidate;
   report.door_time = event.door_time;
   report.T_odom_door = event.T_odom_door;
   report.width = event.width;
@@ -95,16 +95,16 @@ std::vector<DrivenSession> DriveThroughDoors(const DoorDriveOptions& options) {
   const auto drive = simulator::SimulateDrive(world, options.robot, options.simulation);
   EXPECT_OK(drive);
   std::vector<DrivenSession> sessions(1);
-  DoorDetector detector{DoorOptions()};
+  doors::DoorDetector detector{doors::DoorOptions()};
   Pose2 T_odom_robot;
   for (const simulator::SimulatedRecord& simulated : drive->records) {
-    if (const auto* odometry = std::get_if<Odometry>(&simulated.payload)) T_odom_robot = odometry->T_odom_robot;
-    Record record;
+    if (const auto* odometry = std::get_if<sensor::Odometry>(&simulated.payload)) T_odom_robot = odometry->T_odom_robot;
+    sensor::Record record;
     record.sequence = static_cast<std::int64_t>(sessions.back().log.size()) + 1;
     std::visit([&](const auto& payload) { record.payload = payload; }, simulated.payload);
     sessions.back().log.push_back(record);
     if (!simulated.content.empty()) sessions.back().contents.push_back(simulated.content);
-    const auto* scan = std::get_if<LaserScan>(&simulated.payload);
+    const auto* scan = std::get_if<sensor::LaserScan>(&simulated.payload);
     if (scan == nullptr) continue;
     const auto pose = std::find_if(drive->truth.poses.begin(), drive->truth.poses.end(),
                                    [&](const simulator::TruePose& p) { return p.time >= scan->time; });
@@ -112,11 +112,11 @@ std::vector<DrivenSession> DriveThroughDoors(const DoorDriveOptions& options) {
       sessions.back().end = *pose;
       sessions.back().area = pose->area;
     }
-    for (const DoorEvent& event : detector.Add(*scan, T_odom_robot)) {
-      if (event.kind == DoorEvent::Kind::kLatched) continue;
+    for (const doors::DoorEvent& event : detector.Add(*scan, T_odom_robot)) {
+      if (event.kind == doors::DoorEvent::Kind::kLatched) continue;
       DrivenSession& session = sessions.back();
       session.log.push_back({static_cast<std::int64_t>(session.log.size()) + 1, ToReport(event)});
-      if (event.kind == DoorEvent::Kind::kCandidate) {
+      if (event.kind == doors::DoorEvent::Kind::kCandidate) {
         session.doors.push_back("candidate");
         continue;
       }

@@ -13,7 +13,7 @@ namespace enfilade::testing {
 // A robot's drive through a simulated campus, cut into sessions where core/doors finds passages, as the robot's agent
 // does it: each ends with the report, and the next one begins with the next record.
 struct DrivenSession {
-  std::vector<Record> log;
+  std::vector<sensor::Record> log;
   std::vector<std::string> contents;  // of the log's images and clouds
   std::vector<std::string>
       doors;                // of the campus: "candidate", or the door's id for a passage, in the order of reports

@@ -62,7 +62,7 @@ class Drive {
   }
 
   void AddEdge(int from, int to, bool is_loop, bool is_outlier) {
-    PoseGraphEdge edge;
+    optimize::PoseGraphEdge edge;
     edge.from = from;
     edge.to = to;
     edge.robust = is_loop;
@@ -102,7 +102,7 @@ class Drive {
 
 ManhattanGraph MakeManhattanGraph(const ManhattanOptions& options) { return Drive(options).Record(); }
 
-double RootMeanSquareError(const PoseGraph& graph, const std::vector<Pose2>& truth) {
+double RootMeanSquareError(const optimize::PoseGraph& graph, const std::vector<Pose2>& truth) {
   double sum = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     sum += (graph.nodes[i].T_world_node.translation() - truth[i].translation()).squaredNorm();

@@ -21,7 +21,7 @@ struct ManhattanOptions {
 };
 
 struct ManhattanGraph {
-  PoseGraph graph;               // node i has id i; posed by odometry; odometry edges are not robust, loop edges are
+  optimize::PoseGraph graph;               // node i has id i; posed by odometry; odometry edges are not robust, loop edges are
   std::vector<Pose2> truth;      // per node
   std::vector<char> is_outlier;  // per edge
 };
@@ -29,6 +29,6 @@ struct ManhattanGraph {
 ManhattanGraph MakeManhattanGraph(const ManhattanOptions& options);
 
 // The root mean square distance of the nodes from the truth, m.
-double RootMeanSquareError(const PoseGraph& graph, const std::vector<Pose2>& truth);
+double RootMeanSquareError(const optimize::PoseGraph& graph, const std::vector<Pose2>& truth);
 
 }  // namespace enfilade::testing

@@ -7,7 +7,7 @@
 
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::testing {
 
 inline void PrintTo(const Pose2& pose, std::ostream* os) {
   *os << "(" << pose.x << ", " << pose.y << ", " << pose.yaw << ")";
@@ -23,4 +23,4 @@ MATCHER_P3(PoseNear, expected, metres, radians, "") {
 }
 
 }  // namespace testing
-}  // namespace enfilade
+}  // namespace enfilade::testing

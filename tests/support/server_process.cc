@@ -20,7 +20,7 @@ Health ParseHealth(const grpc::ByteBuffer& response) {
 
 }  // namespace
 
-Health HealthOf(const Connection& connection) {
+Health HealthOf(const client::Connection& connection) {
   grpc::GenericStub stub(connection.channel());
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(5));
@@ -61,7 +61,7 @@ void ServerProcess::Start() {
 
 void ServerProcess::StartAndWait() {
   Start();
-  const Connection connection = Connect();
+  const client::Connection connection = Connect();
   const bool serving = Eventually([&] { return !process_->running() || HealthOf(connection) == Health::kServing; });
   if (!serving || !process_->running()) throw std::runtime_error("no server:\n" + TailOf(log_));
 }

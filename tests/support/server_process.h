@@ -15,7 +15,7 @@ namespace enfilade::testing {
 enum class Health { kServing, kNotServing, kUnreachable };
 
 // What grpc.health.v1 says of the whole server.
-Health HealthOf(const Connection& connection);
+Health HealthOf(const client::Connection& connection);
 
 // enfilade-server as a process of its own on a Unix socket. It may be killed and started again at the same address.
 class ServerProcess {
@@ -33,7 +33,7 @@ class ServerProcess {
 
   const std::string& address() const { return address_; }
   std::filesystem::path log() const { return log_; }
-  Connection Connect() const { return {address_, std::chrono::seconds(30)}; }
+  client::Connection Connect() const { return {address_, std::chrono::seconds(30)}; }
 
  private:
   const std::string address_;

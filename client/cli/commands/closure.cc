@@ -44,7 +44,7 @@ nlohmann::json ToJson(const v1::Closure& closure) {
 }
 
 absl::Status ListClosures(const Globals& globals, const ClosureCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   v1::ListClosuresRequest request;

@@ -29,30 +29,30 @@ struct DoorsCommandOptions {
   sources::LogOptions reading;
 };
 
-absl::StatusOr<DoorOptions> LoadDoorOptions(const DoorsCommandOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const DoorOptions preset, DoorPreset(options.preset));
+absl::StatusOr<doors::DoorOptions> LoadDoorOptions(const DoorsCommandOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const doors::DoorOptions preset, doors::DoorPreset(options.preset));
   if (options.options_file.empty()) return preset;
   std::ifstream file(options.options_file, std::ios::binary);
   if (!file) return NotFound("{}: no such file", options.options_file);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  absl::StatusOr<DoorOptions> parsed = ParseDoorOptions(text, preset);
+  absl::StatusOr<doors::DoorOptions> parsed = doors::ParseDoorOptions(text, preset);
   if (!parsed.ok()) return WithContext(parsed.status(), options.options_file);
   return parsed;
 }
 
-absl::StatusOr<std::vector<PairedScan>> ReadScans(const DoorsCommandOptions& options) {
+absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(const DoorsCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, options.reading));
-  ScanPairing pairing{ScanPairingOptions{}};
-  std::vector<PairedScan> scans;
+  sensor::ScanPairing pairing{sensor::ScanPairingOptions{}};
+  std::vector<sensor::PairedScan> scans;
   for (std::int64_t sequence = 1;; ++sequence) {
     ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
     if (!entry) break;
-    if (auto* scan = std::get_if<LaserScan>(&entry->payload)) pairing.Add(sequence, std::move(*scan), scans);
-    if (auto* pose = std::get_if<Odometry>(&entry->payload)) pairing.Add(*pose, scans);
+    if (auto* scan = std::get_if<sensor::LaserScan>(&entry->payload)) pairing.Add(sequence, std::move(*scan), scans);
+    if (auto* pose = std::get_if<sensor::Odometry>(&entry->payload)) pairing.Add(*pose, scans);
   }
   pairing.Flush(scans);
   const std::size_t all = scans.size();
-  std::erase_if(scans, [](const PairedScan& scan) { return !scan.T_odom_robot; });
+  std::erase_if(scans, [](const sensor::PairedScan& scan) { return !scan.T_odom_robot; });
   if (scans.empty()) {
     return FailedPrecondition("{}: of {} scans none has odometry near it in time: doors are found along a way driven",
                               options.log, all);
@@ -62,13 +62,13 @@ absl::StatusOr<std::vector<PairedScan>> ReadScans(const DoorsCommandOptions& opt
 
 nlohmann::json ToJson(const Pose2& pose) { return {{"x_m", pose.x}, {"y_m", pose.y}, {"yaw_rad", pose.yaw}}; }
 
-nlohmann::json ToJson(const CriterionVerdict& verdict) {
+nlohmann::json ToJson(const doors::CriterionVerdict& verdict) {
   constexpr const char* kStates[] = {"open", "met", "dropped"};
   return {{"state", kStates[static_cast<int>(verdict.state)]}, {"reason", verdict.reason}};
 }
 
-nlohmann::json ToJson(const DoorEvent& event) {
-  nlohmann::json json = {{"event", NameOf(event.kind)},
+nlohmann::json ToJson(const doors::DoorEvent& event) {
+  nlohmann::json json = {{"event", doors::NameOf(event.kind)},
                          {"time_ns", event.time},
                          {"door", event.door},
                          {"pose_odom_robot", ToJson(event.T_odom_robot)},
@@ -83,18 +83,18 @@ nlohmann::json ToJson(const DoorEvent& event) {
 }
 
 absl::Status RunDoors(const Globals& globals, const DoorsCommandOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const DoorOptions doors, LoadDoorOptions(options));
+  ENFILADE_ASSIGN_OR_RETURN(const doors::DoorOptions doors, LoadDoorOptions(options));
   if (options.print_options) {
-    std::cout << FormatDoorOptions(doors);
+    std::cout << doors::FormatDoorOptions(doors);
     return absl::OkStatus();
   }
   if (options.log.empty()) return InvalidArgument("doors: which LOG? (enfilade doors --help)");
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<PairedScan> scans, ReadScans(options));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::PairedScan> scans, ReadScans(options));
   ProgressBar bar(globals, "looking for doors", static_cast<std::int64_t>(scans.size()));
-  DoorDetector detector(doors);
-  std::vector<DoorEvent> events;
-  const auto tell = [&](std::vector<DoorEvent> some) {
-    for (DoorEvent& event : some) {
+  doors::DoorDetector detector(doors);
+  std::vector<doors::DoorEvent> events;
+  const auto tell = [&](std::vector<doors::DoorEvent> some) {
+    for (doors::DoorEvent& event : some) {
       std::cout << ToJson(event).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
       events.push_back(std::move(event));
     }

@@ -12,17 +12,17 @@ namespace {
 constexpr int kWidth = 1400;
 constexpr int kStrip = 361;  // pixels: one a degree
 constexpr int kGap = 12;
-constexpr Rgb kOrange{240, 150, 30};
-constexpr Rgb kGrey{150, 150, 150};
+constexpr grid::Rgb kOrange{240, 150, 30};
+constexpr grid::Rgb kGrey{150, 150, 150};
 
 class DoorPlot {
  public:
-  DoorPlot(const std::vector<PairedScan>& scans, const std::vector<DoorEvent>& events)
+  DoorPlot(const std::vector<sensor::PairedScan>& scans, const std::vector<doors::DoorEvent>& events)
       : scans_(scans), events_(events), image_(1, 1, {}) {
     Eigen::Vector2d low(0.0, 0.0);
     Eigen::Vector2d high(1.0, 1.0);
     bool first = true;
-    for (const PairedScan& scan : scans_) {
+    for (const sensor::PairedScan& scan : scans_) {
       const Eigen::Vector2d at = scan.T_odom_robot->translation();
       low = first ? at : Eigen::Vector2d(low.cwiseMin(at));
       high = first ? at : Eigen::Vector2d(high.cwiseMax(at));
@@ -31,17 +31,17 @@ class DoorPlot {
     low_ = low - Eigen::Vector2d(5.0, 5.0);
     high_ = high + Eigen::Vector2d(5.0, 5.0);
     scale_ = std::min(kWidth / (high_ - low_).x(), 1200.0 / (high_ - low_).y());
-    image_ = RgbImage(kWidth, kStrip + kGap + static_cast<int>(scale_ * (high_ - low_).y()), {255, 255, 255});
+    image_ = grid::RgbImage(kWidth, kStrip + kGap + static_cast<int>(scale_ * (high_ - low_).y()), {255, 255, 255});
   }
 
-  absl::StatusOr<std::string> Draw(const DerivativeOptions& options) {
+  absl::StatusOr<std::string> Draw(const doors::DerivativeOptions& options) {
     DrawDerivative(options);
     DrawWay();
-    return EncodePng(image_);
+    return grid::EncodePng(image_);
   }
 
  private:
-  void Set(int x, int y, Rgb color) {
+  void Set(int x, int y, grid::Rgb color) {
     if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) return;
     std::copy(color.begin(), color.end(),
               image_.samples.begin() + 3 * (static_cast<std::ptrdiff_t>(y) * image_.width + x));
@@ -55,10 +55,10 @@ class DoorPlot {
     return {(p.x() - low_.x()) * scale_, kStrip + kGap + (high_.y() - p.y()) * scale_};
   }
 
-  void DrawDerivative(const DerivativeOptions& options) {
+  void DrawDerivative(const doors::DerivativeOptions& options) {
     for (std::size_t s = 0; s < scans_.size(); ++s) {
-      const LaserScan& scan = scans_[s].scan;
-      const std::vector<double> derivative = ScanDerivative(scan, options);
+      const sensor::LaserScan& scan = scans_[s].scan;
+      const std::vector<double> derivative = doors::ScanDerivative(scan, options);
       const int begin = ColumnOf(scan.time);
       const int end = s + 1 < scans_.size() ? std::min(begin + 30, ColumnOf(scans_[s + 1].scan.time)) : begin + 1;
       for (std::size_t i = 0; i < derivative.size(); ++i) {
@@ -67,58 +67,58 @@ class DoorPlot {
         const double strength = std::clamp(derivative[i] / (2.0 * options.threshold), -1.0, 1.0);
         const auto pale = static_cast<std::uint8_t>(255.0 * (1.0 - std::abs(strength)));
         if (pale > 245) continue;
-        const Rgb color = strength > 0.0 ? Rgb{255, pale, pale} : Rgb{pale, pale, 255};
+        const grid::Rgb color = strength > 0.0 ? grid::Rgb{255, pale, pale} : grid::Rgb{pale, pale, 255};
         for (int x = begin; x < std::max(end, begin + 1); ++x)
           Set(x, 180 - static_cast<int>(std::lround(bearing)), color);
       }
     }
-    for (const DoorEvent& event : events_) {
-      const Rgb color = event.kind == DoorEvent::Kind::kPassage   ? kGreen
-                        : event.kind == DoorEvent::Kind::kLatched ? kOrange
+    for (const doors::DoorEvent& event : events_) {
+      const grid::Rgb color = event.kind == doors::DoorEvent::Kind::kPassage   ? grid::kGreen
+                        : event.kind == doors::DoorEvent::Kind::kLatched ? kOrange
                                                                   : kGrey;
-      const int x = ColumnOf(event.kind == DoorEvent::Kind::kPassage ? event.door_time : event.time);
-      DrawLine(image_, Eigen::Vector2d(x, 0), Eigen::Vector2d(x, kStrip - 1), color, 1);
+      const int x = ColumnOf(event.kind == doors::DoorEvent::Kind::kPassage ? event.door_time : event.time);
+      grid::DrawLine(image_, Eigen::Vector2d(x, 0), Eigen::Vector2d(x, kStrip - 1), color, 1);
     }
   }
 
   void DrawWay() {
-    for (const PairedScan& scan : scans_) {
-      for (const Eigen::Vector2d& p : HitPoints(scan.scan, 5.0)) {
+    for (const sensor::PairedScan& scan : scans_) {
+      for (const Eigen::Vector2d& p : sensor::HitPoints(scan.scan, 5.0)) {
         const Eigen::Vector2d pixel = PixelOfPoint(*scan.T_odom_robot * p);
         if (pixel.y() > kStrip) Set(static_cast<int>(pixel.x()), static_cast<int>(pixel.y()), {190, 190, 190});
       }
     }
     for (std::size_t s = 1; s < scans_.size(); ++s) {
-      DrawLine(image_, PixelOfPoint(scans_[s - 1].T_odom_robot->translation()),
-               PixelOfPoint(scans_[s].T_odom_robot->translation()), kBlue, 1);
+      grid::DrawLine(image_, PixelOfPoint(scans_[s - 1].T_odom_robot->translation()),
+               PixelOfPoint(scans_[s].T_odom_robot->translation()), grid::kBlue, 1);
     }
-    for (const DoorEvent& event : events_) {
+    for (const doors::DoorEvent& event : events_) {
       const Eigen::Vector2d at = event.T_odom_door.translation();
       const Eigen::Vector2d across(-std::sin(event.T_odom_door.yaw), std::cos(event.T_odom_door.yaw));
-      if (event.kind == DoorEvent::Kind::kPassage) {
+      if (event.kind == doors::DoorEvent::Kind::kPassage) {
         const double half = std::max(0.4, event.width / 2.0);
-        DrawLine(image_, PixelOfPoint(at - half * across), PixelOfPoint(at + half * across), kGreen, 3);
-      } else if (event.kind == DoorEvent::Kind::kCandidate) {
+        grid::DrawLine(image_, PixelOfPoint(at - half * across), PixelOfPoint(at + half * across), grid::kGreen, 3);
+      } else if (event.kind == doors::DoorEvent::Kind::kCandidate) {
         const Eigen::Vector2d arm(0.2, 0.2);
         const Eigen::Vector2d other(-0.2, 0.2);
-        DrawLine(image_, PixelOfPoint(at - arm), PixelOfPoint(at + arm), kOrange, 2);
-        DrawLine(image_, PixelOfPoint(at - other), PixelOfPoint(at + other), kOrange, 2);
+        grid::DrawLine(image_, PixelOfPoint(at - arm), PixelOfPoint(at + arm), kOrange, 2);
+        grid::DrawLine(image_, PixelOfPoint(at - other), PixelOfPoint(at + other), kOrange, 2);
       }
     }
   }
 
-  const std::vector<PairedScan>& scans_;
-  const std::vector<DoorEvent>& events_;
+  const std::vector<sensor::PairedScan>& scans_;
+  const std::vector<doors::DoorEvent>& events_;
   Eigen::Vector2d low_;
   Eigen::Vector2d high_;
   double scale_ = 1.0;  // pixels per metre
-  RgbImage image_;
+  grid::RgbImage image_;
 };
 
 }  // namespace
 
-absl::StatusOr<std::string> DrawDoors(const std::vector<PairedScan>& scans, const std::vector<DoorEvent>& events,
-                                      const DerivativeOptions& options) {
+absl::StatusOr<std::string> DrawDoors(const std::vector<sensor::PairedScan>& scans, const std::vector<doors::DoorEvent>& events,
+                                      const doors::DerivativeOptions& options) {
   return DoorPlot(scans, events).Draw(options);
 }
 

@@ -14,7 +14,7 @@ namespace enfilade::cli {
 // bearing upwards; red: the range jumps up, blue: down), with latched doors (orange), candidates (grey) and passages
 // (green) as lines down. Below: the way in the odometry frame over the hits of the scans, passages as green bars as
 // wide as the door, candidates as orange crosses.
-absl::StatusOr<std::string> DrawDoors(const std::vector<PairedScan>& scans, const std::vector<DoorEvent>& events,
-                                      const DerivativeOptions& options);
+absl::StatusOr<std::string> DrawDoors(const std::vector<sensor::PairedScan>& scans, const std::vector<doors::DoorEvent>& events,
+                                      const doors::DerivativeOptions& options);
 
 }  // namespace enfilade::cli

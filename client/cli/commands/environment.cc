@@ -26,7 +26,7 @@ struct EnvironmentCommandOptions {
   std::vector<std::string> inputs;
   std::string criterion;  // empty: range for a log, ssim for images
   std::string preset;
-  RangeCriterion range;
+  sensor::RangeCriterion range;
   perception::SimilarityCriterion similarity;
   std::optional<double> threshold;
   perception::SceneClassifierFiles classifier;
@@ -34,7 +34,7 @@ struct EnvironmentCommandOptions {
 
 // What there is to judge by, in order.
 struct Material {
-  std::vector<LaserScan> scans;
+  std::vector<sensor::LaserScan> scans;
   std::vector<std::string> depth_files;
   std::vector<std::string> color_files;
 };
@@ -45,9 +45,9 @@ absl::StatusOr<Material> ReadLog(const std::string& path) {
   for (;;) {
     ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
     if (!entry) return material;
-    if (auto* scan = std::get_if<LaserScan>(&entry->payload)) material.scans.push_back(std::move(*scan));
-    if (const auto* image = std::get_if<Image>(&entry->payload); image != nullptr && image->camera == Camera::kFront) {
-      auto& files = image->encoding == ImageEncoding::kDepthPng16 ? material.depth_files : material.color_files;
+    if (auto* scan = std::get_if<sensor::LaserScan>(&entry->payload)) material.scans.push_back(std::move(*scan));
+    if (const auto* image = std::get_if<sensor::Image>(&entry->payload); image != nullptr && image->camera == sensor::Camera::kFront) {
+      auto& files = image->encoding == sensor::ImageEncoding::kDepthPng16 ? material.depth_files : material.color_files;
       files.push_back(entry->content);
     }
   }
@@ -71,23 +71,23 @@ absl::StatusOr<Material> Gather(const std::vector<std::string>& inputs) {
 }
 
 struct Verdict {
-  Surroundings surroundings = Surroundings::kIndoor;
+  sensor::Surroundings surroundings = sensor::Surroundings::kIndoor;
   nlohmann::json details;
   std::string text;
 };
 
 // The first scan with hits decides, as when a robot enters a new map; the others say how steady the verdict is.
-absl::StatusOr<Verdict> ByRange(const Material& material, const RangeCriterion& criterion) {
+absl::StatusOr<Verdict> ByRange(const Material& material, const sensor::RangeCriterion& criterion) {
   if (material.scans.empty()) return InvalidArgument("criterion range: there is no scan; give a log with scans");
-  std::optional<RangeChoice> first;
+  std::optional<sensor::RangeChoice> first;
   std::int64_t outdoor = 0;
   std::int64_t judged = 0;
-  for (const LaserScan& scan : material.scans) {
-    ENFILADE_ASSIGN_OR_RETURN(const RangeChoice choice, ChooseByRange(scan, criterion));
+  for (const sensor::LaserScan& scan : material.scans) {
+    ENFILADE_ASSIGN_OR_RETURN(const sensor::RangeChoice choice, sensor::ChooseByRange(scan, criterion));
     if (!choice.surroundings) continue;
     if (!first) first = choice;
     ++judged;
-    if (choice.surroundings == Surroundings::kOutdoor) ++outdoor;
+    if (choice.surroundings == sensor::Surroundings::kOutdoor) ++outdoor;
   }
   if (!first) return InvalidArgument("criterion range: none of {} scans has a hit", material.scans.size());
   Verdict verdict{*first->surroundings, {}, {}};
@@ -122,7 +122,7 @@ absl::StatusOr<Verdict> BySimilarity(const Material& material, const perception:
 absl::StatusOr<Verdict> ByScene(const Material& material, const perception::SceneClassifierFiles& files) {
   if (material.color_files.empty()) return InvalidArgument("criterion scene: there is no photograph");
   ENFILADE_ASSIGN_OR_RETURN(perception::SceneClassifier classifier, perception::SceneClassifier::Load(files));
-  Verdict verdict{Surroundings::kIndoor, {{"images", nlohmann::json::array()}}, {}};
+  Verdict verdict{sensor::Surroundings::kIndoor, {{"images", nlohmann::json::array()}}, {}};
   double outdoor = 0.0;
   for (const std::string& path : material.color_files) {
     ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
@@ -138,7 +138,7 @@ absl::StatusOr<Verdict> ByScene(const Material& material, const perception::Scen
                                 scene.best_probability);
   }
   const double mean = outdoor / static_cast<double>(material.color_files.size());
-  verdict.surroundings = mean > 0.5 ? Surroundings::kOutdoor : Surroundings::kIndoor;
+  verdict.surroundings = mean > 0.5 ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor;
   verdict.details["outdoor_probability"] = mean;
   return verdict;
 }
@@ -146,8 +146,8 @@ absl::StatusOr<Verdict> ByScene(const Material& material, const perception::Scen
 absl::StatusOr<Verdict> Judge(const EnvironmentCommandOptions& options, const std::string& criterion,
                               const Material& material) {
   if (criterion == "range") {
-    if (options.preset == "original-yaml") return ByRange(material, RangeCriterion::OriginalYaml());
-    if (options.preset == "original-code") return ByRange(material, RangeCriterion::OriginalCode());
+    if (options.preset == "original-yaml") return ByRange(material, sensor::RangeCriterion::OriginalYaml());
+    if (options.preset == "original-code") return ByRange(material, sensor::RangeCriterion::OriginalCode());
     return ByRange(material, options.range);
   }
   if (criterion == "scene") return ByScene(material, options.classifier);
@@ -166,10 +166,10 @@ absl::Status RunEnvironment(const Globals& globals, const EnvironmentCommandOpti
   if (globals.json) {
     nlohmann::json document = verdict.details;
     document["criterion"] = criterion;
-    document["environment"] = ToString(verdict.surroundings);
+    document["environment"] = sensor::ToString(verdict.surroundings);
     PrintJson(std::cout, document);
   } else if (!globals.quiet) {
-    std::cout << fmt::format("{} (by {})\n{}", ToString(verdict.surroundings), criterion, verdict.text);
+    std::cout << fmt::format("{} (by {})\n{}", sensor::ToString(verdict.surroundings), criterion, verdict.text);
   }
   return absl::OkStatus();
 }

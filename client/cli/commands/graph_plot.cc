@@ -26,7 +26,7 @@
 namespace enfilade::cli {
 namespace {
 
-constexpr std::array<Rgb, 8> kPalette{{{31, 119, 180},
+constexpr std::array<grid::Rgb, 8> kPalette{{{31, 119, 180},
                                        {214, 39, 40},
                                        {44, 160, 44},
                                        {148, 103, 189},
@@ -34,9 +34,9 @@ constexpr std::array<Rgb, 8> kPalette{{{31, 119, 180},
                                        {23, 140, 160},
                                        {140, 86, 75},
                                        {200, 80, 160}}};
-constexpr Rgb kBlack{20, 20, 20};
-constexpr Rgb kOrange{230, 120, 0};
-constexpr Rgb kGrey{120, 120, 120};
+constexpr grid::Rgb kBlack{20, 20, 20};
+constexpr grid::Rgb kOrange{230, 120, 0};
+constexpr grid::Rgb kGrey{120, 120, 120};
 
 struct GraphPlotCommandOptions {
   std::string output = "graph.png";
@@ -50,7 +50,7 @@ struct PlottedMap {
   std::string name;
   std::string display_name;
   Pose2 T_scene_map;
-  Rgb color{};
+  grid::Rgb color{};
 };
 
 Pose2 ToPose(const v1::Pose2& pose) { return {pose.x(), pose.y(), pose.yaw()}; }
@@ -64,14 +64,14 @@ PoseWithCovariance ToPose(const v1::PoseWithCovariance& pose) {
 }
 
 // The newest revision of the map; empty where it has none.
-absl::StatusOr<std::optional<OccupancyGrid>> FetchGrid(const Connection& connection, const std::string& map) {
+absl::StatusOr<std::optional<grid::OccupancyGrid>> FetchGrid(const client::Connection& connection, const std::string& map) {
   v1::ExportMapRequest request;
   request.set_name(map);
   request.set_format(v1::MAP_FORMAT_PNG);
   v1::MapService::Stub stub(connection.channel());
   grpc::ClientContext context;
   const auto reader = stub.ExportMap(&context, request);
-  std::vector<MapFile> files;
+  std::vector<grid::MapFile> files;
   std::vector<std::string> sha256s;
   v1::ExportMapResponse part;
   while (reader->Read(&part)) {
@@ -85,24 +85,24 @@ absl::StatusOr<std::optional<OccupancyGrid>> FetchGrid(const Connection& connect
     }
     files[static_cast<std::size_t>(part.chunk().file())].bytes += part.chunk().data();
   }
-  const absl::Status status = FromGrpcStatus(reader->Finish(), connection.address());
+  const absl::Status status = client::FromGrpcStatus(reader->Finish(), connection.address());
   if (absl::IsNotFound(status) || absl::IsFailedPrecondition(status)) return std::nullopt;
   ENFILADE_RETURN_IF_ERROR(status);
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (Sha256(files[i].bytes) != sha256s[i]) return DataLoss("{} was damaged on its way: try again", files[i].name);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const ImportedMap imported, ImportFiles(files, MapDialect::kNav2));
-  return ToOccupancyGrid(imported.raster);
+  ENFILADE_ASSIGN_OR_RETURN(const grid::ImportedMap imported, grid::ImportFiles(files, grid::MapDialect::kNav2));
+  return grid::ToOccupancyGrid(imported.raster);
 }
 
-void AddAxes(const Pose2& T_scene_map, Scene& scene) {
+void AddAxes(const Pose2& T_scene_map, plot::Scene& scene) {
   const Eigen::Vector2d origin = T_scene_map.translation();
-  scene.lines.push_back({{origin, T_scene_map * Eigen::Vector2d(1.0, 0.0)}, kRed, 2});
-  scene.lines.push_back({{origin, T_scene_map * Eigen::Vector2d(0.0, 1.0)}, kGreen, 2});
+  scene.lines.push_back({{origin, T_scene_map * Eigen::Vector2d(1.0, 0.0)}, grid::kRed, 2});
+  scene.lines.push_back({{origin, T_scene_map * Eigen::Vector2d(0.0, 1.0)}, grid::kGreen, 2});
 }
 
 // The area that people have drawn around the map.
-absl::Status AddOutline(const Connection& connection, const PlottedMap& map, Scene& scene) {
+absl::Status AddOutline(const client::Connection& connection, const PlottedMap& map, plot::Scene& scene) {
   v1::GetMapRequest request;
   request.set_name(map.name);
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::MapService::Stub::GetMap, request));
@@ -116,7 +116,7 @@ absl::Status AddOutline(const Connection& connection, const PlottedMap& map, Sce
   return absl::OkStatus();
 }
 
-absl::Status AddMap(const Connection& connection, const PlottedMap& map, Scene& scene) {
+absl::Status AddMap(const client::Connection& connection, const PlottedMap& map, plot::Scene& scene) {
   ENFILADE_RETURN_IF_ERROR(AddOutline(connection, map, scene));
   ENFILADE_ASSIGN_OR_RETURN(auto grid, FetchGrid(connection, map.name));
   if (grid) scene.rasters.push_back({*std::move(grid), map.T_scene_map, map.color});
@@ -125,15 +125,15 @@ absl::Status AddMap(const Connection& connection, const PlottedMap& map, Scene& 
   return absl::OkStatus();
 }
 
-void AddEllipse(const PoseWithCovariance& pose, Rgb color, Scene& scene) {
-  const ErrorEllipse ellipse = ErrorEllipse95(pose.covariance);
+void AddEllipse(const PoseWithCovariance& pose, grid::Rgb color, plot::Scene& scene) {
+  const graph::ErrorEllipse ellipse = graph::ErrorEllipse95(pose.covariance);
   if (!(ellipse.semi_major_m > 0.0)) return;
   scene.ellipses.push_back({pose.pose.translation(), ellipse.semi_major_m, ellipse.semi_minor_m, ellipse.angle, color});
 }
 
-void AddPlace(const PoseWithCovariance& place, const std::string& id, int maps, bool joins, Scene& scene) {
-  using Shape = SceneMarker::Shape;
-  const Rgb color = joins ? kBlack : (maps < 2 ? kOrange : kGrey);
+void AddPlace(const PoseWithCovariance& place, const std::string& id, int maps, bool joins, plot::Scene& scene) {
+  using Shape = plot::SceneMarker::Shape;
+  const grid::Rgb color = joins ? kBlack : (maps < 2 ? kOrange : kGrey);
   AddEllipse(place, color, scene);
   scene.markers.push_back(
       {place.pose.translation(), joins ? Shape::kDot : (maps < 2 ? Shape::kCross : Shape::kRing), color});
@@ -141,13 +141,13 @@ void AddPlace(const PoseWithCovariance& place, const std::string& id, int maps, 
 }
 
 // The site in the world's frame.
-absl::StatusOr<std::vector<PlottedMap>> AddGraph(const Connection& connection, const Globals& globals,
-                                                 const GraphPlotCommandOptions& options, Scene& scene) {
+absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& connection, const Globals& globals,
+                                                 const GraphPlotCommandOptions& options, plot::Scene& scene) {
   v1::GetGraphRequest request;
   request.set_site(SiteNameOf(globals));
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::GraphService::Stub::GetGraph, request));
   const v1::Graph& graph = response.graph();
-  std::map<std::string, Rgb> colors;  // of the maps drawn
+  std::map<std::string, grid::Rgb> colors;  // of the maps drawn
   std::vector<PlottedMap> maps;
   for (int i = 0; i < graph.maps_size(); ++i) {
     const v1::GraphMap& map = graph.maps(i);
@@ -178,8 +178,8 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const Connection& connection, c
 }
 
 // One map in its own frame, with link points where this map saw them.
-absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const Connection& connection, const Globals& globals,
-                                                  const GraphPlotCommandOptions& options, Scene& scene) {
+absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const client::Connection& connection, const Globals& globals,
+                                                  const GraphPlotCommandOptions& options, plot::Scene& scene) {
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
   const PlottedMap plotted{map.name(), map.display_name(), {}, kPalette[0]};
   ENFILADE_RETURN_IF_ERROR(AddMap(connection, plotted, scene));
@@ -207,8 +207,8 @@ absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const Connection& connection, 
 }
 
 // The pose, and the radius within which link points are looked for around it.
-absl::Status AddNear(const Connection& connection, const Globals& globals, const GraphPlotCommandOptions& options,
-                     const std::vector<PlottedMap>& maps, Scene& scene) {
+absl::Status AddNear(const client::Connection& connection, const Globals& globals, const GraphPlotCommandOptions& options,
+                     const std::vector<PlottedMap>& maps, plot::Scene& scene) {
   ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.near));
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
   v1::GetGlobalPoseRequest request;
@@ -228,12 +228,12 @@ absl::Status AddNear(const Connection& connection, const Globals& globals, const
     return InvalidArgument("--near in {}, but --map {} is drawn: both must be the same map", place.map, options.map);
   }
   const double radius = response.global_pose().has_pose_world_robot() ? response.global_pose().search_radius_m()
-                                                                      : SearchRadius(robot.covariance);
+                                                                      : graph::SearchRadius(robot.covariance);
   const Eigen::Vector2d at = robot.pose.translation();
-  scene.ellipses.push_back({at, radius, radius, 0.0, kRed});
-  AddEllipse(robot, kRed, scene);
-  scene.lines.push_back({{at, robot.pose * Eigen::Vector2d(1.5, 0.0)}, kRed, 3});
-  scene.markers.push_back({at, SceneMarker::Shape::kDot, kRed});
+  scene.ellipses.push_back({at, radius, radius, 0.0, grid::kRed});
+  AddEllipse(robot, grid::kRed, scene);
+  scene.lines.push_back({{at, robot.pose * Eigen::Vector2d(1.5, 0.0)}, grid::kRed, 3});
+  scene.markers.push_back({at, plot::SceneMarker::Shape::kDot, grid::kRed});
   return absl::OkStatus();
 }
 
@@ -242,14 +242,14 @@ absl::Status PlotGraph(const Globals& globals, const GraphPlotCommandOptions& op
   if (!svg && !options.output.ends_with(".png")) {
     return InvalidArgument("{}: expected a file that ends in .png or .svg", options.output);
   }
-  const Connection connection = ConnectionOf(globals);
-  Scene scene;
+  const client::Connection connection = ConnectionOf(globals);
+  plot::Scene scene;
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<PlottedMap> maps, options.map.empty()
                                                                     ? AddGraph(connection, globals, options, scene)
                                                                     : AddOneMap(connection, globals, options, scene));
   if (!options.near.empty()) ENFILADE_RETURN_IF_ERROR(AddNear(connection, globals, options, maps, scene));
-  ENFILADE_ASSIGN_OR_RETURN(const SceneView view, ViewOf(scene, options.size_px));
-  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, svg ? WriteSvg(scene, view) : EncodePng(DrawScene(scene, view)));
+  ENFILADE_ASSIGN_OR_RETURN(const plot::SceneView view, plot::ViewOf(scene, options.size_px));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, svg ? plot::WriteSvg(scene, view) : grid::EncodePng(plot::DrawScene(scene, view)));
   ENFILADE_RETURN_IF_ERROR(WriteWholeFile(options.output, bytes));
   if (globals.json) {
     PrintJson(std::cout, {{"file", options.output},

@@ -98,7 +98,7 @@ std::string CauseInWords(v1::GraphVersion::Cause cause) {
 }
 
 absl::Status ListVersions(const Globals& globals, int count) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   v1::ListGraphVersionsRequest request;
@@ -168,7 +168,7 @@ absl::Status RequestOptimization(const Globals& globals) {
 }
 
 absl::Status ExportGraph(const Globals& globals, const std::string& path) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   const auto stub = v1::GraphService::NewStub(connection.channel());
   grpc::ClientContext context;
   connection.SetDeadline(context);
@@ -185,7 +185,7 @@ absl::Status ExportGraph(const Globals& globals, const std::string& path) {
     }
     bytes += response.chunk().data();
   }
-  ENFILADE_RETURN_IF_ERROR(FromGrpcStatus(reader->Finish(), connection.address()));
+  ENFILADE_RETURN_IF_ERROR(client::FromGrpcStatus(reader->Finish(), connection.address()));
   if (Sha256(bytes) != sha256) return DataLoss("the graph came with another SHA-256 than was announced: try again");
   std::ofstream file(path, std::ios::binary);
   file << bytes;

@@ -23,13 +23,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, RobustKernel::Type> kKernels = {{"none", RobustKernel::Type::kNone},
-                                                            {"huber", RobustKernel::Type::kHuber},
-                                                            {"cauchy", RobustKernel::Type::kCauchy},
-                                                            {"dcs", RobustKernel::Type::kDcs}};
-const std::map<std::string, Initialisation> kInitialisations = {
-    {"auto", Initialisation::kAuto}, {"none", Initialisation::kNone}, {"chordal", Initialisation::kChordal}};
-const std::map<std::string, Backend> kBackends = {{"blocks", Backend::kBlocks}, {"ceres", Backend::kCeres}};
+const std::map<std::string, optimize::RobustKernel::Type> kKernels = {{"none", optimize::RobustKernel::Type::kNone},
+                                                            {"huber", optimize::RobustKernel::Type::kHuber},
+                                                            {"cauchy", optimize::RobustKernel::Type::kCauchy},
+                                                            {"dcs", optimize::RobustKernel::Type::kDcs}};
+const std::map<std::string, optimize::Initialisation> kInitialisations = {
+    {"auto", optimize::Initialisation::kAuto}, {"none", optimize::Initialisation::kNone}, {"chordal", optimize::Initialisation::kChordal}};
+const std::map<std::string, optimize::Backend> kBackends = {{"blocks", optimize::Backend::kBlocks}, {"ceres", optimize::Backend::kCeres}};
 
 struct GraphSolveCommandOptions {
   std::string input;
@@ -38,12 +38,12 @@ struct GraphSolveCommandOptions {
   std::string initialisation = "auto";
   std::string backend = "blocks";
   bool trust_odometry = false;
-  SolveOptions solve;
+  optimize::SolveOptions solve;
 };
 
 struct Solved {
-  ParsedPoseGraph parsed;
-  SolveReport report;
+  optimize::ParsedPoseGraph parsed;
+  optimize::SolveReport report;
   double seconds = 0.0;  // of solving, without reading and writing
 };
 
@@ -59,25 +59,25 @@ absl::StatusOr<std::string> ReadText(const std::string& path) {
   return std::move(text).str();
 }
 
-GraphFormat FormatOf(const std::string& path, GraphFormat otherwise) {
+optimize::GraphFormat FormatOf(const std::string& path, optimize::GraphFormat otherwise) {
   const std::string extension = fs::path(path).extension();
-  if (extension == ".g2o") return GraphFormat::kG2o;
-  if (extension == ".graph") return GraphFormat::kToro;
+  if (extension == ".g2o") return optimize::GraphFormat::kG2o;
+  if (extension == ".graph") return optimize::GraphFormat::kToro;
   return otherwise;
 }
 
 absl::Status Write(const Solved& solved, const std::string& path) {
   std::ofstream file(path, std::ios::binary);
-  file << WritePoseGraph(solved.parsed.graph, FormatOf(path, solved.parsed.format), solved.parsed.fixed);
+  file << optimize::WritePoseGraph(solved.parsed.graph, FormatOf(path, solved.parsed.format), solved.parsed.fixed);
   file.close();
   if (file) return absl::OkStatus();
   return FailedPrecondition("{}: cannot be written (no such folder, no permission, or the disk is full)", path);
 }
 
-const char* NameOf(GraphFormat format) { return format == GraphFormat::kG2o ? "g2o" : "TORO"; }
+const char* NameOf(optimize::GraphFormat format) { return format == optimize::GraphFormat::kG2o ? "g2o" : "TORO"; }
 
 nlohmann::json ToJson(const GraphSolveCommandOptions& options, const Solved& solved) {
-  const SolveReport& report = solved.report;
+  const optimize::SolveReport& report = solved.report;
   nlohmann::json document = {{"file", options.input},
                              {"format", NameOf(solved.parsed.format)},
                              {"nodes", solved.parsed.graph.nodes.size()},
@@ -93,7 +93,7 @@ nlohmann::json ToJson(const GraphSolveCommandOptions& options, const Solved& sol
                              {"poses_from_edges", solved.parsed.poses_from_edges},
                              {"skipped", solved.parsed.skipped},
                              {"covariances", nlohmann::json::array()}};
-  for (const NodeCovariance& node : report.covariances) {
+  for (const optimize::NodeCovariance& node : report.covariances) {
     const Eigen::Matrix3d& C = node.covariance;
     document["covariances"].push_back(
         {{"node", node.id},
@@ -103,8 +103,8 @@ nlohmann::json ToJson(const GraphSolveCommandOptions& options, const Solved& sol
 }
 
 void PrintText(const GraphSolveCommandOptions& options, const Solved& solved) {
-  const ParsedPoseGraph& parsed = solved.parsed;
-  const SolveReport& report = solved.report;
+  const optimize::ParsedPoseGraph& parsed = solved.parsed;
+  const optimize::SolveReport& report = solved.report;
   std::cout << fmt::format("{}: {} nodes, {} edges, {} component{} ({})\n", options.input, parsed.graph.nodes.size(),
                            parsed.graph.edges.size(), report.components, report.components == 1 ? "" : "s",
                            NameOf(parsed.format));
@@ -118,7 +118,7 @@ void PrintText(const GraphSolveCommandOptions& options, const Solved& solved) {
   }
   std::cout << fmt::format("iterations    {}{}\nseconds       {:.4f}\n", report.iterations,
                            report.converged ? "" : " (not converged)", solved.seconds);
-  for (const NodeCovariance& node : report.covariances) {
+  for (const optimize::NodeCovariance& node : report.covariances) {
     const Eigen::Vector3d sigma = node.covariance.diagonal().cwiseSqrt();
     std::cout << fmt::format("node {}: sigma {:.6g} m, {:.6g} m, {:.6g} rad\n", node.id, sigma.x(), sigma.y(),
                              sigma.z());
@@ -128,17 +128,17 @@ void PrintText(const GraphSolveCommandOptions& options, const Solved& solved) {
 absl::Status RunGraphSolve(const Globals& globals, const GraphSolveCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadText(options.input));
   Solved solved;
-  ENFILADE_ASSIGN_OR_RETURN(solved.parsed, ParsePoseGraph(text, options.input));
-  SolveOptions solve = options.solve;
+  ENFILADE_ASSIGN_OR_RETURN(solved.parsed, optimize::ParsePoseGraph(text, options.input));
+  optimize::SolveOptions solve = options.solve;
   solve.fixed = solved.parsed.fixed;
   solve.kernel.type = kKernels.at(options.kernel);
   solve.initialisation = kInitialisations.at(options.initialisation);
   solve.backend = kBackends.at(options.backend);
-  for (PoseGraphEdge& edge : solved.parsed.graph.edges) {
+  for (optimize::PoseGraphEdge& edge : solved.parsed.graph.edges) {
     if (options.trust_odometry && std::abs(edge.to - edge.from) == 1) edge.robust = false;
   }
   const auto start = std::chrono::steady_clock::now();
-  ENFILADE_ASSIGN_OR_RETURN(solved.report, SolvePoseGraph(solve, solved.parsed.graph));
+  ENFILADE_ASSIGN_OR_RETURN(solved.report, optimize::SolvePoseGraph(solve, solved.parsed.graph));
   solved.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.output.empty()) ENFILADE_RETURN_IF_ERROR(Write(solved, options.output));
   if (globals.json) {

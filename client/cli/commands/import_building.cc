@@ -22,28 +22,28 @@ struct BuildingCommandOptions {
 
 class BuildingImport {
  public:
-  BuildingImport(const Globals& globals, const Connection& connection, std::string prefix)
+  BuildingImport(const Globals& globals, const client::Connection& connection, std::string prefix)
       : globals_(globals), connection_(connection), prefix_(std::move(prefix)) {}
 
-  absl::Status Run(const Building& building) {
-    for (const BuildingRemark& remark : building.remarks) {
+  absl::Status Run(const sources::Building& building) {
+    for (const sources::BuildingRemark& remark : building.remarks) {
       if (remark.refused) {
         report_.Refused(remark.item, remark.why);
       } else {
         report_.Remark(remark.item, remark.why);
       }
     }
-    for (const BuildingLevel& level : building.levels) ENFILADE_RETURN_IF_ERROR(TakeLevel(level));
-    for (const BuildingLift& lift : building.lifts) ENFILADE_RETURN_IF_ERROR(TakeLift(lift));
+    for (const sources::BuildingLevel& level : building.levels) ENFILADE_RETURN_IF_ERROR(TakeLevel(level));
+    for (const sources::BuildingLift& lift : building.lifts) ENFILADE_RETURN_IF_ERROR(TakeLift(lift));
     for (std::size_t i = 0; i < building.levels.size(); ++i) {
-      for (const BuildingDoor& door : building.levels[i].doors) ENFILADE_RETURN_IF_ERROR(TakeDoor(i, door, building));
+      for (const sources::BuildingDoor& door : building.levels[i].doors) ENFILADE_RETURN_IF_ERROR(TakeDoor(i, door, building));
     }
     return absl::OkStatus();
   }
   const Report& report() const { return report_; }
 
  private:
-  absl::Status TakeLevel(const BuildingLevel& level) {
+  absl::Status TakeLevel(const sources::BuildingLevel& level) {
     v1::CreateMapRequest request;
     request.set_parent(SiteNameOf(globals_));
     request.mutable_map()->set_display_name(prefix_ + level.name);
@@ -94,15 +94,15 @@ class BuildingImport {
     return absl::OkStatus();
   }
 
-  absl::Status TakeLift(const BuildingLift& lift) {
+  absl::Status TakeLift(const sources::BuildingLift& lift) {
     v1::LinkPoint link_point;
     link_point.set_kind(v1::LinkPoint::KIND_LIFT);
-    for (const BuildingLift::Stop& stop : lift.stops) AddAnchor(stop.level, stop.T_level_cabin, link_point);
+    for (const sources::BuildingLift::Stop& stop : lift.stops) AddAnchor(stop.level, stop.T_level_cabin, link_point);
     return Create("lifts " + lift.name, lift.name, std::move(link_point));
   }
 
   // Both sides of a door are in the one map of its level.
-  absl::Status TakeDoor(std::size_t level, const BuildingDoor& door, const Building& building) {
+  absl::Status TakeDoor(std::size_t level, const sources::BuildingDoor& door, const sources::Building& building) {
     v1::LinkPoint link_point;
     link_point.set_kind(v1::LinkPoint::KIND_DOOR);
     AddAnchor(level, door.T_level_door, link_point);
@@ -111,7 +111,7 @@ class BuildingImport {
   }
 
   const Globals& globals_;
-  const Connection& connection_;
+  const client::Connection& connection_;
   const std::string prefix_;
   std::vector<std::string> maps_;  // resource names by level; empty where it was refused
   Report report_;
@@ -119,8 +119,8 @@ class BuildingImport {
 
 absl::Status ImportBuilding(const Globals& globals, const BuildingCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string yaml, ReadWholeFile(options.path));
-  ENFILADE_ASSIGN_OR_RETURN(const Building building, ParseBuilding(yaml));
-  const Connection connection = ConnectionOf(globals);
+  ENFILADE_ASSIGN_OR_RETURN(const sources::Building building, sources::ParseBuilding(yaml));
+  const client::Connection connection = ConnectionOf(globals);
   const std::string prefix = options.prefix.empty() && !building.name.empty() ? building.name + " " : options.prefix;
   BuildingImport import(globals, connection, prefix);
   const absl::Status status = import.Run(building);

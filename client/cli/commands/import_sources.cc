@@ -24,7 +24,7 @@ std::string IdOfNumber(const std::string& prefix, std::int64_t id) {
   return id < 0 ? fmt::format("{}-minus-{}", prefix, -id) : fmt::format("{}-{}", prefix, id);
 }
 
-absl::Status Attach(const Connection& connection, const std::string& link_point, v1::Evidence evidence,
+absl::Status Attach(const client::Connection& connection, const std::string& link_point, v1::Evidence evidence,
                     const std::string& bytes) {
   constexpr std::size_t kChunk = 1U << 20;
   v1::BlobRef content;
@@ -50,29 +50,29 @@ absl::Status Attach(const Connection& connection, const std::string& link_point,
     open = writer->Write(request);
   }
   writer->WritesDone();
-  return FromGrpcStatus(writer->Finish(), connection.address());
+  return client::FromGrpcStatus(writer->Finish(), connection.address());
 }
 
 class MapManagerImport {
  public:
-  MapManagerImport(const Globals& globals, const Connection& connection) : globals_(globals), connection_(connection) {}
+  MapManagerImport(const Globals& globals, const client::Connection& connection) : globals_(globals), connection_(connection) {}
 
-  absl::Status Run(const MapManagerContent& content) {
-    for (const MapManagerRemark& remark : content.remarks) {
+  absl::Status Run(const sources::MapManagerContent& content) {
+    for (const sources::MapManagerRemark& remark : content.remarks) {
       if (remark.refused) {
         report_.Refused(remark.row, remark.why);
       } else {
         report_.Remark(remark.row, remark.why);
       }
     }
-    for (const MapManagerMap& map : content.maps) ENFILADE_RETURN_IF_ERROR(TakeMap(map));
-    for (const MapManagerPlace& place : content.places) ENFILADE_RETURN_IF_ERROR(TakePlace(place));
+    for (const sources::MapManagerMap& map : content.maps) ENFILADE_RETURN_IF_ERROR(TakeMap(map));
+    for (const sources::MapManagerPlace& place : content.places) ENFILADE_RETURN_IF_ERROR(TakePlace(place));
     return absl::OkStatus();
   }
   const Report& report() const { return report_; }
 
  private:
-  absl::Status TakeMap(const MapManagerMap& map) {
+  absl::Status TakeMap(const sources::MapManagerMap& map) {
     const std::string row = fmt::format("MAPS {}", map.id);
     v1::CreateMapRequest request;
     request.set_parent(SiteNameOf(globals_));
@@ -105,7 +105,7 @@ class MapManagerImport {
     return absl::OkStatus();
   }
 
-  absl::Status TakePlace(const MapManagerPlace& place) {
+  absl::Status TakePlace(const sources::MapManagerPlace& place) {
     const std::string row = fmt::format("{} {}", place.candidate ? "LINKPOINTCANDIDATES" : "LINKPOINTS", place.id);
     v1::CreateLinkPointRequest request;
     request.set_parent(SiteNameOf(globals_));
@@ -116,7 +116,7 @@ class MapManagerImport {
     if (place.indoor) {
       link_point.set_environment(*place.indoor ? v1::Map::ENVIRONMENT_INDOOR : v1::Map::ENVIRONMENT_OUTDOOR);
     }
-    for (const MapManagerPlace::Anchor& anchor : place.anchors) {
+    for (const sources::MapManagerPlace::Anchor& anchor : place.anchors) {
       if (!maps_.contains(anchor.map)) {
         report_.Refused(row, fmt::format("its map {} was not taken", anchor.map));
         return absl::OkStatus();
@@ -139,7 +139,7 @@ class MapManagerImport {
     return AttachAll(row, created->link_point(), place);
   }
 
-  absl::Status AttachAll(const std::string& row, const v1::LinkPoint& link_point, const MapManagerPlace& place) {
+  absl::Status AttachAll(const std::string& row, const v1::LinkPoint& link_point, const sources::MapManagerPlace& place) {
     v1::Evidence evidence;
     evidence.set_map(link_point.anchors(0).map());
     const auto attach = [&](const char* what, const std::string& bytes) -> absl::Status {
@@ -162,14 +162,14 @@ class MapManagerImport {
   }
 
   const Globals& globals_;
-  const Connection& connection_;
+  const client::Connection& connection_;
   std::map<std::int64_t, std::string> maps_;  // resource names
   Report report_;
 };
 
 absl::Status ImportMapManager(const Globals& globals, const std::string& path) {
-  ENFILADE_ASSIGN_OR_RETURN(const MapManagerContent content, ReadMapManagerDatabase(path));
-  const Connection connection = ConnectionOf(globals);
+  ENFILADE_ASSIGN_OR_RETURN(const sources::MapManagerContent content, sources::ReadMapManagerDatabase(path));
+  const client::Connection connection = ConnectionOf(globals);
   MapManagerImport import(globals, connection);
   const absl::Status status = import.Run(content);
   import.report().Print(globals);

@@ -61,7 +61,7 @@ void PrintLinkPoint(const Globals& globals, const v1::LinkPoint& link_point, con
   PrintTable(std::cout, LinkPointHeader(), {ToRow(link_point)});
 }
 
-absl::StatusOr<v1::Anchor> AnchorAt(const Connection& connection, const Globals& globals, const std::string& text) {
+absl::StatusOr<v1::Anchor> AnchorAt(const client::Connection& connection, const Globals& globals, const std::string& text) {
   ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(text));
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
   v1::Anchor anchor;
@@ -74,7 +74,7 @@ absl::StatusOr<v1::Anchor> AnchorAt(const Connection& connection, const Globals&
 }
 
 absl::Status CreateLinkPoint(const Globals& globals, const LinkPointCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::CreateLinkPointRequest request;
   request.set_parent(SiteNameOf(globals));
   request.set_link_point_id(options.id);
@@ -96,7 +96,7 @@ absl::Status SetLinkPoint(const Globals& globals, const LinkPointCommandOptions&
   if (options.id.empty()) {
     return InvalidArgument("one place only: name the candidate that it promotes by --id, or give --at twice");
   }
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::AddLinkPointAnchorRequest request;
   request.set_name(NameOfLinkPoint(globals, options.id));
   request.set_force(options.force);
@@ -112,7 +112,7 @@ absl::Status SetCandidate(const Globals& globals, const LinkPointCommandOptions&
 }
 
 absl::Status ListLinkPoints(const Globals& globals, const LinkPointCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::ListLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));
   if (options.candidates) request.set_subset(v1::LINK_POINT_SUBSET_CANDIDATES);
@@ -139,7 +139,7 @@ absl::Status ListLinkPoints(const Globals& globals, const LinkPointCommandOption
 }
 
 absl::Status FindNear(const Globals& globals, const LinkPointCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::FindLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));
   request.set_max_count(options.nearest);

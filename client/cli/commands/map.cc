@@ -43,7 +43,7 @@ nlohmann::json ToJson(const v1::MapRevision& revision) {
 }
 
 absl::Status ListMaps(const Globals& globals) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   v1::ListMapsRequest request;
@@ -68,7 +68,7 @@ absl::Status ListMaps(const Globals& globals) {
 }
 
 absl::Status ShowMap(const Globals& globals, const std::string& name) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, name));
   v1::ListMapRevisionsRequest request;
   request.set_parent(map.name());
@@ -100,7 +100,7 @@ struct DeleteMapCommandOptions {
 };
 
 absl::Status DeleteMap(const Globals& globals, const DeleteMapCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
   v1::DeleteMapRequest request;
   request.set_name(map.name());

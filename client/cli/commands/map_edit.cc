@@ -73,7 +73,7 @@ absl::Status CreateMap(const Globals& globals, const MapEditCommandOptions& opti
 }
 
 absl::Status UpdateMap(const Globals& globals, const MapEditCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, globals, options.map));
   v1::UpdateMapRequest request;
   ENFILADE_RETURN_IF_ERROR(FillMap(options, *request.mutable_map(), *request.mutable_update_mask()));

@@ -85,7 +85,7 @@ class ReceivedFiles {
 };
 
 absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::ExportMapRequest request;
   ENFILADE_ASSIGN_OR_RETURN(const v1::MapFormat format, MapFormatOf(options.format));
   request.set_format(format);
@@ -103,7 +103,7 @@ absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& op
   grpc::ClientContext context;
   const auto reader = stub.ExportMap(&context, request);
   v1::ExportMapResponse part;
-  if (!reader->Read(&part)) return FromGrpcStatus(reader->Finish(), connection.address());
+  if (!reader->Read(&part)) return client::FromGrpcStatus(reader->Finish(), connection.address());
   if (!part.has_manifest()) return DataLoss("the server's first message is no manifest");
   const v1::MapRevision revision = part.manifest().revision();
   std::int64_t total = 0;
@@ -115,7 +115,7 @@ absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& op
     ENFILADE_RETURN_IF_ERROR(files.Add(part.chunk()));
     progress.Update(received += static_cast<std::int64_t>(part.chunk().data().size()));
   }
-  ENFILADE_RETURN_IF_ERROR(FromGrpcStatus(reader->Finish(), connection.address()));
+  ENFILADE_RETURN_IF_ERROR(client::FromGrpcStatus(reader->Finish(), connection.address()));
   progress.Finish();
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<fs::path> paths, files.Finish());
   if (globals.json) {
@@ -141,7 +141,7 @@ struct MapImportCommandOptions {
   int level = 0;
 };
 
-absl::StatusOr<v1::Map> FindOrCreateMap(const Connection& connection, const Globals& globals,
+absl::StatusOr<v1::Map> FindOrCreateMap(const client::Connection& connection, const Globals& globals,
                                         const MapImportCommandOptions& options) {
   auto found = FindMap(connection, globals, options.map);
   if (found.ok() || !absl::IsNotFound(found.status())) return found;
@@ -155,11 +155,11 @@ absl::StatusOr<v1::Map> FindOrCreateMap(const Connection& connection, const Glob
 }
 
 void SendMap(grpc::ClientWriter<v1::ImportMapRequest>& writer, const v1::Map& map,
-             const MapImportCommandOptions& options, const std::vector<MapFile>& files, ProgressBar& progress) {
+             const MapImportCommandOptions& options, const std::vector<grid::MapFile>& files, ProgressBar& progress) {
   v1::ImportMapRequest message;
   message.mutable_manifest()->set_parent(map.name());
   message.mutable_manifest()->set_dialect(options.dialect == "ros1" ? v1::MAP_DIALECT_ROS1 : v1::MAP_DIALECT_NAV2);
-  for (const MapFile& file : files) {
+  for (const grid::MapFile& file : files) {
     v1::FileEntry& entry = *message.mutable_manifest()->add_files();
     entry.set_name(file.name);
     entry.set_size_bytes(static_cast<std::int64_t>(file.bytes.size()));
@@ -184,11 +184,11 @@ absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& op
   if (options.dialect != "nav2" && options.dialect != "ros1") {
     return InvalidArgument("dialect \"{}\": expected nav2 or ros1", options.dialect);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, ReadMapFiles(options.file));
-  const Connection connection = ConnectionOf(globals);
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, ReadMapFiles(options.file));
+  const client::Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindOrCreateMap(connection, globals, options));
   std::int64_t total = 0;
-  for (const MapFile& file : files) total += static_cast<std::int64_t>(file.bytes.size());
+  for (const grid::MapFile& file : files) total += static_cast<std::int64_t>(file.bytes.size());
   ProgressBar progress(globals, "uploading", total, "B");
   v1::MapService::Stub stub(connection.channel());
   grpc::ClientContext context;
@@ -196,7 +196,7 @@ absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& op
   v1::ImportMapResponse response;
   const auto writer = stub.ImportMap(&context, &response);
   SendMap(*writer, map, options, files, progress);
-  ENFILADE_RETURN_IF_ERROR(FromGrpcStatus(writer->Finish(), connection.address()));
+  ENFILADE_RETURN_IF_ERROR(client::FromGrpcStatus(writer->Finish(), connection.address()));
   progress.Finish();
   const v1::MapRevision& revision = response.revision();
   for (const std::string& warning : response.warnings()) std::cerr << "warning: " << warning << '\n';

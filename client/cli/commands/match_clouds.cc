@@ -103,8 +103,8 @@ absl::Status RunMatchClouds(const Globals& globals, const MatchCloudsCommandOpti
                             perception::RegisterClouds(source, target, GuessOf(options.guess), registration));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.output.empty()) {
-    const RgbImage picture = perception::DrawClouds(source, target, found.T_target_source);
-    ENFILADE_ASSIGN_OR_RETURN(const std::string png, EncodePng(picture));
+    const grid::RgbImage picture = perception::DrawClouds(source, target, found.T_target_source);
+    ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(picture));
     ENFILADE_RETURN_IF_ERROR(WriteWholeFile(options.output, png));
   }
   if (globals.json) {

@@ -73,8 +73,8 @@ absl::Status RunMatchImages(const Globals& globals, const MatchImagesCommandOpti
                             perception::MatchImages(a.features, b.features, MatchOptionsOf(options)));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.output.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const RgbImage picture, perception::DrawMatches(a.frame, b.frame, match));
-    ENFILADE_ASSIGN_OR_RETURN(const std::string png, EncodePng(picture));
+    ENFILADE_ASSIGN_OR_RETURN(const grid::RgbImage picture, perception::DrawMatches(a.frame, b.frame, match));
+    ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(picture));
     ENFILADE_RETURN_IF_ERROR(WriteWholeFile(options.output, png));
   }
   if (globals.json) {

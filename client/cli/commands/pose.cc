@@ -89,7 +89,7 @@ void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line
 }
 
 absl::Status PrintGlobalPose(const Globals& globals, const PoseCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::GetGlobalPoseRequest request;
   if (!options.robot.empty()) {
     request.set_robot(RobotNameOf(globals, options.robot));
@@ -107,7 +107,7 @@ absl::Status PrintGlobalPose(const Globals& globals, const PoseCommandOptions& o
 }
 
 absl::Status WatchPoses(const Globals& globals, const PoseCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::WatchGlobalPosesRequest request;
   request.set_parent(SiteNameOf(globals));
   request.set_rate_hz(options.rate_hz);
@@ -119,10 +119,10 @@ absl::Status WatchPoses(const Globals& globals, const PoseCommandOptions& option
   while (reader->Read(&response)) {
     for (const v1::GlobalPose& pose : response.global_poses()) PrintPose(globals, pose, true);
   }
-  return FromGrpcStatus(reader->Finish(), connection.address());
+  return client::FromGrpcStatus(reader->Finish(), connection.address());
 }
 
-absl::Status SetPlace(const Connection& connection, const Globals& globals, const std::string& text, std::string& map,
+absl::Status SetPlace(const client::Connection& connection, const Globals& globals, const std::string& text, std::string& map,
                       v1::Pose2& pose) {
   ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(text));
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, globals, place.map));
@@ -132,7 +132,7 @@ absl::Status SetPlace(const Connection& connection, const Globals& globals, cons
 }
 
 absl::Status PrintRoutes(const Globals& globals, const PoseCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   v1::FindRoutesRequest request;
   ENFILADE_RETURN_IF_ERROR(
       SetPlace(connection, globals, options.from, *request.mutable_start_map(), *request.mutable_pose_map_start()));

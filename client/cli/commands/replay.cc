@@ -67,7 +67,7 @@ class TroubleReport {
  public:
   explicit TroubleReport(const Globals& globals) : shown_(!globals.quiet) {}
 
-  void Update(const UplinkProgress& progress) {
+  void Update(const client::UplinkProgress& progress) {
     if (progress.last_error == last_) return;
     last_ = progress.last_error;
     if (shown_ && !last_.empty()) {
@@ -83,7 +83,7 @@ class TroubleReport {
 // Feeds the spool and waits until the uplink has brought everything over.
 absl::Status Transfer(const Globals& globals, LogFeeder& feeder, client::Spool& spool, const InterruptGuard& interrupt,
                       ReplayResult& result) {
-  Uplink uplink(ConnectionOf(globals), spool, result.session);
+  client::Uplink uplink(ConnectionOf(globals), spool, result.session);
   uplink.Start();
   ProgressBar bar(globals, "sending", result.log.entries, "records");
   TroubleReport trouble(globals);
@@ -113,14 +113,14 @@ absl::Status Transfer(const Globals& globals, LogFeeder& feeder, client::Spool& 
 }
 
 absl::Status WaitUntilMapped(const Globals& globals, const InterruptGuard& interrupt, ReplayResult& result) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   ProgressBar bar(globals, "mapping", result.log.entries, "records");
   TroubleReport trouble(globals);
   const auto start = Clock::now();
   while (!interrupt.interrupted()) {
-    const absl::StatusOr<v1::Session> session = GetSession(connection, SiteId(globals.site), result.session);
-    if (!session.ok() && IsPermanent(session.status())) return session.status();
-    UplinkProgress progress;
+    const absl::StatusOr<v1::Session> session = client::GetSession(connection, SiteId(globals.site), result.session);
+    if (!session.ok() && client::IsPermanent(session.status())) return session.status();
+    client::UplinkProgress progress;
     progress.last_error = std::string(session.status().message());
     trouble.Update(progress);
     if (session.ok()) {

@@ -181,7 +181,7 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<client::Spool> spool, client::Spool::Open(spool_path, spool_options));
   Console console(globals);
   const robot::NewsListener listener = [&console](const robot::News& news) { console.Show(news); };
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   const InterruptGuard interrupt;
   const std::function<bool()> interrupted = [&interrupt] { return interrupt.interrupted(); };
   robot::UploaderOptions uploader_options;

@@ -48,7 +48,7 @@ nlohmann::json ToJson(const v1::Session& session) {
 }
 
 absl::Status ListSessions(const Globals& globals) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   v1::ListSessionsRequest request;

@@ -51,7 +51,7 @@ nlohmann::json ToJson(const v1::DoorVerdict& verdict) {
 std::string IdOrDash(const std::string& name) { return name.empty() ? "-" : IdOf(name); }
 
 absl::Status ListDoors(const Globals& globals, const std::string& session) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   v1::ListDoorVerdictsRequest request;

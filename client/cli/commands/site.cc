@@ -57,7 +57,7 @@ absl::Status CreateSite(const Globals& globals, const CreateSiteCommandOptions& 
 }
 
 absl::Status ListSites(const Globals& globals) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   nlohmann::json documents = nlohmann::json::array();
   std::vector<std::vector<std::string>> rows;
   v1::ListSitesRequest request;
@@ -96,7 +96,7 @@ nlohmann::json ToJson(const v1::AuditEntry& entry) {
 }
 
 absl::Status PrintAudit(const Globals& globals, const AuditCommandOptions& options) {
-  const Connection connection = ConnectionOf(globals);
+  const client::Connection connection = ConnectionOf(globals);
   const std::string site = SiteNameOf(globals);
   v1::ListAuditEntriesRequest request;
   request.set_parent(site);

@@ -41,49 +41,49 @@ struct SlamCommandOptions {
 };
 
 struct SlamRun {
-  SlamMap map;
-  OccupancyGrid grid;
-  LogMapperCounts counts;
+  slam::SlamMap map;
+  grid::OccupancyGrid grid;
+  slam::LogMapperCounts counts;
   std::int64_t scans = 0;
   double seconds = 0.0;  // of mapping, reading the log not counted
 };
 
-absl::StatusOr<SlamOptions> LoadSlamOptions(const std::string& path) {
-  if (path.empty()) return SlamOptions{};
+absl::StatusOr<slam::SlamOptions> LoadSlamOptions(const std::string& path) {
+  if (path.empty()) return slam::SlamOptions{};
   std::ifstream file(path, std::ios::binary);
   if (!file) return NotFound("{}: no such file", path);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  absl::StatusOr<SlamOptions> options = ParseSlamOptions(text);
+  absl::StatusOr<slam::SlamOptions> options = slam::ParseSlamOptions(text);
   if (!options.ok()) return WithContext(options.status(), path);
   return options;
 }
 
 // The map that is there already, if any.
-absl::StatusOr<std::optional<OldMap>> LoadOldMap(const SlamCommandOptions& options, const SlamOptions& slam) {
+absl::StatusOr<std::optional<slam::OldMap>> LoadOldMap(const SlamCommandOptions& options, const slam::SlamOptions& slam) {
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<PoseWithCovariance> entry, EntryOf(options.entry));
   if (options.old_map.empty() != !entry) {
     return InvalidArgument("slam: --on says in which map, and --at where in it: give both or none");
   }
   if (!entry) return std::nullopt;
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, ReadMapFiles(options.old_map));
-  ENFILADE_ASSIGN_OR_RETURN(const ImportedMap imported, ImportFiles(files, MapDialect::kNav2));
-  const absl::StatusOr<OccupancyGrid> grid = OnLattice(ToOccupancyGrid(imported.raster), slam.resolution);
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, ReadMapFiles(options.old_map));
+  ENFILADE_ASSIGN_OR_RETURN(const grid::ImportedMap imported, grid::ImportFiles(files, grid::MapDialect::kNav2));
+  const absl::StatusOr<grid::OccupancyGrid> grid = grid::OnLattice(grid::ToOccupancyGrid(imported.raster), slam.resolution);
   if (!grid.ok()) return WithContext(grid.status(), options.old_map);
-  return OldMap{*grid, {*entry, std::nullopt}};
+  return slam::OldMap{*grid, {*entry, std::nullopt}};
 }
 
-absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions& options, const SlamOptions& slam) {
+absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions& options, const slam::SlamOptions& slam) {
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, options.reading));
   ProgressBar bar(globals, "mapping", reader.facts().scans);
-  ENFILADE_ASSIGN_OR_RETURN(const std::optional<OldMap> old_map, LoadOldMap(options, slam));
-  LogMapper mapper = old_map ? LogMapper(ScanPairingOptions{}, slam, *old_map) : LogMapper(ScanPairingOptions{}, slam);
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<slam::OldMap> old_map, LoadOldMap(options, slam));
+  slam::LogMapper mapper = old_map ? slam::LogMapper(sensor::ScanPairingOptions{}, slam, *old_map) : slam::LogMapper(sensor::ScanPairingOptions{}, slam);
   SlamRun run;
   Clock::duration spent{};
   for (std::int64_t sequence = 1;; ++sequence) {
     ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
     if (!entry) break;
     const Clock::time_point begin = Clock::now();
-    mapper.Add(Record{sequence, std::move(entry->payload)});
+    mapper.Add(sensor::Record{sequence, std::move(entry->payload)});
     spent += Clock::now() - begin;
     bar.Update(reader.counts().scans);
   }
@@ -91,7 +91,7 @@ absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions&
   mapper.Finish();
   run.grid = mapper.RenderGrid();
   if (old_map) {
-    ENFILADE_ASSIGN_OR_RETURN(run.grid, LaidOver(old_map->grid, run.grid));
+    ENFILADE_ASSIGN_OR_RETURN(run.grid, grid::LaidOver(old_map->grid, run.grid));
   }
   run.map.Apply(mapper.TakeDelta());
   spent += Clock::now() - begin;
@@ -104,7 +104,7 @@ absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions&
 
 void PrintReport(const Globals& globals, const SlamRun& run) {
   std::int64_t accepted = 0;
-  for (const auto& [id, closure] : run.map.closures) accepted += closure.state == ClosureState::kAccepted;
+  for (const auto& [id, closure] : run.map.closures) accepted += closure.state == slam::ClosureState::kAccepted;
   const auto rejected = static_cast<std::int64_t>(run.map.closures.size()) - accepted;
   const double rate = run.seconds > 0.0 ? static_cast<double>(run.scans) / run.seconds : 0.0;
   if (globals.json) {
@@ -132,9 +132,9 @@ void PrintReport(const Globals& globals, const SlamRun& run) {
 }
 
 absl::Status RunSlam(const Globals& globals, const SlamCommandOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const SlamOptions slam, LoadSlamOptions(options.options_file));
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions slam, LoadSlamOptions(options.options_file));
   if (options.print_options) {
-    std::cout << FormatSlamOptions(slam);
+    std::cout << slam::FormatSlamOptions(slam);
     return absl::OkStatus();
   }
   if (options.log.empty()) return InvalidArgument("slam: which LOG? (enfilade slam --help)");

@@ -24,27 +24,27 @@ absl::Status WriteFile(const std::filesystem::path& path, std::string_view bytes
                             path.string());
 }
 
-std::string TrajectoryText(const SlamMap& map) {
+std::string TrajectoryText(const slam::SlamMap& map) {
   std::string text;
-  for (const StampedPose& pose : TrajectoryOf(map)) {
+  for (const slam::StampedPose& pose : slam::TrajectoryOf(map)) {
     text += fmt::format("{}.{:09d} {} {} {}\n", pose.time / kNsPerSecond, pose.time % kNsPerSecond, pose.T_map_robot.x,
                         pose.T_map_robot.y, pose.T_map_robot.yaw);
   }
   return text;
 }
 
-const char* NameOf(ClosureState state) {
+const char* NameOf(slam::ClosureState state) {
   switch (state) {
-    case ClosureState::kAccepted:
+    case slam::ClosureState::kAccepted:
       return "accepted";
-    case ClosureState::kSuspended:
+    case slam::ClosureState::kSuspended:
       return "suspended";
     default:
       return "rejected";
   }
 }
 
-std::string ClosuresJson(const SlamMap& map) {
+std::string ClosuresJson(const slam::SlamMap& map) {
   nlohmann::json closures = nlohmann::json::array();
   for (const auto& [id, closure] : map.closures) {
     const Pose2& T = closure.T_submap_node;
@@ -61,25 +61,25 @@ std::string ClosuresJson(const SlamMap& map) {
   return nlohmann::json{{"closures", closures}}.dump(2) + "\n";
 }
 
-absl::Status WriteMap(const std::filesystem::path& directory, const OccupancyGrid& grid) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, RenderFiles(FromOccupancyGrid(grid), "map", {}));
-  for (const MapFile& file : files) ENFILADE_RETURN_IF_ERROR(WriteFile(directory / file.name, file.bytes));
-  ENFILADE_ASSIGN_OR_RETURN(const std::string png, EncodePng(DrawGrid(grid)));
+absl::Status WriteMap(const std::filesystem::path& directory, const grid::OccupancyGrid& grid) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, grid::RenderFiles(grid::FromOccupancyGrid(grid), "map", {}));
+  for (const grid::MapFile& file : files) ENFILADE_RETURN_IF_ERROR(WriteFile(directory / file.name, file.bytes));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(grid::DrawGrid(grid)));
   return WriteFile(directory / "map.png", png);
 }
 
-absl::Status WritePlot(const std::filesystem::path& directory, const SlamMap& map, const OccupancyGrid& grid) {
+absl::Status WritePlot(const std::filesystem::path& directory, const slam::SlamMap& map, const grid::OccupancyGrid& grid) {
   std::vector<Eigen::Vector2d> path;
-  for (const StampedPose& pose : TrajectoryOf(map)) path.push_back(pose.T_map_robot.translation());
-  RgbImage image = DrawGrid(grid);
-  DrawPath(image, grid.geometry, path, kRed, 2);
-  ENFILADE_ASSIGN_OR_RETURN(const std::string png, EncodePng(image));
+  for (const slam::StampedPose& pose : slam::TrajectoryOf(map)) path.push_back(pose.T_map_robot.translation());
+  grid::RgbImage image = grid::DrawGrid(grid);
+  grid::DrawPath(image, grid.geometry, path, grid::kRed, 2);
+  ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(image));
   return WriteFile(directory / "plot.png", png);
 }
 
 }  // namespace
 
-absl::Status WriteSlamFiles(const std::filesystem::path& directory, const SlamMap& map, const OccupancyGrid& grid,
+absl::Status WriteSlamFiles(const std::filesystem::path& directory, const slam::SlamMap& map, const grid::OccupancyGrid& grid,
                             bool plot) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);

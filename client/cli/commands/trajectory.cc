@@ -18,7 +18,7 @@ struct TrajectoryCommandOptions {
   std::string output;
 };
 
-absl::StatusOr<std::int64_t> ReceiveTrajectory(const Connection& connection, const v1::ExportTrajectoryRequest& request,
+absl::StatusOr<std::int64_t> ReceiveTrajectory(const client::Connection& connection, const v1::ExportTrajectoryRequest& request,
                                                std::ostream& out) {
   v1::SessionService::Stub stub(connection.channel());
   grpc::ClientContext context;
@@ -32,7 +32,7 @@ absl::StatusOr<std::int64_t> ReceiveTrajectory(const Connection& connection, con
       ++poses;
     }
   }
-  ENFILADE_RETURN_IF_ERROR(FromGrpcStatus(reader->Finish(), connection.address()));
+  ENFILADE_RETURN_IF_ERROR(client::FromGrpcStatus(reader->Finish(), connection.address()));
   return poses;
 }
 

@@ -34,7 +34,7 @@ absl::StatusOr<bool> LogFeeder::Feed(Clock::time_point now) {
 
 LogFeeder::Clock::time_point LogFeeder::next_due(Clock::time_point now) const {
   if (!next_ || !options_.rate || !first_time_) return now;
-  const double recorded_s = ToSeconds(TimeOf(next_->payload) - *first_time_);
+  const double recorded_s = ToSeconds(sensor::TimeOf(next_->payload) - *first_time_);
   return start_ +
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(recorded_s / *options_.rate));
 }
@@ -43,7 +43,7 @@ absl::Status LogFeeder::Gather(Clock::time_point now) {
   std::int64_t bytes = 0;
   while (next_ && gathered_.size() < options_.max_batch && bytes < options_.max_batch_bytes) {
     if (!first_time_) {
-      first_time_ = TimeOf(next_->payload);
+      first_time_ = sensor::TimeOf(next_->payload);
       start_ = now;
     }
     if (next_due(now) > now) break;

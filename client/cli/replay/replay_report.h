@@ -35,7 +35,7 @@ struct ReplayResult {
   std::string spool_path;
   std::int64_t resumed_after = 0;
   double seconds = 0.0;
-  UplinkProgress uplink;
+  client::UplinkProgress uplink;
   std::optional<v1::Session> mapped;  // with --wait
   double mapping_s = 0.0;
 };

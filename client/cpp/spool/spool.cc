@@ -16,8 +16,8 @@ namespace {
 constexpr std::int64_t kTrimSlice = 2000;
 
 // What is left of a record that can no longer be read.
-Record Damaged(std::int64_t sequence, const std::string& why) {
-  return {sequence, Withheld{"the record was damaged on the robot's disk: " + why}};
+sensor::Record Damaged(std::int64_t sequence, const std::string& why) {
+  return {sequence, sensor::Withheld{"the record was damaged on the robot's disk: " + why}};
 }
 
 absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database, std::vector<std::int64_t>& keys) {
@@ -41,16 +41,16 @@ absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database,
     session.acknowledged_sequence = query.Int(8);
     session.finished = query.Int(9) != 0;
     session.closed = query.Int(10) != 0;
-    ENFILADE_ASSIGN_OR_RETURN(session.entry, DecodeSessionEntry(query.Blob(11)));
+    ENFILADE_ASSIGN_OR_RETURN(session.entry, sensor::DecodeSessionEntry(query.Blob(11)));
     if (const std::int64_t surroundings = query.Int(12); surroundings != 0) {
-      session.surroundings = static_cast<Surroundings>(surroundings);
+      session.surroundings = static_cast<sensor::Surroundings>(surroundings);
     }
   }
 }
 
 }  // namespace
 
-TimeNs TimeOf(const SpoolItem& item) { return enfilade::TimeOf(item.payload); }
+TimeNs TimeOf(const SpoolItem& item) { return enfilade::sensor::TimeOf(item.payload); }
 
 Spool::Spool(std::string path, const SpoolOptions& options, FileLock lock, SqliteDatabase writer, SqliteDatabase reader)
     : path_(std::move(path)),
@@ -111,10 +111,10 @@ absl::Status Spool::CreateSession(const SpoolSession& session) {
   ENFILADE_ASSIGN_OR_RETURN(SqliteStatement insert,
                             writer_.Prepare("INSERT INTO sessions (id, site, robot, map, request_id, source, "
                                             "entry, surroundings) VALUES (?, ?, ?, ?, ?, ?, ?, ?) RETURNING key"));
-  const std::string entry = Encode(session.entry);
+  const std::string entry = sensor::Encode(session.entry);
   insert.BindText(1, session.id.value()).BindText(2, session.site.value()).BindText(3, session.robot.value());
   insert.BindText(4, session.map).BindText(5, session.request_id).BindText(6, session.source);
-  insert.BindBlob(7, entry).Bind(8, static_cast<std::int64_t>(session.surroundings.value_or(Surroundings{})));
+  insert.BindBlob(7, entry).Bind(8, static_cast<std::int64_t>(session.surroundings.value_or(sensor::Surroundings{})));
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());
   const std::int64_t key = insert.Int(0);
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());  // to its end: this commits
@@ -179,7 +179,7 @@ absl::Status Spool::MarkClosed(const SessionId& id) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<Record>> Spool::ReadBatch(const SessionId& id, std::int64_t after_sequence,
+absl::StatusOr<std::vector<sensor::Record>> Spool::ReadBatch(const SessionId& id, std::int64_t after_sequence,
                                                      std::int64_t max_records, std::int64_t max_bytes) {
   std::int64_t key = 0;
   {
@@ -194,7 +194,7 @@ absl::StatusOr<std::vector<Record>> Spool::ReadBatch(const SessionId& id, std::i
       reader_.Prepare("SELECT sequence, kind, payload, crc FROM records WHERE session = ? AND sequence > ? "
                       "ORDER BY sequence LIMIT ?"));
   query.Bind(1, key).Bind(2, after_sequence).Bind(3, max_records);
-  std::vector<Record> records;
+  std::vector<sensor::Record> records;
   std::int64_t bytes = 0;
   while (bytes < max_bytes) {
     ENFILADE_ASSIGN_OR_RETURN(const bool found, query.Step());
@@ -203,18 +203,18 @@ absl::StatusOr<std::vector<Record>> Spool::ReadBatch(const SessionId& id, std::i
     const std::string_view payload = query.Blob(2);
     const auto size = static_cast<std::int64_t>(payload.size());
     if (!records.empty() && bytes + size > max_bytes) break;
-    absl::StatusOr<Record> record = Crc(payload) == query.Int(3)
-                                        ? DecodePayload(sequence, static_cast<RecordKind>(query.Int(1)), payload)
+    absl::StatusOr<sensor::Record> record = Crc(payload) == query.Int(3)
+                                        ? sensor::DecodePayload(sequence, static_cast<sensor::RecordKind>(query.Int(1)), payload)
                                         : DataLoss("its checksum does not fit");
     if (!record.ok()) record = Damaged(sequence, std::string(record.status().message()));
     bytes += size;
-    if (const BlobRef* blob = FindBlob(*record)) bytes += blob->size;
+    if (const sensor::BlobRef* blob = sensor::FindBlob(*record)) bytes += blob->size;
     records.push_back(*std::move(record));
   }
   return records;
 }
 
-absl::StatusOr<std::string> Spool::ReadBlob(const BlobRef& blob) {
+absl::StatusOr<std::string> Spool::ReadBlob(const sensor::BlobRef& blob) {
   MutexLock reading(reader_mutex_);
   ENFILADE_ASSIGN_OR_RETURN(SqliteStatement query, reader_.Prepare("SELECT content FROM blobs WHERE sha256 = ?"));
   query.BindBlob(1, blob.sha256);
@@ -282,7 +282,7 @@ absl::Status Spool::Quarantine(const SessionId& id, std::int64_t sequence, const
                             writer_.QueryInt(fmt::format(
                                 "SELECT kind FROM records WHERE session = {} AND sequence = {}", row->key, sequence)));
   if (kind == 0) return NotFound("{}: record {} of session {} is not pending", path_, sequence, id.value());
-  if (kind == static_cast<std::int64_t>(RecordKind::kWithheld)) {
+  if (kind == static_cast<std::int64_t>(sensor::RecordKind::kWithheld)) {
     return FailedPrecondition("{}: record {} of session {} is withheld already", path_, sequence, id.value());
   }
   ENFILADE_ASSIGN_OR_RETURN(
@@ -292,12 +292,12 @@ absl::Status Spool::Quarantine(const SessionId& id, std::int64_t sequence, const
           "SELECT session, sequence, kind, payload, blob, ? FROM records WHERE session = ? AND sequence = ?"));
   ENFILADE_RETURN_IF_ERROR(keep.BindText(1, reason).Bind(2, row->key).Bind(3, sequence).Run());
   constexpr std::size_t kMaxReason = 4000;  // the server takes 4096 bytes
-  const std::string payload = EncodePayload({sequence, Withheld{reason.substr(0, kMaxReason)}});
+  const std::string payload = sensor::EncodePayload({sequence, sensor::Withheld{reason.substr(0, kMaxReason)}});
   ENFILADE_ASSIGN_OR_RETURN(
       SqliteStatement replace,
       writer_.Prepare(
           "UPDATE records SET kind = ?, payload = ?, crc = ?, blob = NULL WHERE session = ? AND sequence = ?"));
-  replace.Bind(1, static_cast<std::int64_t>(RecordKind::kWithheld)).BindBlob(2, payload).Bind(3, Crc(payload));
+  replace.Bind(1, static_cast<std::int64_t>(sensor::RecordKind::kWithheld)).BindBlob(2, payload).Bind(3, Crc(payload));
   ENFILADE_RETURN_IF_ERROR(replace.Bind(4, row->key).Bind(5, sequence).Run());
   ENFILADE_RETURN_IF_ERROR(transaction.Commit());
   ++usage_.quarantined;
@@ -317,7 +317,7 @@ absl::StatusOr<std::vector<QuarantinedRecord>> Spool::ListQuarantined(const Sess
   while (true) {
     ENFILADE_ASSIGN_OR_RETURN(const bool found, query.Step());
     if (!found) return result;
-    absl::StatusOr<Record> record = DecodePayload(query.Int(0), static_cast<RecordKind>(query.Int(1)), query.Blob(2));
+    absl::StatusOr<sensor::Record> record = sensor::DecodePayload(query.Int(0), static_cast<sensor::RecordKind>(query.Int(1)), query.Blob(2));
     if (!record.ok()) record = Damaged(query.Int(0), std::string(record.status().message()));
     result.push_back({*std::move(record), std::string(query.Text(3))});
   }

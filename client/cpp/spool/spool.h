@@ -35,8 +35,8 @@ struct SpoolSession {
   SessionId id;
   RobotId robot;
   std::string map;  // by display name or id; empty: only recorded, or the map follows from entry.previous
-  SessionEntry entry;
-  std::optional<Surroundings> surroundings;  // of a map that is made for it; unset: not known
+  sensor::SessionEntry entry;
+  std::optional<sensor::Surroundings> surroundings;  // of a map that is made for it; unset: not known
   std::string request_id;  // of CreateSession: the same after a restart, so that the session is created once
   std::string source;      // what is recorded (a log's hash, a driver's name): the owner's, to tell whether to go on
   // Set by the spool.
@@ -50,7 +50,7 @@ struct SpoolSession {
 
 // One thing to be recorded. `content`: the bytes of an image or point cloud, which its BlobRef must fit.
 struct SpoolItem {
-  RecordPayload payload;
+  sensor::RecordPayload payload;
   std::string content;
 };
 // When it was measured or, of a report, made.
@@ -65,7 +65,7 @@ struct SpoolUsage {
 };
 
 struct QuarantinedRecord {
-  Record record;
+  sensor::Record record;
   std::string reason;
 };
 
@@ -97,7 +97,7 @@ class Spool {
   // session is finished; INVALID_ARGUMENT for what no server would take (Validate(Record), a content that does not fit
   // its BlobRef); RESOURCE_EXHAUSTED where the spool or the disk is full.
   absl::StatusOr<std::int64_t> Append(const SessionId& id, absl::Span<const SpoolItem> items);
-  absl::StatusOr<std::int64_t> Append(const SessionId& id, RecordPayload payload);
+  absl::StatusOr<std::int64_t> Append(const SessionId& id, sensor::RecordPayload payload);
 
   // No more records will come. NOT_FOUND.
   absl::Status MarkFinished(const SessionId& id);
@@ -106,10 +106,10 @@ class Spool {
 
   // Records after `after_sequence` in order, at least one where there is one, together at most `max_records` and, blobs
   // included, about `max_bytes`. A record that is damaged on disk comes as Withheld, saying so.
-  absl::StatusOr<std::vector<Record>> ReadBatch(const SessionId& id, std::int64_t after_sequence,
+  absl::StatusOr<std::vector<sensor::Record>> ReadBatch(const SessionId& id, std::int64_t after_sequence,
                                                 std::int64_t max_records, std::int64_t max_bytes);
   // NOT_FOUND; DATA_LOSS where the bytes no longer fit their hash.
-  absl::StatusOr<std::string> ReadBlob(const BlobRef& blob);
+  absl::StatusOr<std::string> ReadBlob(const sensor::BlobRef& blob);
   // Everything up to `sequence` is stored by the server and is dropped here. Never goes back; beyond the last sequence
   // it means the last one.
   absl::Status Acknowledge(const SessionId& id, std::int64_t sequence);

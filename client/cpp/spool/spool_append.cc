@@ -14,9 +14,9 @@ namespace enfilade::client {
 namespace {
 
 absl::Status Check(const SpoolItem& item) {
-  const Record record{1, item.payload};
-  ENFILADE_RETURN_IF_ERROR(Validate(record));
-  const BlobRef* blob = FindBlob(record);
+  const sensor::Record record{1, item.payload};
+  ENFILADE_RETURN_IF_ERROR(sensor::Validate(record));
+  const sensor::BlobRef* blob = sensor::FindBlob(record);
   if (!blob && item.content.empty()) return absl::OkStatus();
   if (!blob) return InvalidArgument("a record without a blob came with {} bytes of content", item.content.size());
   if (static_cast<std::int64_t>(item.content.size()) != blob->size) {
@@ -28,7 +28,7 @@ absl::Status Check(const SpoolItem& item) {
 
 }  // namespace
 
-absl::StatusOr<std::int64_t> Spool::Append(const SessionId& id, RecordPayload payload) {
+absl::StatusOr<std::int64_t> Spool::Append(const SessionId& id, sensor::RecordPayload payload) {
   const SpoolItem item{std::move(payload), {}};
   return Append(id, absl::MakeConstSpan(&item, 1));
 }
@@ -40,7 +40,7 @@ absl::StatusOr<std::int64_t> Spool::Append(const SessionId& id, absl::Span<const
     if (absl::Status status = Check(items[i]); !status.ok()) {
       return items.size() == 1 ? status : WithContext(status, fmt::format("item {}", i));
     }
-    request.payloads.push_back(EncodePayload({1, items[i].payload}));
+    request.payloads.push_back(sensor::EncodePayload({1, items[i].payload}));
     request.bytes += static_cast<std::int64_t>(request.payloads.back().size()) + kRecordOverhead;
   }
   // Whoever finds nobody committing commits for all who wait: requests that come meanwhile share the next flush.
@@ -120,8 +120,8 @@ absl::StatusOr<std::int64_t> Spool::BytesNeeded(const Request& request) {
   std::int64_t bytes = request.bytes;
   std::set<std::string> counted;
   for (const SpoolItem& item : request.items) {
-    const Record record{1, item.payload};
-    const BlobRef* blob = FindBlob(record);
+    const sensor::Record record{1, item.payload};
+    const sensor::BlobRef* blob = sensor::FindBlob(record);
     if (!blob || !counted.insert(blob->sha256).second) continue;
     ENFILADE_ASSIGN_OR_RETURN(SqliteStatement stored, writer_.Prepare("SELECT 1 FROM blobs WHERE sha256 = ?"));
     stored.BindBlob(1, blob->sha256);
@@ -137,11 +137,11 @@ absl::Status Spool::Insert(const Request& request, std::int64_t key, std::int64_
       writer_.Prepare("INSERT INTO records (session, sequence, kind, payload, crc, blob) VALUES (?, ?, ?, ?, ?, ?)"));
   for (std::size_t i = 0; i < request.items.size(); ++i) {
     const SpoolItem& item = request.items[i];
-    const Record record{first_sequence + static_cast<std::int64_t>(i), item.payload};
+    const sensor::Record record{first_sequence + static_cast<std::int64_t>(i), item.payload};
     const std::string& payload = request.payloads[i];
-    insert.Bind(1, key).Bind(2, record.sequence).Bind(3, static_cast<std::int64_t>(KindOf(record)));
+    insert.Bind(1, key).Bind(2, record.sequence).Bind(3, static_cast<std::int64_t>(sensor::KindOf(record)));
     insert.BindBlob(4, payload).Bind(5, Crc(payload)).BindNull(6);
-    if (const BlobRef* blob = FindBlob(record)) {
+    if (const sensor::BlobRef* blob = sensor::FindBlob(record)) {
       insert.BindBlob(6, blob->sha256);
       ENFILADE_ASSIGN_OR_RETURN(SqliteStatement store,
                                 writer_.Prepare("INSERT OR IGNORE INTO blobs (sha256, content) VALUES (?, ?)"));

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace enfilade {
+namespace enfilade::client {
 
 double Backoff::NextSeconds() {
   const double whole = next_s_;
@@ -11,4 +11,4 @@ double Backoff::NextSeconds() {
   return whole * share;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::client

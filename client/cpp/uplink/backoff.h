@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-namespace enfilade {
+namespace enfilade::client {
 
 // How long to wait before the next try: doubling from `min_s` to `max_s`, each wait drawn from its upper half, so that
 // a fleet that lost its server at one moment does not come back at one moment.
@@ -23,4 +23,4 @@ class Backoff {
   std::mt19937_64 random_;
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::client

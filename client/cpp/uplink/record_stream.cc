@@ -9,7 +9,7 @@
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
 
-namespace enfilade {
+namespace enfilade::client {
 namespace {
 
 constexpr std::size_t kChunkBytes = 1 << 20;
@@ -64,7 +64,7 @@ RecordStream::Outcome RecordStream::Run() {
 
 bool RecordStream::Open(Stream& stream) {
   v1::StreamRecordsRequest request;
-  request.mutable_open()->set_session(NameOf(SessionName{Session().site, id_}));
+  request.mutable_open()->set_session(convert::NameOf(convert::SessionName{Session().site, id_}));
   if (!stream.Write(request)) return false;
   MutexLock lock(mutex_);
   while (!opened_ && !ended_) changed_.Wait(mutex_);
@@ -110,8 +110,8 @@ bool RecordStream::SendNext(Stream& stream, std::int64_t after_sequence) {
   }
   if (records->empty()) return true;
   v1::StreamRecordsRequest request;
-  for (const Record& record : *records) {
-    if (const BlobRef* blob = FindBlob(record); blob && !blobs_sent_.contains(blob->sha256)) {
+  for (const sensor::Record& record : *records) {
+    if (const sensor::BlobRef* blob = sensor::FindBlob(record); blob && !blobs_sent_.contains(blob->sha256)) {
       const absl::StatusOr<std::string> content = spool_.ReadBlob(*blob);
       if (!content.ok()) {
         Withhold(record.sequence, MessageOf(content.status()));
@@ -119,7 +119,7 @@ bool RecordStream::SendNext(Stream& stream, std::int64_t after_sequence) {
       }
       if (!SendBlob(stream, *blob, *content)) return false;
     }
-    *request.mutable_batch()->add_records() = ToProto(record);
+    *request.mutable_batch()->add_records() = convert::ToProto(record);
   }
   {
     MutexLock lock(mutex_);
@@ -139,7 +139,7 @@ bool RecordStream::SendPoseReport(Stream& stream) {
   return stream.Write(request);
 }
 
-bool RecordStream::SendBlob(Stream& stream, const BlobRef& blob, const std::string& content) {
+bool RecordStream::SendBlob(Stream& stream, const sensor::BlobRef& blob, const std::string& content) {
   for (std::size_t offset = 0; offset < content.size(); offset += kChunkBytes) {
     v1::StreamRecordsRequest request;
     v1::BlobChunk& chunk = *request.mutable_blob_chunk();
@@ -250,4 +250,4 @@ void RecordStream::Fail(absl::Status status, End end) {
 
 client::SpoolSession RecordStream::Session() { return spool_.FindSession(id_).value_or(client::SpoolSession{}); }
 
-}  // namespace enfilade
+}  // namespace enfilade::client

@@ -17,7 +17,7 @@
 #include "grpcpp/client_context.h"
 #include "grpcpp/support/sync_stream.h"
 
-namespace enfilade {
+namespace enfilade::client {
 
 struct RecordStreamOptions {
   // Sent before the first acknowledgement must come: what is on the way to the server.
@@ -67,7 +67,7 @@ class RecordStream {
   bool SendAll(Stream& stream);
   bool SendNext(Stream& stream, std::int64_t after_sequence);
   bool SendPoseReport(Stream& stream);
-  bool SendBlob(Stream& stream, const BlobRef& blob, const std::string& content);
+  bool SendBlob(Stream& stream, const sensor::BlobRef& blob, const std::string& content);
   void ReceiveAll(Stream& stream);
   void Receive(const v1::StreamRecordsResponse& response);
   void Opened(std::int64_t acknowledged_sequence);
@@ -103,4 +103,4 @@ class RecordStream {
 // Whether trying again cannot help: the request itself is at fault, or who makes it.
 bool IsPermanent(const absl::Status& status);
 
-}  // namespace enfilade
+}  // namespace enfilade::client

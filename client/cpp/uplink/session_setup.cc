@@ -9,7 +9,7 @@
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
 
-namespace enfilade {
+namespace enfilade::client {
 namespace {
 
 using client::SpoolSession;
@@ -29,9 +29,9 @@ absl::StatusOr<v1::Map> CreateMap(const Connection& connection, const SpoolSessi
   request.set_parent(NameOf(session.site));
   if (IsValidResourceId(session.map)) request.set_map_id(session.map);
   request.mutable_map()->set_display_name(session.map);
-  if (session.surroundings == Surroundings::kOutdoor) {
+  if (session.surroundings == sensor::Surroundings::kOutdoor) {
     request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_OUTDOOR);
-  } else if (session.surroundings == Surroundings::kIndoor) {
+  } else if (session.surroundings == sensor::Surroundings::kIndoor) {
     request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
   }
   const auto created = connection.Call(&v1::MapService::Stub::CreateMap, request);
@@ -55,17 +55,17 @@ absl::StatusOr<v1::Session> Create(const Connection& connection, const SpoolSess
   request.set_parent(NameOf(session.site));
   request.set_session_id(session.id.value());
   request.set_request_id(session.request_id);
-  request.mutable_session()->set_robot(NameOf(RobotName{session.site, session.robot}));
+  request.mutable_session()->set_robot(convert::NameOf(convert::RobotName{session.site, session.robot}));
   request.mutable_session()->set_map(map);
   if (session.entry.previous) {
     request.mutable_session()->mutable_entry()->set_previous_session(
-        NameOf(SessionName{session.site, *session.entry.previous}));
+        convert::NameOf(convert::SessionName{session.site, *session.entry.previous}));
   }
   if (session.entry.T_map_robot) {
-    *request.mutable_session()->mutable_entry()->mutable_pose_map_robot() = ToProto(*session.entry.T_map_robot);
+    *request.mutable_session()->mutable_entry()->mutable_pose_map_robot() = convert::ToProto(*session.entry.T_map_robot);
   }
   if (session.entry.T_odom_robot) {
-    *request.mutable_session()->mutable_entry()->mutable_pose_odom_robot() = ToProto(*session.entry.T_odom_robot);
+    *request.mutable_session()->mutable_entry()->mutable_pose_odom_robot() = convert::ToProto(*session.entry.T_odom_robot);
   }
   ENFILADE_ASSIGN_OR_RETURN(const v1::CreateSessionResponse response,
                             connection.Call(&v1::SessionService::Stub::CreateSession, request));
@@ -83,7 +83,7 @@ absl::StatusOr<v1::Map> FindMap(const Connection& connection, const SiteId& site
   if (!map.empty() && named.maps_size() == 1) return named.maps(0);
 
   v1::GetMapRequest by_name;
-  by_name.set_name(IsValidResourceId(map) ? NameOf(MapName{site, MapId(map)}) : map);
+  by_name.set_name(IsValidResourceId(map) ? convert::NameOf(convert::MapName{site, MapId(map)}) : map);
   if (by_name.name().rfind("sites/", 0) == 0) {
     const auto found = connection.Call(&v1::MapService::Stub::GetMap, by_name);
     if (found.ok()) return found->map();
@@ -103,14 +103,14 @@ absl::StatusOr<v1::Session> EnsureSession(const Connection& connection, const Sp
   if (!absl::IsAlreadyExists(created.status())) return created;
   // Created by a request of another spool: it may still be this robot's, whose disk was replaced.
   ENFILADE_ASSIGN_OR_RETURN(const v1::Session found, GetSession(connection, session.site, session.id));
-  if (found.robot() == NameOf(RobotName{session.site, session.robot}) && found.map() == map) return found;
+  if (found.robot() == convert::NameOf(convert::RobotName{session.site, session.robot}) && found.map() == map) return found;
   return AlreadyExists("session \"{}\" is taken: it is recorded by {} into \"{}\"; choose another id", found.name(),
                        found.robot(), found.map());
 }
 
 absl::StatusOr<v1::Session> FinishSession(const Connection& connection, const SpoolSession& session) {
   v1::FinishSessionRequest request;
-  request.set_name(NameOf(SessionName{session.site, session.id}));
+  request.set_name(convert::NameOf(convert::SessionName{session.site, session.id}));
   request.set_last_sequence(session.last_sequence);
   ENFILADE_ASSIGN_OR_RETURN(const v1::FinishSessionResponse response,
                             connection.Call(&v1::SessionService::Stub::FinishSession, request));
@@ -119,10 +119,10 @@ absl::StatusOr<v1::Session> FinishSession(const Connection& connection, const Sp
 
 absl::StatusOr<v1::Session> GetSession(const Connection& connection, const SiteId& site, const SessionId& id) {
   v1::GetSessionRequest request;
-  request.set_name(NameOf(SessionName{site, id}));
+  request.set_name(convert::NameOf(convert::SessionName{site, id}));
   ENFILADE_ASSIGN_OR_RETURN(const v1::GetSessionResponse response,
                             connection.Call(&v1::SessionService::Stub::GetSession, request));
   return response.session();
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::client

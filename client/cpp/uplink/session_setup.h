@@ -8,7 +8,7 @@
 #include "enfilade/v1/map.pb.h"
 #include "enfilade/v1/session.pb.h"
 
-namespace enfilade {
+namespace enfilade::client {
 
 // The map of a site that is meant by `map`: its display name, its id or its resource name, in this order. NOT_FOUND.
 absl::StatusOr<v1::Map> FindMap(const Connection& connection, const SiteId& site, const std::string& map);
@@ -23,4 +23,4 @@ absl::StatusOr<v1::Session> FinishSession(const Connection& connection, const cl
 
 absl::StatusOr<v1::Session> GetSession(const Connection& connection, const SiteId& site, const SessionId& id);
 
-}  // namespace enfilade
+}  // namespace enfilade::client

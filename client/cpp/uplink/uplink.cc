@@ -10,7 +10,7 @@
 #include "proto/convert/geometry.h"
 #include "proto/convert/record.h"
 
-namespace enfilade {
+namespace enfilade::client {
 namespace {
 
 using End = RecordStream::End;
@@ -61,8 +61,8 @@ UplinkProgress Uplink::progress() {
 void Uplink::ReportPose(const std::string& map, const PoseWithCovariance& T_map_robot, TimeNs time) {
   v1::PoseReport report;
   report.set_map(map);
-  *report.mutable_pose_map_robot() = ToProto(T_map_robot);
-  *report.mutable_time() = ToTimestamp(time);
+  *report.mutable_pose_map_robot() = convert::ToProto(T_map_robot);
+  *report.mutable_time() = convert::ToTimestamp(time);
   {
     MutexLock lock(mutex_);
     pose_report_ = std::move(report);
@@ -168,4 +168,4 @@ RecordStream::Listener Uplink::MakeListener() {
   return listener;
 }
 
-}  // namespace enfilade
+}  // namespace enfilade::client

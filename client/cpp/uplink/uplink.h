@@ -17,7 +17,7 @@
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade {
+namespace enfilade::client {
 
 struct UplinkOptions {
   RecordStreamOptions stream;
@@ -98,4 +98,4 @@ class Uplink {
   std::optional<v1::PoseReport> pose_report_ ABSL_GUARDED_BY(mutex_);  // not sent yet
 };
 
-}  // namespace enfilade
+}  // namespace enfilade::client

@@ -14,15 +14,15 @@ namespace enfilade::server {
 
 // What judging doors reads and writes.
 struct ClosureStores {
-  const SessionStore& sessions;
-  const RecordStore& records;
-  const MappingStore& mappings;
-  const BlobStore& blobs;
-  const FeatureStore& features;
-  const MapStore& maps;
-  const LinkPointStore& link_points;
-  const DoorVerdictStore& verdicts;
-  const SiteLeaseStore& leases;
+  const storage::SessionStore& sessions;
+  const storage::RecordStore& records;
+  const storage::MappingStore& mappings;
+  const storage::BlobStore& blobs;
+  const storage::FeatureStore& features;
+  const storage::MapStore& maps;
+  const storage::LinkPointStore& link_points;
+  const storage::DoorVerdictStore& verdicts;
+  const storage::SiteLeaseStore& leases;
 };
 
 }  // namespace enfilade::server

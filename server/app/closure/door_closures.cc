@@ -26,35 +26,35 @@ constexpr int kPendingAtOnce = 32;
 // The graph changes while a report is judged: people edit, other sites' replicas do not.
 constexpr int kJudgingAttempts = 10;
 
-CallContext JudgingContext() {
-  CallContext context = CallContext::WithTimeout(kJudgingTimeout);
+storage::CallContext JudgingContext() {
+  storage::CallContext context = storage::CallContext::WithTimeout(kJudgingTimeout);
   context.actor = "closure at a door";
   return context;
 }
 
-const char* InWords(DoorDecision decision) {
+const char* InWords(closure::DoorDecision decision) {
   switch (decision) {
-    case DoorDecision::kCandidateMade:
+    case closure::DoorDecision::kCandidateMade:
       return "a candidate";
-    case DoorDecision::kCandidateKnown:
+    case closure::DoorDecision::kCandidateKnown:
       return "known";
-    case DoorDecision::kCandidatePromoted:
+    case closure::DoorDecision::kCandidatePromoted:
       return "a candidate promoted";
-    case DoorDecision::kLinkPointRecognised:
+    case closure::DoorDecision::kLinkPointRecognised:
       return "a link point recognised";
-    case DoorDecision::kLinkPointMade:
+    case closure::DoorDecision::kLinkPointMade:
       return "a new link point";
-    case DoorDecision::kNotJudged:
+    case closure::DoorDecision::kNotJudged:
       return "not judged";
   }
   return "?";
 }
 
-std::string NameOf(const PendingDoors& pending) { return pending.site.value() + "/" + pending.session.value(); }
+std::string NameOf(const storage::PendingDoors& pending) { return pending.site.value() + "/" + pending.session.value(); }
 
 }  // namespace
 
-DoorClosures::DoorClosures(const ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs,
+DoorClosures::DoorClosures(const closure::ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs,
                            WakeSignal& wake, std::function<void()> entered)
     : options_(options),
       stores_(stores),
@@ -82,25 +82,25 @@ void DoorClosures::Run() {
   }
 }
 
-double DoorClosures::WaitedFor(const PendingDoors& pending) const {
+double DoorClosures::WaitedFor(const storage::PendingDoors& pending) const {
   const auto found = delays_.find(NameOf(pending));
   if (found == delays_.end() || !found->second.early_since) return 0.0;
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - *found->second.early_since).count();
 }
 
-void DoorClosures::Postpone(const PendingDoors& pending) {
+void DoorClosures::Postpone(const storage::PendingDoors& pending) {
   Delay& delay = delays_[NameOf(pending)];
   const auto now = std::chrono::steady_clock::now();
   if (!delay.early_since) delay.early_since = now;
   delay.until = now + kEarlyPoll;
 }
 
-bool DoorClosures::MayTry(const PendingDoors& pending) {
+bool DoorClosures::MayTry(const storage::PendingDoors& pending) {
   const auto found = delays_.find(NameOf(pending));
   return found == delays_.end() || found->second.until <= std::chrono::steady_clock::now();
 }
 
-void DoorClosures::Failed(const PendingDoors& pending, const absl::Status& status) {
+void DoorClosures::Failed(const storage::PendingDoors& pending, const absl::Status& status) {
   Delay& delay = delays_[NameOf(pending)];
   delay.failures = std::min(delay.failures + 1, 8);
   delay.until = std::chrono::steady_clock::now() + std::chrono::milliseconds(250) * (1 << delay.failures);
@@ -111,7 +111,7 @@ bool DoorClosures::TakeTurn() {
   const auto pending = stores_.verdicts.FindPending(JudgingContext(), kPendingAtOnce);
   if (!pending.ok()) return false;  // readiness tells of an unreachable database
   bool worked = false;
-  for (const PendingDoors& next : *pending) {
+  for (const storage::PendingDoors& next : *pending) {
     if (stop_.is_set()) return false;
     if (!MayTry(next)) continue;
     const auto lease = stores_.leases.Acquire(JudgingContext(), next.site, owner_, kJudgingLeaseTime);
@@ -133,15 +133,15 @@ bool DoorClosures::TakeTurn() {
   return worked;
 }
 
-absl::StatusOr<bool> DoorClosures::Settle(const SiteLease& lease, const SessionId& id) {
-  const absl::StatusOr<Session> session = stores_.sessions.Get(JudgingContext(), lease.site, id);
+absl::StatusOr<bool> DoorClosures::Settle(const storage::SiteLease& lease, const SessionId& id) {
+  const absl::StatusOr<storage::Session> session = stores_.sessions.Get(JudgingContext(), lease.site, id);
   if (absl::IsNotFound(session.status())) {  // deleted: those that came out of it still need a map
     ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
     return true;
   }
   ENFILADE_RETURN_IF_ERROR(session.status());
   ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(JudgingContext(), lease.site, id));
-  for (const StoredDoorReport& report : reports) {
+  for (const storage::StoredDoorReport& report : reports) {
     if (report.judged) continue;
     ENFILADE_ASSIGN_OR_RETURN(const bool settled, SettleReport(lease, *session, report));
     if (!settled) return false;
@@ -151,10 +151,10 @@ absl::StatusOr<bool> DoorClosures::Settle(const SiteLease& lease, const SessionI
   return true;
 }
 
-absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Session& session,
-                                                const StoredDoorReport& report) {
+absl::StatusOr<bool> DoorClosures::SettleReport(const storage::SiteLease& lease, const storage::Session& session,
+                                                const storage::StoredDoorReport& report) {
   const auto begin = std::chrono::steady_clock::now();
-  CallContext context = JudgingContext();
+  storage::CallContext context = JudgingContext();
   const auto go_on = [&]() -> absl::Status {
     if (stop_.is_set()) return absl::CancelledError("the server is about to end");
     context = JudgingContext();
@@ -168,13 +168,13 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Se
     const ReportJudge judge(stores_, options_, graph, go_on);
     ENFILADE_ASSIGN_OR_RETURN(
         const ReportJudge::Judgement judgement,
-        judge.Judge(context, session, report, redundant, WaitedFor(PendingDoors{lease.site, session.id})));
+        judge.Judge(context, session, report, redundant, WaitedFor(storage::PendingDoors{lease.site, session.id})));
     if (!judgement.wait_for.empty()) {
       spdlog::debug("door {} of session {} waits for what is being mapped of{}", report.sequence, session.id.value(),
                     judgement.wait_for);
       return false;
     }
-    const DoorChange& change = judgement.change;
+    const storage::DoorChange& change = judgement.change;
     last = stores_.verdicts.Commit(JudgingContext(), lease, change);
     graphs_.MarkChanged(lease.site);
     if (last.ok()) {
@@ -193,7 +193,7 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const SiteLease& lease, const Se
   return last;
 }
 
-absl::Status DoorClosures::SettleWaiting(const SiteLease& lease, const SessionId& previous) {
+absl::Status DoorClosures::SettleWaiting(const storage::SiteLease& lease, const SessionId& previous) {
   ENFILADE_ASSIGN_OR_RETURN(const auto waiting, stores_.verdicts.ListWaiting(JudgingContext(), lease.site, previous));
   if (waiting.empty()) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const auto passage, stores_.verdicts.FindPassage(JudgingContext(), lease.site, previous));
@@ -208,7 +208,7 @@ absl::Status DoorClosures::SettleWaiting(const SiteLease& lease, const SessionId
   }
   if (absl::IsNotFound(entered)) {
     // No passage was reported, or its map has been deleted: a new one that nothing joins.
-    const NewMap map = MapBehind(std::nullopt, nullptr, options_);
+    const storage::NewMap map = MapBehind(std::nullopt, nullptr, options_);
     entered = stores_.verdicts.Enter(
         JudgingContext(), lease,
         {.previous = previous, .new_map = map, .map = map.id, .T_map_robot = {}, .T_odom_robot = {}});

@@ -22,7 +22,7 @@ namespace enfilade::server {
 class DoorClosures {
  public:
   // `wake`: when a session may have been mapped. `entered` is called when sessions have been given their map.
-  DoorClosures(const ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs, WakeSignal& wake,
+  DoorClosures(const closure::ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs, WakeSignal& wake,
                std::function<void()> entered);
   ~DoorClosures();
   DoorClosures(const DoorClosures&) = delete;
@@ -36,16 +36,16 @@ class DoorClosures {
   // False where there was nothing to do.
   bool TakeTurn();
   // False where it is too early to say: others are in the middle of mapping what may be behind the door.
-  absl::StatusOr<bool> Settle(const SiteLease& lease, const SessionId& session);
-  absl::StatusOr<bool> SettleReport(const SiteLease& lease, const Session& session, const StoredDoorReport& report);
-  absl::Status SettleWaiting(const SiteLease& lease, const SessionId& previous);
-  bool MayTry(const PendingDoors& pending);
-  void Failed(const PendingDoors& pending, const absl::Status& status);
-  void Postpone(const PendingDoors& pending);
+  absl::StatusOr<bool> Settle(const storage::SiteLease& lease, const SessionId& session);
+  absl::StatusOr<bool> SettleReport(const storage::SiteLease& lease, const storage::Session& session, const storage::StoredDoorReport& report);
+  absl::Status SettleWaiting(const storage::SiteLease& lease, const SessionId& previous);
+  bool MayTry(const storage::PendingDoors& pending);
+  void Failed(const storage::PendingDoors& pending, const absl::Status& status);
+  void Postpone(const storage::PendingDoors& pending);
   // s, since it was too early for the first time; 0 where it was not.
-  double WaitedFor(const PendingDoors& pending) const;
+  double WaitedFor(const storage::PendingDoors& pending) const;
 
-  const ClosureOptions options_;
+  const closure::ClosureOptions options_;
   const ClosureStores stores_;
   SiteGraphs& graphs_;
   WakeSignal& wake_;

@@ -12,31 +12,31 @@ std::optional<Pose2> PoseOf(const std::optional<PoseWithCovariance>& pose) {
 
 }  // namespace
 
-std::vector<Evidence> EvidenceAt(const SessionScene& scene, const LinkPointId& link_point, const MapId& map,
+std::vector<storage::Evidence> EvidenceAt(const SessionScene& scene, const LinkPointId& link_point, const MapId& map,
                                  TimeNs time, TimeNs from, TimeNs to,
                                  const std::function<std::optional<Pose2>(TimeNs)>& T_map_robot,
-                                 const ClosureOptions& options, std::vector<std::int64_t>& seen) {
-  std::vector<Evidence> evidence;
-  const auto add = [&](std::int64_t sequence, EvidenceKind kind, std::int16_t encoding, const BlobRef& content,
+                                 const closure::ClosureOptions& options, std::vector<std::int64_t>& seen) {
+  std::vector<storage::Evidence> evidence;
+  const auto add = [&](std::int64_t sequence, storage::EvidenceKind kind, std::int16_t encoding, const sensor::BlobRef& content,
                        TimeNs recorded) {
     evidence.push_back({link_point, map, kind, encoding, content, recorded, T_map_robot(recorded)});
     seen.push_back(sequence);
   };
-  for (const Camera camera : {Camera::kFront, Camera::kRear}) {
-    const EvidenceKind kind = camera == Camera::kFront ? EvidenceKind::kFrontImage : EvidenceKind::kRearImage;
+  for (const sensor::Camera camera : {sensor::Camera::kFront, sensor::Camera::kRear}) {
+    const storage::EvidenceKind kind = camera == sensor::Camera::kFront ? storage::EvidenceKind::kFrontImage : storage::EvidenceKind::kRearImage;
     for (const auto& image : scene.ImagesNear(camera, time, from, to, options.images_kept)) {
       add(image.sequence, kind, static_cast<std::int16_t>(image.image.encoding), image.image.content, image.image.time);
     }
   }
   if (const auto cloud = scene.CloudNear(time, from, to)) {
-    add(cloud->sequence, EvidenceKind::kCloud, static_cast<std::int16_t>(cloud->cloud.encoding), cloud->cloud.content,
+    add(cloud->sequence, storage::EvidenceKind::kCloud, static_cast<std::int16_t>(cloud->cloud.encoding), cloud->cloud.content,
         cloud->cloud.time);
   }
   return evidence;
 }
 
-void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point, DoorChange& change) {
-  const DoorReport& report = passage.report;
+void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point, storage::DoorChange& change) {
+  const sensor::DoorReport& report = passage.report;
   const SessionScene& scene = passage.scene;
   // Where the robot was when it had the door before it, as a candidate is seen.
   TimeNs before = report.door_time;
@@ -55,8 +55,8 @@ void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point
   std::move(evidence.begin(), evidence.end(), std::back_inserter(change.evidence));
 }
 
-void KeepEvidenceBehind(const PassageScene& passage, const LinkPointId& link_point, const Anchor& there,
-                        DoorChange& change) {
+void KeepEvidenceBehind(const PassageScene& passage, const LinkPointId& link_point, const graph::Anchor& there,
+                        storage::DoorChange& change) {
   const SessionScene& scene = passage.scene;
   const Pose2 T_there_here = there.T_map_place * Inverse(passage.T_map_door.pose);
   auto evidence = EvidenceAt(

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kMaxSessions = 20;  // the latest
 
-bool IsUnmapped(const Session& session) {
-  return session.state == SessionState::kRecording || session.state == SessionState::kFinished;
+bool IsUnmapped(const storage::Session& session) {
+  return session.state == storage::SessionState::kRecording || session.state == storage::SessionState::kFinished;
 }
 
 struct SeenFrom {
@@ -22,53 +22,53 @@ struct SeenFrom {
   PoseWithCovariance T_map_robot;
 };
 
-absl::StatusOr<std::optional<StoredDoorReport>> FindPassage(const CallContext& context, const PassageScene& passage,
+absl::StatusOr<std::optional<storage::StoredDoorReport>> FindPassage(const storage::CallContext& context, const PassageScene& passage,
                                                             const SessionId& session) {
   ENFILADE_ASSIGN_OR_RETURN(const auto reports,
                             passage.stores.verdicts.ReadReports(context, passage.map.site, session));
-  const auto found = std::find_if(reports.begin(), reports.end(), [](const StoredDoorReport& stored) {
-    return stored.report.kind == DoorReport::Kind::kPassage;
+  const auto found = std::find_if(reports.begin(), reports.end(), [](const storage::StoredDoorReport& stored) {
+    return stored.report.kind == sensor::DoorReport::Kind::kPassage;
   });
   return found == reports.end() ? std::nullopt : std::optional(*found);
 }
 
-void DropTail(std::vector<SlamNode>& nodes, double length) {
+void DropTail(std::vector<slam::SlamNode>& nodes, double length) {
   double dropped = 0.0;
   while (!nodes.empty() && dropped < length) {
-    const SlamNode last = nodes.back();
+    const slam::SlamNode last = nodes.back();
     nodes.pop_back();
     if (!nodes.empty()) dropped += Between(last.T_map_node, nodes.back().T_map_node).translation().norm();
   }
 }
 
 // From keyframes that were certainly taken in the session's own map.
-absl::Status AddInside(const CallContext& context, const PassageScene& passage, const Session& session,
+absl::Status AddInside(const storage::CallContext& context, const PassageScene& passage, const storage::Session& session,
                        std::vector<SeenFrom>& seen) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<SlamNode> nodes,
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<slam::SlamNode> nodes,
                             passage.stores.mappings.ListKeyframes(context, session.site, session.id));
   ENFILADE_ASSIGN_OR_RETURN(const auto left, FindPassage(context, passage, session.id));
-  if (left) std::erase_if(nodes, [&](const SlamNode& node) { return node.time >= left->report.door_time; });
-  const bool is_door_known = left ? left->judged : session.state != SessionState::kRecording;
+  if (left) std::erase_if(nodes, [&](const slam::SlamNode& node) { return node.time >= left->report.door_time; });
+  const bool is_door_known = left ? left->judged : session.state != storage::SessionState::kRecording;
   if (!is_door_known) DropTail(nodes, passage.options.locate_tail);
-  for (const SlamNode& node : nodes) seen.push_back({session.id, node.sequence, {node.T_map_node, node.covariance}});
+  for (const slam::SlamNode& node : nodes) seen.push_back({session.id, node.sequence, {node.T_map_node, node.covariance}});
   return absl::OkStatus();
 }
 
 // From the keyframes of a session that entered the map, beyond the door: the door's anchors say where that is.
-absl::Status AddEntering(const CallContext& context, const PassageScene& passage, const DoorVerdict& verdict,
+absl::Status AddEntering(const storage::CallContext& context, const PassageScene& passage, const closure::DoorVerdict& verdict,
                          std::vector<SeenFrom>& seen) {
-  const LinkPoint* door = verdict.link_point ? passage.graph.graph().FindLinkPoint(*verdict.link_point) : nullptr;
+  const graph::LinkPoint* door = verdict.link_point ? passage.graph.graph().FindLinkPoint(*verdict.link_point) : nullptr;
   if (door == nullptr) return absl::OkStatus();
   const auto session = passage.stores.sessions.Get(context, passage.map.site, verdict.session);
   if (absl::IsNotFound(session.status())) return absl::OkStatus();
   ENFILADE_RETURN_IF_ERROR(session.status());
-  const Anchor* from = session->map ? door->FindAnchor(*session->map) : nullptr;
-  const Anchor* to = door->FindAnchor(*verdict.entered_map);
+  const graph::Anchor* from = session->map ? door->FindAnchor(*session->map) : nullptr;
+  const graph::Anchor* to = door->FindAnchor(*verdict.entered_map);
   if (from == nullptr || to == nullptr) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const auto report, FindPassage(context, passage, session->id));
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SlamNode> nodes,
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<slam::SlamNode> nodes,
                             passage.stores.mappings.ListKeyframes(context, session->site, session->id));
-  for (const SlamNode& node : nodes) {
+  for (const slam::SlamNode& node : nodes) {
     if (!report || node.time < report->report.door_time) continue;
     const PoseWithCovariance T_door_robot{Between(from->T_map_place, node.T_map_node), Eigen::Matrix3d::Zero()};
     seen.push_back({session->id, node.sequence, Compose({to->T_map_place, to->covariance}, T_door_robot)});
@@ -77,7 +77,7 @@ absl::Status AddEntering(const CallContext& context, const PassageScene& passage
 }
 
 // The scans of some of them, by session.
-absl::StatusOr<std::vector<PlacedScan>> ReadScans(const CallContext& context, const PassageScene& passage,
+absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const storage::CallContext& context, const PassageScene& passage,
                                                   const std::vector<SeenFrom>& seen) {
   std::map<SessionId, std::map<std::int64_t, const SeenFrom*>> chosen;  // by sequence
   const std::size_t count = std::min(static_cast<std::size_t>(passage.options.locate_scans), seen.size());
@@ -85,24 +85,24 @@ absl::StatusOr<std::vector<PlacedScan>> ReadScans(const CallContext& context, co
     const SeenFrom& one = seen[i * seen.size() / count];
     chosen[one.session][one.sequence] = &one;
   }
-  std::vector<PlacedScan> scans;
+  std::vector<closure::PlacedScan> scans;
   for (const auto& [session, places] : chosen) {
     std::vector<std::int64_t> sequences;
     for (const auto& [sequence, place] : places) sequences.push_back(sequence);
-    ENFILADE_ASSIGN_OR_RETURN(std::vector<Record> records,
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
                               passage.stores.records.ReadEach(context, passage.map.site, session, sequences));
-    for (Record& record : records) {
-      auto* scan = std::get_if<LaserScan>(&record.payload);
+    for (sensor::Record& record : records) {
+      auto* scan = std::get_if<sensor::LaserScan>(&record.payload);
       if (scan != nullptr) scans.push_back({std::move(*scan), places.at(record.sequence)->T_map_robot});
     }
   }
   return scans;
 }
 
-std::vector<Pose2> DoorsOf(const GraphSnapshot& graph, const MapId& map) {
+std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) {
   std::vector<Pose2> doors;
-  for (const LinkPoint* link_point : graph.ListLinkPoints()) {
-    const Anchor* anchor = link_point->FindAnchor(map);
+  for (const graph::LinkPoint* link_point : graph.ListLinkPoints()) {
+    const graph::Anchor* anchor = link_point->FindAnchor(map);
     if (anchor != nullptr && !link_point->is_candidate()) doors.push_back(anchor->T_map_place);
   }
   return doors;
@@ -110,7 +110,7 @@ std::vector<Pose2> DoorsOf(const GraphSnapshot& graph, const MapId& map) {
 
 }  // namespace
 
-absl::StatusOr<KnownScans> ReadKnownScans(const CallContext& context, const PassageScene& passage, const MapId& map,
+absl::StatusOr<KnownScans> ReadKnownScans(const storage::CallContext& context, const PassageScene& passage, const MapId& map,
                                           const Pose2& around) {
   const SiteId& site = passage.map.site;
   ENFILADE_ASSIGN_OR_RETURN(
@@ -119,19 +119,19 @@ absl::StatusOr<KnownScans> ReadKnownScans(const CallContext& context, const Pass
   ENFILADE_ASSIGN_OR_RETURN(const auto entries, passage.stores.verdicts.ListInto(context, site, map, kMaxSessions));
   KnownScans known;
   std::vector<SeenFrom> seen;
-  for (const Session& session : sessions) {
-    known.recording = known.recording || session.state == SessionState::kRecording;
-    known.mapping = known.mapping || (IsUnmapped(session) && session.state != SessionState::kRecording);
+  for (const storage::Session& session : sessions) {
+    known.recording = known.recording || session.state == storage::SessionState::kRecording;
+    known.mapping = known.mapping || (IsUnmapped(session) && session.state != storage::SessionState::kRecording);
     ENFILADE_RETURN_IF_ERROR(AddInside(context, passage, session, seen));
   }
-  for (const DoorVerdict& verdict : entries) {
+  for (const closure::DoorVerdict& verdict : entries) {
     ENFILADE_RETURN_IF_ERROR(AddEntering(context, passage, verdict, seen));
   }
   std::erase_if(seen, [&](const SeenFrom& one) {
     return Between(around, one.T_map_robot.pose).translation().norm() > passage.options.locate_reach;
   });
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<PlacedScan> scans, ReadScans(context, passage, seen));
-  known.scans = WithoutBeyond(std::move(scans), DoorsOf(passage.graph.graph(), map));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::PlacedScan> scans, ReadScans(context, passage, seen));
+  known.scans = closure::WithoutBeyond(std::move(scans), DoorsOf(passage.graph.graph(), map));
   return known;
 }
 

@@ -10,11 +10,11 @@ constexpr auto kEntryTimeout = std::chrono::seconds(10);
 // What another replica judges is found by looking this often.
 constexpr auto kEntryPoll = std::chrono::seconds(1);
 
-CallContext EntryContext() { return CallContext::WithTimeout(kEntryTimeout); }
+storage::CallContext EntryContext() { return storage::CallContext::WithTimeout(kEntryTimeout); }
 
 }  // namespace
 
-MapEntries::MapEntries(const SessionStore& sessions, const MapStore& maps, const DoorVerdictStore& verdicts)
+MapEntries::MapEntries(const storage::SessionStore& sessions, const storage::MapStore& maps, const storage::DoorVerdictStore& verdicts)
     : sessions_(sessions), maps_(maps), verdicts_(verdicts) {
   worker_ = std::thread([this] { Run(); });
 }
@@ -25,7 +25,7 @@ MapEntries::~MapEntries() {
   worker_.join();
 }
 
-void MapEntries::Await(const SessionName& session, std::weak_ptr<const void> owner,
+void MapEntries::Await(const convert::SessionName& session, std::weak_ptr<const void> owner,
                        std::function<void(const MapEntry&)> tell) {
   {
     MutexLock lock(mutex_);

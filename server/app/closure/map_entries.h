@@ -19,28 +19,28 @@ namespace enfilade::server {
 
 // The map that a session is mapped into, for its robot.
 struct MapEntry {
-  Map map;
-  SessionEntry entry;
-  std::optional<DoorVerdict> verdict;  // on the passage out of the previous session
+  storage::Map map;
+  sensor::SessionEntry entry;
+  std::optional<closure::DoorVerdict> verdict;  // on the passage out of the previous session
 };
 
 // Tells streams of sessions that came through a door which map they are in, once it is known. Thread-safe.
 class MapEntries {
  public:
-  MapEntries(const SessionStore& sessions, const MapStore& maps, const DoorVerdictStore& verdicts);
+  MapEntries(const storage::SessionStore& sessions, const storage::MapStore& maps, const storage::DoorVerdictStore& verdicts);
   ~MapEntries();
   MapEntries(const MapEntries&) = delete;
   MapEntries& operator=(const MapEntries&) = delete;
 
   // Calls `tell` once from a thread of this object, as soon as the session has a map; never where it is deleted before.
   // Where `owner` is gone it is forgotten.
-  void Await(const SessionName& session, std::weak_ptr<const void> owner, std::function<void(const MapEntry&)> tell);
+  void Await(const convert::SessionName& session, std::weak_ptr<const void> owner, std::function<void(const MapEntry&)> tell);
   // Sessions may have been given their map.
   void Wake() { wake_.Wake(); }
 
  private:
   struct Waiting {
-    SessionName session;
+    convert::SessionName session;
     std::weak_ptr<const void> owner;
     std::function<void(const MapEntry&)> tell;
   };
@@ -49,9 +49,9 @@ class MapEntries {
   // False where it still waits.
   bool Tell(const Waiting& waiting) const;
 
-  const SessionStore& sessions_;
-  const MapStore& maps_;
-  const DoorVerdictStore& verdicts_;
+  const storage::SessionStore& sessions_;
+  const storage::MapStore& maps_;
+  const storage::DoorVerdictStore& verdicts_;
   Mutex mutex_;
   std::list<Waiting> waiting_ ABSL_GUARDED_BY(mutex_);
   WakeSignal wake_;

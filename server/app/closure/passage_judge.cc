@@ -18,19 +18,19 @@ namespace enfilade::server {
 namespace {
 
 // What the robot saw between the door and its report: of what lies behind.
-absl::StatusOr<ViewsBehind> LookBehind(const CallContext& context, const PassageScene& passage, StoredViews& views,
+absl::StatusOr<ViewsBehind> LookBehind(const storage::CallContext& context, const PassageScene& passage, StoredViews& views,
                                        std::vector<std::int64_t>& seen) {
-  const DoorReport& report = passage.report;
+  const sensor::DoorReport& report = passage.report;
   ViewsBehind behind;
   const TimeNs late = report.time + DurationOf(0.5);
   const bool judged_before = passage.waited > 0.0;
-  for (const Camera camera : {Camera::kFront, Camera::kRear}) {
+  for (const sensor::Camera camera : {sensor::Camera::kFront, sensor::Camera::kRear}) {
     for (const auto& image :
          passage.scene.ImagesNear(camera, report.time, report.door_time, late, passage.options.images_now)) {
       ENFILADE_ASSIGN_OR_RETURN(const auto* features, views.Features(context, image.image.content, judged_before));
       seen.push_back(image.sequence);
       if (features == nullptr) continue;
-      (camera == Camera::kFront ? behind.ahead : behind.back).push_back(features);
+      (camera == sensor::Camera::kFront ? behind.ahead : behind.back).push_back(features);
     }
     if (!behind.ahead.empty()) break;  // the rear camera is only for robots without
   }
@@ -46,22 +46,22 @@ absl::StatusOr<ViewsBehind> LookBehind(const CallContext& context, const Passage
 }
 
 // The evidence of one anchor.
-std::vector<Evidence> Of(const std::vector<Evidence>& all, const LinkPointId& link_point, const MapId& map) {
-  std::vector<Evidence> found;
+std::vector<storage::Evidence> Of(const std::vector<storage::Evidence>& all, const LinkPointId& link_point, const MapId& map) {
+  std::vector<storage::Evidence> found;
   std::copy_if(all.begin(), all.end(), std::back_inserter(found),
-               [&](const Evidence& item) { return item.link_point == link_point && item.map == map; });
+               [&](const storage::Evidence& item) { return item.link_point == link_point && item.map == map; });
   return found;
 }
 
 bool IsOnLevel(const PassageScene& passage, const MapId& map) {
-  const MapInGraph* found = passage.graph.graph().FindMap(map);
+  const graph::MapInGraph* found = passage.graph.graph().FindMap(map);
   return found != nullptr && found->level == passage.report.entered_level.value_or(passage.map.level);
 }
 
 // The map behind a link point of this map: the one on the level that was entered, the latest made where there are more.
-const Anchor* FindBehind(const PassageScene& passage, const LinkPoint& link_point) {
-  const Anchor* behind = nullptr;
-  for (const Anchor& anchor : link_point.anchors) {
+const graph::Anchor* FindBehind(const PassageScene& passage, const graph::LinkPoint& link_point) {
+  const graph::Anchor* behind = nullptr;
+  for (const graph::Anchor& anchor : link_point.anchors) {
     if (anchor.map == passage.map.id) continue;
     if (behind == nullptr || IsOnLevel(passage, anchor.map)) behind = &anchor;
   }
@@ -69,15 +69,15 @@ const Anchor* FindBehind(const PassageScene& passage, const LinkPoint& link_poin
 }
 
 // A link point of this very map. True where it is one.
-absl::StatusOr<bool> TryPassed(const CallContext& context, const PassageScene& passage,
-                               const std::vector<KnownPlace>& passed, const ViewsBehind& behind, StoredViews& views,
-                               DoorChange& change, std::set<LinkPointId>& contradicted) {
-  for (const KnownPlace& known : passed) {
+absl::StatusOr<bool> TryPassed(const storage::CallContext& context, const PassageScene& passage,
+                               const std::vector<closure::KnownPlace>& passed, const ViewsBehind& behind, StoredViews& views,
+                               storage::DoorChange& change, std::set<LinkPointId>& contradicted) {
+  for (const closure::KnownPlace& known : passed) {
     if (known.link_point->is_candidate()) continue;
-    const Anchor* anchor = FindBehind(passage, *known.link_point);
+    const graph::Anchor* anchor = FindBehind(passage, *known.link_point);
     if (anchor == nullptr) continue;
     ENFILADE_RETURN_IF_ERROR(passage.go_on());
-    const auto T_map_robot = PoseBehind(*known.link_point, passage.map.id, anchor->map, passage.T_map_robot);
+    const auto T_map_robot = closure::PoseBehind(*known.link_point, passage.map.id, anchor->map, passage.T_map_robot);
     ENFILADE_ASSIGN_OR_RETURN(
         auto evidence, passage.stores.link_points.ListEvidence(context, passage.map.site, {known.link_point->id}));
     const Place place{.link_point = known.link_point,
@@ -85,14 +85,14 @@ absl::StatusOr<bool> TryPassed(const CallContext& context, const PassageScene& p
                       .evidence = Of(evidence, known.link_point->id, anchor->map),
                       .distance = known.distance,
                       .predicted = T_map_robot};
-    ENFILADE_ASSIGN_OR_RETURN(PlaceEvidence compared, CompareImages(context, place, behind, passage.options, views));
+    ENFILADE_ASSIGN_OR_RETURN(closure::PlaceEvidence compared, CompareImages(context, place, behind, passage.options, views));
     // The images agree and the pose is right: clouds would add nothing.
     if (!compared.images || !compared.images->agree) {
       ENFILADE_RETURN_IF_ERROR(CompareClouds(context, place, behind, passage.options, views, compared));
     }
-    const JudgedPlace judged = JudgePlace(compared, passage.options);
-    DoorComparison comparison = ToComparison(compared, judged);
-    const bool refused = Contradicted(compared, passage.options);
+    const closure::JudgedPlace judged = closure::JudgePlace(compared, passage.options);
+    closure::DoorComparison comparison = closure::ToComparison(compared, judged);
+    const bool refused = closure::Contradicted(compared, passage.options);
     comparison.accepted = !refused;
     comparison.chi2 = known.chi2;
     comparison.reason =
@@ -110,15 +110,15 @@ absl::StatusOr<bool> TryPassed(const CallContext& context, const PassageScene& p
 
 // Places of other maps that the robot may have come to: within the search radius, or where no link points lead there.
 // Those that are in reach first, the nearest first.
-absl::StatusOr<std::vector<Place>> FindPlaces(const CallContext& context, const PassageScene& passage,
-                                              const TransformsTo& to_this, const std::set<LinkPointId>& not_these) {
-  const GraphSnapshot& graph = passage.graph.graph();
+absl::StatusOr<std::vector<Place>> FindPlaces(const storage::CallContext& context, const PassageScene& passage,
+                                              const graph::TransformsTo& to_this, const std::set<LinkPointId>& not_these) {
+  const graph::GraphSnapshot& graph = passage.graph.graph();
   std::map<MapId, std::optional<PoseWithCovariance>> transforms;  // T_other_this
   std::vector<Place> places;
-  for (const LinkPoint* link_point : graph.ListLinkPoints()) {
-    if (link_point->use == LinkPointUse::kSuspended || not_these.contains(link_point->id)) continue;
+  for (const graph::LinkPoint* link_point : graph.ListLinkPoints()) {
+    if (link_point->use == graph::LinkPointUse::kSuspended || not_these.contains(link_point->id)) continue;
     if (link_point->is_candidate() && passage.excluded.contains(link_point->id)) continue;
-    for (const Anchor& anchor : link_point->anchors) {
+    for (const graph::Anchor& anchor : link_point->anchors) {
       if (anchor.map == passage.map.id || !IsOnLevel(passage, anchor.map)) continue;
       auto [found, is_new] = transforms.try_emplace(anchor.map);
       if (is_new) {
@@ -130,7 +130,7 @@ absl::StatusOr<std::vector<Place>> FindPlaces(const CallContext& context, const 
         const PoseWithCovariance door = Compose(*found->second, passage.T_map_door);
         place.predicted = Compose(*found->second, passage.T_map_robot);
         place.distance = (door.pose.translation() - anchor.T_map_place.translation()).norm();
-        const double radius = SearchRadius(door.covariance + anchor.covariance,
+        const double radius = graph::SearchRadius(door.covariance + anchor.covariance,
                                            {passage.options.search_base, passage.options.search_factor});
         if (*place.distance > radius) continue;
       }
@@ -151,10 +151,10 @@ absl::StatusOr<std::vector<Place>> FindPlaces(const CallContext& context, const 
   return places;
 }
 
-absl::StatusOr<std::vector<PlaceEvidence>> ComparePlaces(const CallContext& context, const PassageScene& passage,
+absl::StatusOr<std::vector<closure::PlaceEvidence>> ComparePlaces(const storage::CallContext& context, const PassageScene& passage,
                                                          const std::vector<Place>& places, const ViewsBehind& behind,
                                                          StoredViews& views) {
-  std::vector<PlaceEvidence> compared;
+  std::vector<closure::PlaceEvidence> compared;
   for (const Place& place : places) {
     ENFILADE_RETURN_IF_ERROR(passage.go_on());
     ENFILADE_ASSIGN_OR_RETURN(compared.emplace_back(), CompareImages(context, place, behind, passage.options, views));
@@ -164,15 +164,15 @@ absl::StatusOr<std::vector<PlaceEvidence>> ComparePlaces(const CallContext& cont
   std::vector<std::size_t> order(places.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   const auto rank = [&](std::size_t i) {
-    const PlaceEvidence& evidence = compared[i];
+    const closure::PlaceEvidence& evidence = compared[i];
     return evidence.images && evidence.images->agree ? evidence.images->matches : 0;
   };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) > rank(b); });
-  const auto is_worth_it = [&](const PlaceEvidence& evidence) {
+  const auto is_worth_it = [&](const closure::PlaceEvidence& evidence) {
     if (!evidence.images || evidence.images->agree) return true;
     if (!evidence.predicted || !evidence.distance) return false;
     return *evidence.distance <=
-           passage.options.known_ahead + ErrorEllipse95(evidence.predicted->covariance).semi_major_m;
+           passage.options.known_ahead + graph::ErrorEllipse95(evidence.predicted->covariance).semi_major_m;
   };
   int registered = 0;
   for (const std::size_t i : order) {
@@ -186,17 +186,17 @@ absl::StatusOr<std::vector<PlaceEvidence>> ComparePlaces(const CallContext& cont
 }
 
 // Of the places that have the robot where the chosen one has it, the one whose door it came by; else the chosen one.
-std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& places, const PassageChoice& choice) {
-  const JudgedPlace& chosen = choice.judged[*choice.chosen];
+std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& places, const closure::PassageChoice& choice) {
+  const closure::JudgedPlace& chosen = choice.judged[*choice.chosen];
   const MapId& there = places[*choice.chosen].anchor->map;
   for (const std::size_t i : choice.order) {
-    const JudgedPlace& judged = choice.judged[i];
+    const closure::JudgedPlace& judged = choice.judged[i];
     if (!judged.accepted || places[i].anchor->map != there) continue;
     const Pose2 d = Between(judged.T_map_robot.pose, chosen.T_map_robot.pose);
     if (d.translation().norm() > passage.options.same_pose) continue;
-    const Anchor door =
-        JoinAtDoor(passage.map.id, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot).there;
-    if (IsDoorOf(*places[i].link_point, *places[i].anchor, {door.T_map_place, door.covariance}, passage.options)) {
+    const graph::Anchor door =
+        closure::JoinAtDoor(passage.map.id, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot).there;
+    if (closure::IsDoorOf(*places[i].link_point, *places[i].anchor, {door.T_map_place, door.covariance}, passage.options)) {
       return i;
     }
   }
@@ -205,31 +205,31 @@ std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& plac
 
 }  // namespace
 
-absl::StatusOr<std::string> JudgePassage(const CallContext& context, const PassageScene& passage, StoredViews& views,
-                                         DoorChange& change) {
-  const std::vector<KnownPlace> passed =
-      FindPassed(passage.graph.graph().ListLinkPoints(), passage.map.id, passage.T_map_door, passage.options);
+absl::StatusOr<std::string> JudgePassage(const storage::CallContext& context, const PassageScene& passage, StoredViews& views,
+                                         storage::DoorChange& change) {
+  const std::vector<closure::KnownPlace> passed =
+      closure::FindPassed(passage.graph.graph().ListLinkPoints(), passage.map.id, passage.T_map_door, passage.options);
   ENFILADE_ASSIGN_OR_RETURN(const ViewsBehind behind, LookBehind(context, passage, views, change.verdict.evidence));
   std::set<LinkPointId> contradicted;
   ENFILADE_ASSIGN_OR_RETURN(const bool known, TryPassed(context, passage, passed, behind, views, change, contradicted));
   if (known) return "";
 
-  ENFILADE_ASSIGN_OR_RETURN(const TransformsTo to_this, TransformsTo::Make(passage.graph.graph(), passage.map.id));
+  ENFILADE_ASSIGN_OR_RETURN(const graph::TransformsTo to_this, graph::TransformsTo::Make(passage.graph.graph(), passage.map.id));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<Place> places, FindPlaces(context, passage, to_this, contradicted));
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<PlaceEvidence> compared,
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<closure::PlaceEvidence> compared,
                             ComparePlaces(context, passage, places, behind, views));
-  const PassageChoice choice = ChoosePlace(compared, passage.options);
+  const closure::PassageChoice choice = closure::ChoosePlace(compared, passage.options);
   for (const std::size_t i : choice.order) {
-    change.verdict.comparisons.push_back(ToComparison(compared[i], choice.judged[i]));
+    change.verdict.comparisons.push_back(closure::ToComparison(compared[i], choice.judged[i]));
   }
   // The same door, seen from this side before.
   std::vector<LinkPointId> own;
-  for (const KnownPlace& place : passed) {
+  for (const closure::KnownPlace& place : passed) {
     if (place.link_point->is_candidate()) own.push_back(place.link_point->id);
   }
   if (choice.chosen) {
     const std::size_t arrived = FindDoor(passage, places, choice);
-    const JudgedPlace& judged = choice.judged[arrived];
+    const closure::JudgedPlace& judged = choice.judged[arrived];
     ENFILADE_RETURN_IF_ERROR(Arrive(
         context, passage, {places[arrived].anchor->map, places[arrived].link_point, judged.T_map_robot, judged.reason},
         own, change));

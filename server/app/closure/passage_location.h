@@ -23,7 +23,7 @@ struct PassageLocation {
 // Compares the scans behind the door with what robots have seen of each known map on the level that the graph has where
 // the robot is (core/closure: LocateByScans). None where two maps would do, or where clouds or images of the very door
 // speak against it (`compared`). `to_this`: the session's map. Errors are the stores'.
-absl::StatusOr<PassageLocation> LocatePassage(const CallContext& context, const PassageScene& passage,
-                                              const TransformsTo& to_this, const std::vector<PlaceEvidence>& compared);
+absl::StatusOr<PassageLocation> LocatePassage(const storage::CallContext& context, const PassageScene& passage,
+                                              const graph::TransformsTo& to_this, const std::vector<closure::PlaceEvidence>& compared);
 
 }  // namespace enfilade::server

@@ -14,11 +14,11 @@ namespace enfilade::server {
 // What a passage is judged from.
 struct PassageScene {
   const ClosureStores& stores;
-  const ClosureOptions& options;
+  const closure::ClosureOptions& options;
   const SiteGraph& graph;
   const SessionScene& scene;
-  const DoorReport& report;
-  const Map& map;                  // that the session is in
+  const sensor::DoorReport& report;
+  const storage::Map& map;                  // that the session is in
   PoseWithCovariance T_map_door;   // in it
   PoseWithCovariance T_map_robot;  // when it reports
   std::set<LinkPointId> excluded;  // not to be promoted

@@ -23,7 +23,7 @@ Eigen::Isometry3d ToIsometry(const Pose2& pose) {
   return T;
 }
 
-perception::ImageMatchOptions MatchOptions(const ClosureOptions& options) {
+perception::ImageMatchOptions MatchOptions(const closure::ClosureOptions& options) {
   perception::ImageMatchOptions match;
   match.ratios = {.sift = options.image_sift_ratio, .akaze = options.image_akaze_ratio};
   match.tolerance = options.image_tolerance;
@@ -32,7 +32,7 @@ perception::ImageMatchOptions MatchOptions(const ClosureOptions& options) {
   return match;
 }
 
-perception::RegistrationOptions CloudOptions(const ClosureOptions& options) {
+perception::RegistrationOptions CloudOptions(const closure::ClosureOptions& options) {
   perception::RegistrationOptions registration;
   registration.voxel = options.cloud_voxel;
   registration.min_inlier_share = options.min_inlier_share;
@@ -42,21 +42,21 @@ perception::RegistrationOptions CloudOptions(const ClosureOptions& options) {
 
 // Does the camera look away from the place, into the map? Of a candidate the robot stood before the door and looked at
 // it.
-bool LooksAway(const Place& place, const Evidence& item) {
+bool LooksAway(const Place& place, const storage::Evidence& item) {
   bool faces_place = true;
   if (!place.link_point->is_candidate() && item.T_map_robot) {
     faces_place = Between(*item.T_map_robot, place.anchor->T_map_place).x > 0.0;
   }
-  return (item.kind == EvidenceKind::kFrontImage) != faces_place;
+  return (item.kind == storage::EvidenceKind::kFrontImage) != faces_place;
 }
 
 // The images kept that look into the map, or those that look at the door, the nearest to the door's moment first.
-absl::StatusOr<std::vector<const perception::FeatureSet*>> StoredImages(const CallContext& context, const Place& place,
-                                                                        bool away, const ClosureOptions& options,
+absl::StatusOr<std::vector<const perception::FeatureSet*>> StoredImages(const storage::CallContext& context, const Place& place,
+                                                                        bool away, const closure::ClosureOptions& options,
                                                                         StoredViews& views) {
   std::vector<const perception::FeatureSet*> images;
-  for (const Evidence& item : place.evidence) {
-    if (item.kind == EvidenceKind::kCloud || LooksAway(place, item) != away) continue;
+  for (const storage::Evidence& item : place.evidence) {
+    if (item.kind == storage::EvidenceKind::kCloud || LooksAway(place, item) != away) continue;
     if (images.size() >= static_cast<std::size_t>(options.images_compared)) break;
     ENFILADE_ASSIGN_OR_RETURN(const auto* features, views.Features(context, item.content, /*keep=*/true));
     if (features != nullptr) images.push_back(features);
@@ -72,14 +72,14 @@ std::vector<Views> AsSeries(std::span<const perception::FeatureSet* const> image
 
 // The median over the moments, of the best of the images kept. Two moments are looked at first: where nothing at all is
 // alike, more would cost much and say the same.
-absl::StatusOr<ImageWitness> Match(const std::vector<const perception::FeatureSet*>& stored,
+absl::StatusOr<closure::ImageWitness> Match(const std::vector<const perception::FeatureSet*>& stored,
                                    const std::vector<const perception::FeatureSet*>& now,
-                                   const ClosureOptions& options) {
+                                   const closure::ClosureOptions& options) {
   const std::vector<Views> series = AsSeries(now);
   std::vector<Views> first = {series.front()};
   if (series.size() > 2) first.push_back(series[series.size() / 2]);
   const perception::ImageMatchOptions match_options = MatchOptions(options);
-  ImageWitness witness;
+  closure::ImageWitness witness;
   for (const perception::FeatureSet* image : stored) {
     const Views view{.front = image, .rear = nullptr};
     ENFILADE_ASSIGN_OR_RETURN(const auto glance, perception::MatchSeries(view, first, match_options));
@@ -92,19 +92,19 @@ absl::StatusOr<ImageWitness> Match(const std::vector<const perception::FeatureSe
   return witness;
 }
 
-const Evidence* FindCloud(const Place& place) {
-  for (const Evidence& item : place.evidence) {
-    if (item.kind == EvidenceKind::kCloud) return &item;
+const storage::Evidence* FindCloud(const Place& place) {
+  for (const storage::Evidence& item : place.evidence) {
+    if (item.kind == storage::EvidenceKind::kCloud) return &item;
   }
   return nullptr;
 }
 
 // Where the robot may have taken its cloud, in the map behind. RegisterClouds also tries each turned on the spot.
 std::vector<Pose2> FirstGuesses(const Place& place, const ViewsBehind& behind, const Pose2& T_map_evidence,
-                                const ClosureOptions& options) {
+                                const closure::ClosureOptions& options) {
   std::vector<Pose2> guesses;
   if (place.predicted) guesses.push_back(place.predicted->pose * Inverse(behind.T_cloud_robot));
-  if (place.predicted && ErrorEllipse95(place.predicted->covariance).semi_major_m <= options.sure_radius) {
+  if (place.predicted && graph::ErrorEllipse95(place.predicted->covariance).semi_major_m <= options.sure_radius) {
     return guesses;
   }
   if (place.link_point->is_candidate()) {
@@ -125,9 +125,9 @@ bool IsBetter(const perception::Registration& a, const perception::Registration&
 
 }  // namespace
 
-absl::StatusOr<PlaceEvidence> CompareImages(const CallContext& context, const Place& place, const ViewsBehind& behind,
-                                            const ClosureOptions& options, StoredViews& views) {
-  PlaceEvidence evidence;
+absl::StatusOr<closure::PlaceEvidence> CompareImages(const storage::CallContext& context, const Place& place, const ViewsBehind& behind,
+                                            const closure::ClosureOptions& options, StoredViews& views) {
+  closure::PlaceEvidence evidence;
   evidence.link_point = place.link_point->id;
   evidence.map = place.anchor->map;
   evidence.distance = place.distance;
@@ -148,17 +148,17 @@ absl::StatusOr<PlaceEvidence> CompareImages(const CallContext& context, const Pl
   return evidence;
 }
 
-absl::Status CompareClouds(const CallContext& context, const Place& place, const ViewsBehind& behind,
-                           const ClosureOptions& options, StoredViews& views, PlaceEvidence& evidence) {
+absl::Status CompareClouds(const storage::CallContext& context, const Place& place, const ViewsBehind& behind,
+                           const closure::ClosureOptions& options, StoredViews& views, closure::PlaceEvidence& evidence) {
   const auto miss = [&evidence](const std::string& what) {
     evidence.missing += (evidence.missing.empty() ? "" : "; ") + what;
     return absl::OkStatus();
   };
   if (behind.cloud == nullptr) return miss("the robot has no cloud behind the door");
-  const Evidence* kept = FindCloud(place);
+  const storage::Evidence* kept = FindCloud(place);
   if (kept == nullptr) return miss("no cloud is kept of the place");
   ENFILADE_ASSIGN_OR_RETURN(const perception::Cloud* target,
-                            views.Points(context, kept->content, static_cast<CloudEncoding>(kept->encoding)));
+                            views.Points(context, kept->content, static_cast<sensor::CloudEncoding>(kept->encoding)));
   if (target == nullptr) return miss("the cloud that is kept of the place cannot be used");
   const Pose2 T_map_evidence = kept->T_map_robot.value_or(place.anchor->T_map_place);
 
@@ -171,7 +171,7 @@ absl::Status CompareClouds(const CallContext& context, const Place& place, const
     if (!best || IsBetter(*registration, *best)) best = *std::move(registration);
     if (best->accepted) break;
   }
-  CloudWitness witness;
+  closure::CloudWitness witness;
   witness.rmse = std::isfinite(best->fitness) ? std::sqrt(best->fitness) : 2.0;
   witness.inlier_share = best->inlier_share;
   witness.agree = best->accepted;

@@ -13,27 +13,27 @@ namespace enfilade::server {
 namespace {
 
 // It cannot be judged. After a passage a new map begins that nothing joins.
-void NotJudged(const std::optional<Map>& map, const StoredDoorReport& stored, const ClosureOptions& options,
-               std::string why, DoorChange& change) {
-  change.verdict.decision = DoorDecision::kNotJudged;
+void NotJudged(const std::optional<storage::Map>& map, const storage::StoredDoorReport& stored, const closure::ClosureOptions& options,
+               std::string why, storage::DoorChange& change) {
+  change.verdict.decision = closure::DoorDecision::kNotJudged;
   change.verdict.reason = std::move(why);
-  if (stored.report.kind != DoorReport::Kind::kPassage) return;
+  if (stored.report.kind != sensor::DoorReport::Kind::kPassage) return;
   change.new_map = MapBehind(map, &stored.report, options);
   change.verdict.entered_map = change.new_map->id;
   change.verdict.reason += "; a new map begins that nothing joins";
 }
 
-void JudgeSighting(const ClosureOptions& options, const SiteGraph& graph, const SessionScene& scene, const Map& map,
-                   const DoorReport& report, const PoseWithCovariance& T_map_robot, DoorChange& change) {
-  const std::vector<KnownPlace> known = FindSighted(graph.graph().ListLinkPoints(), map.id, T_map_robot, options);
-  DoorVerdict& verdict = change.verdict;
+void JudgeSighting(const closure::ClosureOptions& options, const SiteGraph& graph, const SessionScene& scene, const storage::Map& map,
+                   const sensor::DoorReport& report, const PoseWithCovariance& T_map_robot, storage::DoorChange& change) {
+  const std::vector<closure::KnownPlace> known = closure::FindSighted(graph.graph().ListLinkPoints(), map.id, T_map_robot, options);
+  closure::DoorVerdict& verdict = change.verdict;
   if (!known.empty()) {
-    verdict.decision = DoorDecision::kCandidateKnown;
+    verdict.decision = closure::DoorDecision::kCandidateKnown;
     verdict.link_point = known.front().link_point->id;
     verdict.reason = known.front().reason;
     return;
   }
-  StoredLinkPoint candidate;
+  storage::StoredLinkPoint candidate;
   candidate.site = map.site;
   candidate.point.id = LinkPointId(NewUuid());
   candidate.point.kind = report.place;
@@ -46,7 +46,7 @@ void JudgeSighting(const ClosureOptions& options, const SiteGraph& graph, const 
         return pose ? std::optional<Pose2>(pose->pose) : std::nullopt;
       },
       options, verdict.evidence);
-  verdict.decision = DoorDecision::kCandidateMade;
+  verdict.decision = closure::DoorDecision::kCandidateMade;
   verdict.link_point = candidate.point.id;
   verdict.reason = change.evidence.empty() ? "no place is known there; neither images nor clouds were recorded near it"
                                            : "no place is known there";
@@ -55,8 +55,8 @@ void JudgeSighting(const ClosureOptions& options, const SiteGraph& graph, const 
 
 }  // namespace
 
-NewMap MapBehind(const std::optional<Map>& from, const DoorReport* report, const ClosureOptions& options) {
-  NewMap map;
+storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor::DoorReport* report, const closure::ClosureOptions& options) {
+  storage::NewMap map;
   map.id = MapId(NewUuid());
   map.name_prefix = options.map_name;
   if (from) {
@@ -66,26 +66,26 @@ NewMap MapBehind(const std::optional<Map>& from, const DoorReport* report, const
   if (report != nullptr && report->entered_level) map.level = *report->entered_level;
   if (report != nullptr && report->entered_surroundings) {
     map.environment =
-        *report->entered_surroundings == Surroundings::kOutdoor ? Environment::kOutdoor : Environment::kIndoor;
+        *report->entered_surroundings == sensor::Surroundings::kOutdoor ? storage::Environment::kOutdoor : storage::Environment::kIndoor;
   }
-  map.slam_profile = map.environment == Environment::kOutdoor ? options.outdoor_profile : options.indoor_profile;
+  map.slam_profile = map.environment == storage::Environment::kOutdoor ? options.outdoor_profile : options.indoor_profile;
   return map;
 }
 
-ReportJudge::ReportJudge(const ClosureStores& stores, const ClosureOptions& options,
+ReportJudge::ReportJudge(const ClosureStores& stores, const closure::ClosureOptions& options,
                          std::shared_ptr<const SiteGraph> graph, std::function<absl::Status()> go_on)
     : stores_(stores), options_(options), graph_(std::move(graph)), go_on_(std::move(go_on)) {}
 
-absl::StatusOr<ReportJudge::Judgement> ReportJudge::Judge(const CallContext& context, const Session& session,
-                                                          const StoredDoorReport& stored,
+absl::StatusOr<ReportJudge::Judgement> ReportJudge::Judge(const storage::CallContext& context, const storage::Session& session,
+                                                          const storage::StoredDoorReport& stored,
                                                           const std::set<LinkPointId>& excluded, double waited) const {
-  const DoorReport& report = stored.report;
+  const sensor::DoorReport& report = stored.report;
   Judgement judgement;
-  DoorChange& change = judgement.change;
+  storage::DoorChange& change = judgement.change;
   change.verdict.session = session.id;
   change.verdict.sequence = stored.sequence;
   change.verdict.graph_version = graph_->graph().version();
-  std::optional<Map> map;
+  std::optional<storage::Map> map;
   if (session.map) {
     ENFILADE_ASSIGN_OR_RETURN(map, stores_.maps.Get(context, session.site, *session.map));
   }
@@ -94,12 +94,12 @@ absl::StatusOr<ReportJudge::Judgement> ReportJudge::Judge(const CallContext& con
     return judgement;
   };
   if (!map) return not_judged("the session was only recorded");
-  if (session.state == SessionState::kFailed) return not_judged("mapping failed: " + session.error);
+  if (session.state == storage::SessionState::kFailed) return not_judged("mapping failed: " + session.error);
   ENFILADE_ASSIGN_OR_RETURN(const SessionScene scene, SessionScene::Load(stores_, context, session, stored, options_));
   const std::optional<PoseWithCovariance> T_map_door = scene.DoorPose();
   const std::optional<PoseWithCovariance> T_map_robot = scene.PoseAt(report.time);
   if (!T_map_door || !T_map_robot) return not_judged("nothing was mapped when the robot was at the door");
-  if (report.kind == DoorReport::Kind::kCandidate) {
+  if (report.kind == sensor::DoorReport::Kind::kCandidate) {
     JudgeSighting(options_, *graph_, scene, *map, report, *T_map_door, change);
     return judgement;
   }

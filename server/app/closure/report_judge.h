@@ -19,28 +19,28 @@ namespace enfilade::server {
 class ReportJudge {
  public:
   // `go_on` is asked between comparisons: an error ends the judgement with it (the lease is lost).
-  ReportJudge(const ClosureStores& stores, const ClosureOptions& options, std::shared_ptr<const SiteGraph> graph,
+  ReportJudge(const ClosureStores& stores, const closure::ClosureOptions& options, std::shared_ptr<const SiteGraph> graph,
               std::function<absl::Status()> go_on);
 
   // What comes of a report; where it is too early to say, what is waited for, and nothing is to be stored.
   struct Judgement {
-    DoorChange change;
+    storage::DoorChange change;
     std::string wait_for;
   };
   // `waited`: s, since it was too early for the first time. `excluded`: candidates that would make a redundant link
   // point. A report that cannot be judged has a verdict that says so; errors are the stores'. `context` is read anew
   // for each call of a store: go_on may put its deadline off.
-  absl::StatusOr<Judgement> Judge(const CallContext& context, const Session& session, const StoredDoorReport& report,
+  absl::StatusOr<Judgement> Judge(const storage::CallContext& context, const storage::Session& session, const storage::StoredDoorReport& report,
                                   const std::set<LinkPointId>& excluded, double waited) const;
 
  private:
   const ClosureStores& stores_;
-  const ClosureOptions& options_;
+  const closure::ClosureOptions& options_;
   const std::shared_ptr<const SiteGraph> graph_;
   const std::function<absl::Status()> go_on_;
 };
 
 // A map that begins where the report's robot is; `from`: the map that it comes from, where there is one.
-NewMap MapBehind(const std::optional<Map>& from, const DoorReport* report, const ClosureOptions& options);
+storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor::DoorReport* report, const closure::ClosureOptions& options);
 
 }  // namespace enfilade::server

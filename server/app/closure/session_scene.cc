@@ -15,31 +15,31 @@ constexpr TimeNs kMargin = 10 * kNsPerSecond;
 
 }  // namespace
 
-absl::StatusOr<SessionScene> SessionScene::Load(const ClosureStores& stores, const CallContext& context,
-                                                const Session& session, const StoredDoorReport& stored,
-                                                const ClosureOptions& options) {
-  const DoorReport& report = stored.report;
-  ENFILADE_ASSIGN_OR_RETURN(Trajectory trajectory, stores.mappings.ReadTrajectory(context, session.site, session.id));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<Record> records,
+absl::StatusOr<SessionScene> SessionScene::Load(const ClosureStores& stores, const storage::CallContext& context,
+                                                const storage::Session& session, const storage::StoredDoorReport& stored,
+                                                const closure::ClosureOptions& options) {
+  const sensor::DoorReport& report = stored.report;
+  ENFILADE_ASSIGN_OR_RETURN(storage::Trajectory trajectory, stores.mappings.ReadTrajectory(context, session.site, session.id));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
                             stores.records.ReadSelected(context, session.site, session.id,
-                                                        {.kinds = {RecordKind::kLaserScan, RecordKind::kOdometry,
-                                                                   RecordKind::kImage, RecordKind::kPointCloud},
+                                                        {.kinds = {sensor::RecordKind::kLaserScan, sensor::RecordKind::kOdometry,
+                                                                   sensor::RecordKind::kImage, sensor::RecordKind::kPointCloud},
                                                          .from_time = report.door_time - kMargin,
                                                          .to_time = report.time + kMargin,
                                                          .first_sequence = stored.sequence - kRecordsBefore,
                                                          .last_sequence = stored.sequence + kRecordsAfter}));
-  std::vector<Odometry> odometry;
+  std::vector<sensor::Odometry> odometry;
   std::vector<SeenImage> images;
   std::vector<SeenCloud> clouds;
-  std::vector<LaserScan> scans;
-  for (Record& record : records) {
-    if (auto* sample = std::get_if<Odometry>(&record.payload)) odometry.push_back(*sample);
-    if (auto* image = std::get_if<Image>(&record.payload)) images.push_back({record.sequence, std::move(*image)});
-    auto* scan = std::get_if<LaserScan>(&record.payload);
+  std::vector<sensor::LaserScan> scans;
+  for (sensor::Record& record : records) {
+    if (auto* sample = std::get_if<sensor::Odometry>(&record.payload)) odometry.push_back(*sample);
+    if (auto* image = std::get_if<sensor::Image>(&record.payload)) images.push_back({record.sequence, std::move(*image)});
+    auto* scan = std::get_if<sensor::LaserScan>(&record.payload);
     if (scan != nullptr && scan->time >= report.door_time) scans.push_back(std::move(*scan));
-    if (auto* cloud = std::get_if<PointCloud>(&record.payload)) clouds.push_back({record.sequence, std::move(*cloud)});
+    if (auto* cloud = std::get_if<sensor::PointCloud>(&record.payload)) clouds.push_back({record.sequence, std::move(*cloud)});
   }
-  SessionScene scene(SessionTrack(std::move(trajectory.poses), std::move(odometry), options), report);
+  SessionScene scene(closure::SessionTrack(std::move(trajectory.poses), std::move(odometry), options), report);
   scene.images_ = std::move(images);
   scene.clouds_ = std::move(clouds);
   scene.scans_ = std::move(scans);
@@ -61,11 +61,11 @@ std::optional<PoseWithCovariance> SessionScene::DoorPose() const {
   return pose;
 }
 
-std::vector<SessionScene::SeenImage> SessionScene::ImagesNear(Camera camera, TimeNs time, TimeNs from, TimeNs to,
+std::vector<SessionScene::SeenImage> SessionScene::ImagesNear(sensor::Camera camera, TimeNs time, TimeNs from, TimeNs to,
                                                               int count) const {
   std::vector<SeenImage> found;
   for (const SeenImage& seen : images_) {
-    const bool is_picture = seen.image.encoding != ImageEncoding::kDepthPng16;
+    const bool is_picture = seen.image.encoding != sensor::ImageEncoding::kDepthPng16;
     if (is_picture && seen.image.camera == camera && seen.image.time >= from && seen.image.time <= to) {
       found.push_back(seen);
     }
@@ -87,12 +87,12 @@ std::optional<SessionScene::SeenCloud> SessionScene::CloudNear(TimeNs time, Time
   return *nearest;
 }
 
-std::vector<PlacedScan> SessionScene::ScansBetween(TimeNs from, TimeNs to) const {
+std::vector<closure::PlacedScan> SessionScene::ScansBetween(TimeNs from, TimeNs to) const {
   constexpr double kLater = 0.5;     // of the way
   constexpr double kSpacing = 0.25;  // m
   const auto first = PoseAt(from);
   const auto last = PoseAt(to);
-  std::vector<PlacedScan> placed;
+  std::vector<closure::PlacedScan> placed;
   if (!first || !last) return placed;
   const double way = (last->pose.translation() - first->pose.translation()).norm();
   for (auto scan = scans_.rbegin(); scan != scans_.rend(); ++scan) {

@@ -17,9 +17,9 @@ namespace enfilade::server {
 class SessionScene {
  public:
   // Errors are the stores'. A session whose records are gone has none.
-  static absl::StatusOr<SessionScene> Load(const ClosureStores& stores, const CallContext& context,
-                                           const Session& session, const StoredDoorReport& report,
-                                           const ClosureOptions& options);
+  static absl::StatusOr<SessionScene> Load(const ClosureStores& stores, const storage::CallContext& context,
+                                           const storage::Session& session, const storage::StoredDoorReport& report,
+                                           const closure::ClosureOptions& options);
 
   // In the session's map, with the covariance of the nearest keyframe and odometry's since. Unset where nothing was
   // mapped about then.
@@ -34,27 +34,27 @@ class SessionScene {
 
   struct SeenImage {
     std::int64_t sequence = 0;
-    Image image;
+    sensor::Image image;
   };
   struct SeenCloud {
     std::int64_t sequence = 0;
-    PointCloud cloud;
+    sensor::PointCloud cloud;
   };
   // At most `count` with from <= time <= to, the nearest to `time` first.
-  std::vector<SeenImage> ImagesNear(Camera camera, TimeNs time, TimeNs from, TimeNs to, int count) const;
+  std::vector<SeenImage> ImagesNear(sensor::Camera camera, TimeNs time, TimeNs from, TimeNs to, int count) const;
   std::optional<SeenCloud> CloudNear(TimeNs time, TimeNs from, TimeNs to) const;
   // A few of the scans with from <= time <= to, in the later half of the way between, with the robot's poses.
-  std::vector<PlacedScan> ScansBetween(TimeNs from, TimeNs to) const;
+  std::vector<closure::PlacedScan> ScansBetween(TimeNs from, TimeNs to) const;
 
  private:
-  SessionScene(SessionTrack track, const DoorReport& report) : track_(std::move(track)), report_(report) {}
+  SessionScene(closure::SessionTrack track, const sensor::DoorReport& report) : track_(std::move(track)), report_(report) {}
 
-  SessionTrack track_;
-  DoorReport report_;
+  closure::SessionTrack track_;
+  sensor::DoorReport report_;
   Eigen::Matrix3d keyframe_covariance_ = Eigen::Matrix3d::Zero();
   std::vector<SeenImage> images_;
   std::vector<SeenCloud> clouds_;
-  std::vector<LaserScan> scans_;
+  std::vector<sensor::LaserScan> scans_;
 };
 
 }  // namespace enfilade::server

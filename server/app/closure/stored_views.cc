@@ -30,8 +30,8 @@ std::string StoredViews::Faults() const {
   return text;
 }
 
-absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(const CallContext& context,
-                                                                                const BlobRef& image, bool keep) {
+absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(const storage::CallContext& context,
+                                                                                const sensor::BlobRef& image, bool keep) {
   if (keep) {
     ENFILADE_ASSIGN_OR_RETURN(const std::string kept, stores_.features.Find(context, site_, image.sha256));
     if (!kept.empty()) {
@@ -55,7 +55,7 @@ absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(
   return std::optional<perception::FeatureSet>(std::move(features));
 }
 
-absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const CallContext& context, const BlobRef& image,
+absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const storage::CallContext& context, const sensor::BlobRef& image,
                                                                     bool keep) {
   auto found = features_.find(image.sha256);
   if (found == features_.end()) {
@@ -69,13 +69,13 @@ absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const CallCo
   return found->second ? &*found->second : nullptr;
 }
 
-absl::StatusOr<const perception::Cloud*> StoredViews::Points(const CallContext& context, const BlobRef& cloud,
-                                                             CloudEncoding encoding) {
+absl::StatusOr<const perception::Cloud*> StoredViews::Points(const storage::CallContext& context, const sensor::BlobRef& cloud,
+                                                             sensor::CloudEncoding encoding) {
   auto found = clouds_.find(cloud.sha256);
   if (found == clouds_.end()) {
     const auto bytes = stores_.blobs.Get(context, site_, cloud.sha256);
     if (!bytes.ok() && !absl::IsNotFound(bytes.status())) return bytes.status();
-    const auto decode = encoding == CloudEncoding::kXyz32 ? perception::DecodeXyz32 : perception::DecodePcd;
+    const auto decode = encoding == sensor::CloudEncoding::kXyz32 ? perception::DecodeXyz32 : perception::DecodePcd;
     const auto decoded = bytes.ok() ? decode(*bytes) : bytes.status();
     std::optional<perception::Cloud> points;
     if (!decoded.ok()) {

@@ -22,28 +22,28 @@ namespace enfilade::server {
 class StoredViews {
  public:
   // `go_on` is asked before each image that features are looked for in: it takes long.
-  StoredViews(const ClosureStores& stores, const SiteId& site, const ClosureOptions& options,
+  StoredViews(const ClosureStores& stores, const SiteId& site, const closure::ClosureOptions& options,
               std::function<absl::Status()> go_on)
       : stores_(stores), site_(site), options_(options), go_on_(std::move(go_on)) {}
 
   // Null where there is nothing to see in it. `keep`: its features are read from the database or stored there, for
   // images that are compared more than once.
-  absl::StatusOr<const perception::FeatureSet*> Features(const CallContext& context, const BlobRef& image, bool keep);
+  absl::StatusOr<const perception::FeatureSet*> Features(const storage::CallContext& context, const sensor::BlobRef& image, bool keep);
   // Null where it has no points, or is none.
-  absl::StatusOr<const perception::Cloud*> Points(const CallContext& context, const BlobRef& cloud,
-                                                  CloudEncoding encoding);
+  absl::StatusOr<const perception::Cloud*> Points(const storage::CallContext& context, const sensor::BlobRef& cloud,
+                                                  sensor::CloudEncoding encoding);
 
   // What could not be read, in words; empty where all could.
   std::string Faults() const;
 
  private:
-  absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const CallContext& context, const BlobRef& image,
+  absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const storage::CallContext& context, const sensor::BlobRef& image,
                                                                      bool keep);
   void AddFault(const std::string& what);
 
   const ClosureStores& stores_;
   const SiteId& site_;
-  const ClosureOptions& options_;
+  const closure::ClosureOptions& options_;
   const std::function<absl::Status()> go_on_;
   std::map<std::string, std::optional<perception::FeatureSet>> features_;  // by SHA-256
   std::map<std::string, std::optional<perception::Cloud>> clouds_;

@@ -26,15 +26,15 @@ constexpr auto kHeldPoll = std::chrono::milliseconds(50);
 constexpr double kSame = 1e-6;
 
 // Of all that an optimisation depends on.
-std::string DigestOf(const GraphSnapshot& graph) {
+std::string DigestOf(const graph::GraphSnapshot& graph) {
   std::string bytes;
   BinaryWriter writer(bytes);
   writer.PutString(graph.root().value());
-  for (const LinkPoint* link_point : graph.ListLinkPoints()) {
+  for (const graph::LinkPoint* link_point : graph.ListLinkPoints()) {
     if (link_point->is_candidate()) continue;
     writer.PutString(link_point->id.value());
-    writer.Put(link_point->use == LinkPointUse::kSuspended);
-    for (const Anchor& anchor : link_point->anchors) {
+    writer.Put(link_point->use == graph::LinkPointUse::kSuspended);
+    for (const graph::Anchor& anchor : link_point->anchors) {
       writer.PutString(anchor.map.value());
       for (const double value : {anchor.T_map_place.x, anchor.T_map_place.y, anchor.T_map_place.yaw}) writer.Put(value);
       for (const double value : anchor.covariance.reshaped()) writer.Put(value);
@@ -43,7 +43,7 @@ std::string DigestOf(const GraphSnapshot& graph) {
   return Sha256(bytes);
 }
 
-bool IsSame(const GraphSnapshot& graph, const SolvedGraph& solution) {
+bool IsSame(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
   // Nothing to tell where only the root is placed.
   if (graph.solution() == nullptr) return solution.map_poses.size() <= 1 && solution.switched_off.empty();
   if (graph.solution()->map_poses.size() != solution.map_poses.size()) return false;
@@ -54,24 +54,24 @@ bool IsSame(const GraphSnapshot& graph, const SolvedGraph& solution) {
     if (d.translation().norm() > kSame || std::abs(d.yaw) > kSame) return false;
     if (!found->second.covariance.isApprox(pose.covariance, 1e-6) && !pose.covariance.isZero()) return false;
   }
-  return ChangesOf(graph, solution, 0).link_points.empty();
+  return graph::ChangesOf(graph, solution, 0).link_points.empty();
 }
 
 // As it will be: link points' places follow from the new solution.
-absl::StatusOr<GraphSolution> StoredSolution(const GraphSnapshot& graph, const SolvedGraph& solution) {
-  ENFILADE_ASSIGN_OR_RETURN(GraphSnapshot solved, Apply(graph, ChangesOf(graph, solution, graph.version() + 1)));
-  return ToStored(WorldPoses(std::move(solved)), solution);
+absl::StatusOr<storage::GraphSolution> StoredSolution(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
+  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot solved, graph::Apply(graph, graph::ChangesOf(graph, solution, graph.version() + 1)));
+  return ToStored(graph::WorldPoses(std::move(solved)), solution);
 }
 
-absl::StatusOr<std::int64_t> Store(const GraphStore& store, const CallContext& context, const SiteId& site,
-                                   const GraphSnapshot& graph, const SolvedGraph& solution) {
-  ENFILADE_ASSIGN_OR_RETURN(const GraphSolution stored, StoredSolution(graph, solution));
+absl::StatusOr<std::int64_t> Store(const storage::GraphStore& store, const storage::CallContext& context, const SiteId& site,
+                                   const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::GraphSolution stored, StoredSolution(graph, solution));
   return store.Apply(context, site, graph.version(), stored);
 }
 
 }  // namespace
 
-GraphOptimizer::GraphOptimizer(const GraphStore& store, const SiteLeaseStore& leases, SiteGraphs& graphs,
+GraphOptimizer::GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases, SiteGraphs& graphs,
                                ChangedSites& changed)
     : store_(store), leases_(leases), graphs_(graphs), changed_(changed), owner_(NewUuid() + "/graph") {
   worker_ = std::thread([this] { Run(); });
@@ -84,7 +84,7 @@ GraphOptimizer::~GraphOptimizer() {
 
 void GraphOptimizer::Stop() { stop_.Set(); }
 
-absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& context, const SiteId& site) {
+absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const storage::CallContext& context, const SiteId& site) {
   while (true) {
     ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
     if (lease) {
@@ -99,10 +99,10 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const CallContext& conte
   }
 }
 
-absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const CallContext& context, const SiteId& site) {
+absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::CallContext& context, const SiteId& site) {
   for (int attempt = 0; attempt < kFreeAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
-    ENFILADE_ASSIGN_OR_RETURN(SolvedGraph solution, OptimizeGraph(graph->graph()));
+    ENFILADE_ASSIGN_OR_RETURN(graph::SolvedGraph solution, graph::OptimizeGraph(graph->graph()));
     const absl::StatusOr<std::int64_t> version = Store(store_, context, site, graph->graph(), solution);
     graphs_.MarkChanged(site);
     if (version.ok()) return OptimizedGraph{*version, std::move(solution)};
@@ -111,13 +111,13 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const CallContext& 
   return SolveAtRest(context, site);
 }
 
-absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAtRest(const CallContext& context, const SiteId& site) {
+absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAtRest(const storage::CallContext& context, const SiteId& site) {
   ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> known, graphs_.Get(context, site));
   OptimizedGraph optimized;
-  const auto solve = [&](const GraphChanges& changes) -> absl::StatusOr<GraphSolution> {
-    ENFILADE_ASSIGN_OR_RETURN(const GraphSnapshot graph,
-                              Apply(changes.complete ? GraphSnapshot() : known->graph(), ToSnapshotChanges(changes)));
-    ENFILADE_ASSIGN_OR_RETURN(optimized.solution, OptimizeGraph(graph));
+  const auto solve = [&](const storage::GraphChanges& changes) -> absl::StatusOr<storage::GraphSolution> {
+    ENFILADE_ASSIGN_OR_RETURN(const graph::GraphSnapshot graph,
+                              graph::Apply(changes.complete ? graph::GraphSnapshot() : known->graph(), ToSnapshotChanges(changes)));
+    ENFILADE_ASSIGN_OR_RETURN(optimized.solution, graph::OptimizeGraph(graph));
     return StoredSolution(graph, optimized.solution);
   };
   ENFILADE_ASSIGN_OR_RETURN(optimized.version, store_.SolveHeld(context, site, known->graph().version(), solve));
@@ -138,7 +138,7 @@ void GraphOptimizer::Run() {
 }
 
 absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
-  const CallContext context = CallContext::WithTimeout(kSolveTimeout);
+  const storage::CallContext context = storage::CallContext::WithTimeout(kSolveTimeout);
   ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
   if (graph->graph().root().empty()) return absl::OkStatus();
   std::string digest = DigestOf(graph->graph());
@@ -153,8 +153,8 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   return optimized;
 }
 
-absl::Status GraphOptimizer::OptimizeChanged(const CallContext& context, const SiteId& site, const SiteGraph& graph) {
-  ENFILADE_ASSIGN_OR_RETURN(const SolvedGraph solution, OptimizeGraph(graph.graph()));
+absl::Status GraphOptimizer::OptimizeChanged(const storage::CallContext& context, const SiteId& site, const SiteGraph& graph) {
+  ENFILADE_ASSIGN_OR_RETURN(const graph::SolvedGraph solution, graph::OptimizeGraph(graph.graph()));
   if (IsSame(graph.graph(), solution)) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph.graph(), solution));
   spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off",

@@ -19,7 +19,7 @@ namespace enfilade::server {
 
 struct OptimizedGraph {
   std::int64_t version = 0;  // that it made
-  SolvedGraph solution;
+  graph::SolvedGraph solution;
 };
 
 // Solves sites' graphs: on request, and by itself some time after what is measured in them has changed. Whoever solves
@@ -29,14 +29,14 @@ struct OptimizedGraph {
 // Thread-safe.
 class GraphOptimizer {
  public:
-  GraphOptimizer(const GraphStore& store, const SiteLeaseStore& leases, SiteGraphs& graphs, ChangedSites& changed);
+  GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases, SiteGraphs& graphs, ChangedSites& changed);
   ~GraphOptimizer();
   GraphOptimizer(const GraphOptimizer&) = delete;
   GraphOptimizer& operator=(const GraphOptimizer&) = delete;
 
   // Now, whether anything has changed or not; waits for whoever holds the site. FAILED_PRECONDITION where the site has
   // no maps; ABORTED where another one holds the site until the deadline; NOT_FOUND.
-  absl::StatusOr<OptimizedGraph> Optimize(const CallContext& context, const SiteId& site);
+  absl::StatusOr<OptimizedGraph> Optimize(const storage::CallContext& context, const SiteId& site);
 
   // Begins what the destructor waits for.
   void Stop();
@@ -46,12 +46,12 @@ class GraphOptimizer {
   // Where its solution is not what the graph says now. ABORTED where another one holds the site.
   absl::Status OptimizeIfDue(const SiteId& site);
   // Both with the site's lease in hand.
-  absl::StatusOr<OptimizedGraph> SolveAndStore(const CallContext& context, const SiteId& site);
-  absl::StatusOr<OptimizedGraph> SolveAtRest(const CallContext& context, const SiteId& site);
-  absl::Status OptimizeChanged(const CallContext& context, const SiteId& site, const SiteGraph& graph);
+  absl::StatusOr<OptimizedGraph> SolveAndStore(const storage::CallContext& context, const SiteId& site);
+  absl::StatusOr<OptimizedGraph> SolveAtRest(const storage::CallContext& context, const SiteId& site);
+  absl::Status OptimizeChanged(const storage::CallContext& context, const SiteId& site, const SiteGraph& graph);
 
-  const GraphStore& store_;
-  const SiteLeaseStore& leases_;
+  const storage::GraphStore& store_;
+  const storage::SiteLeaseStore& leases_;
   SiteGraphs& graphs_;
   ChangedSites& changed_;
   StopSignal stop_;

@@ -17,7 +17,7 @@ constexpr auto kReconnectTime = std::chrono::seconds(1);
 
 }  // namespace
 
-SiteGraphs::SiteGraphs(postgres::Pool& pool, const GraphStore& store, ChangedSites& changed)
+SiteGraphs::SiteGraphs(storage::postgres::Pool& pool, const storage::GraphStore& store, ChangedSites& changed)
     : pool_(pool), store_(store), changed_(changed) {
   listener_ = std::thread([this] { Listen(); });
 }
@@ -44,12 +44,12 @@ std::shared_ptr<const SiteGraph> SiteGraphs::FindCurrent(const SiteId& site) con
   return entry.changes_read >= entry.changes_needed ? entry.current : nullptr;
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Get(const CallContext& context, const SiteId& site) {
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Get(const storage::CallContext& context, const SiteId& site) {
   if (std::shared_ptr<const SiteGraph> current = FindCurrent(site)) return current;
   return BringUpToDate(context, site);
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::BringUpToDate(const CallContext& context,
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::BringUpToDate(const storage::CallContext& context,
                                                                            const SiteId& site) {
   const std::shared_ptr<Entry> entry = FindOrMake(site);
   MutexLock reading(entry->reading);
@@ -79,7 +79,7 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::BringUpToDate(const
   return read;
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const storage::CallContext& context, const SiteId& site,
                                                                         std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(std::shared_ptr<const SiteGraph> current, Get(context, site));
   if (version == 0 || version == current->graph().version()) return current;
@@ -93,12 +93,12 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const Ca
 }
 
 // `old` itself where nothing changed.
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const CallContext& context, const SiteId& site,
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage::CallContext& context, const SiteId& site,
                                                                   const std::shared_ptr<const SiteGraph>& old) const {
   const std::int64_t since = old == nullptr ? 0 : old->graph().version();
-  ENFILADE_ASSIGN_OR_RETURN(const GraphChanges changes, store_.ReadChanges(context, site, since));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::GraphChanges changes, store_.ReadChanges(context, site, since));
   if (old != nullptr && changes.version == since) return old;
-  SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
+  graph::SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
   const bool anew = changes.complete || old == nullptr;
   const std::int64_t known = anew ? 0 : old->solution_version;
   // Those up to `since` have been looked at before.
@@ -111,9 +111,9 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const CallCont
     if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, optimized, changes.root);
     if (snapshot_changes.solution != nullptr) solution_version = optimized;
   }
-  ENFILADE_ASSIGN_OR_RETURN(GraphSnapshot snapshot, Apply(anew ? GraphSnapshot() : old->graph(), snapshot_changes));
+  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot, graph::Apply(anew ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
   auto graph = std::make_shared<SiteGraph>(std::move(snapshot));
-  const SolvedGraph* solution = graph->graph().solution();
+  const graph::SolvedGraph* solution = graph->graph().solution();
   graph->solution_version = solution != nullptr && solution->root == graph->graph().root() ? solution_version : 0;
   ENFILADE_ASSIGN_OR_RETURN(graph->control_points, store_.GetControlPoints(context, site));
   if (!graph->control_points.empty()) {
@@ -140,7 +140,7 @@ void SiteGraphs::MarkAllChanged() {
 
 void SiteGraphs::Listen() {
   while (!stop_.is_set()) {
-    auto listener = GraphListener::Open(pool_, CallContext::WithTimeout(std::chrono::seconds(5)));
+    auto listener = storage::GraphListener::Open(pool_, storage::CallContext::WithTimeout(std::chrono::seconds(5)));
     if (!listener.ok()) {
       stop_.WaitFor(kReconnectTime);
       continue;
@@ -157,18 +157,18 @@ void SiteGraphs::Listen() {
   }
 }
 
-void SiteGraphs::Hear(GraphListener& listener) {
+void SiteGraphs::Hear(storage::GraphListener& listener) {
   while (!stop_.is_set()) {
-    const auto changes = listener.Await(CallContext::WithTimeout(kAwaitTime));
+    const auto changes = listener.Await(storage::CallContext::WithTimeout(kAwaitTime));
     if (!changes.ok()) {
       spdlog::warn("cannot hear of changed graphs: {}", changes.status().ToString());
       return;
     }
-    for (const GraphListener::Change& change : *changes) HearOf(change);
+    for (const storage::GraphListener::Change& change : *changes) HearOf(change);
   }
 }
 
-void SiteGraphs::HearOf(const GraphListener::Change& change) {
+void SiteGraphs::HearOf(const storage::GraphListener::Change& change) {
   {
     MutexLock lock(mutex_);
     const auto found = entries_.find(change.site);
@@ -179,7 +179,7 @@ void SiteGraphs::HearOf(const GraphListener::Change& change) {
     }
   }
   // Sites that nobody asks for are read as well: their graphs are to be optimised.
-  const auto read = BringUpToDate(CallContext::WithTimeout(kReadTime), change.site);
+  const auto read = BringUpToDate(storage::CallContext::WithTimeout(kReadTime), change.site);
   if (read.ok() || absl::IsNotFound(read.status())) return;
   spdlog::warn("reading the graph of {}: {}", change.site.value(), read.status().ToString());
   MarkChanged(change.site);  // who asks next tries again

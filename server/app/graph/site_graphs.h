@@ -24,17 +24,17 @@ namespace enfilade::server {
 class SiteGraphs {
  public:
   // Adds to `changed` each site whose graph is read anew, or heard of.
-  SiteGraphs(postgres::Pool& pool, const GraphStore& store, ChangedSites& changed);
+  SiteGraphs(storage::postgres::Pool& pool, const storage::GraphStore& store, ChangedSites& changed);
   ~SiteGraphs();
   SiteGraphs(const SiteGraphs&) = delete;
   SiteGraphs& operator=(const SiteGraphs&) = delete;
 
   // As far as this process has heard. NOT_FOUND where there is no such site. May wait for the database.
-  absl::StatusOr<std::shared_ptr<const SiteGraph>> Get(const CallContext& context, const SiteId& site);
+  absl::StatusOr<std::shared_ptr<const SiteGraph>> Get(const storage::CallContext& context, const SiteId& site);
   // The same without ever waiting: null where the database would have to be asked.
   std::shared_ptr<const SiteGraph> FindCurrent(const SiteId& site) const;
   // An earlier version: NOT_FOUND where it is none of the last few that this process has seen.
-  absl::StatusOr<std::shared_ptr<const SiteGraph>> GetVersion(const CallContext& context, const SiteId& site,
+  absl::StatusOr<std::shared_ptr<const SiteGraph>> GetVersion(const storage::CallContext& context, const SiteId& site,
                                                               std::int64_t version);
   // The caller has changed the site: whoever asks from now on is answered with it.
   void MarkChanged(const SiteId& site);
@@ -55,17 +55,17 @@ class SiteGraphs {
 
   std::shared_ptr<Entry> FindOrMake(const SiteId& site);
   // Reads what has changed, unless somebody just did.
-  absl::StatusOr<std::shared_ptr<const SiteGraph>> BringUpToDate(const CallContext& context, const SiteId& site);
-  absl::StatusOr<std::shared_ptr<const SiteGraph>> Read(const CallContext& context, const SiteId& site,
+  absl::StatusOr<std::shared_ptr<const SiteGraph>> BringUpToDate(const storage::CallContext& context, const SiteId& site);
+  absl::StatusOr<std::shared_ptr<const SiteGraph>> Read(const storage::CallContext& context, const SiteId& site,
                                                         const std::shared_ptr<const SiteGraph>& old) const;
   void Listen();
   // Until the connection is lost or the process stops.
-  void Hear(GraphListener& listener);
-  void HearOf(const GraphListener::Change& change);
+  void Hear(storage::GraphListener& listener);
+  void HearOf(const storage::GraphListener::Change& change);
   void MarkAllChanged();
 
-  postgres::Pool& pool_;
-  const GraphStore& store_;
+  storage::postgres::Pool& pool_;
+  const storage::GraphStore& store_;
   ChangedSites& changed_;
   mutable Mutex mutex_;
   // Entries' fields but `reading` are guarded by `mutex_`, too.

@@ -6,7 +6,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services, const CallContext& context,
+absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services, const storage::CallContext& context,
                                                                    const v1::ExportGraphRequest& request);
 
 }  // namespace enfilade::server

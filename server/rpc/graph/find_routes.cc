@@ -13,22 +13,22 @@ namespace {
 
 constexpr int kMaxRoutes = 16;
 
-absl::StatusOr<PathCost> CostOf(v1::PathCost cost) {
+absl::StatusOr<graph::PathCost> CostOf(v1::PathCost cost) {
   switch (cost) {
     case v1::PATH_COST_UNSPECIFIED:
     case v1::PATH_COST_DISTANCE:
-      return PathCost::kDistance;
+      return graph::PathCost::kDistance;
     case v1::PATH_COST_UNCERTAINTY:
-      return PathCost::kUncertainty;
+      return graph::PathCost::kUncertainty;
     case v1::PATH_COST_HOPS:
-      return PathCost::kHops;
+      return graph::PathCost::kHops;
     default:
       return InvalidArgument("cost is {}: expected PATH_COST_DISTANCE, _UNCERTAINTY or _HOPS", static_cast<int>(cost));
   }
 }
 
-absl::StatusOr<RouteOptions> OptionsOf(const v1::FindRoutesRequest& request) {
-  RouteOptions options;
+absl::StatusOr<graph::RouteOptions> OptionsOf(const v1::FindRoutesRequest& request) {
+  graph::RouteOptions options;
   ENFILADE_ASSIGN_OR_RETURN(options.cost, CostOf(request.cost()));
   if (request.max_routes() < 0 || request.max_routes() > kMaxRoutes) {
     return InvalidArgument("max_routes is {}: at most {}", request.max_routes(), kMaxRoutes);
@@ -36,7 +36,7 @@ absl::StatusOr<RouteOptions> OptionsOf(const v1::FindRoutesRequest& request) {
   options.max_routes = std::max(request.max_routes(), 1);
   options.time = std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
   if (request.has_time()) {
-    const absl::StatusOr<TimeNs> time = FromTimestamp(request.time());
+    const absl::StatusOr<TimeNs> time = convert::FromTimestamp(request.time());
     if (!time.ok()) return WithContext(time.status(), "time");
     options.time = *time;
   }
@@ -45,25 +45,25 @@ absl::StatusOr<RouteOptions> OptionsOf(const v1::FindRoutesRequest& request) {
 
 }  // namespace
 
-absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const CallContext& context,
+absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const storage::CallContext& context,
                                                   const v1::FindRoutesRequest& request) {
   v1::FindRoutesResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const MapName start, ParseMapName("start_map", request.start_map()));
-  ENFILADE_ASSIGN_OR_RETURN(const MapName goal, ParseMapName("goal_map", request.goal_map()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::MapName start, convert::ParseMapName("start_map", request.start_map()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::MapName goal, convert::ParseMapName("goal_map", request.goal_map()));
   if (start.site != goal.site) return InvalidArgument("start_map and goal_map are of different sites");
   if (!request.has_pose_map_start()) return InvalidArgument("pose_map_start is missing");
   if (!request.has_pose_map_goal()) return InvalidArgument("pose_map_goal is missing");
-  ENFILADE_ASSIGN_OR_RETURN(const RouteOptions options, OptionsOf(request));
+  ENFILADE_ASSIGN_OR_RETURN(const graph::RouteOptions options, OptionsOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, start.site));
-  ENFILADE_ASSIGN_OR_RETURN(const Routes routes,
-                            enfilade::FindRoutes(graph->graph(),
-                                                 {start.map, enfilade::FromProto(request.pose_map_start()), goal.map,
-                                                  enfilade::FromProto(request.pose_map_goal())},
+  ENFILADE_ASSIGN_OR_RETURN(const graph::Routes routes,
+                            enfilade::graph::FindRoutes(graph->graph(),
+                                                 {start.map, enfilade::convert::FromProto(request.pose_map_start()), goal.map,
+                                                  enfilade::convert::FromProto(request.pose_map_goal())},
                                                  options));
   response.set_graph_version(routes.graph_version);
-  for (const Route& route : routes.routes) *response.add_routes() = ToProto(start.site, route);
+  for (const graph::Route& route : routes.routes) *response.add_routes() = ToProto(start.site, route);
   if (request.with_geojson()) {
-    response.set_geojson(RoutesToGeoJson(
+    response.set_geojson(graph::RoutesToGeoJson(
         routes, graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr));
   }
   return response;

@@ -6,14 +6,14 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services, const storage::CallContext& context,
                                                             const v1::GetGeoreferenceRequest& request) {
   v1::GetGeoreferenceResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("site", request.site()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site));
   if (graph->control_points.empty()) return NotFound("{} has no georeference", NameOf(site));
   // Fitted anew where the graph's does not: the answer is then why.
-  ENFILADE_ASSIGN_OR_RETURN(const GeoreferenceFit fit, FitControlPoints(graph->poses, graph->control_points));
+  ENFILADE_ASSIGN_OR_RETURN(const geo::GeoreferenceFit fit, FitControlPoints(graph->poses, graph->control_points));
   *response.mutable_georeference() = ToProto(site, *graph, fit, graph->control_points);
   return response;
 }

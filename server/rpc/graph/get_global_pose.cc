@@ -15,20 +15,20 @@ absl::StatusOr<v1::GlobalPose> Answer(const SiteGraph& graph, const SiteId& site
                                       const PoseWithCovariance& T_map_robot) {
   v1::GlobalPose out;
   out.set_graph_version(graph.graph().version());
-  ENFILADE_ASSIGN_OR_RETURN(const std::optional<GlobalPose> pose, graph.poses.Find(map, T_map_robot));
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<graph::GlobalPose> pose, graph.poses.Find(map, T_map_robot));
   if (pose.has_value()) Fill(site, *pose, out);
   return out;
 }
 
 struct GivenPose {
-  MapName name;
+  convert::MapName name;
   PoseWithCovariance T_map_robot;
 };
 
 absl::StatusOr<GivenPose> Parse(const v1::MapPose& message) {
-  ENFILADE_ASSIGN_OR_RETURN(MapName name, ParseMapName("map_pose.map", message.map()));
+  ENFILADE_ASSIGN_OR_RETURN(convert::MapName name, convert::ParseMapName("map_pose.map", message.map()));
   ENFILADE_ASSIGN_OR_RETURN(PoseWithCovariance T_map_robot,
-                            enfilade::FromProto("map_pose.pose_map_robot", message.pose_map_robot()));
+                            enfilade::convert::FromProto("map_pose.pose_map_robot", message.pose_map_robot()));
   return GivenPose{std::move(name), T_map_robot};
 }
 
@@ -43,12 +43,12 @@ absl::StatusOr<v1::GetGlobalPoseResponse> AnswerGiven(const SiteGraph& graph, co
 
 }  // namespace
 
-absl::StatusOr<v1::GlobalPose> GlobalPoseOf(const SiteGraph& graph, const RobotPose& report) {
+absl::StatusOr<v1::GlobalPose> GlobalPoseOf(const SiteGraph& graph, const storage::RobotPose& report) {
   ENFILADE_ASSIGN_OR_RETURN(v1::GlobalPose out, Answer(graph, report.site, report.map, report.T_map_robot));
-  out.set_robot(NameOf(RobotName{report.site, report.robot}));
-  out.mutable_map_pose()->set_map(NameOf(MapName{report.site, report.map}));
-  *out.mutable_map_pose()->mutable_pose_map_robot() = ToProto(report.T_map_robot);
-  *out.mutable_report_time() = ToTimestamp(report.time);
+  out.set_robot(convert::NameOf(convert::RobotName{report.site, report.robot}));
+  out.mutable_map_pose()->set_map(convert::NameOf(convert::MapName{report.site, report.map}));
+  *out.mutable_map_pose()->mutable_pose_map_robot() = convert::ToProto(report.T_map_robot);
+  *out.mutable_report_time() = convert::ToTimestamp(report.time);
   return out;
 }
 
@@ -62,7 +62,7 @@ std::optional<absl::StatusOr<v1::GetGlobalPoseResponse>> TryGetGlobalPose(const 
   return AnswerGiven(*graph, *given, request.map_pose());
 }
 
-absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const storage::CallContext& context,
                                                         const v1::GetGlobalPoseRequest& request) {
   switch (request.subject_case()) {
     case v1::GetGlobalPoseRequest::kMapPose: {
@@ -72,8 +72,8 @@ absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services
     }
     case v1::GetGlobalPoseRequest::kRobot: {
       v1::GetGlobalPoseResponse response;
-      ENFILADE_ASSIGN_OR_RETURN(const RobotName name, ParseRobotName("robot", request.robot()));
-      ENFILADE_ASSIGN_OR_RETURN(const RobotPose report, services.robot_poses.Get(context, name.site, name.robot));
+      ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName name, convert::ParseRobotName("robot", request.robot()));
+      ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose report, services.robot_poses.Get(context, name.site, name.robot));
       ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, name.site));
       ENFILADE_ASSIGN_OR_RETURN(*response.mutable_global_pose(), GlobalPoseOf(*graph, report));
       return response;

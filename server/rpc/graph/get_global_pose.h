@@ -15,6 +15,6 @@ std::optional<absl::StatusOr<v1::GetGlobalPoseResponse>> TryGetGlobalPose(const 
                                                                           const v1::GetGlobalPoseRequest& request);
 
 // The robot's last report in the world.
-absl::StatusOr<v1::GlobalPose> GlobalPoseOf(const SiteGraph& graph, const RobotPose& report);
+absl::StatusOr<v1::GlobalPose> GlobalPoseOf(const SiteGraph& graph, const storage::RobotPose& report);
 
 }  // namespace enfilade::server

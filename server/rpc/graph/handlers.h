@@ -9,21 +9,21 @@ namespace enfilade::server {
 
 // The unary RPCs of GraphService, one file each. What they answer and when they fail is told in the proto.
 
-absl::StatusOr<v1::GetGraphResponse> GetGraph(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetGraphResponse> GetGraph(const Services& services, const storage::CallContext& context,
                                               const v1::GetGraphRequest& request);
-absl::StatusOr<v1::ListGraphVersionsResponse> ListGraphVersions(const Services& services, const CallContext& context,
+absl::StatusOr<v1::ListGraphVersionsResponse> ListGraphVersions(const Services& services, const storage::CallContext& context,
                                                                 const v1::ListGraphVersionsRequest& request);
-absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const CallContext& context,
+absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const storage::CallContext& context,
                                                         const v1::OptimizeGraphRequest& request);
-absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const storage::CallContext& context,
                                                         const v1::GetGlobalPoseRequest& request);
-absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& services, const CallContext& context,
+absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& services, const storage::CallContext& context,
                                                           const v1::TransformPosesRequest& request);
-absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const CallContext& context,
+absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const storage::CallContext& context,
                                                   const v1::FindRoutesRequest& request);
-absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services, const storage::CallContext& context,
                                                             const v1::SetGeoreferenceRequest& request);
-absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services, const storage::CallContext& context,
                                                             const v1::GetGeoreferenceRequest& request);
 
 }  // namespace enfilade::server

@@ -8,29 +8,29 @@
 namespace enfilade::server {
 namespace {
 
-std::string MapNameOf(const SiteId& site, const MapId& map) { return NameOf(MapName{site, map}); }
-std::string LinkPointNameOf(const SiteId& site, const LinkPointId& id) { return NameOf(LinkPointName{site, id}); }
+std::string MapNameOf(const SiteId& site, const MapId& map) { return convert::NameOf(convert::MapName{site, map}); }
+std::string LinkPointNameOf(const SiteId& site, const LinkPointId& id) { return convert::NameOf(convert::LinkPointName{site, id}); }
 
-void FillMap(const SiteId& site, const SiteGraph& graph, const MapInGraph& map, v1::GraphMap& out) {
+void FillMap(const SiteId& site, const SiteGraph& graph, const graph::MapInGraph& map, v1::GraphMap& out) {
   out.set_map(MapNameOf(site, map.id));
   out.set_display_name(map.display_name);
   out.set_level(map.level);
   const auto pose = graph.poses.Find(map.id);
   if (!pose.ok() || !pose->has_value()) return;
-  *out.mutable_pose_world_map() = ToProto((*pose)->T_world_robot);
+  *out.mutable_pose_world_map() = convert::ToProto((*pose)->T_world_robot);
   out.set_optimized((*pose)->solution_version.has_value() && (*pose)->hops.empty());
 }
 
-void FillLinkPoint(const SiteId& site, const SiteGraph& graph, const LinkPoint& link_point, v1::GraphLinkPoint& out) {
+void FillLinkPoint(const SiteId& site, const SiteGraph& graph, const graph::LinkPoint& link_point, v1::GraphLinkPoint& out) {
   out.set_link_point(LinkPointNameOf(site, link_point.id));
-  for (const Anchor& anchor : link_point.anchors) out.add_maps(MapNameOf(site, anchor.map));
-  if (const auto place = FindInWorld(graph.poses, link_point)) *out.mutable_pose_world_place() = ToProto(*place);
-  out.set_joins(!link_point.is_candidate() && link_point.use == LinkPointUse::kUsed);
+  for (const graph::Anchor& anchor : link_point.anchors) out.add_maps(MapNameOf(site, anchor.map));
+  if (const auto place = graph::FindInWorld(graph.poses, link_point)) *out.mutable_pose_world_place() = convert::ToProto(*place);
+  out.set_joins(!link_point.is_candidate() && link_point.use == graph::LinkPointUse::kUsed);
 }
 
-void AddEdges(const SiteId& site, const GraphSnapshot& graph, const MapId& map, v1::Graph& out) {
+void AddEdges(const SiteId& site, const graph::GraphSnapshot& graph, const MapId& map, v1::Graph& out) {
   const auto& doorways = graph.map_node(graph.MapSlot(map)).doorways;
-  const auto name = [&](const GraphSnapshot::Doorway& doorway) {
+  const auto name = [&](const graph::GraphSnapshot::Doorway& doorway) {
     return LinkPointNameOf(site, graph.link_point_node(doorway.link_point).link_point->id);
   };
   for (std::size_t i = 0; i < doorways.size(); ++i) {
@@ -52,23 +52,23 @@ v1::Graph ToProto(const SiteId& site, const SiteGraph& graph) {
   out.set_graph_version(graph.graph().version());
   if (!graph.graph().root().empty()) out.set_root_map(MapNameOf(site, graph.graph().root()));
   out.set_solution_version(graph.solution_version);
-  for (const MapInGraph* map : graph.graph().ListMaps()) {
+  for (const graph::MapInGraph* map : graph.graph().ListMaps()) {
     FillMap(site, graph, *map, *out.add_maps());
     AddEdges(site, graph.graph(), map->id, out);
   }
-  for (const LinkPoint* link_point : graph.graph().ListLinkPoints()) {
+  for (const graph::LinkPoint* link_point : graph.graph().ListLinkPoints()) {
     FillLinkPoint(site, graph, *link_point, *out.add_link_points());
   }
   return out;
 }
 
-v1::GraphVersion ToProto(const SiteId& site, const GraphVersion& version) {
+v1::GraphVersion ToProto(const SiteId& site, const storage::GraphVersion& version) {
   v1::GraphVersion out;
   out.set_graph_version(version.version);
   out.set_cause(static_cast<v1::GraphVersion::Cause>(version.cause));  // the same numbers
   out.set_resource(version.resource);
   out.set_actor(version.actor);
-  *out.mutable_create_time() = ToTimestamp(version.create_time);
+  *out.mutable_create_time() = convert::ToTimestamp(version.create_time);
   if (!version.optimization.has_value()) return out;
   out.set_chi2_before(version.optimization->chi2_before);
   out.set_chi2_after(version.optimization->chi2_after);
@@ -76,46 +76,46 @@ v1::GraphVersion ToProto(const SiteId& site, const GraphVersion& version) {
   return out;
 }
 
-v1::PoseHop ToProto(const SiteId& site, const PoseHop& hop) {
+v1::PoseHop ToProto(const SiteId& site, const graph::PoseHop& hop) {
   v1::PoseHop out;
   out.set_link_point(LinkPointNameOf(site, hop.link_point));
   out.set_from_map(MapNameOf(site, hop.from));
   out.set_to_map(MapNameOf(site, hop.to));
-  *out.mutable_pose_from_to() = ToProto(hop.T_from_to);
-  SetMatrix(hop.share, out.mutable_share());
+  *out.mutable_pose_from_to() = convert::ToProto(hop.T_from_to);
+  convert::SetMatrix(hop.share, out.mutable_share());
   return out;
 }
 
-void Fill(const SiteId& site, const GlobalPose& pose, v1::GlobalPose& out) {
-  *out.mutable_pose_world_robot() = ToProto(pose.T_world_robot);
+void Fill(const SiteId& site, const graph::GlobalPose& pose, v1::GlobalPose& out) {
+  *out.mutable_pose_world_robot() = convert::ToProto(pose.T_world_robot);
   out.set_graph_version(pose.graph_version);
   out.set_base_map(MapNameOf(site, pose.base_map));
-  *out.mutable_pose_world_base() = ToProto(pose.T_world_base);
+  *out.mutable_pose_world_base() = convert::ToProto(pose.T_world_base);
   out.set_solution_version(pose.solution_version.value_or(0));
-  SetMatrix(pose.base_share, out.mutable_base_share());
-  for (const PoseHop& hop : pose.hops) *out.add_hops() = ToProto(site, hop);
-  SetMatrix(pose.robot_share, out.mutable_robot_share());
-  out.set_search_radius_m(SearchRadius(pose.T_world_robot.covariance));
+  convert::SetMatrix(pose.base_share, out.mutable_base_share());
+  for (const graph::PoseHop& hop : pose.hops) *out.add_hops() = ToProto(site, hop);
+  convert::SetMatrix(pose.robot_share, out.mutable_robot_share());
+  out.set_search_radius_m(graph::SearchRadius(pose.T_world_robot.covariance));
 }
 
-v1::Route ToProto(const SiteId& site, const Route& route) {
+v1::Route ToProto(const SiteId& site, const graph::Route& route) {
   v1::Route out;
   out.set_length_m(route.length_m);
   out.set_cost(route.cost);
-  for (const RouteLeg& leg : route.legs) {
+  for (const graph::RouteLeg& leg : route.legs) {
     v1::RouteLeg& message = *out.add_legs();
     message.set_map(MapNameOf(site, leg.map));
     message.set_level(leg.level);
-    *message.mutable_pose_map_begin() = enfilade::ToProto(leg.T_map_begin);
-    *message.mutable_pose_map_end() = enfilade::ToProto(leg.T_map_end);
+    *message.mutable_pose_map_begin() = enfilade::convert::ToProto(leg.T_map_begin);
+    *message.mutable_pose_map_end() = enfilade::convert::ToProto(leg.T_map_end);
     message.set_length_m(leg.length_m);
     if (!leg.exit.empty()) message.set_exit(LinkPointNameOf(site, leg.exit));
   }
   return out;
 }
 
-v1::Georeference ToProto(const SiteId& site, const SiteGraph& graph, const GeoreferenceFit& fit,
-                         const std::vector<ControlPoint>& points) {
+v1::Georeference ToProto(const SiteId& site, const SiteGraph& graph, const geo::GeoreferenceFit& fit,
+                         const std::vector<storage::ControlPoint>& points) {
   v1::Georeference out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     v1::ControlPoint& point = *out.add_control_points();

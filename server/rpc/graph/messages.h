@@ -11,12 +11,12 @@ namespace enfilade::server {
 // Values of the graph as the API's messages, resource names within `site`.
 
 v1::Graph ToProto(const SiteId& site, const SiteGraph& graph);
-v1::GraphVersion ToProto(const SiteId& site, const GraphVersion& version);
-v1::PoseHop ToProto(const SiteId& site, const PoseHop& hop);
+v1::GraphVersion ToProto(const SiteId& site, const storage::GraphVersion& version);
+v1::PoseHop ToProto(const SiteId& site, const graph::PoseHop& hop);
 // All of GlobalPose but robot, map_pose and report_time.
-void Fill(const SiteId& site, const GlobalPose& pose, v1::GlobalPose& out);
-v1::Route ToProto(const SiteId& site, const Route& route);
-v1::Georeference ToProto(const SiteId& site, const SiteGraph& graph, const GeoreferenceFit& fit,
-                         const std::vector<ControlPoint>& points);
+void Fill(const SiteId& site, const graph::GlobalPose& pose, v1::GlobalPose& out);
+v1::Route ToProto(const SiteId& site, const graph::Route& route);
+v1::Georeference ToProto(const SiteId& site, const SiteGraph& graph, const geo::GeoreferenceFit& fit,
+                         const std::vector<storage::ControlPoint>& points);
 
 }  // namespace enfilade::server

@@ -4,12 +4,12 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const CallContext& context,
+absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const storage::CallContext& context,
                                                         const v1::OptimizeGraphRequest& request) {
   v1::OptimizeGraphResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("site", request.site()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const OptimizedGraph optimized, services.graph_optimizer.Optimize(context, site));
-  const SolvedGraph& solution = optimized.solution;
+  const graph::SolvedGraph& solution = optimized.solution;
   response.set_graph_version(optimized.version);
   response.set_solved_version(solution.graph_version);
   response.set_chi2_before(solution.chi2_before);
@@ -18,13 +18,13 @@ absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services
   response.set_iterations(solution.iterations);
   response.set_converged(solution.converged);
   response.set_maps(static_cast<std::int32_t>(solution.map_poses.size()));
-  for (const SwitchedOff& off : solution.switched_off) {
+  for (const graph::SwitchedOff& off : solution.switched_off) {
     v1::SwitchedOffLinkPoint& message = *response.add_switched_off();
-    message.set_link_point(NameOf(LinkPointName{site, off.link_point}));
+    message.set_link_point(convert::NameOf(convert::LinkPointName{site, off.link_point}));
     message.set_chi2(off.chi2);
     message.set_gate(off.gate);
   }
-  for (const MapId& map : solution.disconnected) response.add_disconnected_maps(NameOf(MapName{site, map}));
+  for (const MapId& map : solution.disconnected) response.add_disconnected_maps(convert::NameOf(convert::MapName{site, map}));
   return response;
 }
 

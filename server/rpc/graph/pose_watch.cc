@@ -32,9 +32,9 @@ absl::StatusOr<PoseWatch::Token> PoseWatch::ParseToken(const std::string& text) 
 
 absl::StatusOr<PoseWatch> PoseWatch::Create(const v1::WatchGlobalPosesRequest& request) {
   PoseWatch watch;
-  ENFILADE_ASSIGN_OR_RETURN(watch.site_, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(watch.site_, convert::ParseSiteName("parent", request.parent()));
   for (const std::string& text : request.robots()) {
-    ENFILADE_ASSIGN_OR_RETURN(RobotName name, ParseRobotName("robots", text));
+    ENFILADE_ASSIGN_OR_RETURN(convert::RobotName name, convert::ParseRobotName("robots", text));
     if (name.site != watch.site_) return InvalidArgument("robots: {} is of another site", text);
     watch.robots_.insert(std::move(name.robot));
   }
@@ -49,14 +49,14 @@ absl::StatusOr<PoseWatch> PoseWatch::Create(const v1::WatchGlobalPosesRequest& r
   return watch;
 }
 
-absl::Status PoseWatch::CheckRobots(const Services& services, const CallContext& context) const {
+absl::Status PoseWatch::CheckRobots(const Services& services, const storage::CallContext& context) const {
   for (const RobotId& robot : robots_) {
     ENFILADE_RETURN_IF_ERROR(services.robots.Get(context, site_, robot).status());
   }
   return absl::OkStatus();
 }
 
-bool PoseWatch::IsNew(const RobotPose& report, std::int64_t graph_version, const v1::GlobalPose& pose) {
+bool PoseWatch::IsNew(const storage::RobotPose& report, std::int64_t graph_version, const v1::GlobalPose& pose) {
   const auto [found, is_first] = told_.try_emplace(report.robot);
   Told now{report.version, pose.pose_world_robot().SerializeAsString()};
   const bool was_told_before =
@@ -66,15 +66,15 @@ bool PoseWatch::IsNew(const RobotPose& report, std::int64_t graph_version, const
   return !was_told_before && (is_first || !is_same);
 }
 
-absl::StatusOr<bool> PoseWatch::Look(const Services& services, const CallContext& context,
+absl::StatusOr<bool> PoseWatch::Look(const Services& services, const storage::CallContext& context,
                                      v1::WatchGlobalPosesResponse& response) {
   if (first_) ENFILADE_RETURN_IF_ERROR(CheckRobots(services, context));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site_));
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<RobotPose> reports, services.robot_poses.List(context, site_));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::RobotPose> reports, services.robot_poses.List(context, site_));
   const std::int64_t version = graph->graph().version();
   response.Clear();
   Token next{version, token_.report_version};
-  for (const RobotPose& report : reports) {
+  for (const storage::RobotPose& report : reports) {
     if (!robots_.empty() && !robots_.contains(report.robot)) continue;
     next.report_version = std::max(next.report_version, report.version);
     absl::StatusOr<v1::GlobalPose> pose = GlobalPoseOf(*graph, report);

@@ -24,7 +24,7 @@ class PoseWatch {
 
   // Writes what has changed since the last look into `response`. False where nothing has, except at the first look:
   // its answer tells graph version and resume token, if nothing else. NOT_FOUND: no such site or robot.
-  absl::StatusOr<bool> Look(const Services& services, const CallContext& context,
+  absl::StatusOr<bool> Look(const Services& services, const storage::CallContext& context,
                             v1::WatchGlobalPosesResponse& response);
 
  private:
@@ -38,8 +38,8 @@ class PoseWatch {
   };
 
   static absl::StatusOr<Token> ParseToken(const std::string& token);
-  absl::Status CheckRobots(const Services& services, const CallContext& context) const;
-  bool IsNew(const RobotPose& report, std::int64_t graph_version, const v1::GlobalPose& pose);
+  absl::Status CheckRobots(const Services& services, const storage::CallContext& context) const;
+  bool IsNew(const storage::RobotPose& report, std::int64_t graph_version, const v1::GlobalPose& pose);
 
   SiteId site_;
   std::set<RobotId> robots_;  // empty: all

@@ -9,16 +9,16 @@ namespace {
 
 constexpr int kMaxControlPoints = 1000;
 
-absl::StatusOr<std::vector<ControlPoint>> Parse(const SiteId& site, const v1::Georeference& message) {
+absl::StatusOr<std::vector<storage::ControlPoint>> Parse(const SiteId& site, const v1::Georeference& message) {
   if (message.control_points_size() > kMaxControlPoints) {
     return InvalidArgument("georeference.control_points has {} of them: at most {}", message.control_points_size(),
                            kMaxControlPoints);
   }
-  std::vector<ControlPoint> points;
+  std::vector<storage::ControlPoint> points;
   for (int i = 0; i < message.control_points_size(); ++i) {
     const v1::ControlPoint& point = message.control_points(i);
-    ENFILADE_ASSIGN_OR_RETURN(const MapName map,
-                              ParseMapName(fmt::format("georeference.control_points[{}].map", i), point.map()));
+    ENFILADE_ASSIGN_OR_RETURN(const convert::MapName map,
+                              convert::ParseMapName(fmt::format("georeference.control_points[{}].map", i), point.map()));
     if (map.site != site) return InvalidArgument("georeference.control_points[{}].map is of another site", i);
     points.push_back({.map = map.map,
                       .position = {point.x(), point.y()},
@@ -30,15 +30,15 @@ absl::StatusOr<std::vector<ControlPoint>> Parse(const SiteId& site, const v1::Ge
 
 }  // namespace
 
-absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services, const storage::CallContext& context,
                                                             const v1::SetGeoreferenceRequest& request) {
   v1::SetGeoreferenceResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("site", request.site()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const auto points, Parse(site, request.georeference()));
   // Fitted before it is stored: what does not fit is refused.
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site));
   if (!points.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const GeoreferenceFit fit, FitControlPoints(graph->poses, points));
+    ENFILADE_ASSIGN_OR_RETURN(const geo::GeoreferenceFit fit, FitControlPoints(graph->poses, points));
     *response.mutable_georeference() = ToProto(site, *graph, fit, points);
   }
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.SetControlPoints(context, site, points));

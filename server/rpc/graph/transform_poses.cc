@@ -12,11 +12,11 @@ constexpr int kMaxPoses = 10'000;
 
 }  // namespace
 
-absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& services, const CallContext& context,
+absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& services, const storage::CallContext& context,
                                                           const v1::TransformPosesRequest& request) {
   v1::TransformPosesResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const MapName source, ParseMapName("source_map", request.source_map()));
-  ENFILADE_ASSIGN_OR_RETURN(const MapName target, ParseMapName("target_map", request.target_map()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::MapName source, convert::ParseMapName("source_map", request.source_map()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::MapName target, convert::ParseMapName("target_map", request.target_map()));
   if (source.site != target.site) return InvalidArgument("source_map and target_map are of different sites");
   if (request.poses_size() > kMaxPoses) {
     return InvalidArgument("poses has {} of them: at most {} at once", request.poses_size(), kMaxPoses);
@@ -24,19 +24,19 @@ absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& servic
   std::vector<PoseWithCovariance> poses;
   for (int i = 0; i < request.poses_size(); ++i) {
     ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose,
-                              enfilade::FromProto(fmt::format("poses[{}]", i), request.poses(i)));
+                              enfilade::convert::FromProto(fmt::format("poses[{}]", i), request.poses(i)));
     poses.push_back(pose);
   }
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, source.site));
   response.set_graph_version(graph->graph().version());
-  ENFILADE_ASSIGN_OR_RETURN(const std::optional<MapTransform> T_target_source,
-                            FindTransform(graph->graph(), target.map, source.map));
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<graph::MapTransform> T_target_source,
+                            graph::FindTransform(graph->graph(), target.map, source.map));
   if (!T_target_source.has_value()) return response;
-  *response.mutable_pose_target_source() = ToProto(T_target_source->T_a_b);
-  for (const PoseHop& hop : T_target_source->hops) *response.add_hops() = ToProto(source.site, hop);
+  *response.mutable_pose_target_source() = convert::ToProto(T_target_source->T_a_b);
+  for (const graph::PoseHop& hop : T_target_source->hops) *response.add_hops() = ToProto(source.site, hop);
   response.set_solution_version(T_target_source->solution_version.value_or(0));
-  for (const PoseWithCovariance& pose : enfilade::TransformPoses(*T_target_source, poses)) {
-    *response.add_poses() = ToProto(pose);
+  for (const PoseWithCovariance& pose : enfilade::graph::TransformPoses(*T_target_source, poses)) {
+    *response.add_poses() = convert::ToProto(pose);
   }
   return response;
 }

@@ -53,7 +53,7 @@ class WatchReactor final : public grpc::ServerWriteReactor<v1::WatchGlobalPosesR
 
   void Look() {
     due_ = std::chrono::steady_clock::now() + watch_->period();
-    const CallContext context = CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::nanoseconds>(
+    const storage::CallContext context = storage::CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::chrono::duration<double>(services_.options.database.default_deadline_s)));
     const absl::StatusOr<bool> has_news = watch_->Look(services_, context, message_);
     if (!has_news.ok()) return End(has_news.status());

@@ -35,7 +35,7 @@ IngestItem ReadBatch(const v1::RecordBatch& batch) {
                          fmt::format("record {} of the batch has the sequence {}: sequences go up by one from {}", i,
                                      in.sequence(), first));
     }
-    absl::StatusOr<Record> record = enfilade::FromProto(in);
+    absl::StatusOr<sensor::Record> record = enfilade::convert::FromProto(in);
     if (!record.ok()) {
       return Refusal{first, in.sequence(), Refusal::Reason::kInvalidRecord,
                      fmt::format("record {}: {}", in.sequence(), std::string(record.status().message()))};
@@ -51,9 +51,9 @@ absl::StatusOr<bool> BlobAssembly::Add(const v1::BlobChunk& chunk) {
   }
   if (chunk.offset() == 0) {
     if (chunk.blob().sha256().size() != 32 || chunk.blob().size_bytes() < 1 ||
-        chunk.blob().size_bytes() > kMaxBlobBytes) {
+        chunk.blob().size_bytes() > sensor::kMaxBlobBytes) {
       return InvalidArgument("blob_chunk.blob: expected a SHA-256 of 32 bytes (got {}) and a size of 1 to {} (got {})",
-                             chunk.blob().sha256().size(), kMaxBlobBytes, chunk.blob().size_bytes());
+                             chunk.blob().sha256().size(), sensor::kMaxBlobBytes, chunk.blob().size_bytes());
     }
     blob_ = {chunk.blob().sha256(), {}};
     size_ = static_cast<std::size_t>(chunk.blob().size_bytes());

@@ -11,9 +11,9 @@
 namespace enfilade::server {
 
 absl::StatusOr<MessageSource<v1::DownloadBlobResponse>> DownloadBlob(const Services& services,
-                                                                     const CallContext& context,
+                                                                     const storage::CallContext& context,
                                                                      const v1::DownloadBlobRequest& request) {
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   if (request.sha256().size() != 32) {
     return InvalidArgument("sha256 has {} bytes: expected 32", request.sha256().size());
   }

@@ -8,7 +8,7 @@ namespace enfilade::server {
 
 // IngestService.DownloadBlob.
 absl::StatusOr<MessageSource<v1::DownloadBlobResponse>> DownloadBlob(const Services& services,
-                                                                     const CallContext& context,
+                                                                     const storage::CallContext& context,
                                                                      const v1::DownloadBlobRequest& request);
 
 }  // namespace enfilade::server

@@ -9,13 +9,13 @@ namespace enfilade::server {
 
 // The unary RPCs of IngestService, one file each. What they answer and when they fail is told in the proto.
 
-absl::StatusOr<v1::SubmitScanResponse> SubmitScan(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitScanResponse> SubmitScan(const Services& services, const storage::CallContext& context,
                                                   const v1::SubmitScanRequest& request);
-absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const storage::CallContext& context,
                                                           const v1::SubmitOdometryRequest& request);
-absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const storage::CallContext& context,
                                                     const v1::SubmitImageRequest& request);
-absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services, const storage::CallContext& context,
                                                               const v1::SubmitPointCloudRequest& request);
 
 }  // namespace enfilade::server

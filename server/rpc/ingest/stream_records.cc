@@ -39,14 +39,14 @@ v1::StreamRecordsResponse ToResponse(const Refusal& refusal) {
 }
 
 // All but the robot. INVALID_ARGUMENT naming the field.
-absl::StatusOr<RobotPose> ReadPoseReport(const v1::PoseReport& report) {
-  RobotPose pose;
-  ENFILADE_ASSIGN_OR_RETURN(const MapName map, ParseMapName("pose_report.map", report.map()));
+absl::StatusOr<storage::RobotPose> ReadPoseReport(const v1::PoseReport& report) {
+  storage::RobotPose pose;
+  ENFILADE_ASSIGN_OR_RETURN(const convert::MapName map, convert::ParseMapName("pose_report.map", report.map()));
   pose.site = map.site;
   pose.map = map.map;
   ENFILADE_ASSIGN_OR_RETURN(pose.T_map_robot,
-                            enfilade::FromProto("pose_report.pose_map_robot", report.pose_map_robot()));
-  ENFILADE_ASSIGN_OR_RETURN(pose.time, FromTimestamp(report.time()));
+                            enfilade::convert::FromProto("pose_report.pose_map_robot", report.pose_map_robot()));
+  ENFILADE_ASSIGN_OR_RETURN(pose.time, convert::FromTimestamp(report.time()));
   return pose;
 }
 
@@ -107,16 +107,16 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   void OpenSession() {
     if (opening_) return EndReading(InvalidArgument("open was sent twice: one stream carries one session"));
     opening_ = true;
-    absl::StatusOr<SessionName> name = ParseSessionName("open.session", request_.open().session());
+    absl::StatusOr<convert::SessionName> name = convert::ParseSessionName("open.session", request_.open().session());
     if (!name.ok()) return EndReading(name.status());
     const bool queued = services_.executor.Post([self = shared_from_this(), name = *std::move(name)] {
-      const absl::StatusOr<Session> session = self->services_.sessions.Get(self->Context(), name.site, name.session);
+      const absl::StatusOr<storage::Session> session = self->services_.sessions.Get(self->Context(), name.site, name.session);
       self->Opened(name, session);
     });
     if (!queued) EndReading(absl::ResourceExhaustedError("too many calls are waiting: try again later"));
   }
 
-  void Opened(const SessionName& name, const absl::StatusOr<Session>& session) {
+  void Opened(const convert::SessionName& name, const absl::StatusOr<storage::Session>& session) {
     if (!session.ok()) return EndReading(session.status());
     auto stream = services_.ingest.Open(
         name, [self = std::weak_ptr<StreamRecordsReactor>(shared_from_this())](const IngestEvent& event) {
@@ -137,7 +137,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   }
 
   // The robot has come into its map through a door, or was put there.
-  void AwaitMap(const SessionName& name, const SessionEntry& entry) {
+  void AwaitMap(const convert::SessionName& name, const sensor::SessionEntry& entry) {
     if (!entry.previous && !entry.T_map_robot) return;
     const auto self = std::weak_ptr<StreamRecordsReactor>(shared_from_this());
     services_.map_entries.Await(name, self, [self](const MapEntry& entered) {
@@ -166,7 +166,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
   // The newest waits for the one that is being stored, in the place of any that waited.
   void TakePose() {
-    absl::StatusOr<RobotPose> pose = ReadPoseReport(request_.pose_report());
+    absl::StatusOr<storage::RobotPose> pose = ReadPoseReport(request_.pose_report());
     bool is_open = false;
     {
       MutexLock lock(mutex_);
@@ -283,8 +283,8 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     }
   }
 
-  CallContext Context() const {
-    return CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout_));
+  storage::CallContext Context() const {
+    return storage::CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout_));
   }
 
   const Services& services_;
@@ -299,9 +299,9 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
   Mutex mutex_;
   std::shared_ptr<Ingest::Stream> stream_ ABSL_GUARDED_BY(mutex_);
-  RobotName robot_ ABSL_GUARDED_BY(mutex_);  // whose session it is
+  convert::RobotName robot_ ABSL_GUARDED_BY(mutex_);  // whose session it is
   SessionId session_ ABSL_GUARDED_BY(mutex_);
-  std::optional<RobotPose> waiting_pose_ ABSL_GUARDED_BY(mutex_);
+  std::optional<storage::RobotPose> waiting_pose_ ABSL_GUARDED_BY(mutex_);
   bool storing_pose_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<v1::StreamRecordsResponse> responses_ ABSL_GUARDED_BY(mutex_);
   v1::StreamRecordsResponse response_;  // of the one write under way

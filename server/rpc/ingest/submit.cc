@@ -10,21 +10,21 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const CallContext& context,
+absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const storage::CallContext& context,
                                           const std::string& session, const v1::Record& message,
                                           const std::string* blob) {
-  ENFILADE_ASSIGN_OR_RETURN(const SessionName name, ParseSessionName("session", session));
-  ENFILADE_ASSIGN_OR_RETURN(const Record record, enfilade::FromProto(message));
-  std::vector<BlobView> blobs;
+  ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("session", session));
+  ENFILADE_ASSIGN_OR_RETURN(const sensor::Record record, enfilade::convert::FromProto(message));
+  std::vector<storage::BlobView> blobs;
   if (blob) {
-    const BlobRef& content = *FindBlob(record);
+    const sensor::BlobRef& content = *sensor::FindBlob(record);
     if (content.size != static_cast<std::int64_t>(blob->size()) || content.sha256 != Sha256(*blob)) {
       return InvalidArgument("content (size and SHA-256) is not that of the {} bytes of data", blob->size());
     }
     blobs.push_back({content.sha256, *blob});
   }
-  const RecordBatch batch{name.site, name.session, absl::MakeConstSpan(&record, 1), blobs};
-  ENFILADE_ASSIGN_OR_RETURN(const AppendResult result, services.records.Append(context, batch));
+  const storage::RecordBatch batch{name.site, name.session, absl::MakeConstSpan(&record, 1), blobs};
+  ENFILADE_ASSIGN_OR_RETURN(const storage::AppendResult result, services.records.Append(context, batch));
   services.metrics.CountRecordsStored(result.inserted, result.duplicates);
   services.mapping.Wake();
   return result.acknowledged_sequence;

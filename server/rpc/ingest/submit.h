@@ -12,7 +12,7 @@ namespace enfilade::server {
 
 // The body of all Submit RPCs: stores one record, with its blob's bytes where it has one, and returns the session's
 // acknowledged sequence.
-absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const CallContext& context,
+absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const storage::CallContext& context,
                                           const std::string& session, const v1::Record& record,
                                           const std::string* blob = nullptr);
 

@@ -4,7 +4,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const storage::CallContext& context,
                                                     const v1::SubmitImageRequest& request) {
   v1::SubmitImageResponse response;
   v1::Record record;

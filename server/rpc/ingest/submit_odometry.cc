@@ -4,7 +4,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const storage::CallContext& context,
                                                           const v1::SubmitOdometryRequest& request) {
   v1::SubmitOdometryResponse response;
   v1::Record record;

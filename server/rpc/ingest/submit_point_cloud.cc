@@ -4,7 +4,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services, const storage::CallContext& context,
                                                               const v1::SubmitPointCloudRequest& request) {
   v1::SubmitPointCloudResponse response;
   v1::Record record;

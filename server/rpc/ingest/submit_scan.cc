@@ -4,7 +4,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitScanResponse> SubmitScan(const Services& services, const CallContext& context,
+absl::StatusOr<v1::SubmitScanResponse> SubmitScan(const Services& services, const storage::CallContext& context,
                                                   const v1::SubmitScanRequest& request) {
   v1::SubmitScanResponse response;
   v1::Record record;

@@ -7,14 +7,14 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services& services, const CallContext& context,
+absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services& services, const storage::CallContext& context,
                                                                   const v1::AddLinkPointAnchorRequest& request) {
   v1::AddLinkPointAnchorResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name, ParseLinkPointName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_ASSIGN_OR_RETURN(const Anchor anchor, FromProto("anchor", name.site, request.anchor()));
+  ENFILADE_ASSIGN_OR_RETURN(const graph::Anchor anchor, FromProto("anchor", name.site, request.anchor()));
   ENFILADE_ASSIGN_OR_RETURN(
-      const StoredLinkPoint changed,
+      const storage::StoredLinkPoint changed,
       services.link_points.AddAnchor(context, name.site, name.link_point, etag, anchor, request.force()));
   services.graphs.MarkChanged(name.site);
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));

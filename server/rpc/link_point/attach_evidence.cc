@@ -11,12 +11,12 @@ namespace {
 
 class EvidenceTaker {
  public:
-  EvidenceTaker(const Services& services, const CallContext& context) : services_(services), context_(context) {}
+  EvidenceTaker(const Services& services, const storage::CallContext& context) : services_(services), context_(context) {}
 
   absl::Status Take(const v1::AttachEvidenceRequest& request) {
     if (request.has_manifest() && !begun_) {
       begun_ = true;
-      ENFILADE_ASSIGN_OR_RETURN(name_, ParseLinkPointName("manifest.parent", request.manifest().parent()));
+      ENFILADE_ASSIGN_OR_RETURN(name_, convert::ParseLinkPointName("manifest.parent", request.manifest().parent()));
       ENFILADE_ASSIGN_OR_RETURN(evidence_, FromProto(name_, request.manifest().evidence()));
       return absl::OkStatus();
     }
@@ -45,12 +45,12 @@ class EvidenceTaker {
 
  private:
   const Services& services_;
-  const CallContext context_;
+  const storage::CallContext context_;
   bool begun_ = false;
   bool has_chunks_ = false;
   bool complete_ = false;
-  LinkPointName name_;
-  Evidence evidence_;
+  convert::LinkPointName name_;
+  storage::Evidence evidence_;
   BlobAssembly blob_;
 };
 

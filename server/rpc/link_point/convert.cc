@@ -26,53 +26,53 @@ absl::Status Unknown(const char* field, int value) {
 
 }  // namespace
 
-void ToProto(const StoredLinkPoint& link_point, v1::LinkPoint& out) {
-  const LinkPoint& point = link_point.point;
+void ToProto(const storage::StoredLinkPoint& link_point, v1::LinkPoint& out) {
+  const graph::LinkPoint& point = link_point.point;
   out.set_name(NameOf(link_point.site, point.id));
-  static_assert(static_cast<int>(LinkPointKind::kOpening) == v1::LinkPoint::KIND_OPENING);
+  static_assert(static_cast<int>(graph::LinkPointKind::kOpening) == v1::LinkPoint::KIND_OPENING);
   out.set_kind(static_cast<v1::LinkPoint::Kind>(point.kind));
   out.set_tag(point.tag);
-  for (const Anchor& anchor : point.anchors) {
+  for (const graph::Anchor& anchor : point.anchors) {
     v1::Anchor& added = *out.add_anchors();
     added.set_map(NameOf(link_point.site, anchor.map));
-    enfilade::ToProto({anchor.T_map_place, anchor.covariance}, *added.mutable_pose_map_place());
+    enfilade::convert::ToProto({anchor.T_map_place, anchor.covariance}, *added.mutable_pose_map_place());
   }
   if (!point.direction.empty()) out.set_direction_map(NameOf(link_point.site, point.direction));
   out.set_difficulty(point.difficulty);
   if (link_point.environment) out.set_environment(static_cast<v1::Map::Environment>(*link_point.environment));
-  static_assert(static_cast<int>(PassageState::kBlocked) == v1::LinkPoint::STATE_BLOCKED);
+  static_assert(static_cast<int>(graph::PassageState::kBlocked) == v1::LinkPoint::STATE_BLOCKED);
   out.set_state(static_cast<v1::LinkPoint::State>(point.state));
-  if (point.state_valid_until) *out.mutable_state_valid_until() = ToTimestamp(*point.state_valid_until);
-  static_assert(static_cast<int>(LinkPointUse::kSuspended) == v1::LinkPoint::USE_SUSPENDED);
+  if (point.state_valid_until) *out.mutable_state_valid_until() = convert::ToTimestamp(*point.state_valid_until);
+  static_assert(static_cast<int>(graph::LinkPointUse::kSuspended) == v1::LinkPoint::USE_SUSPENDED);
   out.set_use(static_cast<v1::LinkPoint::Use>(point.use));
-  if (link_point.T_world_place) enfilade::ToProto(*link_point.T_world_place, *out.mutable_pose_world_place());
+  if (link_point.T_world_place) enfilade::convert::ToProto(*link_point.T_world_place, *out.mutable_pose_world_place());
   out.set_forced(link_point.forced);
   out.set_graph_version(point.graph_version);
   out.set_etag(std::to_string(link_point.etag));
-  *out.mutable_create_time() = ToTimestamp(link_point.create_time);
-  *out.mutable_update_time() = ToTimestamp(link_point.update_time);
+  *out.mutable_create_time() = convert::ToTimestamp(link_point.create_time);
+  *out.mutable_update_time() = convert::ToTimestamp(link_point.update_time);
 }
 
-v1::LinkPoint ToProto(const StoredLinkPoint& link_point) {
+v1::LinkPoint ToProto(const storage::StoredLinkPoint& link_point) {
   v1::LinkPoint out;
   ToProto(link_point, out);
   return out;
 }
 
-v1::Evidence ToProto(const SiteId& site, const Evidence& evidence) {
+v1::Evidence ToProto(const SiteId& site, const storage::Evidence& evidence) {
   v1::Evidence out;
-  out.set_map(NameOf(MapName{site, evidence.map}));
+  out.set_map(convert::NameOf(convert::MapName{site, evidence.map}));
   v1::BlobRef content;
   content.set_sha256(evidence.content.sha256);
   content.set_size_bytes(evidence.content.size);
-  if (evidence.kind == EvidenceKind::kCloud) {
-    *out.mutable_cloud()->mutable_time() = ToTimestamp(evidence.time);
+  if (evidence.kind == storage::EvidenceKind::kCloud) {
+    *out.mutable_cloud()->mutable_time() = convert::ToTimestamp(evidence.time);
     out.mutable_cloud()->set_encoding(static_cast<v1::PointCloud::Encoding>(evidence.encoding));
     *out.mutable_cloud()->mutable_content() = content;
     return out;
   }
-  *out.mutable_image()->mutable_time() = ToTimestamp(evidence.time);
-  out.mutable_image()->set_camera(evidence.kind == EvidenceKind::kRearImage ? v1::Image::CAMERA_REAR
+  *out.mutable_image()->mutable_time() = convert::ToTimestamp(evidence.time);
+  out.mutable_image()->set_camera(evidence.kind == storage::EvidenceKind::kRearImage ? v1::Image::CAMERA_REAR
                                                                             : v1::Image::CAMERA_FRONT);
   out.mutable_image()->set_encoding(static_cast<v1::Image::Encoding>(evidence.encoding));
   *out.mutable_image()->mutable_content() = content;
@@ -80,51 +80,51 @@ v1::Evidence ToProto(const SiteId& site, const Evidence& evidence) {
 }
 
 absl::StatusOr<MapId> MapOfSite(const std::string& field, const SiteId& site, const std::string& map) {
-  ENFILADE_ASSIGN_OR_RETURN(MapName name, ParseMapName(field, map));
+  ENFILADE_ASSIGN_OR_RETURN(convert::MapName name, convert::ParseMapName(field, map));
   if (name.site == site) return std::move(name.map);
   return InvalidArgument("{} is of site \"{}\", not of \"{}\": they must be the same", field, name.site.value(),
                          site.value());
 }
 
-absl::StatusOr<Anchor> FromProto(const std::string& field, const SiteId& site, const v1::Anchor& in) {
-  Anchor anchor;
+absl::StatusOr<graph::Anchor> FromProto(const std::string& field, const SiteId& site, const v1::Anchor& in) {
+  graph::Anchor anchor;
   ENFILADE_ASSIGN_OR_RETURN(anchor.map, MapOfSite(field + ".map", site, in.map()));
   ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance place,
-                            enfilade::FromProto(field + ".pose_map_place", in.pose_map_place()));
+                            enfilade::convert::FromProto(field + ".pose_map_place", in.pose_map_place()));
   anchor.T_map_place = place.pose;
-  anchor.covariance = in.pose_map_place().covariance().empty() ? DefaultAnchorCovariance() : place.covariance;
+  anchor.covariance = in.pose_map_place().covariance().empty() ? graph::DefaultAnchorCovariance() : place.covariance;
   return anchor;
 }
 
-absl::StatusOr<StoredLinkPoint> FromProto(const SiteId& site, const v1::LinkPoint& in) {
-  StoredLinkPoint out;
+absl::StatusOr<storage::StoredLinkPoint> FromProto(const SiteId& site, const v1::LinkPoint& in) {
+  storage::StoredLinkPoint out;
   out.site = site;
-  LinkPoint& point = out.point;
+  graph::LinkPoint& point = out.point;
   if (!v1::LinkPoint::Kind_IsValid(in.kind())) return Unknown("link_point.kind", in.kind());
   if (!v1::LinkPoint::State_IsValid(in.state())) return Unknown("link_point.state", in.state());
   if (!v1::Map::Environment_IsValid(in.environment())) return Unknown("link_point.environment", in.environment());
-  if (in.kind() != 0) point.kind = static_cast<LinkPointKind>(in.kind());
-  if (in.state() != 0) point.state = static_cast<PassageState>(in.state());
-  if (in.environment() != 0) out.environment = static_cast<Environment>(in.environment());
+  if (in.kind() != 0) point.kind = static_cast<graph::LinkPointKind>(in.kind());
+  if (in.state() != 0) point.state = static_cast<graph::PassageState>(in.state());
+  if (in.environment() != 0) out.environment = static_cast<storage::Environment>(in.environment());
   ENFILADE_RETURN_IF_ERROR(CheckTag(in.tag()));
   point.tag = in.tag();
   if (in.difficulty() < 0) return InvalidArgument("link_point.difficulty is {}: expected 0 or more", in.difficulty());
   point.difficulty = in.difficulty();
   for (int i = 0; i < in.anchors_size(); ++i) {
-    ENFILADE_ASSIGN_OR_RETURN(Anchor anchor, FromProto(fmt::format("link_point.anchors[{}]", i), site, in.anchors(i)));
+    ENFILADE_ASSIGN_OR_RETURN(graph::Anchor anchor, FromProto(fmt::format("link_point.anchors[{}]", i), site, in.anchors(i)));
     point.anchors.push_back(std::move(anchor));
   }
   if (!in.direction_map().empty()) {
     ENFILADE_ASSIGN_OR_RETURN(point.direction, MapOfSite("link_point.direction_map", site, in.direction_map()));
   }
   if (in.has_state_valid_until()) {
-    ENFILADE_ASSIGN_OR_RETURN(point.state_valid_until, FromTimestamp(in.state_valid_until()));
+    ENFILADE_ASSIGN_OR_RETURN(point.state_valid_until, convert::FromTimestamp(in.state_valid_until()));
   }
   return out;
 }
 
-absl::StatusOr<Evidence> FromProto(const LinkPointName& name, const v1::Evidence& in) {
-  Evidence out;
+absl::StatusOr<storage::Evidence> FromProto(const convert::LinkPointName& name, const v1::Evidence& in) {
+  storage::Evidence out;
   out.link_point = name.link_point;
   ENFILADE_ASSIGN_OR_RETURN(out.map, MapOfSite("evidence.map", name.site, in.map()));
   // A record's image or cloud, under the same rules.
@@ -133,15 +133,15 @@ absl::StatusOr<Evidence> FromProto(const LinkPointName& name, const v1::Evidence
   if (in.has_image()) *record.mutable_image() = in.image();
   if (in.has_cloud()) *record.mutable_point_cloud() = in.cloud();
   if (!in.has_image() && !in.has_cloud()) return InvalidArgument("evidence has no content: expected image or cloud");
-  ENFILADE_ASSIGN_OR_RETURN(const Record read, enfilade::FromProto(record));
-  out.time = TimeOf(read);
-  out.content = *FindBlob(read);
-  if (const auto* image = std::get_if<Image>(&read.payload)) {
-    out.kind = image->camera == Camera::kRear ? EvidenceKind::kRearImage : EvidenceKind::kFrontImage;
+  ENFILADE_ASSIGN_OR_RETURN(const sensor::Record read, enfilade::convert::FromProto(record));
+  out.time = sensor::TimeOf(read);
+  out.content = *sensor::FindBlob(read);
+  if (const auto* image = std::get_if<sensor::Image>(&read.payload)) {
+    out.kind = image->camera == sensor::Camera::kRear ? storage::EvidenceKind::kRearImage : storage::EvidenceKind::kFrontImage;
     out.encoding = static_cast<std::int16_t>(image->encoding);
   } else {
-    out.kind = EvidenceKind::kCloud;
-    out.encoding = static_cast<std::int16_t>(std::get<PointCloud>(read.payload).encoding);
+    out.kind = storage::EvidenceKind::kCloud;
+    out.encoding = static_cast<std::int16_t>(std::get<sensor::PointCloud>(read.payload).encoding);
   }
   return out;
 }
@@ -152,24 +152,24 @@ absl::StatusOr<std::optional<bool>> CandidatesOf(v1::LinkPointSubset subset) {
   return std::optional<bool>(subset == v1::LINK_POINT_SUBSET_CANDIDATES);
 }
 
-absl::StatusOr<std::vector<v1::LinkPoint>> WithEvidence(const Services& services, const CallContext& context,
+absl::StatusOr<std::vector<v1::LinkPoint>> WithEvidence(const Services& services, const storage::CallContext& context,
                                                         const SiteId& site,
-                                                        const std::vector<StoredLinkPoint>& link_points) {
+                                                        const std::vector<storage::StoredLinkPoint>& link_points) {
   std::vector<LinkPointId> ids;
   std::map<LinkPointId, std::size_t> places;
   std::vector<v1::LinkPoint> out;
-  for (const StoredLinkPoint& link_point : link_points) {
+  for (const storage::StoredLinkPoint& link_point : link_points) {
     places[link_point.point.id] = out.size();
     ids.push_back(link_point.point.id);
     out.push_back(ToProto(link_point));
   }
   ENFILADE_ASSIGN_OR_RETURN(const auto evidence, services.link_points.ListEvidence(context, site, ids));
-  for (const Evidence& item : evidence) *out[places.at(item.link_point)].add_evidence() = ToProto(site, item);
+  for (const storage::Evidence& item : evidence) *out[places.at(item.link_point)].add_evidence() = ToProto(site, item);
   return out;
 }
 
-absl::StatusOr<v1::LinkPoint> WithEvidence(const Services& services, const CallContext& context,
-                                           const StoredLinkPoint& link_point) {
+absl::StatusOr<v1::LinkPoint> WithEvidence(const Services& services, const storage::CallContext& context,
+                                           const storage::StoredLinkPoint& link_point) {
   ENFILADE_ASSIGN_OR_RETURN(std::vector<v1::LinkPoint> out,
                             WithEvidence(services, context, link_point.site, {link_point}));
   return std::move(out.front());

@@ -13,15 +13,15 @@ namespace enfilade::server {
 
 // Stored link points as the API's resources, and the API's values as rows.
 
-v1::LinkPoint ToProto(const StoredLinkPoint& link_point);
+v1::LinkPoint ToProto(const storage::StoredLinkPoint& link_point);
 // Into a message that is a part of another, without a copy.
-void ToProto(const StoredLinkPoint& link_point, v1::LinkPoint& out);
-v1::Evidence ToProto(const SiteId& site, const Evidence& evidence);
+void ToProto(const storage::StoredLinkPoint& link_point, v1::LinkPoint& out);
+v1::Evidence ToProto(const SiteId& site, const storage::Evidence& evidence);
 
 // INVALID_ARGUMENT naming the field. Name, etag and output-only fields are not read.
-absl::StatusOr<StoredLinkPoint> FromProto(const SiteId& site, const v1::LinkPoint& link_point);
-absl::StatusOr<Anchor> FromProto(const std::string& field, const SiteId& site, const v1::Anchor& anchor);
-absl::StatusOr<Evidence> FromProto(const LinkPointName& name, const v1::Evidence& evidence);
+absl::StatusOr<storage::StoredLinkPoint> FromProto(const SiteId& site, const v1::LinkPoint& link_point);
+absl::StatusOr<graph::Anchor> FromProto(const std::string& field, const SiteId& site, const v1::Anchor& anchor);
+absl::StatusOr<storage::Evidence> FromProto(const convert::LinkPointName& name, const v1::Evidence& evidence);
 
 // The id of a map that must be of `site`.
 absl::StatusOr<MapId> MapOfSite(const std::string& field, const SiteId& site, const std::string& map);
@@ -29,10 +29,10 @@ absl::StatusOr<MapId> MapOfSite(const std::string& field, const SiteId& site, co
 absl::StatusOr<std::optional<bool>> CandidatesOf(v1::LinkPointSubset subset);
 
 // With their evidence.
-absl::StatusOr<std::vector<v1::LinkPoint>> WithEvidence(const Services& services, const CallContext& context,
+absl::StatusOr<std::vector<v1::LinkPoint>> WithEvidence(const Services& services, const storage::CallContext& context,
                                                         const SiteId& site,
-                                                        const std::vector<StoredLinkPoint>& link_points);
-absl::StatusOr<v1::LinkPoint> WithEvidence(const Services& services, const CallContext& context,
-                                           const StoredLinkPoint& link_point);
+                                                        const std::vector<storage::StoredLinkPoint>& link_points);
+absl::StatusOr<v1::LinkPoint> WithEvidence(const Services& services, const storage::CallContext& context,
+                                           const storage::StoredLinkPoint& link_point);
 
 }  // namespace enfilade::server

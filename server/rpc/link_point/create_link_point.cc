@@ -7,15 +7,15 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services, const CallContext& context,
+absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services, const storage::CallContext& context,
                                                             const v1::CreateLinkPointRequest& request) {
   v1::CreateLinkPointResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
-  ENFILADE_ASSIGN_OR_RETURN(StoredLinkPoint link_point, FromProto(site, request.link_point()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(storage::StoredLinkPoint link_point, FromProto(site, request.link_point()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("link_point_id", request.link_point_id()));
   link_point.point.id = LinkPointId(std::move(id));
   link_point.forced = request.force();
-  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint created,
+  ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint created,
                             services.link_points.Create(context, link_point, request.request_id()));
   services.graphs.MarkChanged(site);
   *response.mutable_link_point() = ToProto(created);

@@ -7,10 +7,10 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services, const CallContext& context,
+absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services, const storage::CallContext& context,
                                                             const v1::DeleteLinkPointRequest& request) {
   v1::DeleteLinkPointResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name, ParseLinkPointName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
   ENFILADE_RETURN_IF_ERROR(services.link_points.Delete(context, name.site, name.link_point, etag));
   services.graphs.MarkChanged(name.site);

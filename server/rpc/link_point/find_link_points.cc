@@ -15,13 +15,13 @@ namespace {
 
 constexpr int kMaxCount = 1000;
 struct Search {
-  std::optional<LinkPointQuery> query;  // unset: the map has no place in the world
+  std::optional<storage::LinkPointQuery> query;  // unset: the map has no place in the world
   std::optional<PoseWithCovariance> center;
   bool unplaced = false;  // also what has no place
 };
 
 absl::StatusOr<double> RadiusAround(const v1::FindLinkPointsRequest& request, const Eigen::Matrix3d& covariance) {
-  SearchRadiusOptions options;
+  graph::SearchRadiusOptions options;
   if (request.base_radius_m() != 0.0) options.base_m = request.base_radius_m();
   if (request.radius_factor() != 0.0) options.factor = request.radius_factor();
   if (!(options.base_m > 0.0 && std::isfinite(options.base_m))) {
@@ -30,22 +30,22 @@ absl::StatusOr<double> RadiusAround(const v1::FindLinkPointsRequest& request, co
   if (!(options.factor > 0.0 && std::isfinite(options.factor))) {
     return InvalidArgument("radius_factor is {}: expected more than 0", options.factor);
   }
-  return SearchRadius(covariance, options);
+  return graph::SearchRadius(covariance, options);
 }
 
 absl::Status SearchAroundPose(const v1::FindLinkPointsRequest& request, const PoseWithCovariance& T_world_robot,
                               Search& search) {
   ENFILADE_ASSIGN_OR_RETURN(const double radius, RadiusAround(request, T_world_robot.covariance));
   search.center = T_world_robot;
-  search.query->area = LinkPointCircle{T_world_robot.pose.translation(), radius};
+  search.query->area = storage::LinkPointCircle{T_world_robot.pose.translation(), radius};
   return absl::OkStatus();
 }
 
-absl::Status SearchInMap(const Services& services, const CallContext& context, const SiteId& site,
+absl::Status SearchInMap(const Services& services, const storage::CallContext& context, const SiteId& site,
                          const v1::FindLinkPointsRequest& request, Search& search) {
   ENFILADE_ASSIGN_OR_RETURN(const MapId map, MapOfSite("pose_in_map.map", site, request.pose_in_map().map()));
   ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance T_map_robot,
-                            enfilade::FromProto("pose_in_map.pose_map_robot", request.pose_in_map().pose_map_robot()));
+                            enfilade::convert::FromProto("pose_in_map.pose_map_robot", request.pose_in_map().pose_map_robot()));
   ENFILADE_ASSIGN_OR_RETURN(const auto places, services.graph_store.GetPlaces(context, site, {map}));
   if (!places.empty()) return SearchAroundPose(request, Compose(places[0].T_world_map, T_map_robot), search);
   ENFILADE_RETURN_IF_ERROR(services.maps.Get(context, site, map).status());
@@ -55,10 +55,10 @@ absl::Status SearchInMap(const Services& services, const CallContext& context, c
   return absl::OkStatus();
 }
 
-absl::StatusOr<Search> SearchOf(const Services& services, const CallContext& context, const SiteId& site,
+absl::StatusOr<Search> SearchOf(const Services& services, const storage::CallContext& context, const SiteId& site,
                                 const v1::FindLinkPointsRequest& request) {
   Search search;
-  LinkPointQuery& query = search.query.emplace();
+  storage::LinkPointQuery& query = search.query.emplace();
   if (request.max_count() < 0) return InvalidArgument("max_count is {}: expected 0 or more", request.max_count());
   query.limit = request.max_count() == 0 ? kMaxCount : std::min(request.max_count(), kMaxCount);
   if (request.has_level()) query.level = request.level();
@@ -70,14 +70,14 @@ absl::StatusOr<Search> SearchOf(const Services& services, const CallContext& con
       ENFILADE_RETURN_IF_ERROR(SearchInMap(services, context, site, request, search));
       return search;
     case v1::FindLinkPointsRequest::kPoseWorld: {
-      ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose, enfilade::FromProto("pose_world", request.pose_world()));
+      ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose, enfilade::convert::FromProto("pose_world", request.pose_world()));
       ENFILADE_RETURN_IF_ERROR(SearchAroundPose(request, pose, search));
       return search;
     }
     case v1::FindLinkPointsRequest::kPointWorld: {
       const v1::Point& point = request.point_world();
       const double radius = request.has_radius_m() ? request.radius_m() : std::numeric_limits<double>::infinity();
-      query.area = LinkPointCircle{{point.x(), point.y()}, radius};
+      query.area = storage::LinkPointCircle{{point.x(), point.y()}, radius};
       search.center = PoseWithCovariance{{point.x(), point.y(), 0.0}};
       return search;
     }
@@ -93,7 +93,7 @@ absl::StatusOr<Search> SearchOf(const Services& services, const CallContext& con
   return InvalidArgument("nothing says where to look: set pose_in_map, pose_world, point_world or polygon_world");
 }
 
-void Describe(const StoredLinkPoint& link_point, const std::optional<PoseWithCovariance>& center,
+void Describe(const storage::StoredLinkPoint& link_point, const std::optional<PoseWithCovariance>& center,
               v1::FoundLinkPoint& found) {
   ToProto(link_point, *found.mutable_link_point());
   if (!center || !link_point.T_world_place) {
@@ -106,29 +106,29 @@ void Describe(const StoredLinkPoint& link_point, const std::optional<PoseWithCov
   const Eigen::Vector2d place = link_point.T_world_place->pose.translation();
   const Pose2 world_axes_at_center = {center->pose.x, center->pose.y, 0.0};
   found.set_distance_m((place - center->pose.translation()).norm());
-  found.set_bearing_rad(Bearing(world_axes_at_center, place));
+  found.set_bearing_rad(graph::Bearing(world_axes_at_center, place));
   found.set_mahalanobis_distance(
-      MahalanobisDistance(*center, *link_point.T_world_place).value_or(std::numeric_limits<double>::infinity()));
+      graph::MahalanobisDistance(*center, *link_point.T_world_place).value_or(std::numeric_limits<double>::infinity()));
 }
 
 }  // namespace
 
-absl::Status FindLinkPoints(const Services& services, const CallContext& context,
+absl::Status FindLinkPoints(const Services& services, const storage::CallContext& context,
                             const v1::FindLinkPointsRequest& request, v1::FindLinkPointsResponse& response) {
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(const Search search, SearchOf(services, context, site, request));
   if (search.query) {
     ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.Find(context, site, *search.query));
-    for (const StoredLinkPoint& link_point : found.link_points) {
+    for (const storage::StoredLinkPoint& link_point : found.link_points) {
       Describe(link_point, search.center, *response.add_found());
     }
     response.set_graph_version(found.graph_version);
-    if (const auto* circle = std::get_if<LinkPointCircle>(&search.query->area)) response.set_radius_m(circle->radius);
+    if (const auto* circle = std::get_if<storage::LinkPointCircle>(&search.query->area)) response.set_radius_m(circle->radius);
   }
-  if (search.center) enfilade::ToProto(*search.center, *response.mutable_pose_world());
+  if (search.center) enfilade::convert::ToProto(*search.center, *response.mutable_pose_world());
   if (search.unplaced) {
     ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.ListUnplaced(context, site, kMaxCount));
-    for (const StoredLinkPoint& link_point : found) Describe(link_point, std::nullopt, *response.add_found());
+    for (const storage::StoredLinkPoint& link_point : found) Describe(link_point, std::nullopt, *response.add_found());
   }
   if (!search.query) {
     ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.GetVersion(context, site));

@@ -9,8 +9,8 @@
 namespace enfilade::server {
 namespace {
 
-absl::StatusOr<LinkPointFilter> FilterOf(const SiteId& site, const v1::ListLinkPointsRequest& request) {
-  LinkPointFilter filter;
+absl::StatusOr<storage::LinkPointFilter> FilterOf(const SiteId& site, const v1::ListLinkPointsRequest& request) {
+  storage::LinkPointFilter filter;
   if (!request.map().empty()) {
     ENFILADE_ASSIGN_OR_RETURN(filter.map, MapOfSite("map", site, request.map()));
   }
@@ -20,22 +20,22 @@ absl::StatusOr<LinkPointFilter> FilterOf(const SiteId& site, const v1::ListLinkP
     return InvalidArgument("kind {}, state {} or use {} is unknown to this server", static_cast<int>(request.kind()),
                            static_cast<int>(request.state()), static_cast<int>(request.use()));
   }
-  if (request.kind() != 0) filter.kind = static_cast<LinkPointKind>(request.kind());
-  if (request.state() != 0) filter.state = static_cast<PassageState>(request.state());
-  if (request.use() != 0) filter.use = static_cast<LinkPointUse>(request.use());
+  if (request.kind() != 0) filter.kind = static_cast<graph::LinkPointKind>(request.kind());
+  if (request.state() != 0) filter.state = static_cast<graph::PassageState>(request.state());
+  if (request.use() != 0) filter.use = static_cast<graph::LinkPointUse>(request.use());
   if (!request.tag().empty()) filter.tag = request.tag();
   return filter;
 }
 
 }  // namespace
 
-absl::StatusOr<v1::ListLinkPointsResponse> ListLinkPoints(const Services& services, const CallContext& context,
+absl::StatusOr<v1::ListLinkPointsResponse> ListLinkPoints(const Services& services, const storage::CallContext& context,
                                                           const v1::ListLinkPointsRequest& request) {
   v1::ListLinkPointsResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
   ENFILADE_ASSIGN_OR_RETURN(const std::string after, FromPageToken(request.page_token()));
-  ENFILADE_ASSIGN_OR_RETURN(const LinkPointFilter filter, FilterOf(site, request));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::LinkPointFilter filter, FilterOf(site, request));
   ENFILADE_ASSIGN_OR_RETURN(auto found, services.link_points.List(context, site, filter, {size + 1, after}));
   if (CutToPage(found, size)) response.set_next_page_token(ToPageToken(found.back().point.id.value()));
   ENFILADE_ASSIGN_OR_RETURN(std::vector<v1::LinkPoint> link_points, WithEvidence(services, context, site, found));

@@ -23,24 +23,24 @@ void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mas
 
 }  // namespace
 
-absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services, const CallContext& context,
+absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services, const storage::CallContext& context,
                                                             const v1::UpdateLinkPointRequest& request) {
   v1::UpdateLinkPointResponse response;
   const auto& mask = request.update_mask();
   ENFILADE_RETURN_IF_ERROR(CheckMask(
       mask, {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state", "state_valid_until"}));
-  ENFILADE_ASSIGN_OR_RETURN(const LinkPointName name,
-                            ParseLinkPointName("link_point.name", request.link_point().name()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name,
+                            convert::ParseLinkPointName("link_point.name", request.link_point().name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.link_point().etag()));
-  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint stored,
+  ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint stored,
                             services.link_points.Get(context, name.site, name.link_point));
   v1::LinkPoint wanted = ToProto(stored);
   Overwrite(request.link_point(), mask, wanted);
-  ENFILADE_ASSIGN_OR_RETURN(StoredLinkPoint link_point, FromProto(name.site, wanted));
+  ENFILADE_ASSIGN_OR_RETURN(storage::StoredLinkPoint link_point, FromProto(name.site, wanted));
   link_point.point.id = name.link_point;
   link_point.forced = stored.forced;
   link_point.etag = etag != 0 ? etag : stored.etag;
-  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, services.link_points.Update(context, link_point));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint changed, services.link_points.Update(context, link_point));
   services.graphs.MarkChanged(name.site);
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
   return response;

@@ -16,14 +16,14 @@ namespace {
 
 constexpr std::int64_t kChunkBytes = 1 << 20;
 
-absl::StatusOr<MapFileFormat> FormatOf(v1::MapFormat format) {
+absl::StatusOr<grid::MapFileFormat> FormatOf(v1::MapFormat format) {
   switch (format) {
     case v1::MAP_FORMAT_PGM:
-      return MapFileFormat::kPgm;
+      return grid::MapFileFormat::kPgm;
     case v1::MAP_FORMAT_PNG:
-      return MapFileFormat::kPng;
+      return grid::MapFileFormat::kPng;
     case v1::MAP_FORMAT_JSON:
-      return MapFileFormat::kJson;
+      return grid::MapFileFormat::kJson;
     default:
       return InvalidArgument("format is {}: expected MAP_FORMAT_PGM, _PNG or _JSON", static_cast<int>(format));
   }
@@ -82,11 +82,11 @@ absl::StatusOr<v1::ExportMapRequest> Decode(grpc::ByteBuffer bytes) {
 
 }  // namespace
 
-absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const CallContext& context,
+absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const storage::CallContext& context,
                                                           const grpc::ByteBuffer& encoded_request) {
   ENFILADE_ASSIGN_OR_RETURN(const v1::ExportMapRequest request, Decode(encoded_request));
-  ENFILADE_ASSIGN_OR_RETURN(const RevisionName name, ParseMapOrRevisionName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const MapFileFormat format, FormatOf(request.format()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::RevisionName name, convert::ParseMapOrRevisionName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const grid::MapFileFormat format, FormatOf(request.format()));
   ENFILADE_ASSIGN_OR_RETURN(ExportedMap map, services.exports.Get(context, name, format));
   return MessageSource<grpc::ByteBuffer>(ExportSource(std::move(map)));
 }

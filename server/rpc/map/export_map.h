@@ -7,7 +7,7 @@
 namespace enfilade::server {
 
 // MapService.ExportMap, with its messages in the form in which they travel: see EncodeChunkMessage().
-absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const CallContext& context,
+absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const storage::CallContext& context,
                                                           const grpc::ByteBuffer& encoded_request);
 
 }  // namespace enfilade::server

@@ -54,7 +54,7 @@ absl::Status FileAssembly::Add(const v1::FileChunk& chunk) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<MapFile>> FileAssembly::Finish() {
+absl::StatusOr<std::vector<grid::MapFile>> FileAssembly::Finish() {
   if (files_.empty()) return InvalidArgument("the first message must be the manifest");
   for (std::size_t i = 0; i < files_.size(); ++i) {
     if (static_cast<std::int64_t>(files_[i].bytes.size()) != entries_[i].size_bytes()) {

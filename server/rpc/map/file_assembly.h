@@ -21,11 +21,11 @@ class FileAssembly {
   // INVALID_ARGUMENT where the chunk is not the next one.
   absl::Status Add(const v1::FileChunk& chunk);
   // The files. INVALID_ARGUMENT where one is not complete, DATA_LOSS where its digest is another.
-  absl::StatusOr<std::vector<MapFile>> Finish();
+  absl::StatusOr<std::vector<grid::MapFile>> Finish();
 
  private:
   std::vector<v1::FileEntry> entries_;
-  std::vector<MapFile> files_;
+  std::vector<grid::MapFile> files_;
   std::size_t current_ = 0;
 };
 

@@ -5,11 +5,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const storage::CallContext& context,
                                                           const v1::GetMapRevisionRequest& request) {
   v1::GetMapRevisionResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const RevisionName name, ParseRevisionName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const MapRevision revision,
+  ENFILADE_ASSIGN_OR_RETURN(const convert::RevisionName name, convert::ParseRevisionName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
                             services.revisions.Get(context, name.site, name.map, name.revision));
   *response.mutable_revision() = ToProto(revision);
   return response;

@@ -13,7 +13,7 @@ namespace {
 
 class MapImporter {
  public:
-  MapImporter(const Services& services, const CallContext& context) : services_(services), context_(context) {}
+  MapImporter(const Services& services, const storage::CallContext& context) : services_(services), context_(context) {}
 
   absl::Status Take(const v1::ImportMapRequest& request) {
     if (request.has_chunk()) return assembly_.Add(request.chunk());
@@ -22,22 +22,22 @@ class MapImporter {
     }
     begun_ = true;
     const v1::ImportMapManifest& manifest = request.manifest();
-    ENFILADE_ASSIGN_OR_RETURN(name_, ParseMapName("manifest.parent", manifest.parent()));
+    ENFILADE_ASSIGN_OR_RETURN(name_, convert::ParseMapName("manifest.parent", manifest.parent()));
     if (!v1::MapDialect_IsValid(manifest.dialect())) {
       return InvalidArgument("manifest.dialect is {}: unknown to this server", static_cast<int>(manifest.dialect()));
     }
-    if (manifest.dialect() == v1::MAP_DIALECT_ROS1) dialect_ = MapDialect::kRos1;
+    if (manifest.dialect() == v1::MAP_DIALECT_ROS1) dialect_ = grid::MapDialect::kRos1;
     return assembly_.Begin(manifest.files(), services_.options.transfers.max_import_bytes);
   }
 
   absl::Status Answer(v1::ImportMapResponse& response) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::vector<MapFile> files, assembly_.Finish());
-    ENFILADE_ASSIGN_OR_RETURN(const ImportedMap imported, ImportFiles(files, dialect_));
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, assembly_.Finish());
+    ENFILADE_ASSIGN_OR_RETURN(const grid::ImportedMap imported, grid::ImportFiles(files, dialect_));
     for (const std::string& warning : imported.warnings) response.add_warnings(warning);
     ENFILADE_ASSIGN_OR_RETURN(RasterRevision raster, ToRevision(imported.raster));
-    raster.revision.source = RevisionSource::kImport;
+    raster.revision.source = storage::RevisionSource::kImport;
     ENFILADE_RETURN_IF_ERROR(PutTiles(context_, services_.blobs, name_.site, raster, {}));
-    ENFILADE_ASSIGN_OR_RETURN(const MapRevision revision,
+    ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
                               services_.revisions.Add(context_, name_.site, name_.map, raster.revision, {}));
     *response.mutable_revision() = ToProto(revision);
     return absl::OkStatus();
@@ -45,10 +45,10 @@ class MapImporter {
 
  private:
   const Services& services_;
-  const CallContext context_;
+  const storage::CallContext context_;
   bool begun_ = false;
-  MapName name_;
-  MapDialect dialect_ = MapDialect::kNav2;
+  convert::MapName name_;
+  grid::MapDialect dialect_ = grid::MapDialect::kNav2;
   FileAssembly assembly_;
 };
 

@@ -5,15 +5,15 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const CallContext& context,
+absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const storage::CallContext& context,
                                                 const v1::UpdateMapRequest& request) {
   v1::UpdateMapResponse response;
   const auto& mask = request.update_mask();
   const v1::Map& wanted = request.map();
   ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "level", "environment", "slam_profile", "outline"}));
-  ENFILADE_ASSIGN_OR_RETURN(const MapName name, ParseMapName("map.name", wanted.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::MapName name, convert::ParseMapName("map.name", wanted.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(wanted.etag()));
-  ENFILADE_ASSIGN_OR_RETURN(const Map stored, services.maps.Get(context, name.site, name.map));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map stored, services.maps.Get(context, name.site, name.map));
 
   v1::Map changed = ToProto(stored);
   if (IsUpdated(mask, "display_name", !wanted.display_name().empty())) changed.set_display_name(wanted.display_name());
@@ -21,11 +21,11 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   if (IsUpdated(mask, "environment", wanted.environment() != 0)) changed.set_environment(wanted.environment());
   if (IsUpdated(mask, "slam_profile", !wanted.slam_profile().empty())) changed.set_slam_profile(wanted.slam_profile());
   if (IsUpdated(mask, "outline", wanted.has_outline())) *changed.mutable_outline() = wanted.outline();
-  ENFILADE_ASSIGN_OR_RETURN(Map map, FromProto(changed));
+  ENFILADE_ASSIGN_OR_RETURN(storage::Map map, FromProto(changed));
   map.site = name.site;
   map.id = name.map;
   map.etag = etag != 0 ? etag : stored.etag;
-  ENFILADE_ASSIGN_OR_RETURN(const Map updated, services.maps.Update(context, map));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map updated, services.maps.Update(context, map));
   services.graphs.MarkChanged(name.site);
   *response.mutable_map() = ToProto(updated);
   return response;

@@ -5,14 +5,14 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::CreateRobotResponse> CreateRobot(const Services& services, const CallContext& context,
+absl::StatusOr<v1::CreateRobotResponse> CreateRobot(const Services& services, const storage::CallContext& context,
                                                     const v1::CreateRobotRequest& request) {
   v1::CreateRobotResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(Robot robot, FromProto(request.robot()));
-  ENFILADE_ASSIGN_OR_RETURN(robot.site, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(storage::Robot robot, FromProto(request.robot()));
+  ENFILADE_ASSIGN_OR_RETURN(robot.site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("robot_id", request.robot_id()));
   robot.id = RobotId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const Robot created, services.robots.Create(context, robot, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot created, services.robots.Create(context, robot, request.request_id()));
   *response.mutable_robot() = ToProto(created);
   return response;
 }

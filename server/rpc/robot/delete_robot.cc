@@ -5,9 +5,9 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::DeleteRobotResponse> DeleteRobot(const Services& services, const CallContext& context,
+absl::StatusOr<v1::DeleteRobotResponse> DeleteRobot(const Services& services, const storage::CallContext& context,
                                                     const v1::DeleteRobotRequest& request) {
-  ENFILADE_ASSIGN_OR_RETURN(const RobotName name, ParseRobotName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName name, convert::ParseRobotName("name", request.name()));
   ENFILADE_RETURN_IF_ERROR(services.robots.Delete(context, name.site, name.robot, /*etag=*/0));
   return v1::DeleteRobotResponse();
 }

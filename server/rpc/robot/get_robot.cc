@@ -5,11 +5,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetRobotResponse> GetRobot(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetRobotResponse> GetRobot(const Services& services, const storage::CallContext& context,
                                               const v1::GetRobotRequest& request) {
   v1::GetRobotResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const RobotName name, ParseRobotName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const Robot robot, services.robots.Get(context, name.site, name.robot));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName name, convert::ParseRobotName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot robot, services.robots.Get(context, name.site, name.robot));
   *response.mutable_robot() = ToProto(robot);
   return response;
 }

@@ -9,13 +9,13 @@ namespace enfilade::server {
 
 // The unary RPCs of RobotService, one file each. What they answer and when they fail is told in the proto.
 
-absl::StatusOr<v1::CreateRobotResponse> CreateRobot(const Services& services, const CallContext& context,
+absl::StatusOr<v1::CreateRobotResponse> CreateRobot(const Services& services, const storage::CallContext& context,
                                                     const v1::CreateRobotRequest& request);
-absl::StatusOr<v1::GetRobotResponse> GetRobot(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetRobotResponse> GetRobot(const Services& services, const storage::CallContext& context,
                                               const v1::GetRobotRequest& request);
-absl::StatusOr<v1::ListRobotsResponse> ListRobots(const Services& services, const CallContext& context,
+absl::StatusOr<v1::ListRobotsResponse> ListRobots(const Services& services, const storage::CallContext& context,
                                                   const v1::ListRobotsRequest& request);
-absl::StatusOr<v1::DeleteRobotResponse> DeleteRobot(const Services& services, const CallContext& context,
+absl::StatusOr<v1::DeleteRobotResponse> DeleteRobot(const Services& services, const storage::CallContext& context,
                                                     const v1::DeleteRobotRequest& request);
 
 }  // namespace enfilade::server

@@ -3,7 +3,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services, const storage::CallContext& context,
                                                             const v1::GetServerStatusRequest& request) {
   (void)context;
   (void)request;

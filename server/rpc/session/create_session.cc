@@ -15,12 +15,12 @@ absl::Status CheckSameSite(const char* field, const SiteId& named, const SiteId&
                          parent.value());
 }
 
-absl::StatusOr<SessionEntry> EntryFromProto(const v1::Session& session, const SiteId& site) {
-  SessionEntry entry;
+absl::StatusOr<sensor::SessionEntry> EntryFromProto(const v1::Session& session, const SiteId& site) {
+  sensor::SessionEntry entry;
   const v1::SessionEntry& in = session.entry();
   if (!in.previous_session().empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const SessionName previous,
-                              ParseSessionName("session.entry.previous_session", in.previous_session()));
+    ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName previous,
+                              convert::ParseSessionName("session.entry.previous_session", in.previous_session()));
     ENFILADE_RETURN_IF_ERROR(CheckSameSite("session.entry.previous_session", previous.site, site));
     if (!session.map().empty() || in.has_pose_map_robot() || in.has_pose_odom_robot()) {
       return InvalidArgument(
@@ -33,13 +33,13 @@ absl::StatusOr<SessionEntry> EntryFromProto(const v1::Session& session, const Si
   if (in.has_pose_map_robot()) {
     if (session.map().empty()) return InvalidArgument("session.entry.pose_map_robot is set, but session.map is not");
     ENFILADE_ASSIGN_OR_RETURN(entry.T_map_robot,
-                              enfilade::FromProto("session.entry.pose_map_robot", in.pose_map_robot()));
+                              enfilade::convert::FromProto("session.entry.pose_map_robot", in.pose_map_robot()));
   }
   if (in.has_pose_odom_robot()) {
     if (!in.has_pose_map_robot()) {
       return InvalidArgument("session.entry.pose_odom_robot is set, but pose_map_robot is not");
     }
-    entry.T_odom_robot = enfilade::FromProto(in.pose_odom_robot());
+    entry.T_odom_robot = enfilade::convert::FromProto(in.pose_odom_robot());
     if (!IsFinite(*entry.T_odom_robot)) return InvalidArgument("session.entry.pose_odom_robot is not finite");
   }
   return entry;
@@ -47,16 +47,16 @@ absl::StatusOr<SessionEntry> EntryFromProto(const v1::Session& session, const Si
 
 }  // namespace
 
-absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services, const CallContext& context,
+absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services, const storage::CallContext& context,
                                                         const v1::CreateSessionRequest& request) {
   v1::CreateSessionResponse response;
-  Session session;
-  ENFILADE_ASSIGN_OR_RETURN(session.site, ParseSiteName("parent", request.parent()));
-  ENFILADE_ASSIGN_OR_RETURN(const RobotName robot, ParseRobotName("session.robot", request.session().robot()));
+  storage::Session session;
+  ENFILADE_ASSIGN_OR_RETURN(session.site, convert::ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName robot, convert::ParseRobotName("session.robot", request.session().robot()));
   ENFILADE_RETURN_IF_ERROR(CheckSameSite("session.robot", robot.site, session.site));
   session.robot = robot.robot;
   if (!request.session().map().empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const MapName map, ParseMapName("session.map", request.session().map()));
+    ENFILADE_ASSIGN_OR_RETURN(const convert::MapName map, convert::ParseMapName("session.map", request.session().map()));
     ENFILADE_RETURN_IF_ERROR(CheckSameSite("session.map", map.site, session.site));
     session.map = map.map;
   }
@@ -65,7 +65,7 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services
   }
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("session_id", request.session_id()));
   session.id = SessionId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const Session created, services.sessions.Create(context, session, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Session created, services.sessions.Create(context, session, request.request_id()));
   *response.mutable_session() = ToProto(created);
   return response;
 }

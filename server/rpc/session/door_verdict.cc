@@ -8,12 +8,12 @@
 namespace enfilade::server {
 namespace {
 
-static_assert(static_cast<int>(DoorDecision::kNotJudged) == v1::DoorVerdict::DECISION_NOT_JUDGED);
+static_assert(static_cast<int>(closure::DoorDecision::kNotJudged) == v1::DoorVerdict::DECISION_NOT_JUDGED);
 
-v1::DoorComparison ToProto(const SiteId& site, const DoorComparison& comparison) {
+v1::DoorComparison ToProto(const SiteId& site, const closure::DoorComparison& comparison) {
   v1::DoorComparison out;
-  out.set_link_point(NameOf(LinkPointName{site, comparison.link_point}));
-  out.set_map(NameOf(MapName{site, comparison.map}));
+  out.set_link_point(convert::NameOf(convert::LinkPointName{site, comparison.link_point}));
+  out.set_map(convert::NameOf(convert::MapName{site, comparison.map}));
   out.set_distance_m(comparison.distance.value_or(-1.0));
   out.set_image_matches(comparison.image_matches.value_or(-1));
   out.set_images_agree(comparison.images_agree);
@@ -28,26 +28,26 @@ v1::DoorComparison ToProto(const SiteId& site, const DoorComparison& comparison)
 
 }  // namespace
 
-v1::DoorVerdict ToProto(const SiteId& site, const DoorVerdict& verdict) {
+v1::DoorVerdict ToProto(const SiteId& site, const closure::DoorVerdict& verdict) {
   v1::DoorVerdict out;
-  out.set_name(fmt::format("{}/doors/{}", NameOf(SessionName{site, verdict.session}), verdict.sequence));
+  out.set_name(fmt::format("{}/doors/{}", convert::NameOf(convert::SessionName{site, verdict.session}), verdict.sequence));
   out.set_decision(static_cast<v1::DoorVerdict::Decision>(verdict.decision));
-  if (verdict.link_point) out.set_link_point(NameOf(LinkPointName{site, *verdict.link_point}));
-  if (verdict.entered_map) out.set_entered_map(NameOf(MapName{site, *verdict.entered_map}));
-  if (verdict.T_map_robot) *out.mutable_pose_map_robot() = enfilade::ToProto(*verdict.T_map_robot);
-  for (const DoorComparison& comparison : verdict.comparisons) *out.add_comparisons() = ToProto(site, comparison);
+  if (verdict.link_point) out.set_link_point(convert::NameOf(convert::LinkPointName{site, *verdict.link_point}));
+  if (verdict.entered_map) out.set_entered_map(convert::NameOf(convert::MapName{site, *verdict.entered_map}));
+  if (verdict.T_map_robot) *out.mutable_pose_map_robot() = enfilade::convert::ToProto(*verdict.T_map_robot);
+  for (const closure::DoorComparison& comparison : verdict.comparisons) *out.add_comparisons() = ToProto(site, comparison);
   out.set_reason(verdict.reason);
   out.set_graph_version(verdict.graph_version);
-  *out.mutable_create_time() = ToTimestamp(verdict.create_time);
+  *out.mutable_create_time() = convert::ToTimestamp(verdict.create_time);
   return out;
 }
 
 v1::MapEntered ToProto(const MapEntry& entry) {
   v1::MapEntered out;
-  out.set_map(NameOf(MapName{entry.map.site, entry.map.id}));
+  out.set_map(convert::NameOf(convert::MapName{entry.map.site, entry.map.id}));
   out.set_map_display_name(entry.map.display_name);
-  if (entry.entry.T_map_robot) *out.mutable_pose_map_robot() = enfilade::ToProto(*entry.entry.T_map_robot);
-  if (entry.entry.T_odom_robot) *out.mutable_pose_odom_robot() = enfilade::ToProto(*entry.entry.T_odom_robot);
+  if (entry.entry.T_map_robot) *out.mutable_pose_map_robot() = enfilade::convert::ToProto(*entry.entry.T_map_robot);
+  if (entry.entry.T_odom_robot) *out.mutable_pose_odom_robot() = enfilade::convert::ToProto(*entry.entry.T_odom_robot);
   if (entry.verdict) *out.mutable_verdict() = ToProto(entry.map.site, *entry.verdict);
   return out;
 }

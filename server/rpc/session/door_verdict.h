@@ -7,7 +7,7 @@
 
 namespace enfilade::server {
 
-v1::DoorVerdict ToProto(const SiteId& site, const DoorVerdict& verdict);
+v1::DoorVerdict ToProto(const SiteId& site, const closure::DoorVerdict& verdict);
 v1::MapEntered ToProto(const MapEntry& entry);
 
 }  // namespace enfilade::server

@@ -8,6 +8,6 @@ namespace enfilade::server {
 
 // SessionService.ExportTrajectory.
 absl::StatusOr<MessageSource<v1::ExportTrajectoryResponse>> ExportTrajectory(
-    const Services& services, const CallContext& context, const v1::ExportTrajectoryRequest& request);
+    const Services& services, const storage::CallContext& context, const v1::ExportTrajectoryRequest& request);
 
 }  // namespace enfilade::server

@@ -5,11 +5,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services, const CallContext& context,
+absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services, const storage::CallContext& context,
                                                         const v1::FinishSessionRequest& request) {
   v1::FinishSessionResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SessionName name, ParseSessionName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const Session session,
+  ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Session session,
                             services.sessions.Finish(context, name.site, name.session, request.last_sequence()));
   services.mapping.Wake();
   *response.mutable_session() = ToProto(session);

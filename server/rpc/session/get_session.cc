@@ -5,11 +5,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetSessionResponse> GetSession(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetSessionResponse> GetSession(const Services& services, const storage::CallContext& context,
                                                   const v1::GetSessionRequest& request) {
   v1::GetSessionResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SessionName name, ParseSessionName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const Session session, services.sessions.Get(context, name.site, name.session));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, services.sessions.Get(context, name.site, name.session));
   *response.mutable_session() = ToProto(session);
   return response;
 }

@@ -15,13 +15,13 @@ constexpr char kSeparator = '/';
 
 }  // namespace
 
-absl::StatusOr<v1::ListSessionsResponse> ListSessions(const Services& services, const CallContext& context,
+absl::StatusOr<v1::ListSessionsResponse> ListSessions(const Services& services, const storage::CallContext& context,
                                                       const v1::ListSessionsRequest& request) {
   v1::ListSessionsResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
   ENFILADE_ASSIGN_OR_RETURN(const std::string key, FromPageToken(request.page_token()));
-  std::optional<SessionPosition> after;
+  std::optional<storage::SessionPosition> after;
   if (!key.empty()) {
     after.emplace();
     const auto time = std::from_chars(key.data(), key.data() + key.size(), after->create_time);
@@ -32,10 +32,10 @@ absl::StatusOr<v1::ListSessionsResponse> ListSessions(const Services& services, 
   }
   ENFILADE_ASSIGN_OR_RETURN(auto sessions, services.sessions.List(context, site, {}, size + 1, after));
   if (CutToPage(sessions, size)) {
-    const Session& last = sessions.back();
+    const storage::Session& last = sessions.back();
     response.set_next_page_token(ToPageToken(std::to_string(last.create_time) + kSeparator + last.id.value()));
   }
-  for (const Session& session : sessions) *response.add_sessions() = ToProto(session);
+  for (const storage::Session& session : sessions) *response.add_sessions() = ToProto(session);
   return response;
 }
 

@@ -5,11 +5,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::ResumeClosureResponse> ResumeClosure(const Services& services, const CallContext& context,
+absl::StatusOr<v1::ResumeClosureResponse> ResumeClosure(const Services& services, const storage::CallContext& context,
                                                         const v1::ResumeClosureRequest& request) {
   v1::ResumeClosureResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const ClosureName name, ParseClosureName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const SlamClosure closure,
+  ENFILADE_ASSIGN_OR_RETURN(const convert::ClosureName name, convert::ParseClosureName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamClosure closure,
                             services.closures.SetSuspended(context, name.site, name.session, name.closure, false));
   services.mapping.Wake();
   *response.mutable_closure() = ToProto({name.site, name.session}, closure);

@@ -5,11 +5,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetSiteResponse> GetSite(const Services& services, const CallContext& context,
+absl::StatusOr<v1::GetSiteResponse> GetSite(const Services& services, const storage::CallContext& context,
                                             const v1::GetSiteRequest& request) {
   v1::GetSiteResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId id, ParseSiteName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const Site site, services.sites.Get(context, id));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId id, convert::ParseSiteName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Site site, services.sites.Get(context, id));
   *response.mutable_site() = ToProto(site);
   return response;
 }

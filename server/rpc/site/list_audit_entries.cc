@@ -8,11 +8,11 @@
 namespace enfilade::server {
 namespace {
 
-v1::AuditEntry ToProto(const std::string& site_name, const AuditEntry& entry) {
+v1::AuditEntry ToProto(const std::string& site_name, const storage::AuditEntry& entry) {
   v1::AuditEntry out;
-  *out.mutable_time() = ToTimestamp(entry.time);
+  *out.mutable_time() = convert::ToTimestamp(entry.time);
   out.set_actor(entry.actor);
-  static_assert(static_cast<int>(AuditAction::kDeleted) == v1::AuditEntry::ACTION_DELETED);
+  static_assert(static_cast<int>(storage::AuditAction::kDeleted) == v1::AuditEntry::ACTION_DELETED);
   out.set_action(static_cast<v1::AuditEntry::Action>(entry.action));
   out.set_resource(site_name + "/" + entry.resource);
   out.set_before(entry.before);
@@ -22,10 +22,10 @@ v1::AuditEntry ToProto(const std::string& site_name, const AuditEntry& entry) {
 
 }  // namespace
 
-absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services, const CallContext& context,
+absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services, const storage::CallContext& context,
                                                               const v1::ListAuditEntriesRequest& request) {
   v1::ListAuditEntriesResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   const std::string within = NameOf(site) + "/";
   if (!request.resource().empty() && !request.resource().starts_with(within)) {
     return InvalidArgument("resource is \"{}\": expected one of {}", request.resource(), NameOf(site));
@@ -36,7 +36,7 @@ absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& se
   ENFILADE_RETURN_IF_ERROR(services.sites.Get(context, site).status());
   ENFILADE_ASSIGN_OR_RETURN(auto entries, services.audit.List(context, site, resource, before, size + 1));
   if (CutToPage(entries, size)) response.set_next_page_token(ToPageToken(std::to_string(entries.back().id)));
-  for (const AuditEntry& entry : entries) *response.add_entries() = ToProto(NameOf(site), entry);
+  for (const storage::AuditEntry& entry : entries) *response.add_entries() = ToProto(NameOf(site), entry);
   return response;
 }
 

@@ -21,19 +21,19 @@
 
 namespace enfilade::testing {
 
-inline const char* InWords(DoorDecision decision) {
+inline const char* InWords(closure::DoorDecision decision) {
   switch (decision) {
-    case DoorDecision::kCandidateMade:
+    case closure::DoorDecision::kCandidateMade:
       return "candidate made";
-    case DoorDecision::kCandidateKnown:
+    case closure::DoorDecision::kCandidateKnown:
       return "candidate known";
-    case DoorDecision::kCandidatePromoted:
+    case closure::DoorDecision::kCandidatePromoted:
       return "candidate promoted";
-    case DoorDecision::kLinkPointRecognised:
+    case closure::DoorDecision::kLinkPointRecognised:
       return "link point recognised";
-    case DoorDecision::kLinkPointMade:
+    case closure::DoorDecision::kLinkPointMade:
       return "link point made";
-    case DoorDecision::kNotJudged:
+    case closure::DoorDecision::kNotJudged:
       return "not judged";
   }
   return "?";
@@ -42,10 +42,10 @@ inline const char* InWords(DoorDecision decision) {
 // What the server does with sessions, without gRPC: mapping, the graph and its optimisation, closures at doors.
 class Workers {
  public:
-  Workers(postgres::Pool& pool, const ClosureOptions& options)
+  Workers(storage::postgres::Pool& pool, const closure::ClosureOptions& options)
       : pool_(pool), metrics_(*server::Metrics::Create("")), options_(options) {
     mapping_.emplace(
-        server::ServerOptions::Mapping{}, SlamOptions(),
+        server::ServerOptions::Mapping{}, slam::SlamOptions(),
         server::SessionMappingStores{mappings_, records_, sessions_, blobs_, revisions_, robot_poses_, maps_},
         *metrics_, [this] { wake_.Wake(); });
     closures_.emplace(options_,
@@ -55,21 +55,21 @@ class Workers {
   }
 
  private:
-  postgres::Pool& pool_;
-  const SessionStore sessions_{pool_};
-  const RecordStore records_{pool_};
-  const MappingStore mappings_{pool_};
-  const BlobStore blobs_{pool_};
-  const FeatureStore features_{pool_};
-  const MapStore maps_{pool_};
-  const RevisionStore revisions_{pool_};
-  const RobotPoseStore robot_poses_{pool_};
-  const LinkPointStore link_points_{pool_};
-  const DoorVerdictStore verdicts_{pool_};
-  const SiteLeaseStore leases_{pool_};
-  const GraphStore graph_store_{pool_};
+  storage::postgres::Pool& pool_;
+  const storage::SessionStore sessions_{pool_};
+  const storage::RecordStore records_{pool_};
+  const storage::MappingStore mappings_{pool_};
+  const storage::BlobStore blobs_{pool_};
+  const storage::FeatureStore features_{pool_};
+  const storage::MapStore maps_{pool_};
+  const storage::RevisionStore revisions_{pool_};
+  const storage::RobotPoseStore robot_poses_{pool_};
+  const storage::LinkPointStore link_points_{pool_};
+  const storage::DoorVerdictStore verdicts_{pool_};
+  const storage::SiteLeaseStore leases_{pool_};
+  const storage::GraphStore graph_store_{pool_};
   const std::unique_ptr<server::Metrics> metrics_;
-  const ClosureOptions options_;
+  const closure::ClosureOptions options_;
   server::WakeSignal wake_;
   server::ChangedSites changed_;
   server::SiteGraphs graphs_{pool_, graph_store_, changed_};
@@ -90,7 +90,7 @@ class DoorClosuresTest : public StoreTest {
   // A session into `map` or, without one, out of `previous`, with all its records; finished.
   SessionId Send(const DrivenSession& driven, const std::optional<MapId>& map, const std::optional<SessionId>& previous,
                  const std::optional<PoseWithCovariance>& T_map_robot = {}) {
-    Session session = MakeSession(site_, SessionId("s" + std::to_string(++sessions_made_)), robot_, map);
+    storage::Session session = MakeSession(site_, SessionId("s" + std::to_string(++sessions_made_)), robot_, map);
     session.entry.previous = previous;
     session.entry.T_map_robot = T_map_robot;
     EXPECT_OK(sessions_.Create(Soon(), session, ""));
@@ -117,11 +117,11 @@ class DoorClosuresTest : public StoreTest {
 
   void AwaitMapped(const std::vector<SessionId>& sessions) {
     for (const SessionId& session : sessions) {
-      for (int i = 0; i < 3000 * kSlowdown && sessions_.Get(Soon(), site_, session)->state != SessionState::kMapped;
+      for (int i = 0; i < 3000 * kSlowdown && sessions_.Get(Soon(), site_, session)->state != storage::SessionState::kMapped;
            ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
       }
-      ASSERT_EQ(sessions_.Get(Soon(), site_, session)->state, SessionState::kMapped) << session.value();
+      ASSERT_EQ(sessions_.Get(Soon(), site_, session)->state, storage::SessionState::kMapped) << session.value();
     }
     while (Value("SELECT count(*) FROM sessions WHERE door_reports > 0 AND NOT doors_judged") != "0") {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -133,7 +133,7 @@ class DoorClosuresTest : public StoreTest {
     return sessions;
   }
 
-  std::vector<DoorVerdict> Verdicts(const SessionId& session) {
+  std::vector<closure::DoorVerdict> Verdicts(const SessionId& session) {
     const auto verdicts = verdicts_.List(Soon(), site_, session, 0, 100);
     EXPECT_OK(verdicts);
     return *verdicts;
@@ -142,10 +142,10 @@ class DoorClosuresTest : public StoreTest {
   std::vector<std::string> Decisions(const std::vector<SessionId>& sessions) {
     std::vector<std::string> decisions;
     for (const SessionId& session : sessions) {
-      for (const DoorVerdict& verdict : Verdicts(session)) {
+      for (const closure::DoorVerdict& verdict : Verdicts(session)) {
         decisions.emplace_back(InWords(verdict.decision));
         std::cout << session.value() << ": " << decisions.back() << ": " << verdict.reason << "\n";
-        for (const DoorComparison& compared : verdict.comparisons) std::cout << "    " << compared.reason << "\n";
+        for (const closure::DoorComparison& compared : verdict.comparisons) std::cout << "    " << compared.reason << "\n";
       }
     }
     return decisions;
@@ -169,12 +169,12 @@ class DoorClosuresTest : public StoreTest {
     return drive;
   }
   // The content of each image or cloud of the session becomes what `change` makes of it.
-  static void Change(DrivenSession& session, const std::function<std::string(const Record&, std::string)>& change) {
+  static void Change(DrivenSession& session, const std::function<std::string(const sensor::Record&, std::string)>& change) {
     std::size_t next = 0;  // contents are in the order of the log
-    for (Record& record : session.log) {
-      BlobRef* content = nullptr;
-      if (auto* image = std::get_if<Image>(&record.payload)) content = &image->content;
-      if (auto* cloud = std::get_if<PointCloud>(&record.payload)) content = &cloud->content;
+    for (sensor::Record& record : session.log) {
+      sensor::BlobRef* content = nullptr;
+      if (auto* image = std::get_if<sensor::Image>(&record.payload)) content = &image->content;
+      if (auto* cloud = std::get_if<sensor::PointCloud>(&record.payload)) content = &cloud->content;
       if (content == nullptr) continue;
       std::string& bytes = session.contents[next++];
       bytes = change(record, std::move(bytes));
@@ -185,8 +185,8 @@ class DoorClosuresTest : public StoreTest {
 
   std::string Value(const std::string& sql) { return database_.SqlValue(sql); }
 
-  ClosureOptions options_;
-  const DoorVerdictStore verdicts_{*pool_};
+  closure::ClosureOptions options_;
+  const storage::DoorVerdictStore verdicts_{*pool_};
   std::unique_ptr<Workers> workers_;
   int sessions_made_ = 0;
 };

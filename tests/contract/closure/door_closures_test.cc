@@ -65,7 +65,7 @@ TEST_F(DoorClosuresTest, WithoutImagesAndCloudsTheScansTellAndTheVerdictSaysWhat
               ElementsAre("candidate made", "link point made", "candidate promoted", "link point recognised"));
   EXPECT_EQ(MapOf(sessions[2]), map_);
   EXPECT_THAT(Verdicts(sessions[0])[0].reason, HasSubstr("neither images nor clouds"));
-  const std::vector<DoorVerdict> second = Verdicts(sessions[1]);
+  const std::vector<closure::DoorVerdict> second = Verdicts(sessions[1]);
   EXPECT_THAT(second[0].reason, HasSubstr("the scans show where the robot is"));
   ASSERT_THAT(second[0].comparisons, SizeIs(2));  // the candidate, and the door that it came by before
   EXPECT_THAT(second[0].comparisons[0].reason, HasSubstr("the robot has no images behind the door"));
@@ -75,13 +75,13 @@ TEST_F(DoorClosuresTest, WithoutImagesAndCloudsTheScansTellAndTheVerdictSaysWhat
 
 TEST_F(DoorClosuresTest, DamagedImagesAndCloudsCountAsMissing) {
   std::vector<DrivenSession> drive = DriveInTwoRooms();
-  Change(drive[0], [](const Record& record, std::string bytes) {
+  Change(drive[0], [](const sensor::Record& record, std::string bytes) {
     return bytes.substr(0, 101) + std::to_string(record.sequence);
   });
   const std::vector<SessionId> sessions = MapAll(drive);
   ASSERT_THAT(Decisions(sessions),
               ElementsAre("candidate made", "link point made", "candidate promoted", "link point recognised"));
-  const DoorVerdict verdict = Verdicts(sessions[1])[0];
+  const closure::DoorVerdict verdict = Verdicts(sessions[1])[0];
   EXPECT_THAT(verdict.reason, HasSubstr("an image cannot be read"));
   EXPECT_THAT(verdict.reason, HasSubstr("a cloud cannot be read"));
   ASSERT_FALSE(verdict.comparisons.empty());
@@ -94,33 +94,33 @@ TEST_F(DoorClosuresTest, ABlackImageShowsNothingAndSpeaksNeitherForNorAgainst) {
   simulator::CameraFrame black{.width = 512, .height = 384, .grey = {}, .depth = {}};
   black.grey.resize(512 * 384, 0);
   ASSERT_OK_AND_ASSIGN(const std::string png, black.GreyPng());
-  Change(drive[0], [&](const Record& record, std::string bytes) {
-    return std::holds_alternative<Image>(record.payload) ? png : bytes;
+  Change(drive[0], [&](const sensor::Record& record, std::string bytes) {
+    return std::holds_alternative<sensor::Image>(record.payload) ? png : bytes;
   });
   drive.resize(2);
   const std::vector<SessionId> sessions = MapAll(drive);
   Decisions(sessions);
-  const DoorVerdict verdict = Verdicts(sessions[1])[0];
+  const closure::DoorVerdict verdict = Verdicts(sessions[1])[0];
   EXPECT_THAT(verdict.reason, HasSubstr("an image shows nothing: 0 features"));
-  for (const DoorComparison& compared : verdict.comparisons) EXPECT_EQ(compared.image_matches, std::nullopt);
+  for (const closure::DoorComparison& compared : verdict.comparisons) EXPECT_EQ(compared.image_matches, std::nullopt);
 }
 
 TEST_F(DoorClosuresTest, TheCloudOfAnotherPlaceIsNotBelievedWhateverTheImagesSay) {
   std::vector<DrivenSession> drive = DriveInTwoRooms();
   std::string other;
-  Change(drive[1], [&](const Record& record, std::string bytes) {
-    if (std::holds_alternative<PointCloud>(record.payload) && other.empty()) other = bytes;
+  Change(drive[1], [&](const sensor::Record& record, std::string bytes) {
+    if (std::holds_alternative<sensor::PointCloud>(record.payload) && other.empty()) other = bytes;
     return bytes;
   });
-  Change(drive[0], [&](const Record& record, std::string bytes) {
-    return std::holds_alternative<PointCloud>(record.payload) ? other : bytes;
+  Change(drive[0], [&](const sensor::Record& record, std::string bytes) {
+    return std::holds_alternative<sensor::PointCloud>(record.payload) ? other : bytes;
   });
   drive.resize(2);
   const std::vector<SessionId> sessions = MapAll(drive);
   ASSERT_THAT(Decisions(sessions), ElementsAre("candidate made", "link point made", "link point made"));
-  const DoorVerdict verdict = Verdicts(sessions[1])[0];
+  const closure::DoorVerdict verdict = Verdicts(sessions[1])[0];
   bool images_agreed = false;
-  for (const DoorComparison& compared : verdict.comparisons) {
+  for (const closure::DoorComparison& compared : verdict.comparisons) {
     images_agreed = images_agreed || compared.images_agree;
     EXPECT_FALSE(compared.accepted) << compared.reason;
   }
@@ -135,9 +135,9 @@ TEST_F(DoorClosuresTest, SessionsAfterNoPassageBeginAMapThatNothingJoins) {
 }
 
 TEST_F(DoorClosuresTest, APassageAtWhichNothingWasMappedCannotBeJudged) {
-  DoorReport report;
+  sensor::DoorReport report;
   report.time = report.door_time = 9;
-  report.kind = DoorReport::Kind::kPassage;
+  report.kind = sensor::DoorReport::Kind::kPassage;
   report.entered_level = 3;
   std::vector<DrivenSession> drive(2);
   drive[0].log = {{1, report}};

@@ -44,7 +44,7 @@ class TwoRobots : public DoorClosuresTest, public ::testing::WithParamInterface<
       sessions.push_back(Send(driven, map_, {}));
     } else {
       sessions.push_back(Send(driven, map_, {},
-                              PoseWithCovariance{Between(StartOf("r1"), StartOf("r2")), DefaultTransformCovariance()}));
+                              PoseWithCovariance{Between(StartOf("r1"), StartOf("r2")), graph::DefaultTransformCovariance()}));
     }
   }
   void AwaitAll() {

@@ -31,7 +31,7 @@ TEST_F(BlobStoreTest, StoresTheSameBytesOnce) {
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "1");
   ASSERT_OK_AND_ASSIGN(const std::string data, blobs_.Get(Soon(), site_, blob.sha256()));
   EXPECT_EQ(data, "content");
-  ASSERT_OK_AND_ASSIGN(const BlobRef ref, blobs_.Stat(Soon(), site_, blob.sha256()));
+  ASSERT_OK_AND_ASSIGN(const sensor::BlobRef ref, blobs_.Stat(Soon(), site_, blob.sha256()));
   EXPECT_EQ(ref, blob.ref());
 }
 
@@ -45,15 +45,15 @@ TEST_F(BlobStoreTest, RefusesBytesThatAreNotWhatWasSaid) {
 }
 
 TEST_F(BlobStoreTest, TheLargestBlobComesBackWholeAndInParts) {
-  const TestBlob blob(Noise(kMaxBlobBytes));
+  const TestBlob blob(Noise(sensor::kMaxBlobBytes));
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   ASSERT_OK_AND_ASSIGN(const std::string data, blobs_.Get(Soon(), site_, blob.sha256()));
   EXPECT_TRUE(data == blob.data());
   ASSERT_OK_AND_ASSIGN(const std::string part, blobs_.GetRange(Soon(), site_, blob.sha256(), 33'333'333, 1 << 20));
   EXPECT_TRUE(part == blob.data().substr(33'333'333, 1 << 20));
-  ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), kMaxBlobBytes - 3, 100));
-  EXPECT_EQ(end, blob.data().substr(kMaxBlobBytes - 3));
-  const TestBlob too_large(std::string(kMaxBlobBytes + 1, 'x'));
+  ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), sensor::kMaxBlobBytes - 3, 100));
+  EXPECT_EQ(end, blob.data().substr(sensor::kMaxBlobBytes - 3));
+  const TestBlob too_large(std::string(sensor::kMaxBlobBytes + 1, 'x'));
   EXPECT_CODE(blobs_.Put(Soon(), site_, {too_large.view()}), absl::StatusCode::kInvalidArgument);
 }
 
@@ -84,7 +84,7 @@ TEST_F(BlobStoreTest, ManyMayPutTheSameAtOnce) {
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < outcomes.size(); ++t) {
     threads.emplace_back([&, t] {
-      std::vector<BlobView> views;
+      std::vector<storage::BlobView> views;
       for (std::size_t i = 0; i < blobs.size(); ++i) views.push_back(blobs[(i * (t + 1) * 3) % blobs.size()].view());
       for (int round = 0; round < 5 && outcomes[t].ok(); ++round) outcomes[t] = blobs_.Put(Soon(), site_, views);
     });

@@ -19,8 +19,8 @@ constexpr auto kTtl = std::chrono::seconds(30);
 
 class DoorVerdictStoreTest : public StoreTest {
  protected:
-  static Record Report(std::int64_t sequence, DoorReport::Kind kind) {
-    DoorReport report;
+  static sensor::Record Report(std::int64_t sequence, sensor::DoorReport::Kind kind) {
+    sensor::DoorReport report;
     report.time = 9;
     report.kind = kind;
     report.door_time = 8;
@@ -32,30 +32,30 @@ class DoorVerdictStoreTest : public StoreTest {
   void DriveThroughADoor() {
     first_ = NewSession("s1");
     ASSERT_OK(Append(first_,
-                     {ScanRecord(1), Report(2, DoorReport::Kind::kCandidate), Report(3, DoorReport::Kind::kPassage)}));
+                     {ScanRecord(1), Report(2, sensor::DoorReport::Kind::kCandidate), Report(3, sensor::DoorReport::Kind::kPassage)}));
     ASSERT_OK(sessions_.Finish(Soon(), site_, first_, 3));
-    Session next = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+    storage::Session next = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
     next.entry.previous = first_;
     ASSERT_OK(sessions_.Create(Soon(), next, ""));
     second_ = next.id;
   }
   void MarkMapped() { database_.Sql("UPDATE sessions SET state = 3 WHERE session_id = 's1'"); }
 
-  SiteLease Lease(const std::string& owner = "me") {
+  storage::SiteLease Lease(const std::string& owner = "me") {
     const auto lease = leases_.Acquire(Soon(), site_, owner, kTtl);
     EXPECT_OK(lease);
     EXPECT_TRUE(lease->has_value());
-    return lease->value_or(SiteLease());
+    return lease->value_or(storage::SiteLease());
   }
   std::int64_t Version() { return graph_.GetVersion(Soon(), site_).value_or(-1); }
 
   // A passage into a new map, through a new link point.
-  DoorChange Through(std::int64_t sequence = 3) {
-    DoorChange change;
-    DoorVerdict& verdict = change.verdict;
+  storage::DoorChange Through(std::int64_t sequence = 3) {
+    storage::DoorChange change;
+    closure::DoorVerdict& verdict = change.verdict;
     verdict.session = first_;
     verdict.sequence = sequence;
-    verdict.decision = DoorDecision::kLinkPointMade;
+    verdict.decision = closure::DoorDecision::kLinkPointMade;
     verdict.link_point = LinkPointId("door");
     verdict.entered_map = MapId("yard");
     verdict.T_map_robot = PoseWithCovariance{{1.2, 0, 0}, 0.01 * Eigen::Matrix3d::Identity()};
@@ -63,19 +63,19 @@ class DoorVerdictStoreTest : public StoreTest {
     verdict.reason = "nothing known";
     verdict.evidence = {1};
     verdict.graph_version = Version();
-    DoorComparison compared;
+    closure::DoorComparison compared;
     compared.link_point = LinkPointId("other");
     compared.map = MapId("elsewhere");
     compared.image_matches = 7;
     compared.reason = "images do not agree";
     verdict.comparisons = {compared};
-    change.new_map = NewMap{MapId("yard"), "Map", 2, Environment::kOutdoor, "wide"};
+    change.new_map = storage::NewMap{MapId("yard"), "Map", 2, storage::Environment::kOutdoor, "wide"};
     change.new_link_point = MakeLinkPoint(site_, "door", {MakeAnchor("hall", 4, 5), MakeAnchor("yard", 0, 0)});
     return change;
   }
 
-  const SiteLeaseStore leases_{*pool_};
-  const DoorVerdictStore verdicts_{*pool_};
+  const storage::SiteLeaseStore leases_{*pool_};
+  const storage::DoorVerdictStore verdicts_{*pool_};
   SessionId first_;
   SessionId second_;
 };
@@ -84,11 +84,11 @@ TEST_F(DoorVerdictStoreTest, SessionsAreJudgedWhenTheyAreFinishedAndMapped) {
   DriveThroughADoor();
   EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), IsEmpty());
   MarkMapped();
-  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(PendingDoors{site_, first_}));
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(storage::PendingDoors{site_, first_}));
   ASSERT_OK_AND_ASSIGN(const auto reports, verdicts_.ReadReports(Soon(), site_, first_));
   ASSERT_THAT(reports, SizeIs(2));
   EXPECT_EQ(reports[0].sequence, 2);
-  EXPECT_EQ(reports[1].report.kind, DoorReport::Kind::kPassage);
+  EXPECT_EQ(reports[1].report.kind, sensor::DoorReport::Kind::kPassage);
   EXPECT_FALSE(reports[1].judged);
   EXPECT_THAT(*verdicts_.ListWaiting(Soon(), site_, first_), ElementsAre(second_));
 }
@@ -96,19 +96,19 @@ TEST_F(DoorVerdictStoreTest, SessionsAreJudgedWhenTheyAreFinishedAndMapped) {
 TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
   DriveThroughADoor();
   MarkMapped();
-  const SiteLease lease = Lease();
-  const DoorChange change = Through();
+  const storage::SiteLease lease = Lease();
+  const storage::DoorChange change = Through();
   ASSERT_OK(verdicts_.Commit(Soon(), lease, change));
 
-  ASSERT_OK_AND_ASSIGN(const Map yard, maps_.Get(Soon(), site_, MapId("yard")));
+  ASSERT_OK_AND_ASSIGN(const storage::Map yard, maps_.Get(Soon(), site_, MapId("yard")));
   EXPECT_EQ(yard.display_name, "Map 1");
   EXPECT_EQ(yard.level, 2);
-  EXPECT_EQ(yard.environment, Environment::kOutdoor);
+  EXPECT_EQ(yard.environment, storage::Environment::kOutdoor);
   EXPECT_EQ(yard.slam_profile, "wide");
-  ASSERT_OK_AND_ASSIGN(const StoredLinkPoint door, link_points_.Get(Soon(), site_, LinkPointId("door")));
+  ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint door, link_points_.Get(Soon(), site_, LinkPointId("door")));
   EXPECT_THAT(door.point.anchors, SizeIs(2));
   EXPECT_TRUE(door.T_world_place.has_value());
-  ASSERT_OK_AND_ASSIGN(const Session next, sessions_.Get(Soon(), site_, second_));
+  ASSERT_OK_AND_ASSIGN(const storage::Session next, sessions_.Get(Soon(), site_, second_));
   EXPECT_EQ(next.map, MapId("yard"));
   ASSERT_TRUE(next.entry.T_map_robot.has_value());
   EXPECT_THAT(next.entry.T_map_robot->pose, PoseNear(Pose2{1.2, 0, 0}, 1e-12, 1e-12));
@@ -116,7 +116,7 @@ TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
 
   ASSERT_OK_AND_ASSIGN(const auto listed, verdicts_.List(Soon(), site_, first_, 0, 10));
   ASSERT_THAT(listed, SizeIs(1));
-  EXPECT_EQ(listed[0].decision, DoorDecision::kLinkPointMade);
+  EXPECT_EQ(listed[0].decision, closure::DoorDecision::kLinkPointMade);
   EXPECT_EQ(listed[0].link_point, LinkPointId("door"));
   EXPECT_EQ(listed[0].evidence, change.verdict.evidence);
   EXPECT_EQ(listed[0].graph_version, change.verdict.graph_version);
@@ -134,7 +134,7 @@ TEST_F(DoorVerdictStoreTest, TellsWhichPassagesLedIntoAMap) {
   MarkMapped();
   ASSERT_OK_AND_ASSIGN(const auto none, verdicts_.ListInto(Soon(), site_, MapId("yard"), 10));
   EXPECT_THAT(none, IsEmpty());
-  const DoorChange change = Through();
+  const storage::DoorChange change = Through();
   ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
   ASSERT_OK_AND_ASSIGN(const auto into, verdicts_.ListInto(Soon(), site_, MapId("yard"), 10));
   ASSERT_THAT(into, SizeIs(1));
@@ -151,8 +151,8 @@ TEST_F(DoorVerdictStoreTest, TellsWhichPassagesLedIntoAMap) {
 TEST_F(DoorVerdictStoreTest, JudgedTwiceItChangesNothing) {
   DriveThroughADoor();
   MarkMapped();
-  const SiteLease lease = Lease();
-  const DoorChange change = Through();
+  const storage::SiteLease lease = Lease();
+  const storage::DoorChange change = Through();
   ASSERT_OK(verdicts_.Commit(Soon(), lease, change));
   const std::int64_t version = Version();
   ASSERT_OK(verdicts_.Commit(Soon(), lease, change));
@@ -163,8 +163,8 @@ TEST_F(DoorVerdictStoreTest, JudgedTwiceItChangesNothing) {
 TEST_F(DoorVerdictStoreTest, ALaterGraphOrALostLeaseStoresNothing) {
   DriveThroughADoor();
   MarkMapped();
-  const SiteLease lease = Lease();
-  const DoorChange change = Through();
+  const storage::SiteLease lease = Lease();
+  const storage::DoorChange change = Through();
   ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "seen", {MakeAnchor("hall", 1, 1)}), ""));
   EXPECT_STATUS(verdicts_.Commit(Soon(), lease, change), absl::StatusCode::kAborted, HasSubstr("judge again"));
   ASSERT_OK(leases_.Release(Soon(), lease));
@@ -184,7 +184,7 @@ TEST_F(DoorVerdictStoreTest, ARedundantLinkPointIsRefusedAndNothingIsHalfDone) {
   ASSERT_OK(link_points_.Create(
       Soon(), MakeLinkPoint(site_, "there", {MakeAnchor("hall", 4, 5), MakeAnchor("yard", 0, 0)}), ""));
   ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "candidate", {MakeAnchor("yard", 0.1, 0)}), ""));
-  DoorChange change = Through();
+  storage::DoorChange change = Through();
   change.new_map.reset();
   change.new_link_point.reset();
   ASSERT_OK_AND_ASSIGN(change.link_point, link_points_.Get(Soon(), site_, LinkPointId("candidate")));
@@ -202,14 +202,14 @@ TEST_F(DoorVerdictStoreTest, APromotedCandidateMovesAndTakesItsOwnSideAlong) {
   ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "own", {MakeAnchor("hall", 4, 3)}), ""));
   const TestBlob image("image");
   ASSERT_OK(blobs_.Put(Soon(), site_, {image.view()}));
-  DoorChange change = Through();
+  storage::DoorChange change = Through();
   change.new_map.reset();
   change.new_link_point.reset();
   change.consumed = {LinkPointId("own")};
   ASSERT_OK_AND_ASSIGN(change.link_point, link_points_.Get(Soon(), site_, LinkPointId("candidate")));
   change.link_point->point.anchors = {MakeAnchor("yard", 0, 0), MakeAnchor("hall", 4, 5)};
   change.link_point->point.direction = MapId("yard");
-  const Evidence seen{LinkPointId("candidate"), map_, EvidenceKind::kRearImage, 1, image.ref(), 5, Pose2{4, 4, 1.5}};
+  const storage::Evidence seen{LinkPointId("candidate"), map_, storage::EvidenceKind::kRearImage, 1, image.ref(), 5, Pose2{4, 4, 1.5}};
   change.evidence = {seen, seen};
   change.evidence[1].T_map_robot = Pose2{4, 3.5, 1.5};
   ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
@@ -219,7 +219,7 @@ TEST_F(DoorVerdictStoreTest, APromotedCandidateMovesAndTakesItsOwnSideAlong) {
   EXPECT_EQ(evidence[0].T_map_robot, (Pose2{4, 4, 1.5}));
   EXPECT_EQ(evidence[1].T_map_robot, (Pose2{4, 3.5, 1.5}));
   // One that people attach takes the place of the series.
-  Evidence attached = seen;
+  storage::Evidence attached = seen;
   attached.T_map_robot.reset();
   ASSERT_OK(link_points_.PutEvidence(Soon(), site_, attached));
   ASSERT_OK_AND_ASSIGN(const auto after, link_points_.ListEvidence(Soon(), site_, {LinkPointId("candidate")}));
@@ -230,14 +230,14 @@ TEST_F(DoorVerdictStoreTest, APromotedCandidateMovesAndTakesItsOwnSideAlong) {
 TEST_F(DoorVerdictStoreTest, ASessionMadeAfterTheVerdictGetsItsMapLater) {
   DriveThroughADoor();
   MarkMapped();
-  const SiteLease lease = Lease();
+  const storage::SiteLease lease = Lease();
   ASSERT_OK(verdicts_.Commit(Soon(), lease, Through()));
   ASSERT_OK(verdicts_.MarkJudged(Soon(), lease, first_));
   EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), IsEmpty());
-  Session late = MakeSession(site_, SessionId("s3"), robot_, std::nullopt);
+  storage::Session late = MakeSession(site_, SessionId("s3"), robot_, std::nullopt);
   late.entry.previous = first_;
   ASSERT_OK(sessions_.Create(Soon(), late, ""));
-  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(PendingDoors{site_, first_}));
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(storage::PendingDoors{site_, first_}));
   ASSERT_OK_AND_ASSIGN(const auto passage, verdicts_.FindPassage(Soon(), site_, first_));
   ASSERT_OK(verdicts_.Enter(Soon(), lease,
                             {.previous = first_,
@@ -252,18 +252,18 @@ TEST_F(DoorVerdictStoreTest, ASessionMadeAfterTheVerdictGetsItsMapLater) {
 TEST_F(DoorVerdictStoreTest, ASessionAfterADeletedOneIsNotForgotten) {
   DriveThroughADoor();
   ASSERT_OK(sessions_.Delete(Soon(), site_, first_));
-  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(PendingDoors{site_, first_}));
+  EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(storage::PendingDoors{site_, first_}));
   ASSERT_OK(verdicts_.Enter(Soon(), Lease(),
                             {.previous = first_,
-                             .new_map = NewMap{MapId("new"), "Map", 0, Environment::kIndoor, ""},
+                             .new_map = storage::NewMap{MapId("new"), "Map", 0, storage::Environment::kIndoor, ""},
                              .map = MapId("new"),
                              .T_map_robot = {},
                              .T_odom_robot = {}}));
-  ASSERT_OK_AND_ASSIGN(const Session next, sessions_.Get(Soon(), site_, second_));
+  ASSERT_OK_AND_ASSIGN(const storage::Session next, sessions_.Get(Soon(), site_, second_));
   EXPECT_EQ(next.map, MapId("new"));
   EXPECT_FALSE(next.entry.T_map_robot.has_value());
-  const EnteredMap again{.previous = first_, .new_map = {}, .map = MapId("new"), .T_map_robot = {}, .T_odom_robot = {}};
-  EXPECT_CODE(verdicts_.Enter(Soon(), SiteLease{site_, "me", 99}, again), absl::StatusCode::kAborted);
+  const storage::EnteredMap again{.previous = first_, .new_map = {}, .map = MapId("new"), .T_map_robot = {}, .T_odom_robot = {}};
+  EXPECT_CODE(verdicts_.Enter(Soon(), storage::SiteLease{site_, "me", 99}, again), absl::StatusCode::kAborted);
 }
 
 TEST_F(DoorVerdictStoreTest, NewMapsTakeTheLeastNumberThatIsFree) {
@@ -285,11 +285,11 @@ TEST_F(DoorVerdictStoreTest, SitesAndSessionsTakeTheirVerdictsAlong) {
 }
 
 TEST_F(DoorVerdictStoreTest, ASitesLeaseHasOneHolderAndTokensOnlyGrow) {
-  const SiteLease lease = Lease();
+  const storage::SiteLease lease = Lease();
   EXPECT_FALSE(leases_.Acquire(Soon(), site_, "other", kTtl)->has_value());
   ASSERT_OK(leases_.Renew(Soon(), lease, kTtl));
   ASSERT_OK(leases_.Release(Soon(), lease));
-  const SiteLease next = Lease("other");
+  const storage::SiteLease next = Lease("other");
   EXPECT_GT(next.token, lease.token);
   EXPECT_CODE(leases_.Renew(Soon(), lease, kTtl), absl::StatusCode::kAborted);
   ASSERT_OK(leases_.Release(Soon(), lease));  // lost: nothing happens
@@ -301,7 +301,7 @@ TEST_F(DoorVerdictStoreTest, ASitesLeaseHasOneHolderAndTokensOnlyGrow) {
 }
 
 TEST_F(DoorVerdictStoreTest, FeaturesAreKeptBesideTheirImageAndGoWithIt) {
-  const FeatureStore features{*pool_};
+  const storage::FeatureStore features{*pool_};
   const TestBlob image("an image");
   ASSERT_OK(features.Put(Soon(), site_, image.sha256(), "early"));
   EXPECT_EQ(*features.Find(Soon(), site_, image.sha256()), "") << "there is no such image";

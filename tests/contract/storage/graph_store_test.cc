@@ -19,10 +19,10 @@ class GraphStoreTest : public StoreTest {
  protected:
   GraphStoreTest() { EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), "")); }
 
-  void Create(const std::string& id, const std::vector<Anchor>& anchors) {
+  void Create(const std::string& id, const std::vector<graph::Anchor>& anchors) {
     ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, id, anchors), ""));
   }
-  GraphChanges Read(std::int64_t since) {
+  storage::GraphChanges Read(std::int64_t since) {
     auto changes = graph_.ReadChanges(Soon(), site_, since);
     EXPECT_OK(changes);
     return *std::move(changes);
@@ -30,7 +30,7 @@ class GraphStoreTest : public StoreTest {
 };
 
 TEST_F(GraphStoreTest, TheFirstMapIsTheRootAndCarriesTheWorldFrame) {
-  const GraphChanges graph = Read(0);
+  const storage::GraphChanges graph = Read(0);
   EXPECT_TRUE(graph.complete);
   EXPECT_EQ(graph.root, map_);
   EXPECT_EQ(graph.version, 2);
@@ -39,7 +39,7 @@ TEST_F(GraphStoreTest, TheFirstMapIsTheRootAndCarriesTheWorldFrame) {
   EXPECT_EQ(graph.maps[0].T_world_map->pose, Pose2());
   EXPECT_FALSE(graph.maps[1].T_world_map);
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("empty"), "Empty"), ""));
-  ASSERT_OK_AND_ASSIGN(const GraphChanges empty, graph_.ReadChanges(Soon(), SiteId("empty"), 0));
+  ASSERT_OK_AND_ASSIGN(const storage::GraphChanges empty, graph_.ReadChanges(Soon(), SiteId("empty"), 0));
   EXPECT_EQ(empty.version, 0);
   EXPECT_TRUE(empty.root.empty());
   EXPECT_CODE(graph_.ReadChanges(Soon(), SiteId("nowhere"), 0), absl::StatusCode::kNotFound);
@@ -52,16 +52,16 @@ TEST_F(GraphStoreTest, GivesWhatHasChangedSinceAVersion) {
   EXPECT_THAT(Read(before).link_points, IsEmpty());
   ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("gone"), 0));
   ASSERT_OK(link_points_.SetSuspended(Soon(), site_, LinkPointId("door"), 0, true));
-  ASSERT_OK_AND_ASSIGN(Map lab, maps_.Get(Soon(), site_, MapId("lab")));
+  ASSERT_OK_AND_ASSIGN(storage::Map lab, maps_.Get(Soon(), site_, MapId("lab")));
   lab.level = 4;
   lab.outline = {{0, 0}, {1, 0}, {1, 1}};
   ASSERT_OK(maps_.Update(Soon(), lab));
-  const GraphChanges changes = Read(before);
+  const storage::GraphChanges changes = Read(before);
   EXPECT_FALSE(changes.complete);
   EXPECT_EQ(changes.version, before + 3);
   EXPECT_THAT(changes.removed_link_points, ElementsAre(LinkPointId("gone")));
   ASSERT_THAT(changes.link_points, SizeIs(1));
-  EXPECT_EQ(changes.link_points[0].point.use, LinkPointUse::kSuspended);
+  EXPECT_EQ(changes.link_points[0].point.use, graph::LinkPointUse::kSuspended);
   ASSERT_THAT(changes.maps, SizeIs(1));
   EXPECT_EQ(changes.maps[0].level, 4);
   EXPECT_EQ(changes.maps[0].outline, lab.outline);
@@ -75,7 +75,7 @@ TEST_F(GraphStoreTest, AGraphIsSolvedAtRestWhileEditorsWaitAndReadersDoNot) {
   Create("later", {MakeAnchor("hall", 9, 0), MakeAnchor("lab", 1, 0)});
   std::thread editor;
   std::atomic<bool> edited{false};
-  const auto solve = [&](const GraphChanges& changes) -> absl::StatusOr<GraphSolution> {
+  const auto solve = [&](const storage::GraphChanges& changes) -> absl::StatusOr<storage::GraphSolution> {
     EXPECT_EQ(changes.version, since + 1);
     EXPECT_THAT(changes.link_points, SizeIs(1));
     editor = std::thread([&] {
@@ -85,7 +85,7 @@ TEST_F(GraphStoreTest, AGraphIsSolvedAtRestWhileEditorsWaitAndReadersDoNot) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     EXPECT_EQ(Read(0).version, changes.version);
     EXPECT_FALSE(edited);
-    GraphSolution solution;
+    storage::GraphSolution solution;
     solution.maps = {{MapId("lab"), {{1.5, 0.5, 0.25}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()}}};
     return solution;
   };
@@ -96,7 +96,7 @@ TEST_F(GraphStoreTest, AGraphIsSolvedAtRestWhileEditorsWaitAndReadersDoNot) {
   EXPECT_EQ(Read(0).version, since + 3);
   EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, since), *solved);
 
-  const auto fail = [](const GraphChanges&) { return absl::StatusOr<GraphSolution>(absl::InternalError("no")); };
+  const auto fail = [](const storage::GraphChanges&) { return absl::StatusOr<storage::GraphSolution>(absl::InternalError("no")); };
   EXPECT_CODE(graph_.SolveHeld(Soon(), site_, since, fail), absl::StatusCode::kInternal);
   EXPECT_EQ(Read(0).version, since + 3);
   EXPECT_CODE(graph_.SolveHeld(Soon(), SiteId("nowhere"), 0, fail), absl::StatusCode::kNotFound);
@@ -106,7 +106,7 @@ TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   Create("door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)});
   Create("bad", {MakeAnchor("hall", 9, 0), MakeAnchor("lab", 1, 0)});
   const std::int64_t version = Read(0).version;
-  GraphSolution solution;
+  storage::GraphSolution solution;
   solution.maps = {{MapId("lab"), {{1.5, 0.5, 0.25}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()}}};
   solution.link_points = {{LinkPointId("door"), {{1.25, 0.5, 0.1}, Eigen::Vector3d(0.4, 0.5, 0.6).asDiagonal()}}};
   solution.switched_off = {LinkPointId("bad")};
@@ -116,12 +116,12 @@ TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   EXPECT_CODE(graph_.Apply(Soon(), site_, version - 1, solution), absl::StatusCode::kAborted);
   ASSERT_OK_AND_ASSIGN(const std::int64_t applied, graph_.Apply(Soon(), site_, version, solution));
   EXPECT_EQ(applied, version + 1);
-  const GraphChanges changes = Read(version);
+  const storage::GraphChanges changes = Read(version);
   ASSERT_THAT(changes.maps, SizeIs(1));
   EXPECT_EQ(changes.maps[0].T_world_map->pose, solution.maps[0].T_world_map.pose);
   EXPECT_EQ(changes.maps[0].T_world_map->covariance, solution.maps[0].T_world_map.covariance);
   ASSERT_THAT(changes.link_points, SizeIs(2));
-  EXPECT_EQ(changes.link_points[0].point.use, LinkPointUse::kSwitchedOff);
+  EXPECT_EQ(changes.link_points[0].point.use, graph::LinkPointUse::kSwitchedOff);
   EXPECT_EQ(changes.link_points[1].T_world_place->pose, solution.link_points[0].T_world_place.pose);
   EXPECT_EQ(changes.link_points[1].T_world_place->covariance, solution.link_points[0].T_world_place.covariance);
 
@@ -140,15 +140,15 @@ TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   solution.switched_off.clear();
   ASSERT_OK(graph_.Apply(Soon(), site_, applied, solution));
   ASSERT_OK_AND_ASSIGN(const auto bad, link_points_.Get(Soon(), site_, LinkPointId("bad")));
-  EXPECT_EQ(bad.point.use, LinkPointUse::kUsed);
+  EXPECT_EQ(bad.point.use, graph::LinkPointUse::kUsed);
 }
 
 TEST_F(GraphStoreTest, KeepsThePosesOfTheLastOptimisationsOnly) {
-  GraphSolution solution;
+  storage::GraphSolution solution;
   solution.maps = {{MapId("lab"), {{1, 2, 3}, Eigen::Matrix3d::Identity()}}};
   std::int64_t version = Read(0).version;
   const std::int64_t first = version + 1;
-  for (int i = 0; i <= GraphStore::kKeptOptimizations; ++i) {
+  for (int i = 0; i <= storage::GraphStore::kKeptOptimizations; ++i) {
     ASSERT_OK_AND_ASSIGN(version, graph_.Apply(Soon(), site_, version, solution));
   }
   EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, first), absl::StatusCode::kNotFound);
@@ -157,8 +157,8 @@ TEST_F(GraphStoreTest, KeepsThePosesOfTheLastOptimisationsOnly) {
 }
 
 TEST_F(GraphStoreTest, ListenersHearOfEveryVersion) {
-  ASSERT_OK_AND_ASSIGN(const auto listener, GraphListener::Open(*pool_, Soon()));
-  ASSERT_OK_AND_ASSIGN(const auto nothing, listener->Await(CallContext::WithTimeout(std::chrono::milliseconds(1))));
+  ASSERT_OK_AND_ASSIGN(const auto listener, storage::GraphListener::Open(*pool_, Soon()));
+  ASSERT_OK_AND_ASSIGN(const auto nothing, listener->Await(storage::CallContext::WithTimeout(std::chrono::milliseconds(1))));
   EXPECT_THAT(nothing, IsEmpty());
   const std::int64_t version = Read(0).version;
   Create("door", {MakeAnchor("hall", 1, 0)});
@@ -179,7 +179,7 @@ TEST_F(GraphStoreTest, AReaderSeesOneVersionWhateverIsWrittenMeanwhile) {
   });
   const std::int64_t first = 2;  // of the two maps
   while (!done) {
-    const GraphChanges graph = Read(0);
+    const storage::GraphChanges graph = Read(0);
     EXPECT_EQ(graph.link_points.size(), static_cast<std::size_t>(graph.version - first));
   }
   writer.join();
@@ -187,7 +187,7 @@ TEST_F(GraphStoreTest, AReaderSeesOneVersionWhateverIsWrittenMeanwhile) {
 }
 
 TEST_F(GraphStoreTest, ControlPointsAreReplacedAsAWhole) {
-  const std::vector<ControlPoint> points = {{map_, {1.5, 2.5}, 52.1, 9.7}, {MapId("lab"), {0, 0}, -90, 180}};
+  const std::vector<storage::ControlPoint> points = {{map_, {1.5, 2.5}, 52.1, 9.7}, {MapId("lab"), {0, 0}, -90, 180}};
   const std::int64_t version = Read(0).version;
   ASSERT_OK_AND_ASSIGN(const std::int64_t raised, graph_.SetControlPoints(Soon(), site_, points));
   EXPECT_EQ(raised, version + 1);

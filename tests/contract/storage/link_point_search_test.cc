@@ -21,24 +21,24 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 class LinkPointSearchTest : public StoreTest {
  protected:
   LinkPointSearchTest() {
-    Map upstairs = MakeMap(site_, MapId("upstairs"), "Upstairs");
+    storage::Map upstairs = MakeMap(site_, MapId("upstairs"), "Upstairs");
     upstairs.level = 2;
     EXPECT_OK(maps_.Create(Soon(), upstairs, ""));
     EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), ""));
   }
-  void Create(const std::string& id, const std::vector<Anchor>& anchors) {
+  void Create(const std::string& id, const std::vector<graph::Anchor>& anchors) {
     ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, id, anchors), ""));
   }
-  std::vector<std::string> Find(const LinkPointQuery& query) {
+  std::vector<std::string> Find(const storage::LinkPointQuery& query) {
     const auto found = link_points_.Find(Soon(), site_, query);
     EXPECT_OK(found);
     std::vector<std::string> ids;
     for (const auto& link_point : found->link_points) ids.push_back(link_point.point.id.value());
     return ids;
   }
-  static LinkPointQuery Around(double x, double y, double radius) {
-    LinkPointQuery query;
-    query.area = LinkPointCircle{{x, y}, radius};
+  static storage::LinkPointQuery Around(double x, double y, double radius) {
+    storage::LinkPointQuery query;
+    query.area = storage::LinkPointCircle{{x, y}, radius};
     return query;
   }
 };
@@ -50,7 +50,7 @@ TEST_F(LinkPointSearchTest, FindsTheNearestFirst) {
   EXPECT_THAT(Find(Around(0, 0, 20)), ElementsAre("near", "edge"));
   EXPECT_THAT(Find(Around(0, 0, 19.99)), ElementsAre("near"));
   EXPECT_THAT(Find(Around(0, 0, kInfinity)), ElementsAre("near", "edge", "far"));
-  LinkPointQuery query = Around(0, 0, kInfinity);
+  storage::LinkPointQuery query = Around(0, 0, kInfinity);
   query.limit = 2;
   EXPECT_THAT(Find(query), ElementsAre("near", "edge"));
   query.candidate = true;
@@ -66,14 +66,14 @@ TEST_F(LinkPointSearchTest, FindsTheNearestFirst) {
 TEST_F(LinkPointSearchTest, ALiftIsFoundOnItsLevelsAndOnNoneBetween) {
   Create("lift", {MakeAnchor("hall", 1, 0), MakeAnchor("upstairs", 0, 0)});
   Create("door", {MakeAnchor("hall", 2, 0), MakeAnchor("lab", 0, 0)});
-  LinkPointQuery query = Around(0, 0, 10);
+  storage::LinkPointQuery query = Around(0, 0, 10);
   query.level = 0;
   EXPECT_THAT(Find(query), ElementsAre("lift", "door"));
   query.level = 1;
   EXPECT_THAT(Find(query), IsEmpty());
   query.level = 2;
   EXPECT_THAT(Find(query), ElementsAre("lift"));
-  ASSERT_OK_AND_ASSIGN(Map upstairs, maps_.Get(Soon(), site_, MapId("upstairs")));
+  ASSERT_OK_AND_ASSIGN(storage::Map upstairs, maps_.Get(Soon(), site_, MapId("upstairs")));
   upstairs.level = 1;
   ASSERT_OK(maps_.Update(Soon(), upstairs));
   EXPECT_THAT(Find(query), IsEmpty());
@@ -84,7 +84,7 @@ TEST_F(LinkPointSearchTest, ALiftIsFoundOnItsLevelsAndOnNoneBetween) {
 TEST_F(LinkPointSearchTest, FindsInsideAPolygonOnly) {
   Create("in", {MakeAnchor("hall", 1, 1)});
   Create("out", {MakeAnchor("hall", 3, 1)});
-  LinkPointQuery query;
+  storage::LinkPointQuery query;
   // An L whose notch holds "out".
   query.area = std::vector<Eigen::Vector2d>{{0, 0}, {4, 0}, {4, 0.5}, {2, 0.5}, {2, 4}, {0, 4}};
   EXPECT_THAT(Find(query), ElementsAre("in"));
@@ -92,9 +92,9 @@ TEST_F(LinkPointSearchTest, FindsInsideAPolygonOnly) {
   EXPECT_THAT(Find(query), IsEmpty());
   query.area = std::vector<Eigen::Vector2d>{{0, 0}, {4, 0}};
   EXPECT_CODE(link_points_.Find(Soon(), site_, query), absl::StatusCode::kInvalidArgument);
-  query.area = LinkPointCircle{{0, 0}, -1.0};
+  query.area = storage::LinkPointCircle{{0, 0}, -1.0};
   EXPECT_CODE(link_points_.Find(Soon(), site_, query), absl::StatusCode::kInvalidArgument);
-  query.area = LinkPointCircle{{std::nan(""), 0}, 1.0};
+  query.area = storage::LinkPointCircle{{std::nan(""), 0}, 1.0};
   EXPECT_CODE(link_points_.Find(Soon(), site_, query), absl::StatusCode::kInvalidArgument);
 }
 
@@ -129,7 +129,7 @@ TEST_F(LinkPointSearchTest, TheIndexServesEverySearch) {
       " SELECT 'campus', 'p' || i, 'hall', 1, i % 200, i / 200, 0, array_fill(0.01::float8, '{9}')"
       " FROM generate_series(0, 39999) i");
   database_.Sql("ANALYZE enfilade.link_points, enfilade.link_point_anchors");
-  const auto plan = [&](const postgres::Statement& statement, const std::string& types, const std::string& values) {
+  const auto plan = [&](const storage::postgres::Statement& statement, const std::string& types, const std::string& values) {
     // The plan for any parameters, as a connection gets it in the long run.
     return database_.Sql("SET plan_cache_mode = force_generic_plan; PREPARE s (" + types + ") AS " + statement.sql +
                          "; EXPLAIN EXECUTE s (" + values + ")");
@@ -137,17 +137,17 @@ TEST_F(LinkPointSearchTest, TheIndexServesEverySearch) {
   const std::string types = "text, int, int, smallint, bigint, float8, float8";
   const std::string values = "'campus', 1, 9, 1::smallint, 1000, 10, 10";
   const auto uses = [](const std::string& index) { return Contains(HasSubstr(index)); };
-  EXPECT_THAT(plan(postgres::kFindWithinOnLevel, types + ", float8, int", values + ", 3, 0"),
+  EXPECT_THAT(plan(storage::postgres::kFindWithinOnLevel, types + ", float8, int", values + ", 3, 0"),
               uses("link_points_position_idx"));
-  EXPECT_THAT(plan(postgres::kFindWithin, types + ", float8", values + ", 3"), uses("link_points_world_idx"));
-  EXPECT_THAT(plan(postgres::kFindNearestOnLevel, types + ", int", values + ", 0"), uses("link_points_position_idx"));
-  EXPECT_THAT(plan(postgres::kFindNearest, types, values), uses("link_points_world_idx"));
-  EXPECT_THAT(plan(postgres::kFindWithin, types + ", float8", values + ", 3"), Not(Contains(HasSubstr("Seq Scan"))));
+  EXPECT_THAT(plan(storage::postgres::kFindWithin, types + ", float8", values + ", 3"), uses("link_points_world_idx"));
+  EXPECT_THAT(plan(storage::postgres::kFindNearestOnLevel, types + ", int", values + ", 0"), uses("link_points_position_idx"));
+  EXPECT_THAT(plan(storage::postgres::kFindNearest, types, values), uses("link_points_world_idx"));
+  EXPECT_THAT(plan(storage::postgres::kFindWithin, types + ", float8", values + ", 3"), Not(Contains(HasSubstr("Seq Scan"))));
 
-  LinkPointQuery query = Around(50, 50, 1.0);
+  storage::LinkPointQuery query = Around(50, 50, 1.0);
   query.level = 0;
   for (int i = 0; i < 8; ++i) EXPECT_EQ(Find(query).size(), 5U);
-  query.area = LinkPointCircle{{50.1, 50.2}, kInfinity};
+  query.area = storage::LinkPointCircle{{50.1, 50.2}, kInfinity};
   query.limit = 3;
   EXPECT_THAT(Find(query), ElementsAre("p10050", "p10250", "p10051"));
   pool_.reset();  // a connection's counts are published when it ends

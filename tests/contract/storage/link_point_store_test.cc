@@ -22,13 +22,13 @@ class LinkPointStoreTest : public StoreTest {
     for (const char* id : {"lab", "yard"}) EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId(id), id), ""));
   }
 
-  absl::StatusOr<StoredLinkPoint> Create(const std::string& id, const std::vector<Anchor>& anchors,
+  absl::StatusOr<storage::StoredLinkPoint> Create(const std::string& id, const std::vector<graph::Anchor>& anchors,
                                          bool forced = false) {
-    StoredLinkPoint link_point = MakeLinkPoint(site_, id, anchors);
+    storage::StoredLinkPoint link_point = MakeLinkPoint(site_, id, anchors);
     link_point.forced = forced;
     return link_points_.Create(Soon(), link_point, "");
   }
-  absl::StatusOr<StoredLinkPoint> Get(const std::string& id) {
+  absl::StatusOr<storage::StoredLinkPoint> Get(const std::string& id) {
     return link_points_.Get(Soon(), site_, LinkPointId(id));
   }
   std::int64_t Version() {
@@ -39,25 +39,25 @@ class LinkPointStoreTest : public StoreTest {
 };
 
 TEST_F(LinkPointStoreTest, GivesBackWhatWasStored) {
-  StoredLinkPoint lift = MakeLinkPoint(
+  storage::StoredLinkPoint lift = MakeLinkPoint(
       site_, "lift",
       {MakeAnchor("yard", 1.5, -2.25, 3.0), MakeAnchor("hall", 5e5, 5.8e6, -1.0), MakeAnchor("lab", 0, 0)});
   lift.point.anchors[1].covariance << 0.04, 0.01, 0.002, 0.01, 0.09, -0.003, 0.002, -0.003, 0.01;
-  lift.point.kind = LinkPointKind::kLift;
+  lift.point.kind = graph::LinkPointKind::kLift;
   lift.point.tag = "Lift 'A/B' \"east\" \\ 楼层; DROP TABLE link_points; --";
   lift.point.direction = MapId("lab");
   lift.point.difficulty = 7;
-  lift.point.state = PassageState::kBlocked;
+  lift.point.state = graph::PassageState::kBlocked;
   lift.point.state_valid_until = 1'900'000'000 * kNsPerSecond + 5'000;
-  lift.environment = Environment::kOutdoor;
+  lift.environment = storage::Environment::kOutdoor;
   const std::int64_t before = Version();
-  ASSERT_OK_AND_ASSIGN(const StoredLinkPoint created, link_points_.Create(Soon(), lift, ""));
-  ASSERT_OK_AND_ASSIGN(const StoredLinkPoint stored, Get("lift"));
-  LinkPoint expected = lift.point;
+  ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint created, link_points_.Create(Soon(), lift, ""));
+  ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint stored, Get("lift"));
+  graph::LinkPoint expected = lift.point;
   expected.graph_version = before + 1;
   EXPECT_EQ(stored.point, expected);
   EXPECT_EQ(created.point, expected);
-  EXPECT_EQ(stored.environment, Environment::kOutdoor);
+  EXPECT_EQ(stored.environment, storage::Environment::kOutdoor);
   EXPECT_FALSE(stored.point.is_candidate());
   EXPECT_EQ(Version(), before + 1);
 }
@@ -75,7 +75,7 @@ TEST_F(LinkPointStoreTest, SaysWhatIsMissingTakenOrWrong) {
                 HasSubstr("anchors[1]"));
   EXPECT_STATUS(Create("d2", {MakeAnchor("hall", std::nan(""), 0)}), absl::StatusCode::kInvalidArgument,
                 HasSubstr("pose"));
-  Anchor anchor = MakeAnchor("hall", 0, 0);
+  graph::Anchor anchor = MakeAnchor("hall", 0, 0);
   anchor.covariance(0, 1) = 1.0;
   EXPECT_STATUS(Create("d2", {anchor}), absl::StatusCode::kInvalidArgument, HasSubstr("symmetric"));
   anchor.covariance(1, 0) = 1.0;
@@ -120,16 +120,16 @@ TEST_F(LinkPointStoreTest, RefusesWhatIsRedundantUnlessForced) {
   EXPECT_OK(Create("other", {MakeAnchor("hall", 10, 0), MakeAnchor("yard", 0, 0)}));
   EXPECT_OK(Create("contradiction", {MakeAnchor("hall", 10, 0), MakeAnchor("lab", 20, 0)}));
   // What is less certain is redundant from farther away: 95 % of a difference with a sigma of 0.5 m lies within 1.22 m.
-  Anchor vague = MakeAnchor("hall", 11.1, 0);
+  graph::Anchor vague = MakeAnchor("hall", 11.1, 0);
   vague.covariance = Eigen::Vector3d(0.25, 0.25, 0.01).asDiagonal();
-  Anchor vague_lab = MakeAnchor("lab", 1.1, 0);
+  graph::Anchor vague_lab = MakeAnchor("lab", 1.1, 0);
   vague_lab.covariance = vague.covariance;
   EXPECT_CODE(Create("vague", {vague, vague_lab}), absl::StatusCode::kAlreadyExists);
   ASSERT_OK_AND_ASSIGN(const auto forced,
                        Create("forced", {MakeAnchor("hall", 10, 0.1), MakeAnchor("lab", 0, 0)}, true));
   EXPECT_TRUE(forced.forced);
   // The one beside it may still be edited.
-  ASSERT_OK_AND_ASSIGN(StoredLinkPoint door, Get("door"));
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door, Get("door"));
   door.point.anchors[0].T_map_place.x += 0.05;
   EXPECT_OK(link_points_.Update(Soon(), door));
 }
@@ -145,7 +145,7 @@ TEST_F(LinkPointStoreTest, PromotionIsCheckedForRedundancyToo) {
 TEST_F(LinkPointStoreTest, WhatReplacesASuspendedOneStandsBesideItAndKeepsItOut) {
   ASSERT_OK(Create("wrong", {MakeAnchor("hall", 10, 0), MakeAnchor("lab", 0, 0)}));
   ASSERT_OK_AND_ASSIGN(const auto suspended, link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), 0, true));
-  EXPECT_EQ(suspended.point.use, LinkPointUse::kSuspended);
+  EXPECT_EQ(suspended.point.use, graph::LinkPointUse::kSuspended);
   ASSERT_OK(Create("right", {MakeAnchor("hall", 10.1, 0), MakeAnchor("lab", 0, 0)}));
   EXPECT_STATUS(link_points_.SetSuspended(Soon(), site_, LinkPointId("wrong"), suspended.etag, false),
                 absl::StatusCode::kAlreadyExists, HasSubstr("right"));
@@ -156,11 +156,11 @@ TEST_F(LinkPointStoreTest, WhatReplacesASuspendedOneStandsBesideItAndKeepsItOut)
 }
 
 TEST_F(LinkPointStoreTest, UpdatesOnlyUnderTheStoredEtag) {
-  ASSERT_OK_AND_ASSIGN(StoredLinkPoint door, Create("door", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)}));
-  const StoredLinkPoint first = door;
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door, Create("door", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)}));
+  const storage::StoredLinkPoint first = door;
   door.point.tag = "new";
   door.point.anchors = {MakeAnchor("hall", 1, 0), MakeAnchor("yard", 2, 0)};
-  ASSERT_OK_AND_ASSIGN(const StoredLinkPoint updated, link_points_.Update(Soon(), door));
+  ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint updated, link_points_.Update(Soon(), door));
   EXPECT_EQ(updated.point.tag, "new");
   ASSERT_THAT(updated.point.anchors, SizeIs(2));
   EXPECT_EQ(updated.point.anchors[0].T_map_place.x, 1.0);
@@ -185,14 +185,14 @@ TEST_F(LinkPointStoreTest, DeletedInTheMiddleAndMadeAgain) {
 }
 
 TEST_F(LinkPointStoreTest, ListsByFilterAndPage) {
-  StoredLinkPoint gate = MakeLinkPoint(site_, "gate", {MakeAnchor("hall", 0, 0), MakeAnchor("yard", 0, 0)});
-  gate.point.kind = LinkPointKind::kOpening;
+  storage::StoredLinkPoint gate = MakeLinkPoint(site_, "gate", {MakeAnchor("hall", 0, 0), MakeAnchor("yard", 0, 0)});
+  gate.point.kind = graph::LinkPointKind::kOpening;
   gate.point.tag = "it's";
-  gate.point.state = PassageState::kClosed;
+  gate.point.state = graph::PassageState::kClosed;
   ASSERT_OK(link_points_.Create(Soon(), gate, ""));
   ASSERT_OK(Create("door", {MakeAnchor("hall", 5, 0), MakeAnchor("lab", 0, 0)}));
   ASSERT_OK(Create("maybe", {MakeAnchor("lab", 5, 0)}));
-  const auto list = [&](const LinkPointFilter& filter, const PageRequest& page = {}) {
+  const auto list = [&](const storage::LinkPointFilter& filter, const storage::PageRequest& page = {}) {
     const auto listed = link_points_.List(Soon(), site_, filter, page);
     EXPECT_OK(listed);
     std::vector<std::string> ids;
@@ -202,9 +202,9 @@ TEST_F(LinkPointStoreTest, ListsByFilterAndPage) {
   EXPECT_THAT(list({}), ElementsAre("door", "gate", "maybe"));
   EXPECT_THAT(list({.map = MapId("lab")}), ElementsAre("door", "maybe"));
   EXPECT_THAT(list({.map = MapId("lab"), .candidate = false}), ElementsAre("door"));
-  EXPECT_THAT(list({.kind = LinkPointKind::kOpening}), ElementsAre("gate"));
-  EXPECT_THAT(list({.state = PassageState::kClosed}), ElementsAre("gate"));
-  EXPECT_THAT(list({.use = LinkPointUse::kSuspended}), IsEmpty());
+  EXPECT_THAT(list({.kind = graph::LinkPointKind::kOpening}), ElementsAre("gate"));
+  EXPECT_THAT(list({.state = graph::PassageState::kClosed}), ElementsAre("gate"));
+  EXPECT_THAT(list({.use = graph::LinkPointUse::kSuspended}), IsEmpty());
   EXPECT_THAT(list({.candidate = true}), ElementsAre("maybe"));
   EXPECT_THAT(list({.tag = "it's"}), ElementsAre("gate"));
   EXPECT_THAT(list({}, {.limit = 2, .after = ""}), ElementsAre("door", "gate"));
@@ -215,9 +215,9 @@ TEST_F(LinkPointStoreTest, EvidenceKeepsItsBlobs) {
   ASSERT_OK(Create("door", {MakeAnchor("hall", 0, 0)}));
   const TestBlob rear("rear image"), cloud("cloud"), unused("unused");
   ASSERT_OK(blobs_.Put(Soon(), site_, {rear.view(), cloud.view(), unused.view()}));
-  Evidence evidence{LinkPointId("door"), map_, EvidenceKind::kRearImage, 1, rear.ref(), 42};
+  storage::Evidence evidence{LinkPointId("door"), map_, storage::EvidenceKind::kRearImage, 1, rear.ref(), 42};
   ASSERT_OK(link_points_.PutEvidence(Soon(), site_, evidence));
-  evidence.kind = EvidenceKind::kCloud;
+  evidence.kind = storage::EvidenceKind::kCloud;
   evidence.content = unused.ref();
   ASSERT_OK(link_points_.PutEvidence(Soon(), site_, evidence));
   evidence.content = cloud.ref();
@@ -229,7 +229,7 @@ TEST_F(LinkPointStoreTest, EvidenceKeepsItsBlobs) {
   evidence.content = TestBlob("never sent").ref();
   EXPECT_CODE(link_points_.PutEvidence(Soon(), site_, evidence), absl::StatusCode::kInvalidArgument);
 
-  Maintenance maintenance(*pool_);
+  storage::Maintenance maintenance(*pool_);
   ASSERT_OK_AND_ASSIGN(const std::int64_t collected, maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
   EXPECT_EQ(collected, 1) << "the one that was replaced";
   ASSERT_OK_AND_ASSIGN(const auto listed, link_points_.ListEvidence(Soon(), site_, {LinkPointId("door")}));
@@ -244,12 +244,12 @@ TEST_F(LinkPointStoreTest, EvidenceKeepsItsBlobs) {
 }
 
 TEST_F(LinkPointStoreTest, TheAuditTrailSaysWhoDidWhat) {
-  CallContext ann = Soon();
+  storage::CallContext ann = Soon();
   ann.actor = "ann's \"tool\"";
-  ASSERT_OK_AND_ASSIGN(StoredLinkPoint door,
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door,
                        link_points_.Create(ann, MakeLinkPoint(site_, "door", {MakeAnchor("hall", 0, 0)}), ""));
   door.point.tag = "new";
-  CallContext robot = Soon();
+  storage::CallContext robot = Soon();
   robot.actor = "robot r1";
   ASSERT_OK(link_points_.Update(robot, door));
   ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
@@ -257,20 +257,20 @@ TEST_F(LinkPointStoreTest, TheAuditTrailSaysWhoDidWhat) {
   // Newest first: anchor and link point deleted, link point updated, anchor and link point created.
   ASSERT_THAT(entries, SizeIs(5));
   EXPECT_EQ(entries[4].actor, ann.actor);
-  EXPECT_EQ(entries[4].action, AuditAction::kCreated);
+  EXPECT_EQ(entries[4].action, storage::AuditAction::kCreated);
   EXPECT_THAT(entries[4].before, IsEmpty());
   EXPECT_EQ(entries[3].resource, "linkPoints/door/anchors/hall");
   EXPECT_EQ(entries[2].actor, "robot r1");
-  EXPECT_EQ(entries[2].action, AuditAction::kUpdated);
+  EXPECT_EQ(entries[2].action, storage::AuditAction::kUpdated);
   EXPECT_THAT(entries[2].before, HasSubstr("\"tag\": \"\""));
   EXPECT_THAT(entries[2].after, HasSubstr("\"tag\": \"new\""));
   EXPECT_EQ(entries[0].actor, "");
   EXPECT_THAT(entries[0].after, IsEmpty());
   ASSERT_OK_AND_ASSIGN(const auto versions, graph_.ListVersions(Soon(), site_, 0, 3));
   ASSERT_THAT(versions, SizeIs(3));
-  EXPECT_EQ(versions[0].cause, GraphCause::kLinkPointRemoved);
+  EXPECT_EQ(versions[0].cause, storage::GraphCause::kLinkPointRemoved);
   EXPECT_EQ(versions[1].actor, "robot r1");
-  EXPECT_EQ(versions[2].cause, GraphCause::kLinkPointAdded);
+  EXPECT_EQ(versions[2].cause, storage::GraphCause::kLinkPointAdded);
   EXPECT_EQ(versions[2].resource, "linkPoints/door");
   // A change that fails leaves no trace.
   EXPECT_CODE(link_points_.Update(ann, door), absl::StatusCode::kNotFound);

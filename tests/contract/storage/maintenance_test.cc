@@ -12,7 +12,7 @@ class MaintenanceTest : public StoreTest {
  protected:
   std::string CountIn(const std::string& table) { return database_.SqlValue("SELECT count(*) FROM enfilade." + table); }
   void SetRetention(std::optional<seconds> retention) {
-    ASSERT_OK_AND_ASSIGN(Site site, sites_.Get(Soon(), site_));
+    ASSERT_OK_AND_ASSIGN(storage::Site site, sites_.Get(Soon(), site_));
     site.raw_retention = retention;
     ASSERT_OK(sites_.Update(Soon(), site));
   }
@@ -32,7 +32,7 @@ class MaintenanceTest : public StoreTest {
     return *collected;
   }
 
-  Maintenance maintenance_{*pool_};
+  storage::Maintenance maintenance_{*pool_};
 };
 
 TEST_F(MaintenanceTest, PurgesDeletedSessionsInPortionsAndKeepsTheirIds) {
@@ -45,7 +45,7 @@ TEST_F(MaintenanceTest, PurgesDeletedSessionsInPortionsAndKeepsTheirIds) {
   ASSERT_OK(Append(kept, ScanRecords(1, 5)));
   ASSERT_OK_AND_ASSIGN(const auto leased, mapping_.Acquire(Soon(), "worker", seconds(60)));
   ASSERT_EQ(leased->session.id, deleted);
-  SlamDelta delta;
+  slam::SlamDelta delta;
   delta.submaps = {{0, 1, {0, 0, 0}, false, ""}};
   delta.nodes.resize(20);
   delta.trajectory.resize(20);
@@ -55,7 +55,7 @@ TEST_F(MaintenanceTest, PurgesDeletedSessionsInPortionsAndKeepsTheirIds) {
     delta.trajectory[static_cast<std::size_t>(i)].node = i;
   }
   delta.closures.resize(1);
-  MappingStep step = StepOf(delta, "c", 50);
+  storage::MappingStep step = StepOf(delta, "c", 50);
   ASSERT_OK(mapping_.Commit(Soon(), leased->lease, step));
 
   ASSERT_OK_AND_ASSIGN(const std::int64_t nothing, maintenance_.PurgeDeletedSessions(Soon(), 1000));
@@ -95,11 +95,11 @@ TEST_F(MaintenanceTest, DeletesRecordsPastTheSitesRetention) {
   EXPECT_EQ(DeleteExpired(10), 5);
   EXPECT_EQ(DeleteExpired(10), 0);
   EXPECT_EQ(CountIn("session_records"), "0");
-  ASSERT_OK_AND_ASSIGN(const Session stored, sessions_.Get(Soon(), site_, session));
+  ASSERT_OK_AND_ASSIGN(const storage::Session stored, sessions_.Get(Soon(), site_, session));
   EXPECT_TRUE(stored.records_deleted);
   EXPECT_EQ(stored.record_counts.laser_scans, 25);
   // What was acknowledged stays acknowledged.
-  ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, ScanRecords(20, 25)));
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult again, Append(session, ScanRecords(20, 25)));
   EXPECT_EQ(again.duplicates, 6);
   EXPECT_EQ(CountIn("session_records"), "0");
   ASSERT_OK(sessions_.Delete(Soon(), site_, session));
@@ -116,9 +116,9 @@ TEST_F(MaintenanceTest, KeepsRecordsThatAreStillToBeMapped) {
   ASSERT_OK(sessions_.Finish(Soon(), site_, waiting, 5));
   Age(waiting);
   EXPECT_EQ(DeleteExpired(), 0);
-  const SlamDelta nothing;
-  MappingStep last = StepOf(nothing, "", 5);
-  last.final_state = SessionState::kMapped;
+  const slam::SlamDelta nothing;
+  storage::MappingStep last = StepOf(nothing, "", 5);
+  last.final_state = storage::SessionState::kMapped;
   while (true) {
     ASSERT_OK_AND_ASSIGN(const auto leased, mapping_.Acquire(Soon(), "worker", seconds(60)));
     ASSERT_TRUE(leased);
@@ -136,8 +136,8 @@ TEST_F(MaintenanceTest, CollectsBlobsThatNothingRefersTo) {
   ASSERT_OK(blobs_.Put(Soon(), site_, {in_record.view(), in_tile.view(), unused.view()}));
   const SessionId session = NewSession("s1", false);
   ASSERT_OK(Append(session, {ImageRecord(1, in_record.ref())}));
-  NewRevision revision;
-  revision.source = RevisionSource::kImport;
+  storage::NewRevision revision;
+  revision.source = storage::RevisionSource::kImport;
   revision.content_sha256 = in_tile.sha256();
   revision.tiles = {{{0, 0}, in_tile.sha256()}};
   ASSERT_OK(revisions_.Add(Soon(), site_, map_, revision, {}));

@@ -16,8 +16,8 @@ class MapDeletionTest : public StoreTest {
     Create("candidate", {MakeAnchor("lab", 7, 0)});
     Create("lift", {MakeAnchor("hall", 3, 0), MakeAnchor("lab", 5, 0), MakeAnchor("yard", 0, 0)});
   }
-  void Create(const std::string& id, const std::vector<Anchor>& anchors) {
-    StoredLinkPoint link_point = MakeLinkPoint(site_, id, anchors);
+  void Create(const std::string& id, const std::vector<graph::Anchor>& anchors) {
+    storage::StoredLinkPoint link_point = MakeLinkPoint(site_, id, anchors);
     link_point.point.direction = anchors.front().map;
     ASSERT_OK(link_points_.Create(Soon(), link_point, ""));
   }
@@ -35,7 +35,7 @@ TEST_F(MapDeletionTest, TellsWhichSessionsAndLinkPointsDependOnTheMap) {
 TEST_F(MapDeletionTest, ForceTakesWhatJoinsNoTwoOtherMaps) {
   ASSERT_OK_AND_ASSIGN(const std::int64_t version, graph_.GetVersion(Soon(), site_));
   ASSERT_OK(maps_.Delete(Soon(), site_, MapId("lab"), 0, true));
-  ASSERT_OK_AND_ASSIGN(const GraphChanges changes, graph_.ReadChanges(Soon(), site_, version));
+  ASSERT_OK_AND_ASSIGN(const storage::GraphChanges changes, graph_.ReadChanges(Soon(), site_, version));
   EXPECT_EQ(changes.version, version + 1);
   EXPECT_THAT(changes.removed_maps, ElementsAre(MapId("lab")));
   EXPECT_THAT(changes.removed_link_points, ElementsAre(LinkPointId("candidate"), LinkPointId("door")));
@@ -47,14 +47,14 @@ TEST_F(MapDeletionTest, ForceTakesWhatJoinsNoTwoOtherMaps) {
 TEST_F(MapDeletionTest, TheOldestOfTheOthersCarriesTheWorldFrameOn) {
   ASSERT_OK_AND_ASSIGN(const auto before, graph_.GetPlaces(Soon(), site_, {MapId("lab")}));
   ASSERT_OK(maps_.Delete(Soon(), site_, map_, 0, true));
-  ASSERT_OK_AND_ASSIGN(const GraphChanges graph, graph_.ReadChanges(Soon(), site_, 0));
+  ASSERT_OK_AND_ASSIGN(const storage::GraphChanges graph, graph_.ReadChanges(Soon(), site_, 0));
   EXPECT_EQ(graph.root, MapId("lab"));
   ASSERT_OK_AND_ASSIGN(const auto after, graph_.GetPlaces(Soon(), site_, {MapId("lab")}));
   EXPECT_EQ(after[0].T_world_map.pose, before[0].T_world_map.pose);
   ASSERT_OK(maps_.Delete(Soon(), site_, MapId("lab"), 0, true));
   ASSERT_OK(maps_.Delete(Soon(), site_, MapId("yard"), 0, true));
   ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("new"), "new"), ""));
-  ASSERT_OK_AND_ASSIGN(const GraphChanges anew, graph_.ReadChanges(Soon(), site_, 0));
+  ASSERT_OK_AND_ASSIGN(const storage::GraphChanges anew, graph_.ReadChanges(Soon(), site_, 0));
   EXPECT_EQ(anew.root, MapId("new"));
   EXPECT_GT(anew.version, graph.version);
 }

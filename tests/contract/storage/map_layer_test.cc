@@ -14,36 +14,36 @@ using ::testing::SizeIs;
 class MapLayerTest : public StoreTest {
  protected:
   // A raster of one row of tiles, each of the content named.
-  StoredRaster RasterOf(const std::vector<std::string>& contents) {
-    StoredRaster raster{"header", {}};
+  storage::StoredRaster RasterOf(const std::vector<std::string>& contents) {
+    storage::StoredRaster raster{"header", {}};
     for (const std::string& content : contents) {
       const TestBlob blob(content);
-      EXPECT_OK(blobs_.Put(Soon(), site_, std::vector<BlobView>{blob.view()}));
+      EXPECT_OK(blobs_.Put(Soon(), site_, std::vector<storage::BlobView>{blob.view()}));
       raster.tiles.push_back({{0, static_cast<int>(raster.tiles.size())}, blob.sha256()});
     }
     return raster;
   }
-  NewRevision RevisionOf(const std::optional<SessionId>& session, const std::vector<std::string>& contents) {
-    NewRevision revision;
-    revision.source = session ? RevisionSource::kMapping : RevisionSource::kImport;
+  storage::NewRevision RevisionOf(const std::optional<SessionId>& session, const std::vector<std::string>& contents) {
+    storage::NewRevision revision;
+    revision.source = session ? storage::RevisionSource::kMapping : storage::RevisionSource::kImport;
     revision.session = session;
     revision.geometry = {0.05, {}, 256 * static_cast<int>(contents.size()), 256};
-    const StoredRaster raster = RasterOf(contents);
+    const storage::StoredRaster raster = RasterOf(contents);
     revision.raster_header = raster.header;
     revision.tiles = raster.tiles;
     for (const std::string& content : contents) revision.content_sha256 += content;
     revision.content_sha256 = Sha256(revision.content_sha256);
     return revision;
   }
-  absl::Status Add(const NewRevision& revision) { return revisions_.Add(Soon(), site_, map_, revision, {}).status(); }
-  LayersBeside Beside(const std::string& session) {
+  absl::Status Add(const storage::NewRevision& revision) { return revisions_.Add(Soon(), site_, map_, revision, {}).status(); }
+  storage::LayersBeside Beside(const std::string& session) {
     const auto layers = revisions_.ReadLayersBeside(Soon(), site_, map_, SessionId(session));
     EXPECT_OK(layers);
     return *layers;
   }
-  static std::vector<std::string> DigestsOf(const MapLayer& layer) {
+  static std::vector<std::string> DigestsOf(const storage::MapLayer& layer) {
     std::vector<std::string> digests;
-    for (const TileRef& tile : layer.raster.tiles) digests.push_back(tile.sha256);
+    for (const storage::TileRef& tile : layer.raster.tiles) digests.push_back(tile.sha256);
     return digests;
   }
   static std::string DigestOf(const std::string& content) { return TestBlob(content).sha256(); }
@@ -56,7 +56,7 @@ TEST_F(MapLayerTest, OneSessionAloneStoresItsTilesOnce) {
   ASSERT_OK(Add(RevisionOf(first_, {"a", "b"})));
   ASSERT_OK(Add(RevisionOf(first_, {"a", "c"})));
   EXPECT_THAT(Beside("s1").below, IsEmpty());
-  const LayersBeside seen = Beside("s2");
+  const storage::LayersBeside seen = Beside("s2");
   ASSERT_THAT(seen.below, SizeIs(1));
   EXPECT_EQ(seen.below[0].session, first_);
   EXPECT_EQ(seen.below[0].raster.header, "header");
@@ -66,7 +66,7 @@ TEST_F(MapLayerTest, OneSessionAloneStoresItsTilesOnce) {
 
 TEST_F(MapLayerTest, LayersLieInTheOrderInWhichSessionsCame) {
   ASSERT_OK(Add(RevisionOf(first_, {"a"})));
-  NewRevision both = RevisionOf(second_, {"ab", "b"});
+  storage::NewRevision both = RevisionOf(second_, {"ab", "b"});
   both.layer = RasterOf({"b1", "b2", "b3"});
   both.layers_version = Beside("s2").version;
   ASSERT_OK(Add(both));
@@ -78,7 +78,7 @@ TEST_F(MapLayerTest, LayersLieInTheOrderInWhichSessionsCame) {
   ASSERT_OK(Add(both));
   EXPECT_THAT(DigestsOf(Beside("s1").above[0]), ElementsAre(DigestOf("b1"), DigestOf("b4")));
   // The first one's next layer stays below.
-  NewRevision again = RevisionOf(first_, {"a2b", "b"});
+  storage::NewRevision again = RevisionOf(first_, {"a2b", "b"});
   again.layer = RasterOf({"a2"});
   ASSERT_OK(Add(again));
   EXPECT_THAT(Beside("s2").below, SizeIs(1));
@@ -89,27 +89,27 @@ TEST_F(MapLayerTest, LayersLieInTheOrderInWhichSessionsCame) {
 TEST_F(MapLayerTest, WhatWasLaidTogetherFromOldLayersIsRefusedWhole) {
   const std::int64_t version = Beside("s2").version;
   ASSERT_OK(Add(RevisionOf(first_, {"a"})));
-  NewRevision stale = RevisionOf(second_, {"b"});
+  storage::NewRevision stale = RevisionOf(second_, {"b"});
   stale.layers_version = version;
   const absl::Status refused = Add(stale);
   EXPECT_CODE(refused, absl::StatusCode::kAborted);
-  EXPECT_TRUE(AreLayersChanged(refused));
+  EXPECT_TRUE(storage::AreLayersChanged(refused));
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.map_revisions"), "1");
   EXPECT_THAT(Beside("s1").above, IsEmpty());
   stale.layers_version = Beside("s2").version;
   EXPECT_OK(Add(stale));
-  EXPECT_FALSE(AreLayersChanged(absl::AbortedError("another reason")));
+  EXPECT_FALSE(storage::AreLayersChanged(absl::AbortedError("another reason")));
 }
 
 TEST_F(MapLayerTest, AnImportTakesTheirPlaceAndSessionsGoOnAboveIt) {
   ASSERT_OK(Add(RevisionOf(first_, {"a"})));
   ASSERT_OK(Add(RevisionOf(std::nullopt, {"edited"})));
-  const LayersBeside seen = Beside("s1");
+  const storage::LayersBeside seen = Beside("s1");
   EXPECT_THAT(seen.above, IsEmpty());
   ASSERT_THAT(seen.below, SizeIs(1));
   EXPECT_EQ(seen.below[0].session, std::nullopt);
   EXPECT_THAT(DigestsOf(seen.below[0]), ElementsAre(DigestOf("edited")));
-  NewRevision next = RevisionOf(first_, {"a on edited"});
+  storage::NewRevision next = RevisionOf(first_, {"a on edited"});
   next.layer = RasterOf({"a"});
   next.layers_version = seen.version;
   ASSERT_OK(Add(next));
@@ -118,11 +118,11 @@ TEST_F(MapLayerTest, AnImportTakesTheirPlaceAndSessionsGoOnAboveIt) {
 
 TEST_F(MapLayerTest, TilesOfLayersAreKeptAsLongAsTheMap) {
   ASSERT_OK(Add(RevisionOf(first_, {"a"})));
-  NewRevision both = RevisionOf(second_, {"ab"});
+  storage::NewRevision both = RevisionOf(second_, {"ab"});
   both.layer = RasterOf({"only in the layer"});
   ASSERT_OK(Add(both));
   RasterOf({"nobody's"});
-  Maintenance maintenance(*pool_);
+  storage::Maintenance maintenance(*pool_);
   ASSERT_OK_AND_ASSIGN(const std::int64_t collected, maintenance.CollectBlobs(Soon(), seconds(0), 1000));
   EXPECT_EQ(collected, 1);
   ASSERT_OK(sessions_.Delete(Soon(), site_, second_));

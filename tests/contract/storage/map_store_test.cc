@@ -18,37 +18,37 @@ std::vector<Eigen::Vector2d> Square(double x, double y, double side) {
 
 class MapStoreTest : public StoreTest {
  protected:
-  Map Get(const std::string& id) {
+  storage::Map Get(const std::string& id) {
     const auto map = maps_.Get(Soon(), site_, MapId(id));
     EXPECT_OK(map);
     return *map;
   }
-  std::vector<std::string> Find(int level, const Rectangle& rectangle) {
+  std::vector<std::string> Find(int level, const storage::Rectangle& rectangle) {
     const auto maps = maps_.FindByOutline(Soon(), site_, level, rectangle);
     EXPECT_OK(maps);
     std::vector<std::string> ids;
-    for (const Map& map : *maps) ids.push_back(map.id.value());
+    for (const storage::Map& map : *maps) ids.push_back(map.id.value());
     return ids;
   }
 };
 
 TEST_F(MapStoreTest, GivesBackWhatWasStored) {
-  Map map = MakeMap(site_, MapId("lab"), "Lab 1/2 \"west\" \xf0\x9f\xa4\x96");
+  storage::Map map = MakeMap(site_, MapId("lab"), "Lab 1/2 \"west\" \xf0\x9f\xa4\x96");
   map.level = -2;
-  map.environment = Environment::kOutdoor;
+  map.environment = storage::Environment::kOutdoor;
   map.slam_profile = "outdoor-fast";
   map.outline = {{500'000.1, 5'800'000.2}, {500'010.3, 5'800'000.2}, {500'005.0, 5'800'009.4}};
   ASSERT_OK(maps_.Create(Soon(), map, ""));
-  const Map stored = Get("lab");
+  const storage::Map stored = Get("lab");
   EXPECT_EQ(stored.display_name, map.display_name);
   EXPECT_EQ(stored.level, -2);
-  EXPECT_EQ(stored.environment, Environment::kOutdoor);
+  EXPECT_EQ(stored.environment, storage::Environment::kOutdoor);
   EXPECT_EQ(stored.slam_profile, "outdoor-fast");
   EXPECT_EQ(stored.outline, map.outline);
-  EXPECT_EQ(stored.state, MapState::kEmpty);
+  EXPECT_EQ(stored.state, storage::MapState::kEmpty);
   EXPECT_EQ(stored.current_revision, 0);
   EXPECT_THAT(Get("hall").outline, IsEmpty());
-  ASSERT_OK_AND_ASSIGN(const Map named, maps_.GetByDisplayName(Soon(), site_, map.display_name));
+  ASSERT_OK_AND_ASSIGN(const storage::Map named, maps_.GetByDisplayName(Soon(), site_, map.display_name));
   EXPECT_EQ(named.id, map.id);
   EXPECT_CODE(maps_.GetByDisplayName(Soon(), site_, "lab"), absl::StatusCode::kNotFound);
 }
@@ -61,12 +61,12 @@ TEST_F(MapStoreTest, SaysWhatIsTaken) {
   EXPECT_STATUS(maps_.Create(Soon(), MakeMap(SiteId("nowhere"), map_, "Hall"), ""), absl::StatusCode::kNotFound,
                 HasSubstr("sites/nowhere"));
   ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("a"), "A"), "request"));
-  ASSERT_OK_AND_ASSIGN(const Map repeated, maps_.Create(Soon(), MakeMap(site_, MapId("b"), "A"), "request"));
+  ASSERT_OK_AND_ASSIGN(const storage::Map repeated, maps_.Create(Soon(), MakeMap(site_, MapId("b"), "A"), "request"));
   EXPECT_EQ(repeated.id, MapId("a"));
 }
 
 TEST_F(MapStoreTest, RefusesOutlinesThatAreNoSimplePolygons) {
-  Map map = MakeMap(site_, MapId("m"), "M");
+  storage::Map map = MakeMap(site_, MapId("m"), "M");
   map.outline = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
   EXPECT_STATUS(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument, HasSubstr("outline"));
   map.outline = {{0, 0}, {1, 1}};
@@ -74,16 +74,16 @@ TEST_F(MapStoreTest, RefusesOutlinesThatAreNoSimplePolygons) {
   map.outline = {{0, 0}, {1, std::numeric_limits<double>::quiet_NaN()}, {1, 0}};
   EXPECT_STATUS(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument, HasSubstr("finite"));
   map.outline = {};
-  map.environment = static_cast<Environment>(7);
+  map.environment = static_cast<storage::Environment>(7);
   EXPECT_CODE(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(MapStoreTest, UpdatesOnlyUnderTheStoredEtag) {
-  Map map = Get("hall");
+  storage::Map map = Get("hall");
   map.display_name = "Great hall";
   map.level = 3;
   map.outline = Square(0, 0, 10);
-  ASSERT_OK_AND_ASSIGN(const Map updated, maps_.Update(Soon(), map));
+  ASSERT_OK_AND_ASSIGN(const storage::Map updated, maps_.Update(Soon(), map));
   EXPECT_EQ(updated.outline, map.outline);
   EXPECT_EQ(Get("hall").level, 3);
   EXPECT_CODE(maps_.Update(Soon(), map), absl::StatusCode::kAborted);
@@ -98,7 +98,7 @@ TEST_F(MapStoreTest, UpdatesOnlyUnderTheStoredEtag) {
 TEST_F(MapStoreTest, FindsMapsByOutlineOnOneLevelOfOneSite) {
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
   const auto create = [&](const SiteId& site, const std::string& id, int level, double x) {
-    Map map = MakeMap(site, MapId(id), id);
+    storage::Map map = MakeMap(site, MapId(id), id);
     map.level = level;
     map.outline = Square(x, 0, 1);
     ASSERT_OK(maps_.Create(Soon(), map, ""));
@@ -152,18 +152,18 @@ TEST_F(MapStoreTest, IsKeptWhileSessionsMapIntoIt) {
 TEST_F(MapStoreTest, AMapMadeAgainUnderAnOldIdStartsAnew) {
   for (const char* id : {"a", "b", "c"}) ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId(id), id), ""));
   const TestBlob blob("tile");
-  NewRevision revision;
-  revision.source = RevisionSource::kImport;
+  storage::NewRevision revision;
+  revision.source = storage::RevisionSource::kImport;
   revision.content_sha256 = blob.sha256();
   revision.tiles = {{{0, 0}, blob.sha256()}};
   ASSERT_OK(revisions_.Add(Soon(), site_, MapId("b"), revision, {blob.view()}));
-  const Map old = Get("b");
+  const storage::Map old = Get("b");
   EXPECT_CODE(maps_.Delete(Soon(), site_, MapId("b"), old.etag + 1, false), absl::StatusCode::kAborted);
   ASSERT_OK(maps_.Delete(Soon(), site_, MapId("b"), old.etag, false));
   EXPECT_CODE(maps_.Delete(Soon(), site_, MapId("b"), 0, false), absl::StatusCode::kNotFound);
   ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("b"), "b"), ""));
   EXPECT_EQ(Get("b").current_revision, 0);
-  EXPECT_EQ(Get("b").state, MapState::kEmpty);
+  EXPECT_EQ(Get("b").state, storage::MapState::kEmpty);
   EXPECT_CODE(revisions_.Get(Soon(), site_, MapId("b"), 1), absl::StatusCode::kNotFound);
   ASSERT_OK_AND_ASSIGN(const auto page, maps_.List(Soon(), site_, {2, "a"}));
   ASSERT_EQ(page.size(), 2U);

@@ -23,16 +23,16 @@ Eigen::Matrix3d MatrixOf(double scale) {
   return scale * matrix;
 }
 
-SlamNode NodeOf(std::int64_t id, double x) {
+slam::SlamNode NodeOf(std::int64_t id, double x) {
   return {id, 10 * id + 1, (id + 1) * kNsPerSecond, {x, 1.0 / 3, -0.1}, MatrixOf(static_cast<double>(id)), 0};
 }
 
 // The delta of a mapper's first step: one submap, two nodes, a closure, three scans.
-SlamDelta FirstDelta() {
-  SlamDelta delta;
+slam::SlamDelta FirstDelta() {
+  slam::SlamDelta delta;
   delta.submaps = {{0, 1, {0.0, -0.0, 0.5}, false, ""}};
   delta.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.5)};
-  delta.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), ClosureState::kRejected, 0.25, 7.5, "too few \"inliers\""}};
+  delta.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::ClosureState::kRejected, 0.25, 7.5, "too few \"inliers\""}};
   delta.trajectory = {{1, kNsPerSecond, 0, {0, 0, 0}},
                       {5, kNsPerSecond * 3 / 2, 0, {0.75, 0, 0}},
                       {11, 2 * kNsPerSecond, 1, {0, 0, 0}}};
@@ -41,7 +41,7 @@ SlamDelta FirstDelta() {
 
 class MappingStoreTest : public StoreTest {
  protected:
-  LeasedSession AcquireOne(const std::string& owner = "worker", milliseconds ttl = seconds(60)) {
+  storage::LeasedSession AcquireOne(const std::string& owner = "worker", milliseconds ttl = seconds(60)) {
     const auto leased = mapping_.Acquire(Soon(), owner, ttl);
     EXPECT_OK(leased);
     EXPECT_TRUE(leased->has_value());
@@ -57,17 +57,17 @@ class MappingStoreTest : public StoreTest {
     EXPECT_OK(Append(session, ScanRecords(1, count)));
     return session;
   }
-  absl::Status CommitStep(const SessionLease& lease, const SlamDelta& delta, std::int64_t mapped_sequence) {
+  absl::Status CommitStep(const storage::SessionLease& lease, const slam::SlamDelta& delta, std::int64_t mapped_sequence) {
     return mapping_.Commit(Soon(), lease, StepOf(delta, "state", mapped_sequence)).status();
   }
-  SlamMap LoadMap(const SessionId& session) {
+  slam::SlamMap LoadMap(const SessionId& session) {
     const auto stored = mapping_.Load(Soon(), site_, session);
     EXPECT_OK(stored);
     EXPECT_TRUE(stored->has_value());
     return (*stored)->map;
   }
-  NewRevision RevisionOf(const SessionId& session, const TestBlob& tile) {
-    NewRevision revision;
+  storage::NewRevision RevisionOf(const SessionId& session, const TestBlob& tile) {
+    storage::NewRevision revision;
     revision.session = session;
     revision.geometry = {0.05, {-1, -2, 0}, 10, 10};
     revision.content_sha256 = Sha256("content of " + tile.data());
@@ -76,7 +76,7 @@ class MappingStoreTest : public StoreTest {
   }
 };
 
-void ExpectEqual(const SlamMap& map, const SlamMap& expected) {
+void ExpectEqual(const slam::SlamMap& map, const slam::SlamMap& expected) {
   EXPECT_EQ(map.nodes, expected.nodes);
   EXPECT_EQ(map.submaps, expected.submaps);
   EXPECT_EQ(map.closures, expected.closures);
@@ -88,7 +88,7 @@ TEST_F(MappingStoreTest, ThereIsWorkWhereRecordsAreNotMappedOrASessionIsToBeClos
   EXPECT_OK(Append(NewSession("recorded", false), ScanRecords(1, 3)));
   EXPECT_FALSE(FindsWork());
   const SessionId session = SessionWithRecords("s1", 3);
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   EXPECT_EQ(leased.session.id, session);
   EXPECT_EQ(leased.session.acknowledged_sequence, 3);
   EXPECT_EQ(leased.lease.token, 1);
@@ -103,20 +103,20 @@ TEST_F(MappingStoreTest, ThereIsWorkWhereRecordsAreNotMappedOrASessionIsToBeClos
 TEST_F(MappingStoreTest, ASessionThatWaitsForItsMapIsMappedOnceItIsKnown) {
   const SessionId previous = NewSession("s1");
   ASSERT_OK(sessions_.Finish(Soon(), site_, previous, 0));
-  Session waiting = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+  storage::Session waiting = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
   waiting.entry.previous = previous;
   ASSERT_OK(sessions_.Create(Soon(), waiting, ""));
   ASSERT_OK(Append(waiting.id, ScanRecords(1, 3)));
-  const LeasedSession closing = AcquireOne();
+  const storage::LeasedSession closing = AcquireOne();
   EXPECT_EQ(closing.session.id, previous) << "the only one that can be mapped";
   EXPECT_FALSE(FindsWork());
-  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, waiting.id, 3));
-  EXPECT_EQ(finished.state, SessionState::kFinished);
+  ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, waiting.id, 3));
+  EXPECT_EQ(finished.state, storage::SessionState::kFinished);
   EXPECT_FALSE(FindsWork());
   database_.Sql(
       "UPDATE enfilade.sessions SET map_id = 'hall', initial_x = 1, initial_y = 2, initial_yaw = 0.5,"
       " initial_covariance = '{1,0,0,0,1,0,0,0,1}' WHERE session_id = 's2'");
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   EXPECT_EQ(leased.session.id, waiting.id);
   EXPECT_EQ(leased.session.map, map_);
   ASSERT_TRUE(leased.session.entry.T_map_robot);
@@ -125,9 +125,9 @@ TEST_F(MappingStoreTest, ASessionThatWaitsForItsMapIsMappedOnceItIsKnown) {
 
 TEST_F(MappingStoreTest, ALeaseThatRanOutGoesToAnotherWithAHigherToken) {
   const SessionId session = SessionWithRecords("s1", 3);
-  const LeasedSession lost = AcquireOne("first", milliseconds(1));
+  const storage::LeasedSession lost = AcquireOne("first", milliseconds(1));
   std::this_thread::sleep_for(milliseconds(5));
-  const LeasedSession held = AcquireOne("second");
+  const storage::LeasedSession held = AcquireOne("second");
   EXPECT_EQ(held.lease.session, session);
   EXPECT_GT(held.lease.token, lost.lease.token);
   EXPECT_STATUS(CommitStep(lost.lease, FirstDelta(), 3), absl::StatusCode::kAborted, HasSubstr("first"));
@@ -139,7 +139,7 @@ TEST_F(MappingStoreTest, ALeaseThatRanOutGoesToAnotherWithAHigherToken) {
 
 TEST_F(MappingStoreTest, ALeaseThatRanOutStillHoldsWhileNobodyElseTookIt) {
   SessionWithRecords("s1", 3);
-  const LeasedSession leased = AcquireOne("first", milliseconds(1));
+  const storage::LeasedSession leased = AcquireOne("first", milliseconds(1));
   std::this_thread::sleep_for(milliseconds(5));
   EXPECT_OK(CommitStep(leased.lease, FirstDelta(), 3));
   EXPECT_OK(mapping_.Renew(Soon(), leased.lease, seconds(60)));
@@ -150,7 +150,7 @@ TEST_F(MappingStoreTest, ALeaseThatRanOutStillHoldsWhileNobodyElseTookIt) {
 TEST_F(MappingStoreTest, AReleasedSessionGoesToTheEndOfTheQueue) {
   SessionWithRecords("s1", 3);
   SessionWithRecords("s2", 3);
-  const LeasedSession first = AcquireOne();
+  const storage::LeasedSession first = AcquireOne();
   ASSERT_OK(mapping_.Release(Soon(), first.lease));
   EXPECT_NE(AcquireOne().session.id, first.session.id);
   EXPECT_EQ(AcquireOne().session.id, first.session.id);
@@ -178,13 +178,13 @@ TEST_F(MappingStoreTest, EachSessionGoesToOneOfManyWorkers) {
 
 TEST_F(MappingStoreTest, GivesBackTheSumOfAllSteps) {
   const SessionId session = SessionWithRecords("s1", 30);
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   ASSERT_OK_AND_ASSIGN(const auto nothing, mapping_.Load(Soon(), site_, session));
   EXPECT_FALSE(nothing);
-  SlamMap expected;
+  slam::SlamMap expected;
   const std::string checkpoint("\0binary\xff", 8);
-  const auto commit = [&](const SlamDelta& delta, std::int64_t mapped) {
-    MappingStep step = StepOf(delta, checkpoint, mapped);
+  const auto commit = [&](const slam::SlamDelta& delta, std::int64_t mapped) {
+    storage::MappingStep step = StepOf(delta, checkpoint, mapped);
     step.counts = {1, 2, 3, 4, 5, mapped};
     ASSERT_OK(mapping_.Commit(Soon(), leased.lease, step));
     expected.Apply(delta);
@@ -195,31 +195,31 @@ TEST_F(MappingStoreTest, GivesBackTheSumOfAllSteps) {
     EXPECT_EQ(stored->mapped_sequence, mapped);
   };
   commit(FirstDelta(), 11);
-  SlamDelta second;
+  slam::SlamDelta second;
   second.submaps = {{0, 2, {0.5, 0, 0}, true, std::string(100'000, '\7')}, {1, 1, {3, 0, 0}, false, ""}};
   second.nodes = {NodeOf(2, 3.0)};
   second.nodes[0].submap = 1;
   second.trajectory = {{21, 3 * kNsPerSecond, 2, {0, 0, 0}}};
   commit(second, 21);
-  SlamDelta solved;  // poses move, the finished submap's content stays
+  slam::SlamDelta solved;  // poses move, the finished submap's content stays
   solved.submaps = {{0, 2, {0.6, 0, 0}, true, ""}};
   solved.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.25), NodeOf(2, 2.75)};
-  solved.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), ClosureState::kAccepted, 0.5, 1.5, ""}};
+  solved.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::ClosureState::kAccepted, 0.5, 1.5, ""}};
   commit(solved, 21);
   EXPECT_THAT(expected.submaps.at(0).content, SizeIs(100'000));
-  ASSERT_OK_AND_ASSIGN(const Session stored, sessions_.Get(Soon(), site_, session));
+  ASSERT_OK_AND_ASSIGN(const storage::Session stored, sessions_.Get(Soon(), site_, session));
   EXPECT_EQ(stored.mapped_sequence, 21);
-  EXPECT_EQ(stored.mapping_counts, (MappingCounts{1, 2, 3, 4, 5, 21}));
+  EXPECT_EQ(stored.mapping_counts, (storage::MappingCounts{1, 2, 3, 4, 5, 21}));
 }
 
 TEST_F(MappingStoreTest, TheSameStepTwiceChangesNothing) {
   const SessionId session = SessionWithRecords("s1", 30);
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   const TestBlob tile("tile");
-  const NewRevision revision = RevisionOf(session, tile);
-  const SlamDelta delta = FirstDelta();
-  const std::vector<BlobView> blobs = {tile.view()};
-  MappingStep step = StepOf(delta, "c", 11);
+  const storage::NewRevision revision = RevisionOf(session, tile);
+  const slam::SlamDelta delta = FirstDelta();
+  const std::vector<storage::BlobView> blobs = {tile.view()};
+  storage::MappingStep step = StepOf(delta, "c", 11);
   step.revision = &revision;
   step.blobs = blobs;
   for (int i = 0; i < 3; ++i) {
@@ -231,47 +231,47 @@ TEST_F(MappingStoreTest, TheSameStepTwiceChangesNothing) {
 
 TEST_F(MappingStoreTest, RefusesStepsThatGoBack) {
   SessionWithRecords("s1", 30);
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 20));
   EXPECT_STATUS(CommitStep(leased.lease, {}, 19), absl::StatusCode::kInvalidArgument, HasSubstr("20"));
 }
 
 TEST_F(MappingStoreTest, PublishesRevisionsAndClosesTheSession) {
   const SessionId session = SessionWithRecords("s1", 3);
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   const TestBlob first_tile("first");
-  const NewRevision first = RevisionOf(session, first_tile);
-  const SlamDelta delta = FirstDelta();
-  const std::vector<BlobView> first_blobs = {first_tile.view()};
-  MappingStep step = StepOf(delta, "c", 3);
+  const storage::NewRevision first = RevisionOf(session, first_tile);
+  const slam::SlamDelta delta = FirstDelta();
+  const std::vector<storage::BlobView> first_blobs = {first_tile.view()};
+  storage::MappingStep step = StepOf(delta, "c", 3);
   step.revision = &first;
   step.blobs = first_blobs;
   ASSERT_OK_AND_ASSIGN(const std::int64_t number, mapping_.Commit(Soon(), leased.lease, step));
   EXPECT_EQ(number, 1);
-  ASSERT_OK_AND_ASSIGN(const Map mapping, maps_.Get(Soon(), site_, map_));
-  EXPECT_EQ(mapping.state, MapState::kMapping);
+  ASSERT_OK_AND_ASSIGN(const storage::Map mapping, maps_.Get(Soon(), site_, map_));
+  EXPECT_EQ(mapping.state, storage::MapState::kMapping);
   EXPECT_EQ(database_.SqlValue("SELECT ST_AsText(track) FROM enfilade.session_tracks"),
             "LINESTRING M (0 0.333333333333333 1,1.5 0.333333333333333 2)");
 
-  const SlamDelta nothing;
-  MappingStep last = StepOf(nothing, "c", 3);
-  last.final_state = SessionState::kMapped;
+  const slam::SlamDelta nothing;
+  storage::MappingStep last = StepOf(nothing, "c", 3);
+  last.final_state = storage::SessionState::kMapped;
   EXPECT_STATUS(mapping_.Commit(Soon(), leased.lease, last), absl::StatusCode::kFailedPrecondition,
                 HasSubstr("not finished"));
   ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
   const TestBlob last_tile("last");
-  const NewRevision second = RevisionOf(session, last_tile);
-  const std::vector<BlobView> last_blobs = {last_tile.view()};
+  const storage::NewRevision second = RevisionOf(session, last_tile);
+  const std::vector<storage::BlobView> last_blobs = {last_tile.view()};
   last.revision = &second;
   last.blobs = last_blobs;
   ASSERT_OK_AND_ASSIGN(const std::int64_t last_number, mapping_.Commit(Soon(), leased.lease, last));
   EXPECT_EQ(last_number, 2);
-  ASSERT_OK_AND_ASSIGN(const Map ready, maps_.Get(Soon(), site_, map_));
-  EXPECT_EQ(ready.state, MapState::kReady);
+  ASSERT_OK_AND_ASSIGN(const storage::Map ready, maps_.Get(Soon(), site_, map_));
+  EXPECT_EQ(ready.state, storage::MapState::kReady);
   EXPECT_EQ(ready.etag, mapping.etag);
-  ASSERT_OK_AND_ASSIGN(const Session closed, sessions_.Get(Soon(), site_, session));
-  EXPECT_EQ(closed.state, SessionState::kMapped);
-  ASSERT_OK_AND_ASSIGN(const MapRevision stored, revisions_.Get(Soon(), site_, map_, 0));
+  ASSERT_OK_AND_ASSIGN(const storage::Session closed, sessions_.Get(Soon(), site_, session));
+  EXPECT_EQ(closed.state, storage::SessionState::kMapped);
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision stored, revisions_.Get(Soon(), site_, map_, 0));
   EXPECT_EQ(stored.session, session);
   ASSERT_OK(mapping_.Release(Soon(), leased.lease));
   EXPECT_FALSE(FindsWork());
@@ -279,30 +279,30 @@ TEST_F(MappingStoreTest, PublishesRevisionsAndClosesTheSession) {
 
 TEST_F(MappingStoreTest, AFailureIsOnRecordAndTheSessionGoesOnRecording) {
   const SessionId session = SessionWithRecords("s1", 3);
-  const LeasedSession leased = AcquireOne();
-  const SlamDelta nothing;
-  MappingStep step = StepOf(nothing, "", 2);
-  step.final_state = SessionState::kFailed;
+  const storage::LeasedSession leased = AcquireOne();
+  const slam::SlamDelta nothing;
+  storage::MappingStep step = StepOf(nothing, "", 2);
+  step.final_state = storage::SessionState::kFailed;
   step.error = "record 3: it's \"odd\"";
   ASSERT_OK(mapping_.Commit(Soon(), leased.lease, step));
   ASSERT_OK(mapping_.Release(Soon(), leased.lease));
   EXPECT_FALSE(FindsWork());
   EXPECT_OK(Append(session, {ScanRecord(4)}));
-  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 4));
-  EXPECT_EQ(finished.state, SessionState::kFailed);
+  ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, session, 4));
+  EXPECT_EQ(finished.state, storage::SessionState::kFailed);
   EXPECT_EQ(finished.error, step.error);
   EXPECT_CODE(Append(session, {ScanRecord(5)}), absl::StatusCode::kFailedPrecondition);
 }
 
 TEST_F(MappingStoreTest, AStepThatCannotBeStoredWholeIsNotStoredAtAll) {
   const SessionId session = SessionWithRecords("s1", 3);
-  const LeasedSession leased = AcquireOne();
-  const NewRevision missing_tile = RevisionOf(session, TestBlob("never sent"));
-  const SlamDelta delta = FirstDelta();
-  MappingStep step = StepOf(delta, "c", 3);
+  const storage::LeasedSession leased = AcquireOne();
+  const storage::NewRevision missing_tile = RevisionOf(session, TestBlob("never sent"));
+  const slam::SlamDelta delta = FirstDelta();
+  storage::MappingStep step = StepOf(delta, "c", 3);
   step.revision = &missing_tile;
   EXPECT_CODE(mapping_.Commit(Soon(), leased.lease, step), absl::StatusCode::kFailedPrecondition);
-  SlamDelta dangling = FirstDelta();
+  slam::SlamDelta dangling = FirstDelta();
   dangling.trajectory.push_back({30, 4 * kNsPerSecond, 99, {0, 0, 0}});
   EXPECT_CODE(CommitStep(leased.lease, dangling, 3), absl::StatusCode::kFailedPrecondition);
   ASSERT_OK_AND_ASSIGN(const auto stored, mapping_.Load(Soon(), site_, session));
@@ -311,7 +311,7 @@ TEST_F(MappingStoreTest, AStepThatCannotBeStoredWholeIsNotStoredAtAll) {
 
 TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
   const SessionId session = SessionWithRecords("s1", 3);
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 1));
   ASSERT_OK(sessions_.Delete(Soon(), site_, session));
   EXPECT_CODE(CommitStep(leased.lease, {}, 2), absl::StatusCode::kAborted);
@@ -323,24 +323,24 @@ TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
 
 TEST_F(MappingStoreTest, TheTrajectoryFollowsTheNodes) {
   const SessionId session = SessionWithRecords("s1", 30);
-  ASSERT_OK_AND_ASSIGN(const Trajectory none, mapping_.ReadTrajectory(Soon(), site_, session));
+  ASSERT_OK_AND_ASSIGN(const storage::Trajectory none, mapping_.ReadTrajectory(Soon(), site_, session));
   EXPECT_THAT(none.poses, IsEmpty());
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 11));
-  const auto expect_poses_of = [&](const SlamMap& map, std::int64_t mapped) {
-    ASSERT_OK_AND_ASSIGN(const Trajectory trajectory, mapping_.ReadTrajectory(Soon(), site_, session));
+  const auto expect_poses_of = [&](const slam::SlamMap& map, std::int64_t mapped) {
+    ASSERT_OK_AND_ASSIGN(const storage::Trajectory trajectory, mapping_.ReadTrajectory(Soon(), site_, session));
     EXPECT_EQ(trajectory.mapped_sequence, mapped);
-    const std::vector<StampedPose> expected = TrajectoryOf(map);
+    const std::vector<slam::StampedPose> expected = slam::TrajectoryOf(map);
     ASSERT_EQ(trajectory.poses.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
       EXPECT_EQ(trajectory.poses[i].time, expected[i].time);
       EXPECT_EQ(trajectory.poses[i].T_map_robot, expected[i].T_map_robot);
     }
   };
-  SlamMap map;
+  slam::SlamMap map;
   map.Apply(FirstDelta());
   expect_poses_of(map, 11);
-  SlamDelta moved;
+  slam::SlamDelta moved;
   moved.nodes = {NodeOf(1, 2.5)};
   ASSERT_OK(CommitStep(leased.lease, moved, 12));
   map.Apply(moved);
@@ -352,20 +352,20 @@ TEST_F(MappingStoreTest, ListsKeyframesAsTheyAreNow) {
   const SessionId session = SessionWithRecords("s1", 30);
   ASSERT_OK_AND_ASSIGN(const auto none, mapping_.ListKeyframes(Soon(), site_, session));
   EXPECT_THAT(none, IsEmpty());
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 11));
-  SlamDelta moved;
+  slam::SlamDelta moved;
   moved.nodes = {NodeOf(1, 2.5)};
   ASSERT_OK(CommitStep(leased.lease, moved, 12));
   ASSERT_OK_AND_ASSIGN(const auto keyframes, mapping_.ListKeyframes(Soon(), site_, session));
-  EXPECT_EQ(keyframes, (std::vector<SlamNode>{NodeOf(0, 0.0), NodeOf(1, 2.5)}));
+  EXPECT_EQ(keyframes, (std::vector<slam::SlamNode>{NodeOf(0, 0.0), NodeOf(1, 2.5)}));
   ASSERT_OK_AND_ASSIGN(const auto missing, mapping_.ListKeyframes(Soon(), site_, SessionId("s9")));
   EXPECT_THAT(missing, IsEmpty());
 }
 
 TEST_F(MappingStoreTest, RecordingAndMappingOfOneSessionDoNotBlockEachOther) {
   const SessionId session = SessionWithRecords("s1", 1);
-  const LeasedSession leased = AcquireOne();
+  const storage::LeasedSession leased = AcquireOne();
   absl::Status recorded;
   std::thread recorder([&] {
     for (std::int64_t sequence = 2; sequence <= 100 && recorded.ok(); ++sequence) {
@@ -374,7 +374,7 @@ TEST_F(MappingStoreTest, RecordingAndMappingOfOneSessionDoNotBlockEachOther) {
   });
   absl::Status mapped;
   for (std::int64_t id = 0; id < 100 && mapped.ok(); ++id) {
-    SlamDelta delta;
+    slam::SlamDelta delta;
     if (id == 0) delta.submaps = {{0, 1, {0, 0, 0}, false, ""}};
     delta.nodes = {NodeOf(id, 0.5)};
     mapped = CommitStep(leased.lease, delta, 1);

@@ -31,10 +31,10 @@ std::vector<std::string> Objects(const TestDatabase& database) {
       " UNION ALL SELECT 'schema ' || nspname FROM pg_namespace WHERE nspname = 'enfilade' ORDER BY 1");
 }
 
-SchemaState StateOf(const TestDatabase& database) {
-  auto pool = postgres::Pool::Create({.url = database.url()});
+storage::SchemaState StateOf(const TestDatabase& database) {
+  auto pool = storage::postgres::Pool::Create({.url = database.url()});
   EXPECT_OK(pool);
-  const auto state = CheckSchema(CallContext::WithTimeout(std::chrono::seconds(60)), **pool);
+  const auto state = storage::CheckSchema(storage::CallContext::WithTimeout(std::chrono::seconds(60)), **pool);
   EXPECT_OK(state);
   return *state;
 }
@@ -45,12 +45,12 @@ class MigrationsTest : public ::testing::Test {
 };
 
 TEST_F(MigrationsTest, GoFromEmptyToHeadAndBackAndToHeadAgain) {
-  EXPECT_EQ(StateOf(database_).position, SchemaState::Position::kEmpty);
+  EXPECT_EQ(StateOf(database_).position, storage::SchemaState::Position::kEmpty);
   const CommandResult up = Migrate("up", database_);
   ASSERT_EQ(up.exit_code, 0) << up.output;
   const std::vector<std::string> head = Objects(database_);
   EXPECT_THAT(head, Contains(HasSubstr("maps_outline_idx")));
-  EXPECT_EQ(StateOf(database_).position, SchemaState::Position::kAtHead);
+  EXPECT_EQ(StateOf(database_).position, storage::SchemaState::Position::kAtHead);
 
   const CommandResult again = Migrate("up", database_);
   EXPECT_EQ(again.exit_code, 0) << again.output;
@@ -61,7 +61,7 @@ TEST_F(MigrationsTest, GoFromEmptyToHeadAndBackAndToHeadAgain) {
   const CommandResult down = Migrate("down", database_);
   ASSERT_EQ(down.exit_code, 0) << down.output;
   EXPECT_THAT(Objects(database_), IsEmpty());
-  EXPECT_EQ(StateOf(database_).position, SchemaState::Position::kEmpty);
+  EXPECT_EQ(StateOf(database_).position, storage::SchemaState::Position::kEmpty);
 
   ASSERT_EQ(Migrate("up", database_).exit_code, 0);
   EXPECT_THAT(Objects(database_), ElementsAreArray(head));
@@ -76,8 +76,8 @@ TEST_F(MigrationsTest, EachGoesBackAloneOverADatabaseInUse) {
   database_.Sql("INSERT INTO enfilade.sites (site_id, display_name) VALUES ('a', 'A')");
   const CommandResult down = Migrate("down", database_, "@HEAD^");
   ASSERT_EQ(down.exit_code, 0) << down.output;
-  const SchemaState behind = StateOf(database_);
-  EXPECT_EQ(behind.position, SchemaState::Position::kBehind);
+  const storage::SchemaState behind = StateOf(database_);
+  EXPECT_EQ(behind.position, storage::SchemaState::Position::kBehind);
   EXPECT_NE(behind.deployed, behind.expected);
   EXPECT_THAT(Objects(database_), ElementsAreArray(before));
   ASSERT_EQ(Migrate("up", database_).exit_code, 0);
@@ -92,7 +92,7 @@ TEST_F(MigrationsTest, TwoAtOnceWaitForEachOther) {
   other.join();
   EXPECT_EQ(first.exit_code, 0) << first.output;
   EXPECT_EQ(second.exit_code, 0) << second.output;
-  EXPECT_EQ(StateOf(database_).position, SchemaState::Position::kAtHead);
+  EXPECT_EQ(StateOf(database_).position, storage::SchemaState::Position::kAtHead);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) = count(DISTINCT change) FROM sqitch.events"), "t");
 }
 
@@ -101,8 +101,8 @@ TEST_F(MigrationsTest, ADatabaseOfANewerProgramIsAhead) {
   database_.Sql(
       "INSERT INTO sqitch.changes SELECT 'x', 'y', 'from_the_future', project, note, now(),"
       " committer_name, committer_email, planned_at, planner_name, planner_email FROM sqitch.changes LIMIT 1");
-  const SchemaState ahead = StateOf(database_);
-  EXPECT_EQ(ahead.position, SchemaState::Position::kAhead);
+  const storage::SchemaState ahead = StateOf(database_);
+  EXPECT_EQ(ahead.position, storage::SchemaState::Position::kAhead);
   EXPECT_EQ(ahead.deployed, "from_the_future");
 }
 

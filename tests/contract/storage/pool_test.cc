@@ -10,7 +10,7 @@
 #include "tests/support/database.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 using ::testing::HasSubstr;
@@ -157,4 +157,4 @@ TEST_F(PoolTest, ConnectsAgainWhenAKilledServerIsBack) {
 }
 
 }  // namespace
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -16,12 +16,12 @@ using ::testing::SizeIs;
 
 class RecordStoreTest : public StoreTest {
  protected:
-  std::vector<Record> ReadAll(const SessionId& session) {
+  std::vector<sensor::Record> ReadAll(const SessionId& session) {
     const auto records = records_.Read(Soon(), site_, session, 1, 1 << 30);
     EXPECT_OK(records);
-    return records.ok() ? *records : std::vector<Record>();
+    return records.ok() ? *records : std::vector<sensor::Record>();
   }
-  Session Get(const SessionId& id) {
+  storage::Session Get(const SessionId& id) {
     const auto session = sessions_.Get(Soon(), site_, id);
     EXPECT_OK(session);
     return *session;
@@ -33,21 +33,21 @@ TEST_F(RecordStoreTest, GivesBackEveryKindOfRecordExactly) {
   const SessionId session = NewSession("s1");
   const TestBlob image("an image");
   const TestBlob cloud("a cloud");
-  Record no_returns = ScanRecord(5);
-  std::get<LaserScan>(no_returns.payload).ranges = {std::numeric_limits<float>::infinity(), -1.0F, 0.0F};
-  const std::vector<Record> records = {ScanRecord(1),
+  sensor::Record no_returns = ScanRecord(5);
+  std::get<sensor::LaserScan>(no_returns.payload).ranges = {std::numeric_limits<float>::infinity(), -1.0F, 0.0F};
+  const std::vector<sensor::Record> records = {ScanRecord(1),
                                        OdometryRecord(2),
                                        ImageRecord(3, image.ref()),
-                                       {4, PointCloud{4 * kNsPerSecond, CloudEncoding::kXyz32, cloud.ref()}},
+                                       {4, sensor::PointCloud{4 * kNsPerSecond, sensor::CloudEncoding::kXyz32, cloud.ref()}},
                                        no_returns,
                                        WithheldRecord(6)};
-  ASSERT_OK_AND_ASSIGN(const AppendResult result, Append(session, records, {image.view(), cloud.view()}));
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult result, Append(session, records, {image.view(), cloud.view()}));
   EXPECT_EQ(result.acknowledged_sequence, 6);
   EXPECT_EQ(result.inserted, 6);
   EXPECT_EQ(result.duplicates, 0);
   EXPECT_EQ(ReadAll(session), records);
-  const Session stored = Get(session);
-  EXPECT_EQ(stored.record_counts, (RecordCounts{2, 1, 1, 1, 1}));
+  const storage::Session stored = Get(session);
+  EXPECT_EQ(stored.record_counts, (storage::RecordCounts{2, 1, 1, 1, 1}));
   EXPECT_EQ(stored.first_time, kNsPerSecond);
   EXPECT_EQ(stored.last_time, 5 * kNsPerSecond);
   EXPECT_GT(stored.payload_bytes, 0);
@@ -56,11 +56,11 @@ TEST_F(RecordStoreTest, GivesBackEveryKindOfRecordExactly) {
 TEST_F(RecordStoreTest, TheSameRecordsAgainAreDuplicates) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 10)));
-  ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, ScanRecords(1, 10)));
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult again, Append(session, ScanRecords(1, 10)));
   EXPECT_EQ(again.duplicates, 10);
   EXPECT_EQ(again.inserted, 0);
   EXPECT_EQ(again.acknowledged_sequence, 10);
-  ASSERT_OK_AND_ASSIGN(const AppendResult overlapping, Append(session, ScanRecords(6, 15)));
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult overlapping, Append(session, ScanRecords(6, 15)));
   EXPECT_EQ(overlapping.duplicates, 5);
   EXPECT_EQ(overlapping.inserted, 5);
   EXPECT_EQ(overlapping.acknowledged_sequence, 15);
@@ -70,24 +70,24 @@ TEST_F(RecordStoreTest, TheSameRecordsAgainAreDuplicates) {
 
 TEST_F(RecordStoreTest, ScansWithNanAreDuplicatesOfThemselves) {
   const SessionId session = NewSession("s1");
-  Record record = ScanRecord(1);
-  std::get<LaserScan>(record.payload).ranges[1] = std::numeric_limits<float>::quiet_NaN();
+  sensor::Record record = ScanRecord(1);
+  std::get<sensor::LaserScan>(record.payload).ranges[1] = std::numeric_limits<float>::quiet_NaN();
   ASSERT_OK(Append(session, {record}));
-  ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, {record}));
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult again, Append(session, {record}));
   EXPECT_EQ(again.duplicates, 1);
 }
 
 TEST_F(RecordStoreTest, AnotherContentUnderAStoredSequenceRefusesTheWholeBatch) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 5)));
-  std::vector<Record> records = ScanRecords(1, 8);
+  std::vector<sensor::Record> records = ScanRecords(1, 8);
   records[2] = OdometryRecord(3);
   const auto refused = Append(session, records);
   EXPECT_STATUS(refused, absl::StatusCode::kAlreadyExists, HasSubstr("record 3 of sites/campus/sessions/s1"));
-  EXPECT_EQ(RefusedSequenceOf(refused.status()), 3);
+  EXPECT_EQ(storage::RefusedSequenceOf(refused.status()), 3);
   EXPECT_EQ(Get(session).acknowledged_sequence, 5);
-  std::get<LaserScan>((records = ScanRecords(1, 8))[4].payload).ranges[0] += 0.001F;
-  EXPECT_EQ(RefusedSequenceOf(Append(session, records).status()), 5);
+  std::get<sensor::LaserScan>((records = ScanRecords(1, 8))[4].payload).ranges[0] += 0.001F;
+  EXPECT_EQ(storage::RefusedSequenceOf(Append(session, records).status()), 5);
   EXPECT_EQ(ReadAll(session), ScanRecords(1, 5));
 }
 
@@ -111,7 +111,7 @@ TEST_F(RecordStoreTest, AcknowledgesUpToTheFirstHole) {
 }
 
 TEST_F(RecordStoreTest, AnyOrderOfBatchesEndsTheSame) {
-  const std::vector<Record> log = ScanRecords(1, 60);
+  const std::vector<sensor::Record> log = ScanRecords(1, 60);
   std::mt19937 random(7);
   for (int round = 0; round < 10; ++round) {
     const SessionId session = NewSession(fmt::format("s{}", round));
@@ -123,7 +123,7 @@ TEST_F(RecordStoreTest, AnyOrderOfBatchesEndsTheSame) {
     std::int64_t inserted = 0;
     std::int64_t acknowledged = 0;
     for (const auto& [first, last] : pieces) {
-      ASSERT_OK_AND_ASSIGN(const AppendResult result,
+      ASSERT_OK_AND_ASSIGN(const storage::AppendResult result,
                            Append(session, {log.begin() + static_cast<std::ptrdiff_t>(first),
                                             log.begin() + static_cast<std::ptrdiff_t>(last)}));
       inserted += result.inserted;
@@ -140,7 +140,7 @@ TEST_F(RecordStoreTest, RefusesSequencesThatDoNotIncrease) {
   const SessionId session = NewSession("s1");
   const auto repeated = Append(session, {ScanRecord(1), ScanRecord(2), ScanRecord(2)});
   EXPECT_CODE(repeated, absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(RefusedSequenceOf(repeated.status()), 2);
+  EXPECT_EQ(storage::RefusedSequenceOf(repeated.status()), 2);
   EXPECT_CODE(Append(session, {ScanRecord(0)}), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(StoredRows(), "0");
 }
@@ -148,7 +148,7 @@ TEST_F(RecordStoreTest, RefusesSequencesThatDoNotIncrease) {
 TEST_F(RecordStoreTest, AnEmptyBatchTellsWhereTheLogStands) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 3)));
-  ASSERT_OK_AND_ASSIGN(const AppendResult result, Append(session, {}));
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult result, Append(session, {}));
   EXPECT_EQ(result.acknowledged_sequence, 3);
 }
 
@@ -156,7 +156,7 @@ TEST_F(RecordStoreTest, AFinishedSessionTakesOnlyWhatItHas) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 3)));
   ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
-  ASSERT_OK_AND_ASSIGN(const AppendResult again, Append(session, ScanRecords(2, 3)));
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult again, Append(session, ScanRecords(2, 3)));
   EXPECT_EQ(again.duplicates, 2);
   EXPECT_STATUS(Append(session, ScanRecords(3, 4)), absl::StatusCode::kFailedPrecondition, HasSubstr("is finished"));
   EXPECT_EQ(ReadAll(session), ScanRecords(1, 3));
@@ -177,8 +177,8 @@ TEST_F(RecordStoreTest, RefusesARecordWhoseBlobIsMissingOrOfAnotherSize) {
   const TestBlob blob("image");
   const auto missing = Append(session, {ScanRecord(1), ImageRecord(2, blob.ref())});
   EXPECT_STATUS(missing, absl::StatusCode::kInvalidArgument, HasSubstr("record 2"));
-  EXPECT_EQ(RefusedSequenceOf(missing.status()), 2);
-  BlobRef longer = blob.ref();
+  EXPECT_EQ(storage::RefusedSequenceOf(missing.status()), 2);
+  sensor::BlobRef longer = blob.ref();
   longer.size = 6;
   const auto wrong_size = Append(session, {ImageRecord(1, longer)}, {blob.view()});
   EXPECT_STATUS(wrong_size, absl::StatusCode::kInvalidArgument, HasSubstr("has 5 bytes, not 6"));
@@ -202,7 +202,7 @@ TEST_F(RecordStoreTest, ARefusedBatchDoesNotTouchTheOthersOfItsGroup) {
   auto changed = ScanRecords(3, 8);
   changed[0] = OdometryRecord(3);
   const auto late = ScanRecords(2, 7);
-  const std::vector<RecordBatch> batches = {
+  const std::vector<storage::RecordBatch> batches = {
       {site_, first, a, {}}, {site_, missing, a, {}},     {other, first, a, {}},   {site_, second, b, {}},
       {site_, first, b, {}}, {site_, first, changed, {}}, {site_, first, late, {}}};
   const auto answers = records_.AppendGroup(Soon(), batches);
@@ -215,7 +215,7 @@ TEST_F(RecordStoreTest, ARefusedBatchDoesNotTouchTheOthersOfItsGroup) {
   EXPECT_EQ(answers[3]->acknowledged_sequence, 0);
   ASSERT_OK(answers[4]);
   EXPECT_CODE(answers[5], absl::StatusCode::kAlreadyExists);
-  EXPECT_EQ(RefusedSequenceOf(answers[5].status()), 3);
+  EXPECT_EQ(storage::RefusedSequenceOf(answers[5].status()), 3);
   ASSERT_OK(answers[6]);
   EXPECT_EQ(answers[6]->duplicates, 5);
   EXPECT_EQ(answers[6]->inserted, 1);
@@ -226,7 +226,7 @@ TEST_F(RecordStoreTest, ARefusedBatchDoesNotTouchTheOthersOfItsGroup) {
 
 TEST_F(RecordStoreTest, ManyWritersOfOneSessionStoreEachRecordOnce) {
   const SessionId session = NewSession("s1");
-  const std::vector<Record> log = ScanRecords(1, 200);
+  const std::vector<sensor::Record> log = ScanRecords(1, 200);
   std::vector<absl::Status> outcomes(6);
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < outcomes.size(); ++t) {
@@ -248,19 +248,19 @@ TEST_F(RecordStoreTest, ManyWritersOfOneSessionStoreEachRecordOnce) {
 
 TEST_F(RecordStoreTest, ReadsInPortionsOfAboutTheGivenSize) {
   const SessionId session = NewSession("s1");
-  std::vector<Record> log;
+  std::vector<sensor::Record> log;
   for (std::int64_t sequence = 1; sequence <= 100; ++sequence) {
     log.push_back(sequence % 10 == 0 ? ScanRecord(sequence, 10'000) : OdometryRecord(sequence));
   }
   ASSERT_OK(Append(session, log));
-  std::vector<Record> all;
+  std::vector<sensor::Record> all;
   std::size_t largest = 0;
   while (all.size() < log.size()) {
     ASSERT_OK_AND_ASSIGN(const auto records,
                          records_.Read(Soon(), site_, session, static_cast<std::int64_t>(all.size()) + 1, 50'000));
     ASSERT_THAT(records, ::testing::Not(IsEmpty()));
     std::size_t bytes = 0;
-    for (const Record& record : records) bytes += std::holds_alternative<LaserScan>(record.payload) ? 40'000 : 40;
+    for (const sensor::Record& record : records) bytes += std::holds_alternative<sensor::LaserScan>(record.payload) ? 40'000 : 40;
     largest = std::max(largest, bytes);
     all.insert(all.end(), records.begin(), records.end());
   }
@@ -274,10 +274,10 @@ TEST_F(RecordStoreTest, ReadsInPortionsOfAboutTheGivenSize) {
 
 TEST_F(RecordStoreTest, ReadsSingleRecordsInTheOrderOfTheLog) {
   const SessionId session = NewSession("s1");
-  const std::vector<Record> log = ScanRecords(1, 10);
+  const std::vector<sensor::Record> log = ScanRecords(1, 10);
   ASSERT_OK(Append(session, log));
   ASSERT_OK_AND_ASSIGN(const auto some, records_.ReadEach(Soon(), site_, session, {7, 2, 99}));
-  EXPECT_EQ(some, (std::vector<Record>{log[1], log[6]}));
+  EXPECT_EQ(some, (std::vector<sensor::Record>{log[1], log[6]}));
   ASSERT_OK_AND_ASSIGN(const auto none, records_.ReadEach(Soon(), site_, session, {}));
   EXPECT_THAT(none, IsEmpty());
   ASSERT_OK_AND_ASSIGN(const auto missing, records_.ReadEach(Soon(), site_, SessionId("s9"), {1}));

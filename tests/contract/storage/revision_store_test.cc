@@ -13,11 +13,11 @@ using ::testing::SizeIs;
 
 // A raster of rows x columns tiles, each with content of its own, and the blobs of it.
 struct Raster {
-  NewRevision revision;
+  storage::NewRevision revision;
   std::vector<TestBlob> blobs;
 
-  std::vector<BlobView> views() const {
-    std::vector<BlobView> result;
+  std::vector<storage::BlobView> views() const {
+    std::vector<storage::BlobView> result;
     for (const TestBlob& blob : blobs) result.push_back(blob.view());
     return result;
   }
@@ -25,7 +25,7 @@ struct Raster {
 
 Raster MakeRaster(int rows, int columns, const std::string& salt, std::size_t tile_bytes = 10) {
   Raster raster;
-  raster.revision.source = RevisionSource::kImport;
+  raster.revision.source = storage::RevisionSource::kImport;
   raster.revision.geometry = {0.05, {-12.345678901234567, 1.0 / 3, 0.7}, columns * 256, rows * 256};
   raster.revision.raster_header = std::string("\0header", 7) + salt;
   raster.revision.content_sha256 = TestBlob(salt).sha256();
@@ -43,18 +43,18 @@ Raster MakeRaster(int rows, int columns, const std::string& salt, std::size_t ti
 
 class RevisionStoreTest : public StoreTest {
  protected:
-  absl::StatusOr<MapRevision> Add(const Raster& raster) {
+  absl::StatusOr<storage::MapRevision> Add(const Raster& raster) {
     return revisions_.Add(Soon(), site_, map_, raster.revision, raster.views());
   }
 };
 
 TEST_F(RevisionStoreTest, GivesBackWhatWasStoredAndMakesItCurrent) {
   const Raster raster = MakeRaster(2, 3, "one");
-  ASSERT_OK_AND_ASSIGN(const MapRevision added, Add(raster));
-  ASSERT_OK_AND_ASSIGN(const MapRevision current, revisions_.Get(Soon(), site_, map_, 0));
-  for (const MapRevision& revision : {added, current}) {
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision added, Add(raster));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision current, revisions_.Get(Soon(), site_, map_, 0));
+  for (const storage::MapRevision& revision : {added, current}) {
     EXPECT_EQ(revision.number, 1);
-    EXPECT_EQ(revision.source, RevisionSource::kImport);
+    EXPECT_EQ(revision.source, storage::RevisionSource::kImport);
     EXPECT_EQ(revision.session, std::nullopt);
     EXPECT_EQ(revision.geometry, raster.revision.geometry);
     EXPECT_EQ(revision.raster_header, raster.revision.raster_header);
@@ -62,21 +62,21 @@ TEST_F(RevisionStoreTest, GivesBackWhatWasStoredAndMakesItCurrent) {
     EXPECT_EQ(revision.tile_count, 6);
     EXPECT_EQ(revision.tile_bytes, 60);
   }
-  ASSERT_OK_AND_ASSIGN(const Map map, maps_.Get(Soon(), site_, map_));
+  ASSERT_OK_AND_ASSIGN(const storage::Map map, maps_.Get(Soon(), site_, map_));
   EXPECT_EQ(map.current_revision, 1);
-  EXPECT_EQ(map.state, MapState::kReady);
+  EXPECT_EQ(map.state, storage::MapState::kReady);
   ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ListTiles(Soon(), site_, map_, 1));
   ASSERT_THAT(tiles, SizeIs(6));
   for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(tiles[i].key, (TileKey{static_cast<int>(i) / 3, static_cast<int>(i) % 3}));
+    EXPECT_EQ(tiles[i].key, (storage::TileKey{static_cast<int>(i) / 3, static_cast<int>(i) % 3}));
   }
 }
 
 TEST_F(RevisionStoreTest, ReadsTilesInPortionsInTheOrderOfTheRaster) {
   const Raster raster = MakeRaster(7, 5, "one", 1000);
   ASSERT_OK(Add(raster));
-  std::vector<Tile> all;
-  std::optional<TileKey> after;
+  std::vector<storage::Tile> all;
+  std::optional<storage::TileKey> after;
   int portions = 0;
   while (true) {
     ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), site_, map_, 1, after, 3500));
@@ -89,7 +89,7 @@ TEST_F(RevisionStoreTest, ReadsTilesInPortionsInTheOrderOfTheRaster) {
   EXPECT_EQ(portions, 9);
   ASSERT_THAT(all, SizeIs(35));
   for (std::size_t i = 0; i < all.size(); ++i) {
-    EXPECT_EQ(all[i].key, (TileKey{static_cast<int>(i) / 5, static_cast<int>(i) % 5}));
+    EXPECT_EQ(all[i].key, (storage::TileKey{static_cast<int>(i) / 5, static_cast<int>(i) % 5}));
     EXPECT_THAT(all[i].data, ::testing::StartsWith("one" + std::to_string(i / 5) + "," + std::to_string(i % 5) + ";"));
     EXPECT_EQ(TestBlob(all[i].data).sha256(), all[i].sha256);
   }
@@ -102,7 +102,7 @@ TEST_F(RevisionStoreTest, RevisionsCountAndShareTheirTiles) {
   ASSERT_OK(Add(first));
   Raster second = MakeRaster(1, 1, "two");
   second.revision.tiles.push_back(first.revision.tiles[0]);  // column 1, unchanged
-  ASSERT_OK_AND_ASSIGN(const MapRevision added, Add(second));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision added, Add(second));
   EXPECT_EQ(added.number, 2);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "3");
   ASSERT_OK_AND_ASSIGN(const auto revisions, revisions_.List(Soon(), site_, map_, 0, 10));
@@ -117,10 +117,10 @@ TEST_F(RevisionStoreTest, RevisionsCountAndShareTheirTiles) {
 TEST_F(RevisionStoreTest, TheSameContentAgainIsTheSameRevision) {
   const Raster raster = MakeRaster(1, 2, "one");
   ASSERT_OK(Add(raster));
-  ASSERT_OK_AND_ASSIGN(const MapRevision repeated, Add(raster));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision repeated, Add(raster));
   EXPECT_EQ(repeated.number, 1);
   ASSERT_OK(Add(MakeRaster(1, 2, "two")));
-  ASSERT_OK_AND_ASSIGN(const MapRevision back, Add(raster));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision back, Add(raster));
   EXPECT_EQ(back.number, 3);
 }
 
@@ -149,7 +149,7 @@ TEST_F(RevisionStoreTest, AnEmptyRasterHasNoTiles) {
 }
 
 TEST_F(RevisionStoreTest, NumbersAreGivenOnceToManyWriters) {
-  std::vector<absl::StatusOr<MapRevision>> added(6, absl::UnknownError("not run"));
+  std::vector<absl::StatusOr<storage::MapRevision>> added(6, absl::UnknownError("not run"));
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < added.size(); ++t) {
     threads.emplace_back([&, t] { added[t] = Add(MakeRaster(2, 2, "writer " + std::to_string(t))); });

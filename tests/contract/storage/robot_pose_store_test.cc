@@ -11,8 +11,8 @@ using ::testing::SizeIs;
 
 class RobotPoseStoreTest : public StoreTest {
  protected:
-  RobotPose At(double x, TimeNs time) {
-    RobotPose pose{site_, robot_, map_, std::nullopt, {}, time, 0};
+  storage::RobotPose At(double x, TimeNs time) {
+    storage::RobotPose pose{site_, robot_, map_, std::nullopt, {}, time, 0};
     pose.T_map_robot = {{x, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
     return pose;
   }
@@ -21,11 +21,11 @@ class RobotPoseStoreTest : public StoreTest {
 TEST_F(RobotPoseStoreTest, TheNewestByItsTimeWins) {
   EXPECT_CODE(robot_poses_.Get(Soon(), site_, robot_), absl::StatusCode::kNotFound);
   const SessionId session = NewSession("s");
-  RobotPose pose = At(1.0, 1'000'000'001);
+  storage::RobotPose pose = At(1.0, 1'000'000'001);
   pose.session = session;
   ASSERT_OK(robot_poses_.Report(Soon(), pose));
   ASSERT_OK(robot_poses_.Report(Soon(), At(9.0, 999)));
-  ASSERT_OK_AND_ASSIGN(const RobotPose first, robot_poses_.Get(Soon(), site_, robot_));
+  ASSERT_OK_AND_ASSIGN(const storage::RobotPose first, robot_poses_.Get(Soon(), site_, robot_));
   EXPECT_EQ(first.T_map_robot.pose, pose.T_map_robot.pose);
   EXPECT_EQ(first.T_map_robot.covariance, pose.T_map_robot.covariance);
   EXPECT_EQ(first.time, 1'000'000'001);
@@ -41,20 +41,20 @@ TEST_F(RobotPoseStoreTest, TheNewestByItsTimeWins) {
 TEST_F(RobotPoseStoreTest, AMomentsPoseIsReplacedOnlyByItsOwnSession) {
   const SessionId session = NewSession("s");
   const auto of_session = [&](double x) {
-    RobotPose pose = At(x, 1'000'000'001);
+    storage::RobotPose pose = At(x, 1'000'000'001);
     pose.session = session;
     return pose;
   };
   ASSERT_OK(robot_poses_.Report(Soon(), of_session(1.0)));
   ASSERT_OK(robot_poses_.Report(Soon(), of_session(1.004)));  // the same scan, after another solve
   ASSERT_OK(robot_poses_.Report(Soon(), At(9.0, 1'000'000'001)));
-  ASSERT_OK_AND_ASSIGN(const RobotPose stored, robot_poses_.Get(Soon(), site_, robot_));
+  ASSERT_OK_AND_ASSIGN(const storage::RobotPose stored, robot_poses_.Get(Soon(), site_, robot_));
   EXPECT_EQ(stored.T_map_robot.pose.x, 1.004);
   EXPECT_EQ(stored.session, session);
 }
 
 TEST_F(RobotPoseStoreTest, SaysWhatIsMissingOrWrong) {
-  RobotPose pose = At(1.0, 1);
+  storage::RobotPose pose = At(1.0, 1);
   pose.map = MapId("cellar");
   EXPECT_STATUS(robot_poses_.Report(Soon(), pose), absl::StatusCode::kNotFound, ::testing::HasSubstr("cellar"));
   pose = At(1.0, 1);

@@ -11,14 +11,14 @@ using ::testing::SizeIs;
 class RobotStoreTest : public StoreTest {};
 
 TEST_F(RobotStoreTest, CreatesReadsUpdatesAndDeletes) {
-  ASSERT_OK_AND_ASSIGN(Robot robot, robots_.Create(Soon(), MakeRobot(site_, RobotId("r2"), "it's \"2\""), "request"));
-  ASSERT_OK_AND_ASSIGN(const Robot repeated,
+  ASSERT_OK_AND_ASSIGN(storage::Robot robot, robots_.Create(Soon(), MakeRobot(site_, RobotId("r2"), "it's \"2\""), "request"));
+  ASSERT_OK_AND_ASSIGN(const storage::Robot repeated,
                        robots_.Create(Soon(), MakeRobot(site_, RobotId("r3"), "it's \"2\""), "request"));
   EXPECT_EQ(repeated.id, robot.id);
   robot.display_name = "two";
-  ASSERT_OK_AND_ASSIGN(const Robot updated, robots_.Update(Soon(), robot));
+  ASSERT_OK_AND_ASSIGN(const storage::Robot updated, robots_.Update(Soon(), robot));
   EXPECT_CODE(robots_.Update(Soon(), robot), absl::StatusCode::kAborted);
-  ASSERT_OK_AND_ASSIGN(const Robot stored, robots_.Get(Soon(), site_, robot.id));
+  ASSERT_OK_AND_ASSIGN(const storage::Robot stored, robots_.Get(Soon(), site_, robot.id));
   EXPECT_EQ(stored.display_name, "two");
   EXPECT_CODE(robots_.Delete(Soon(), site_, robot.id, robot.etag), absl::StatusCode::kAborted);
   EXPECT_OK(robots_.Delete(Soon(), site_, robot.id, updated.etag));
@@ -33,9 +33,9 @@ TEST_F(RobotStoreTest, SaysWhetherTheSiteIsMissingOrTheRobotIsThere) {
 }
 
 TEST_F(RobotStoreTest, EnsuringKeepsTheRobotThatIsThere) {
-  ASSERT_OK_AND_ASSIGN(const Robot kept, robots_.Ensure(Soon(), MakeRobot(site_, robot_, "another name")));
+  ASSERT_OK_AND_ASSIGN(const storage::Robot kept, robots_.Ensure(Soon(), MakeRobot(site_, robot_, "another name")));
   EXPECT_EQ(kept.display_name, "Robot 1");
-  ASSERT_OK_AND_ASSIGN(const Robot made, robots_.Ensure(Soon(), MakeRobot(site_, RobotId("r9"), "Robot 9")));
+  ASSERT_OK_AND_ASSIGN(const storage::Robot made, robots_.Ensure(Soon(), MakeRobot(site_, RobotId("r9"), "Robot 9")));
   EXPECT_EQ(made.display_name, "Robot 9");
   ASSERT_OK_AND_ASSIGN(const auto page, robots_.List(Soon(), site_, {10, "r1"}));
   EXPECT_THAT(page, SizeIs(1));
@@ -52,7 +52,7 @@ TEST_F(RobotStoreTest, IsKeptWhileItHasSessions) {
 TEST_F(RobotStoreTest, TheSameIdInAnotherSiteIsAnotherRobot) {
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
   ASSERT_OK(robots_.Create(Soon(), MakeRobot(SiteId("other"), robot_, "Other"), ""));
-  ASSERT_OK_AND_ASSIGN(const Robot robot, robots_.Get(Soon(), site_, robot_));
+  ASSERT_OK_AND_ASSIGN(const storage::Robot robot, robots_.Get(Soon(), site_, robot_));
   EXPECT_EQ(robot.display_name, "Robot 1");
 }
 

@@ -10,29 +10,29 @@ using ::testing::HasSubstr;
 
 class SessionStoreTest : public StoreTest {
  protected:
-  Session Get(const SessionId& id) {
+  storage::Session Get(const SessionId& id) {
     const auto session = sessions_.Get(Soon(), site_, id);
     EXPECT_OK(session);
     return *session;
   }
-  std::vector<std::string> List(const SessionFilter& filter, int limit = 100,
-                                const std::optional<SessionPosition>& after = std::nullopt) {
+  std::vector<std::string> List(const storage::SessionFilter& filter, int limit = 100,
+                                const std::optional<storage::SessionPosition>& after = std::nullopt) {
     const auto sessions = sessions_.List(Soon(), site_, filter, limit, after);
     EXPECT_OK(sessions);
     std::vector<std::string> ids;
-    for (const Session& session : *sessions) ids.push_back(session.id.value());
+    for (const storage::Session& session : *sessions) ids.push_back(session.id.value());
     return ids;
   }
 };
 
 TEST_F(SessionStoreTest, ANewSessionIsRecordingAndEmpty) {
-  const Session session = Get(NewSession("s1"));
+  const storage::Session session = Get(NewSession("s1"));
   EXPECT_EQ(session.robot, robot_);
   EXPECT_EQ(session.map, map_);
-  EXPECT_EQ(session.state, SessionState::kRecording);
+  EXPECT_EQ(session.state, storage::SessionState::kRecording);
   EXPECT_EQ(session.acknowledged_sequence, 0);
   EXPECT_EQ(session.mapped_sequence, 0);
-  EXPECT_EQ(session.record_counts, RecordCounts());
+  EXPECT_EQ(session.record_counts, storage::RecordCounts());
   EXPECT_EQ(session.first_time, std::nullopt);
   EXPECT_EQ(session.finish_time, std::nullopt);
   EXPECT_EQ(Get(NewSession("s2", false)).map, std::nullopt);
@@ -49,20 +49,20 @@ TEST_F(SessionStoreTest, SaysWhatIsMissing) {
 
 TEST_F(SessionStoreTest, KeepsHowTheRobotCameIntoTheMap) {
   const SessionId first = NewSession("s1");
-  Session after_a_door = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+  storage::Session after_a_door = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
   after_a_door.entry.previous = first;
-  ASSERT_OK_AND_ASSIGN(const Session waiting, sessions_.Create(Soon(), after_a_door, ""));
+  ASSERT_OK_AND_ASSIGN(const storage::Session waiting, sessions_.Create(Soon(), after_a_door, ""));
   EXPECT_EQ(waiting.entry.previous, first);
   EXPECT_EQ(waiting.map, std::nullopt);
   // Nothing is mapped yet, as its map is not known.
-  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, waiting.id, 0));
-  EXPECT_EQ(finished.state, SessionState::kFinished);
+  ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, waiting.id, 0));
+  EXPECT_EQ(finished.state, storage::SessionState::kFinished);
 
-  Session placed = MakeSession(site_, SessionId("s3"), robot_, map_);
+  storage::Session placed = MakeSession(site_, SessionId("s3"), robot_, map_);
   placed.entry.T_map_robot = PoseWithCovariance{{1.0, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
   placed.entry.T_odom_robot = Pose2{-1.0, 0.0, 3.0};
   ASSERT_OK(sessions_.Create(Soon(), placed, ""));
-  const Session stored = Get(placed.id);
+  const storage::Session stored = Get(placed.id);
   ASSERT_TRUE(stored.entry.T_map_robot.has_value());
   EXPECT_EQ(stored.entry.T_map_robot->pose, placed.entry.T_map_robot->pose);
   EXPECT_EQ(stored.entry.T_map_robot->covariance, placed.entry.T_map_robot->covariance);
@@ -76,7 +76,7 @@ TEST_F(SessionStoreTest, KeepsHowTheRobotCameIntoTheMap) {
 
 TEST_F(SessionStoreTest, ManyRepeatedCreationsMakeOneSession) {
   for (int i = 0; i < 50; ++i) {
-    ASSERT_OK_AND_ASSIGN(const Session session,
+    ASSERT_OK_AND_ASSIGN(const storage::Session session,
                          sessions_.Create(Soon(), MakeSession(site_, SessionId("s"), robot_, map_), "request"));
     EXPECT_EQ(session.id, SessionId("s"));
   }
@@ -90,15 +90,15 @@ TEST_F(SessionStoreTest, ListsTheNewestFirstInPages) {
   NewSession("recorded", false);
   EXPECT_THAT(List({}), ElementsAre("recorded", "b", "a", "c"));
   EXPECT_THAT(List({}, 2), ElementsAre("recorded", "b"));
-  const SessionPosition last{Get(SessionId("b")).create_time, SessionId("b")};
+  const storage::SessionPosition last{Get(SessionId("b")).create_time, SessionId("b")};
   EXPECT_THAT(List({}, 2, last), ElementsAre("a", "c"));
-  SessionFilter filter;
+  storage::SessionFilter filter;
   filter.map = map_;
   EXPECT_THAT(List(filter), ElementsAre("b", "a", "c"));
   filter.robot = RobotId("r9");
   EXPECT_THAT(List(filter), ElementsAre());
   filter = {};
-  filter.state = SessionState::kFinished;
+  filter.state = storage::SessionState::kFinished;
   EXPECT_THAT(List(filter), ElementsAre());
 }
 
@@ -111,18 +111,18 @@ TEST_F(SessionStoreTest, FinishesWhereTheLogEndsWithoutHoles) {
   ASSERT_OK(Append(session, {ScanRecord(6)}));
   EXPECT_STATUS(sessions_.Finish(Soon(), site_, session, 8), absl::StatusCode::kFailedPrecondition,
                 HasSubstr("highest that is stored is 7"));
-  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 7));
-  EXPECT_EQ(finished.state, SessionState::kFinished);
+  ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, session, 7));
+  EXPECT_EQ(finished.state, storage::SessionState::kFinished);
   ASSERT_TRUE(finished.finish_time);
-  ASSERT_OK_AND_ASSIGN(const Session again, sessions_.Finish(Soon(), site_, session, 7));
+  ASSERT_OK_AND_ASSIGN(const storage::Session again, sessions_.Finish(Soon(), site_, session, 7));
   EXPECT_EQ(again.finish_time, finished.finish_time);
   EXPECT_CODE(sessions_.Finish(Soon(), site_, SessionId("s9"), 0), absl::StatusCode::kNotFound);
 }
 
 TEST_F(SessionStoreTest, WithoutAMapThereIsNothingLeftToDo) {
   const SessionId session = NewSession("s1", false);
-  ASSERT_OK_AND_ASSIGN(const Session finished, sessions_.Finish(Soon(), site_, session, 0));
-  EXPECT_EQ(finished.state, SessionState::kMapped);
+  ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, session, 0));
+  EXPECT_EQ(finished.state, storage::SessionState::kMapped);
 }
 
 TEST_F(SessionStoreTest, DeletingIsSeenAtOnceAndForGood) {

@@ -11,21 +11,21 @@ using ::testing::IsEmpty;
 
 class SiteStoreTest : public StoreTest {
  protected:
-  std::vector<std::string> ListIds(const PageRequest& page) {
+  std::vector<std::string> ListIds(const storage::PageRequest& page) {
     const auto sites = sites_.List(Soon(), page);
     EXPECT_OK(sites);
     std::vector<std::string> ids;
-    for (const Site& site : *sites) ids.push_back(site.id.value());
+    for (const storage::Site& site : *sites) ids.push_back(site.id.value());
     return ids;
   }
 };
 
 TEST_F(SiteStoreTest, GivesBackWhatWasStored) {
-  Site site = MakeSite(SiteId("north"), "N\xc3\xb6rdlich: \"a/b\"; DROP TABLE sites --'");
+  storage::Site site = MakeSite(SiteId("north"), "N\xc3\xb6rdlich: \"a/b\"; DROP TABLE sites --'");
   site.raw_retention = std::chrono::hours(24);
-  ASSERT_OK_AND_ASSIGN(const Site created, sites_.Create(Soon(), site, ""));
-  ASSERT_OK_AND_ASSIGN(const Site stored, sites_.Get(Soon(), site.id));
-  for (const Site& read : {created, stored}) {
+  ASSERT_OK_AND_ASSIGN(const storage::Site created, sites_.Create(Soon(), site, ""));
+  ASSERT_OK_AND_ASSIGN(const storage::Site stored, sites_.Get(Soon(), site.id));
+  for (const storage::Site& read : {created, stored}) {
     EXPECT_EQ(read.id, site.id);
     EXPECT_EQ(read.display_name, site.display_name);
     EXPECT_EQ(read.raw_retention, std::chrono::hours(24));
@@ -43,15 +43,15 @@ TEST_F(SiteStoreTest, RefusesWhatTheSchemaForbids) {
   EXPECT_CODE(sites_.Create(Soon(), MakeSite(SiteId("a"), std::string(201, 'x')), ""),
               absl::StatusCode::kInvalidArgument);
   EXPECT_OK(sites_.Create(Soon(), MakeSite(SiteId("a"), std::string(200, 'x')), ""));
-  Site negative = MakeSite(SiteId("b"), "x");
+  storage::Site negative = MakeSite(SiteId("b"), "x");
   negative.raw_retention = std::chrono::seconds(-1);
   EXPECT_CODE(sites_.Create(Soon(), negative, ""), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(SiteStoreTest, CreatesOncePerRequestId) {
-  ASSERT_OK_AND_ASSIGN(const Site first, sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), "request"));
+  ASSERT_OK_AND_ASSIGN(const storage::Site first, sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), "request"));
   // The server has made another id for the repeated call.
-  ASSERT_OK_AND_ASSIGN(const Site repeated, sites_.Create(Soon(), MakeSite(SiteId("s2"), "x"), "request"));
+  ASSERT_OK_AND_ASSIGN(const storage::Site repeated, sites_.Create(Soon(), MakeSite(SiteId("s2"), "x"), "request"));
   EXPECT_EQ(repeated.id, first.id);
   EXPECT_STATUS(sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), "another"), absl::StatusCode::kAlreadyExists,
                 HasSubstr("sites/s1"));
@@ -67,10 +67,10 @@ TEST_F(SiteStoreTest, ListsInPages) {
 }
 
 TEST_F(SiteStoreTest, UpdatesOnlyUnderTheStoredEtag) {
-  ASSERT_OK_AND_ASSIGN(Site site, sites_.Get(Soon(), site_));
+  ASSERT_OK_AND_ASSIGN(storage::Site site, sites_.Get(Soon(), site_));
   site.display_name = "New";
   site.raw_retention = std::chrono::seconds(1);
-  ASSERT_OK_AND_ASSIGN(const Site updated, sites_.Update(Soon(), site));
+  ASSERT_OK_AND_ASSIGN(const storage::Site updated, sites_.Update(Soon(), site));
   EXPECT_EQ(updated.display_name, "New");
   EXPECT_GT(updated.etag, site.etag);
   EXPECT_STATUS(sites_.Update(Soon(), site), absl::StatusCode::kAborted, HasSubstr("sites/campus"));
@@ -79,7 +79,7 @@ TEST_F(SiteStoreTest, UpdatesOnlyUnderTheStoredEtag) {
 }
 
 TEST_F(SiteStoreTest, AnEtagOfADeletedSiteDoesNotFitItsSuccessor) {
-  ASSERT_OK_AND_ASSIGN(Site old, sites_.Create(Soon(), MakeSite(SiteId("s"), "x"), ""));
+  ASSERT_OK_AND_ASSIGN(storage::Site old, sites_.Create(Soon(), MakeSite(SiteId("s"), "x"), ""));
   ASSERT_OK(sites_.Delete(Soon(), old.id, old.etag, false));
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("s"), "x"), ""));
   EXPECT_CODE(sites_.Update(Soon(), old), absl::StatusCode::kAborted);
@@ -93,8 +93,8 @@ TEST_F(SiteStoreTest, DeletesAllThatBelongsToTheSiteAndNothingElse) {
   const SessionId deleted = NewSession("s2");
   ASSERT_OK(Append(deleted, ScanRecords(1, 2)));
   ASSERT_OK(sessions_.Delete(Soon(), site_, deleted));
-  NewRevision revision;
-  revision.source = RevisionSource::kImport;
+  storage::NewRevision revision;
+  revision.source = storage::RevisionSource::kImport;
   revision.content_sha256 = blob.sha256();
   revision.tiles = {{{0, 0}, blob.sha256()}};
   ASSERT_OK(revisions_.Add(Soon(), site_, map_, revision, {}));

@@ -10,31 +10,31 @@ StoreTest::StoreTest() {
   EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, map_, "Hall"), ""));
 }
 
-Site MakeSite(const SiteId& id, const std::string& display_name) {
-  Site site;
+storage::Site MakeSite(const SiteId& id, const std::string& display_name) {
+  storage::Site site;
   site.id = id;
   site.display_name = display_name;
   return site;
 }
 
-Robot MakeRobot(const SiteId& site, const RobotId& id, const std::string& display_name) {
-  Robot robot;
+storage::Robot MakeRobot(const SiteId& site, const RobotId& id, const std::string& display_name) {
+  storage::Robot robot;
   robot.site = site;
   robot.id = id;
   robot.display_name = display_name;
   return robot;
 }
 
-Map MakeMap(const SiteId& site, const MapId& id, const std::string& display_name) {
-  Map map;
+storage::Map MakeMap(const SiteId& site, const MapId& id, const std::string& display_name) {
+  storage::Map map;
   map.site = site;
   map.id = id;
   map.display_name = display_name;
   return map;
 }
 
-Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map) {
-  Session session;
+storage::Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map) {
+  storage::Session session;
   session.site = site;
   session.id = id;
   session.robot = robot;
@@ -42,19 +42,19 @@ Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robo
   return session;
 }
 
-Anchor MakeAnchor(const std::string& map, double x, double y, double yaw) {
-  return {MapId(map), {x, y, yaw}, DefaultAnchorCovariance()};
+graph::Anchor MakeAnchor(const std::string& map, double x, double y, double yaw) {
+  return {MapId(map), {x, y, yaw}, graph::DefaultAnchorCovariance()};
 }
 
-StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<Anchor>& anchors) {
-  StoredLinkPoint link_point;
+storage::StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<graph::Anchor>& anchors) {
+  storage::StoredLinkPoint link_point;
   link_point.site = site;
   link_point.point.id = LinkPointId(id);
   link_point.point.anchors = anchors;
   return link_point;
 }
 
-MappingStep StepOf(const SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence) {
+storage::MappingStep StepOf(const slam::SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence) {
   return {delta, checkpoint, {}, mapped_sequence, nullptr, {}, std::nullopt, ""};
 }
 
@@ -65,13 +65,13 @@ SessionId StoreTest::NewSession(const std::string& id, bool mapped) {
   return session;
 }
 
-absl::StatusOr<AppendResult> StoreTest::Append(const SessionId& session, const std::vector<Record>& records,
-                                               const std::vector<BlobView>& blobs) {
+absl::StatusOr<storage::AppendResult> StoreTest::Append(const SessionId& session, const std::vector<sensor::Record>& records,
+                                               const std::vector<storage::BlobView>& blobs) {
   return records_.Append(Soon(), {site_, session, records, blobs});
 }
 
-Record ScanRecord(std::int64_t sequence, std::size_t beams) {
-  LaserScan scan;
+sensor::Record ScanRecord(std::int64_t sequence, std::size_t beams) {
+  sensor::LaserScan scan;
   scan.time = sequence * kNsPerSecond;
   scan.angle_min = -1.5;
   scan.angle_increment = 0.01;
@@ -82,18 +82,18 @@ Record ScanRecord(std::int64_t sequence, std::size_t beams) {
   return {sequence, scan};
 }
 
-Record OdometryRecord(std::int64_t sequence) {
-  return {sequence, Odometry{sequence * kNsPerSecond, {0.1 * static_cast<double>(sequence), 1.0 / 3.0, -0.5}}};
+sensor::Record OdometryRecord(std::int64_t sequence) {
+  return {sequence, sensor::Odometry{sequence * kNsPerSecond, {0.1 * static_cast<double>(sequence), 1.0 / 3.0, -0.5}}};
 }
 
-Record ImageRecord(std::int64_t sequence, const BlobRef& content) {
-  return {sequence, Image{sequence * kNsPerSecond, Camera::kRear, ImageEncoding::kPng, content}};
+sensor::Record ImageRecord(std::int64_t sequence, const sensor::BlobRef& content) {
+  return {sequence, sensor::Image{sequence * kNsPerSecond, sensor::Camera::kRear, sensor::ImageEncoding::kPng, content}};
 }
 
-Record WithheldRecord(std::int64_t sequence) { return {sequence, Withheld{"no beams: ' \" \\ \xc3\xa4"}}; }
+sensor::Record WithheldRecord(std::int64_t sequence) { return {sequence, sensor::Withheld{"no beams: ' \" \\ \xc3\xa4"}}; }
 
-std::vector<Record> ScanRecords(std::int64_t first, std::int64_t last) {
-  std::vector<Record> records;
+std::vector<sensor::Record> ScanRecords(std::int64_t first, std::int64_t last) {
+  std::vector<sensor::Record> records;
   for (std::int64_t sequence = first; sequence <= last; ++sequence) records.push_back(ScanRecord(sequence));
   return records;
 }

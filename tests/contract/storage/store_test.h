@@ -27,51 +27,51 @@ class StoreTest : public DatabaseTest {
 
   // A new session of r1 into "hall"; without `mapped` only recorded.
   SessionId NewSession(const std::string& id, bool mapped = true);
-  absl::StatusOr<AppendResult> Append(const SessionId& session, const std::vector<Record>& records,
-                                      const std::vector<BlobView>& blobs = {});
+  absl::StatusOr<storage::AppendResult> Append(const SessionId& session, const std::vector<sensor::Record>& records,
+                                      const std::vector<storage::BlobView>& blobs = {});
 
   const SiteId site_{"campus"};
   const RobotId robot_{"r1"};
   const MapId map_{"hall"};
-  SiteStore sites_{*pool_};
-  RobotStore robots_{*pool_};
-  MapStore maps_{*pool_};
-  RevisionStore revisions_{*pool_};
-  SessionStore sessions_{*pool_};
-  RecordStore records_{*pool_};
-  BlobStore blobs_{*pool_};
-  MappingStore mapping_{*pool_};
-  LinkPointStore link_points_{*pool_};
-  GraphStore graph_{*pool_};
-  RobotPoseStore robot_poses_{*pool_};
-  AuditStore audit_{*pool_};
+  storage::SiteStore sites_{*pool_};
+  storage::RobotStore robots_{*pool_};
+  storage::MapStore maps_{*pool_};
+  storage::RevisionStore revisions_{*pool_};
+  storage::SessionStore sessions_{*pool_};
+  storage::RecordStore records_{*pool_};
+  storage::BlobStore blobs_{*pool_};
+  storage::MappingStore mapping_{*pool_};
+  storage::LinkPointStore link_points_{*pool_};
+  storage::GraphStore graph_{*pool_};
+  storage::RobotPoseStore robot_poses_{*pool_};
+  storage::AuditStore audit_{*pool_};
 };
 
-Site MakeSite(const SiteId& id, const std::string& display_name);
-Robot MakeRobot(const SiteId& site, const RobotId& id, const std::string& display_name);
-Map MakeMap(const SiteId& site, const MapId& id, const std::string& display_name);
-Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map);
+storage::Site MakeSite(const SiteId& id, const std::string& display_name);
+storage::Robot MakeRobot(const SiteId& site, const RobotId& id, const std::string& display_name);
+storage::Map MakeMap(const SiteId& site, const MapId& id, const std::string& display_name);
+storage::Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map);
 
 // With the default covariance.
-Anchor MakeAnchor(const std::string& map, double x, double y, double yaw = 0.0);
-StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<Anchor>& anchors);
+graph::Anchor MakeAnchor(const std::string& map, double x, double y, double yaw = 0.0);
+storage::StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<graph::Anchor>& anchors);
 
 // The delta and the checkpoint must outlive the step.
-MappingStep StepOf(const SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence);
+storage::MappingStep StepOf(const slam::SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence);
 
 // A scan of `beams` beams at second `sequence`, with ranges that differ from any other sequence's.
-Record ScanRecord(std::int64_t sequence, std::size_t beams = 4);
-Record OdometryRecord(std::int64_t sequence);
-Record ImageRecord(std::int64_t sequence, const BlobRef& content);
-Record WithheldRecord(std::int64_t sequence);
-std::vector<Record> ScanRecords(std::int64_t first, std::int64_t last);
+sensor::Record ScanRecord(std::int64_t sequence, std::size_t beams = 4);
+sensor::Record OdometryRecord(std::int64_t sequence);
+sensor::Record ImageRecord(std::int64_t sequence, const sensor::BlobRef& content);
+sensor::Record WithheldRecord(std::int64_t sequence);
+std::vector<sensor::Record> ScanRecords(std::int64_t first, std::int64_t last);
 
 // `data` with its digest. Holds both; view() refers to them.
 class TestBlob {
  public:
   explicit TestBlob(std::string data);
-  BlobView view() const { return {sha256_, data_}; }
-  BlobRef ref() const { return {sha256_, static_cast<std::int64_t>(data_.size())}; }
+  storage::BlobView view() const { return {sha256_, data_}; }
+  sensor::BlobRef ref() const { return {sha256_, static_cast<std::int64_t>(data_.size())}; }
   const std::string& sha256() const { return sha256_; }
   const std::string& data() const { return data_; }
 

@@ -9,7 +9,7 @@
 #include "tests/support/database.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 using ::testing::ElementsAre;
@@ -258,4 +258,4 @@ TEST_F(TransactionTest, CopiesMoreThanTheSocketTakesAtOnce) {
 }
 
 }  // namespace
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -6,7 +6,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 namespace {
 
 using ::testing::HasSubstr;
@@ -42,4 +42,4 @@ TEST(ProtoGeometryTest, RefusesWhatIsNoPoseWithCovarianceNamingTheField) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::convert

@@ -4,7 +4,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 namespace {
 
 using ::testing::AllOf;
@@ -36,4 +36,4 @@ TEST(Names, RefusesEverythingElseNamingFieldAndForm) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::convert

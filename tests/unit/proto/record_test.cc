@@ -7,13 +7,13 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::convert {
 namespace {
 
 using ::testing::HasSubstr;
 
-Record ScanRecord() {
-  LaserScan scan;
+sensor::Record ScanRecord() {
+  sensor::LaserScan scan;
   scan.time = 976'052'858'304'357'001;
   scan.angle_min = -M_PI / 2.0;
   scan.angle_increment = M_PI / 180.0;
@@ -24,30 +24,30 @@ Record ScanRecord() {
 }
 
 TEST(ConvertRecord, RoundTripsEveryKindExactly) {
-  const BlobRef blob{std::string(32, '\x01'), 5};
-  for (const Record& record : {ScanRecord(), Record{2, Odometry{5, {1.0 / 3.0, 2.0, M_PI}}},
-                               Record{3, Image{7, Camera::kRear, ImageEncoding::kJpeg, blob}},
-                               Record{4, PointCloud{9, CloudEncoding::kXyz32, blob}}, Record{5, Withheld{"why"}},
-                               Record{6, DoorReport{9,
-                                                    DoorReport::Kind::kPassage,
-                                                    LinkPointKind::kLift,
+  const sensor::BlobRef blob{std::string(32, '\x01'), 5};
+  for (const sensor::Record& record : {ScanRecord(), sensor::Record{2, sensor::Odometry{5, {1.0 / 3.0, 2.0, M_PI}}},
+                               sensor::Record{3, sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kJpeg, blob}},
+                               sensor::Record{4, sensor::PointCloud{9, sensor::CloudEncoding::kXyz32, blob}}, sensor::Record{5, sensor::Withheld{"why"}},
+                               sensor::Record{6, sensor::DoorReport{9,
+                                                    sensor::DoorReport::Kind::kPassage,
+                                                    graph::LinkPointKind::kLift,
                                                     7,
                                                     {1, -2, 0.5},
                                                     0.9,
-                                                    Surroundings::kOutdoor,
+                                                    sensor::Surroundings::kOutdoor,
                                                     -1,
                                                     true,
                                                     "by hand"}},
-                               Record{7, DoorReport()}}) {
+                               sensor::Record{7, sensor::DoorReport()}}) {
     v1::Record received;
     ASSERT_TRUE(received.ParseFromString(ToProto(record).SerializeAsString()));
-    ASSERT_OK_AND_ASSIGN(const Record converted, FromProto(received));
+    ASSERT_OK_AND_ASSIGN(const sensor::Record converted, FromProto(received));
     EXPECT_EQ(converted, record) << record.sequence;
   }
 }
 
 void ExpectRefused(void (*change)(v1::Record&), const char* field) {
-  v1::Record record = ToProto(Record{3, Image{7, Camera::kRear, ImageEncoding::kJpeg, {std::string(32, 'x'), 5}}});
+  v1::Record record = ToProto(sensor::Record{3, sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kJpeg, {std::string(32, 'x'), 5}}});
   change(record);
   EXPECT_STATUS(FromProto(record), absl::StatusCode::kInvalidArgument, HasSubstr(field));
 }
@@ -68,7 +68,7 @@ TEST(ConvertRecord, RefusesWhatIsUnsetOrUnknownNamingTheField) {
 
 TEST(ConvertRecord, RefusesBadDoorReportsNamingTheField) {
   const auto expect_refused = [](void (*change)(v1::DoorReport&), const char* field) {
-    v1::Record record = ToProto(Record{1, DoorReport()});
+    v1::Record record = ToProto(sensor::Record{1, sensor::DoorReport()});
     change(*record.mutable_door_report());
     EXPECT_STATUS(FromProto(record), absl::StatusCode::kInvalidArgument, HasSubstr(field));
   };
@@ -89,4 +89,4 @@ TEST(ConvertRecord, TakesARecordOfAKindFromTheFutureAsUnset) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::convert

@@ -36,7 +36,7 @@ TEST(FileAssembly, PutsFilesTogether) {
   ASSERT_OK(assembly.Add(Chunk(0, 0, "hel")));
   ASSERT_OK(assembly.Add(Chunk(0, 3, "lo")));
   ASSERT_OK(assembly.Add(Chunk(1, 0, "wo")));
-  ASSERT_OK_AND_ASSIGN(const std::vector<MapFile> files, assembly.Finish());
+  ASSERT_OK_AND_ASSIGN(const std::vector<grid::MapFile> files, assembly.Finish());
   EXPECT_EQ(files[0].bytes, "hello");
   EXPECT_EQ(files[1].name, "a.pgm");
 }

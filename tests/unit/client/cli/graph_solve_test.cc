@@ -23,11 +23,11 @@ class GraphSolveTest : public CommandTest {
     return RunCommandLine(AddGraph, std::move(arguments), json);
   }
 
-  const PoseGraph graph_ = testing::MakeManhattanGraph({.nodes = 100}).graph;
+  const optimize::PoseGraph graph_ = testing::MakeManhattanGraph({.nodes = 100}).graph;
 };
 
 TEST_F(GraphSolveTest, PrintsWhatProgramsAskFor) {
-  const std::string path = File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o) + "VERTEX_XY 5000 1 1\n");
+  const std::string path = File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o) + "VERTEX_XY 5000 1 1\n");
   ASSERT_OK(Run({path, "--covariance", "99"}));
   const nlohmann::json document = nlohmann::json::parse(printed_);
   EXPECT_GT(document["initial_chi2"], document["final_chi2"]);
@@ -42,7 +42,7 @@ TEST_F(GraphSolveTest, PrintsWhatProgramsAskFor) {
 
 TEST_F(GraphSolveTest, TellsPeopleOfComponentsAndUnknownTags) {
   const std::string path =
-      File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o) + "VERTEX_SE2 5000 1 1 0\nPARAMS_X 1\n");
+      File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o) + "VERTEX_SE2 5000 1 1 0\nPARAMS_X 1\n");
   ASSERT_OK(Run({path}, false));
   EXPECT_THAT(printed_, HasSubstr("2 components"));
   EXPECT_THAT(printed_, HasSubstr("skipped 1 line of the unknown tag PARAMS_X"));
@@ -50,13 +50,13 @@ TEST_F(GraphSolveTest, TellsPeopleOfComponentsAndUnknownTags) {
 }
 
 TEST_F(GraphSolveTest, WritesTheSolutionInTheFormOfItsName) {
-  const std::string path = File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o, {3}));
-  for (const auto& [name, format] : {std::pair{"b.graph", GraphFormat::kToro}, std::pair{"b.g2o", GraphFormat::kG2o},
-                                     std::pair{"b.txt", GraphFormat::kG2o}}) {
+  const std::string path = File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o, {3}));
+  for (const auto& [name, format] : {std::pair{"b.graph", optimize::GraphFormat::kToro}, std::pair{"b.g2o", optimize::GraphFormat::kG2o},
+                                     std::pair{"b.txt", optimize::GraphFormat::kG2o}}) {
     const std::string output = directory_.path() / name;
     ASSERT_OK(Run({path, "-o", output}));
     const double final_chi2 = nlohmann::json::parse(printed_)["final_chi2"];
-    ASSERT_OK_AND_ASSIGN(const ParsedPoseGraph solved, ParsePoseGraph(Content(output), name));
+    ASSERT_OK_AND_ASSIGN(const optimize::ParsedPoseGraph solved, optimize::ParsePoseGraph(Content(output), name));
     EXPECT_EQ(solved.format, format);
     EXPECT_EQ(solved.graph.nodes[3].T_world_node, graph_.nodes[3].T_world_node) << "FIX is honoured";
     ASSERT_OK(Run({output, "--init", "none"}));
@@ -65,9 +65,9 @@ TEST_F(GraphSolveTest, WritesTheSolutionInTheFormOfItsName) {
 }
 
 TEST_F(GraphSolveTest, AppliesTheKernelToLoopsOnlyWhereOdometryIsTrusted) {
-  PoseGraph graph = graph_;
+  optimize::PoseGraph graph = graph_;
   graph.edges.push_back({10, 90, {5.0, 5.0, 1.0}, graph.edges.front().information});
-  const std::string path = File("a.g2o", WritePoseGraph(graph, GraphFormat::kG2o));
+  const std::string path = File("a.g2o", optimize::WritePoseGraph(graph, optimize::GraphFormat::kG2o));
   ASSERT_OK(Run({path}));
   const double misled = nlohmann::json::parse(printed_)["final_cost"];
   ASSERT_OK(Run({path, "--robust", "dcs", "--kernel-width", "2", "--trust-odometry"}));
@@ -81,7 +81,7 @@ TEST_F(GraphSolveTest, SaysWhichFileAndLineIsWrong) {
   EXPECT_STATUS(Run({directory_.path()}), absl::StatusCode::kInvalidArgument, HasSubstr("folder"));
   EXPECT_STATUS(Run({File("bad.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n")}),
                 absl::StatusCode::kInvalidArgument, HasSubstr("bad.g2o:2"));
-  const std::string good = File("a.g2o", WritePoseGraph(graph_, GraphFormat::kG2o));
+  const std::string good = File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o));
   EXPECT_STATUS(Run({good, "-o", directory_.path() / "absent" / "b.g2o"}), absl::StatusCode::kFailedPrecondition,
                 HasSubstr("cannot be written"));
   EXPECT_STATUS(Run({good, "--robust", "tukey"}), absl::StatusCode::kInvalidArgument, HasSubstr("tukey"));

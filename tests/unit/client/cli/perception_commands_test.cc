@@ -23,7 +23,7 @@ using perception::testing::Room;
 using ::testing::HasSubstr;
 
 // Squares of random grey: `shift` pixels of the picture are cut off at its left.
-PixelImage Squares(std::uint32_t seed, int shift) {
+grid::PixelImage Squares(std::uint32_t seed, int shift) {
   std::mt19937 rng(seed);
   constexpr int kWide = 480;
   constexpr int kHigh = 320;
@@ -37,7 +37,7 @@ PixelImage Squares(std::uint32_t seed, int shift) {
       std::fill_n(whole.begin() + row * kWide + left, side, grey);
     }
   }
-  PixelImage image{.width = 440, .height = kHigh, .channels = 1, .samples = {}};
+  grid::PixelImage image{.width = 440, .height = kHigh, .channels = 1, .samples = {}};
   for (int row = 0; row < kHigh; ++row) {
     const auto first = whole.begin() + row * kWide + shift;
     image.samples.insert(image.samples.end(), first, first + 440);
@@ -48,7 +48,7 @@ PixelImage Squares(std::uint32_t seed, int shift) {
 class PerceptionCommandsTest : public CommandTest {
  protected:
   std::string ImageFile(const std::string& name, std::uint32_t seed, int shift) const {
-    return File(name, EncodePng(Squares(seed, shift)).value());
+    return File(name, grid::EncodePng(Squares(seed, shift)).value());
   }
 
   // What is printed goes to `document_`.
@@ -72,7 +72,7 @@ TEST_F(PerceptionCommandsTest, JudgesImagesAndDrawsTheirMatches) {
   EXPECT_EQ(document_["accepted"], true);
   EXPECT_GT(document_["inliers"], 15);
   EXPECT_GE(document_["matches"], document_["inliers"]);
-  ASSERT_OK_AND_ASSIGN(const PixelImage drawn, DecodePng(Content(picture)));
+  ASSERT_OK_AND_ASSIGN(const grid::PixelImage drawn, grid::DecodePng(Content(picture)));
   EXPECT_EQ(drawn.width, 440 + 8 + 440);
   ASSERT_OK(Run({"match", "images", a, ImageFile("c.png", 2, 0)}));
   EXPECT_EQ(document_["accepted"], false);

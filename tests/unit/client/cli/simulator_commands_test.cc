@@ -45,7 +45,7 @@ TEST_F(SimulatorCommandsTest, SimWritesLogTruthAndPlan) {
   EXPECT_GT(drives[0]["scans"], 100);
   EXPECT_GE(drives[0]["passages"], 5) << "the figure's five link points";
   EXPECT_FALSE(Lines(Content(out_ / "r1/truth.jsonl")).empty());
-  EXPECT_OK(DecodePng(Content(out_ / "plan.png")).status());
+  EXPECT_OK(grid::DecodePng(Content(out_ / "plan.png")).status());
 }
 
 TEST_F(SimulatorCommandsTest, SimGivesTheSameLogForTheSameSeedOnly) {
@@ -74,7 +74,7 @@ TEST_F(SimulatorCommandsTest, DoorsTellsEventsAsJsonLinesAndDrawsThem) {
     for (const char* criterion : {"ahead", "behind", "environment"}) EXPECT_FALSE(event[criterion]["reason"].empty());
   }
   EXPECT_GT(passages, 0);
-  EXPECT_OK(DecodePng(Content(plot)).status());
+  EXPECT_OK(grid::DecodePng(Content(plot)).status());
 }
 
 TEST_F(SimulatorCommandsTest, DoorsRefusesUnknownPresetsOptionsAndLogs) {

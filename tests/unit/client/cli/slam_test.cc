@@ -41,7 +41,7 @@ std::string Log(int scans, bool in_range = true) {
   for (int i = 0; i < scans; ++i) {
     const Pose2 pose{-1.0 + 0.2 * i, 0.1 * i, 0.05 * i};
     const TimeNs time = kStart + i * kNsPerSecond / 2;
-    LaserScan scan;
+    sensor::LaserScan scan;
     scan.time = time;
     scan.angle_min = -M_PI;
     scan.angle_increment = M_PI / 180.0;
@@ -51,7 +51,7 @@ std::string Log(int scans, bool in_range = true) {
       const double range = RangeFrom(pose.translation(), pose.yaw + scan.angle_min + beam * scan.angle_increment);
       scan.ranges.push_back(range < scan.range_max ? static_cast<float>(range) : INFINITY);
     }
-    text += sources::ToJsonLine({Odometry{time, pose}, {}}).value();
+    text += sources::ToJsonLine({sensor::Odometry{time, pose}, {}}).value();
     text += sources::ToJsonLine({scan, {}}).value();
   }
   return text;

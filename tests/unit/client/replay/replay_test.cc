@@ -44,15 +44,15 @@ class ReplayTest : public ::testing::Test {
     for (int i = 1; i <= scans; ++i) text += *sources::ToJsonLine({Scan(i), {}});
     return files_.Write("drive.jsonl", text);
   }
-  static LaserScan Scan(int number) {
-    LaserScan scan = NumberedScan(number, 20);
+  static sensor::LaserScan Scan(int number) {
+    sensor::LaserScan scan = NumberedScan(number, 20);
     scan.time = number * kNsPerSecond / 10;
     return scan;
   }
   LogFeeder MakeFeeder(const std::filesystem::path& log, const LogFeeder::Options& options = {}) {
     return {*LogReader::Open(log), *spool_, kRun, options};
   }
-  std::vector<Record> Spooled() {
+  std::vector<sensor::Record> Spooled() {
     const SpoolSession session = *spool_->FindSession(kRun);
     return *spool_->ReadBatch(kRun, session.acknowledged_sequence, 1 << 20, 1 << 30);
   }
@@ -69,9 +69,9 @@ TEST_F(ReplayTest, FeedsTheWholeLogInOrder) {
   int rounds = 0;
   while (*feeder.Feed(Clock::now())) ++rounds;
   EXPECT_EQ(rounds, 2) << "256 at a time";
-  const std::vector<Record> records = Spooled();
+  const std::vector<sensor::Record> records = Spooled();
   ASSERT_THAT(records, SizeIs(600));
-  for (int i = 1; i <= 600; ++i) ASSERT_EQ(records[i - 1], (Record{i, Scan(i)}));
+  for (int i = 1; i <= 600; ++i) ASSERT_EQ(records[i - 1], (sensor::Record{i, Scan(i)}));
 }
 
 TEST_F(ReplayTest, GoesOnAfterWhatIsSpooled) {
@@ -88,9 +88,9 @@ TEST_F(ReplayTest, GoesOnAfterWhatIsSpooled) {
   ASSERT_OK(feeder.SkipSpooled());
   while (*feeder.Feed(Clock::now())) {
   }
-  const std::vector<Record> records = Spooled();
+  const std::vector<sensor::Record> records = Spooled();
   ASSERT_THAT(records, SizeIs(400));
-  for (int i = 201; i <= 600; ++i) ASSERT_EQ(records[i - 201], (Record{i, Scan(i)}));
+  for (int i = 201; i <= 600; ++i) ASSERT_EQ(records[i - 201], (sensor::Record{i, Scan(i)}));
 }
 
 TEST_F(ReplayTest, RefusesALogThatIsShorterThanWhatIsSpooled) {
@@ -129,8 +129,8 @@ TEST_F(ReplayTest, WaitsWhileTheSpoolIsFullAndLosesNothing) {
   std::int64_t expected = 1;
   while (*feeder.Feed(Clock::now())) {
     ASSERT_TRUE(feeder.spool_is_full());
-    for (const Record& record : Spooled()) {
-      ASSERT_EQ(record, (Record{expected, Scan(static_cast<int>(expected))}));
+    for (const sensor::Record& record : Spooled()) {
+      ASSERT_EQ(record, (sensor::Record{expected, Scan(static_cast<int>(expected))}));
       ++expected;
     }
     ASSERT_OK(spool_->Acknowledge(kRun, expected - 1));

@@ -50,7 +50,7 @@ class AgentTest : public ::testing::Test {
     uploader_options.uplink.min_backoff_s = 0.001;
     uploader_options.uplink.max_backoff_s = 0.02;
     uploader_options.follow_s = 0.05;
-    uploader_ = std::make_unique<Uploader>(connection_, *spool_, RobotName{SiteId("s"), RobotId("r1")}, Listener(),
+    uploader_ = std::make_unique<Uploader>(connection_, *spool_, convert::RobotName{SiteId("s"), RobotId("r1")}, Listener(),
                                            uploader_options);
   }
   NewsListener Listener() {
@@ -79,8 +79,8 @@ class AgentTest : public ::testing::Test {
     for (const News& news : news_) events.push_back(news.event);
     return events;
   }
-  std::vector<Record> RecordsOf(const SessionId& session) {
-    std::vector<Record> records;
+  std::vector<sensor::Record> RecordsOf(const SessionId& session) {
+    std::vector<sensor::Record> records;
     while (true) {
       const auto batch = spool_->ReadBatch(session, records.empty() ? 0 : records.back().sequence, 1000, 64LL << 20);
       EXPECT_OK(batch.status());
@@ -89,10 +89,10 @@ class AgentTest : public ::testing::Test {
     }
   }
   static SpoolItem OdometryAt(double seconds, double x) {
-    return {Odometry{static_cast<TimeNs>(seconds * 1e9), {x, 0.0, 0.0}}, {}};
+    return {sensor::Odometry{static_cast<TimeNs>(seconds * 1e9), {x, 0.0, 0.0}}, {}};
   }
   static SpoolItem ScanAt(double seconds) {
-    LaserScan scan;
+    sensor::LaserScan scan;
     scan.time = static_cast<TimeNs>(seconds * 1e9);
     scan.angle_min = -M_PI;
     scan.angle_increment = 2.0 * M_PI / 90.0;
@@ -115,15 +115,15 @@ class AgentTest : public ::testing::Test {
   Mutex mutex_;
   std::vector<News> news_;
   bool interrupted_ = false;
-  Connection connection_{"unix:" + (directory_.path() / "server").string(), std::chrono::seconds(5)};
+  client::Connection connection_{"unix:" + (directory_.path() / "server").string(), std::chrono::seconds(5)};
   std::unique_ptr<Spool> spool_;
   std::unique_ptr<Uploader> uploader_;
   std::unique_ptr<Agent> agent_;
 };
 
-int CountOf(const std::vector<Record>& records, RecordKind kind) {
+int CountOf(const std::vector<sensor::Record>& records, sensor::RecordKind kind) {
   return static_cast<int>(
-      std::count_if(records.begin(), records.end(), [&](const Record& record) { return KindOf(record) == kind; }));
+      std::count_if(records.begin(), records.end(), [&](const sensor::Record& record) { return sensor::KindOf(record) == kind; }));
 }
 
 // The whole way without a server: all of it is in the spool.
@@ -138,7 +138,7 @@ TEST_F(AgentTest, SplitsTheCampusIntoSessionsAtItsDoors) {
   while (true) {
     ASSERT_OK_AND_ASSIGN(auto record, simulation.Next());
     if (!record) break;
-    scans += std::holds_alternative<LaserScan>(record->payload) ? 1 : 0;
+    scans += std::holds_alternative<sensor::LaserScan>(record->payload) ? 1 : 0;
     ASSERT_OK(agent_->Add({record->payload, record->content}));
   }
   ASSERT_OK(agent_->Finish());
@@ -153,19 +153,19 @@ TEST_F(AgentTest, SplitsTheCampusIntoSessionsAtItsDoors) {
     EXPECT_TRUE(sessions[i].finished);
     EXPECT_EQ(sessions[i].map, i == 0 ? "Hall" : "");
     EXPECT_EQ(sessions[i].entry.previous, i == 0 ? std::nullopt : std::optional(sessions[i - 1].id));
-    const std::vector<Record> records = RecordsOf(sessions[i].id);
-    scans_recorded += CountOf(records, RecordKind::kLaserScan);
-    candidates += CountOf(records, RecordKind::kDoorReport) - (i < truth.size() ? 1 : 0);
+    const std::vector<sensor::Record> records = RecordsOf(sessions[i].id);
+    scans_recorded += CountOf(records, sensor::RecordKind::kLaserScan);
+    candidates += CountOf(records, sensor::RecordKind::kDoorReport) - (i < truth.size() ? 1 : 0);
     if (i == truth.size()) continue;
-    ASSERT_TRUE(std::holds_alternative<DoorReport>(records.back().payload)) << "the passage ends the session";
-    const auto& report = std::get<DoorReport>(records.back().payload);
-    EXPECT_EQ(report.kind, DoorReport::Kind::kPassage);
+    ASSERT_TRUE(std::holds_alternative<sensor::DoorReport>(records.back().payload)) << "the passage ends the session";
+    const auto& report = std::get<sensor::DoorReport>(records.back().payload);
+    EXPECT_EQ(report.kind, sensor::DoorReport::Kind::kPassage);
     EXPECT_NEAR(ToSeconds(report.door_time - truth[i].time), 0.0, 1.0) << truth[i].door;
     EXPECT_EQ(report.entered_surroundings,
-              truth[i].to == "M1" || truth[i].to == "M3" ? Surroundings::kOutdoor : Surroundings::kIndoor)
+              truth[i].to == "M1" || truth[i].to == "M3" ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor)
         << truth[i].door;
-    EXPECT_GE(CountOf(records, RecordKind::kImage), 8) << truth[i].door;
-    EXPECT_GE(CountOf(records, RecordKind::kPointCloud), 2) << truth[i].door;
+    EXPECT_GE(CountOf(records, sensor::RecordKind::kImage), 8) << truth[i].door;
+    EXPECT_GE(CountOf(records, sensor::RecordKind::kPointCloud), 2) << truth[i].door;
   }
   EXPECT_EQ(scans_recorded, scans);
   EXPECT_EQ(candidates, 2) << "the doors that were seen from inside only";
@@ -251,8 +251,8 @@ TEST_F(AgentTest, RefusesScansButNoReportsWhileTheSpoolIsFull) {
   EXPECT_GT(agent_->counts().refused, 0);
   EXPECT_THAT(Events(), Contains("spool_full"));
   ASSERT_OK(agent_->Do(SetCandidate{}));
-  const std::vector<Record> records = RecordsOf(spool_->ListSessions().at(0).id);
-  EXPECT_EQ(CountOf(records, RecordKind::kDoorReport), 1);
+  const std::vector<sensor::Record> records = RecordsOf(spool_->ListSessions().at(0).id);
+  EXPECT_EQ(CountOf(records, sensor::RecordKind::kDoorReport), 1);
   EXPECT_EQ(agent_->counts().records, static_cast<std::int64_t>(records.size()));
 }
 
@@ -271,11 +271,11 @@ TEST_F(AgentTest, TellsAndCountsWhatIsWrongWithItsInput) {
   ASSERT_OK(MakeAgent());
   ASSERT_OK(agent_->Start());
   SpoolItem broken = ScanAt(2.0);
-  std::get<LaserScan>(broken.payload).ranges.clear();
+  std::get<sensor::LaserScan>(broken.payload).ranges.clear();
   EXPECT_OK(agent_->Add(broken));
   const std::string content = "not what the record says";
-  EXPECT_OK(agent_->Add({Image{kNsPerSecond, Camera::kFront, ImageEncoding::kPng, sources::RefOf("other")}, content}));
-  EXPECT_OK(agent_->Add({DoorReport{}, {}}));
+  EXPECT_OK(agent_->Add({sensor::Image{kNsPerSecond, sensor::Camera::kFront, sensor::ImageEncoding::kPng, sources::RefOf("other")}, content}));
+  EXPECT_OK(agent_->Add({sensor::DoorReport{}, {}}));
   EXPECT_EQ(agent_->counts().invalid, 3);
   EXPECT_THAT(Events(), Contains("bad_input"));
   ASSERT_OK(Stand(3.0, 2.0));
@@ -291,11 +291,11 @@ TEST_F(AgentTest, RecordsPicturesEverywhereAtTheWantedRate) {
   for (int i = 0; i < 100; ++i) {
     const std::string content = "picture " + std::to_string(i);
     const TimeNs time = kNsPerSecond + i * kNsPerSecond / 10;
-    ASSERT_OK(agent_->Add({Image{time, Camera::kFront, ImageEncoding::kPng, sources::RefOf(content)}, content}));
+    ASSERT_OK(agent_->Add({sensor::Image{time, sensor::Camera::kFront, sensor::ImageEncoding::kPng, sources::RefOf(content)}, content}));
   }
   ASSERT_OK(agent_->Finish());
-  const std::vector<Record> records = RecordsOf(spool_->ListSessions().at(0).id);
-  EXPECT_NEAR(CountOf(records, RecordKind::kImage), 10, 1);
+  const std::vector<sensor::Record> records = RecordsOf(spool_->ListSessions().at(0).id);
+  EXPECT_NEAR(CountOf(records, sensor::RecordKind::kImage), 10, 1);
 }
 
 TEST_F(AgentTest, BeginsNoSessionWithoutAScan) {

@@ -24,11 +24,11 @@ T Parsed(const std::string& line) {
 }
 
 TEST(ParseCommand, ReadsEveryCommand) {
-  EXPECT_EQ(Parsed<SetLinkPoint>("set-link-point").place, LinkPointKind::kDoor);
+  EXPECT_EQ(Parsed<SetLinkPoint>("set-link-point").place, graph::LinkPointKind::kDoor);
   const auto lift = Parsed<SetLinkPoint>("  set_link_point lift -2 ");
-  EXPECT_EQ(lift.place, LinkPointKind::kLift);
+  EXPECT_EQ(lift.place, graph::LinkPointKind::kLift);
   EXPECT_EQ(lift.level, -2);
-  EXPECT_EQ(Parsed<SetCandidate>("set-candidate stairs").place, LinkPointKind::kStairs);
+  EXPECT_EQ(Parsed<SetCandidate>("set-candidate stairs").place, graph::LinkPointKind::kStairs);
   EXPECT_EQ(Parsed<RecordNewMap>("new").map, "");
   EXPECT_EQ(Parsed<RecordNewMap>("new \"Hall A\"").map, "Hall A");
   EXPECT_EQ(Parsed<DeleteMap>("delete-map m1").map, "m1");

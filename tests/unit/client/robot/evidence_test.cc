@@ -14,29 +14,29 @@ using ::testing::IsEmpty;
 
 TimeNs At(double seconds) { return static_cast<TimeNs>(seconds * 1e9); }
 
-SpoolItem ImageAt(double seconds, Camera camera, ImageEncoding encoding = ImageEncoding::kPng) {
-  std::string content = std::to_string(seconds) + (camera == Camera::kFront ? "front" : "rear");
-  return {Image{At(seconds), camera, encoding, sources::RefOf(content)}, content};
+SpoolItem ImageAt(double seconds, sensor::Camera camera, sensor::ImageEncoding encoding = sensor::ImageEncoding::kPng) {
+  std::string content = std::to_string(seconds) + (camera == sensor::Camera::kFront ? "front" : "rear");
+  return {sensor::Image{At(seconds), camera, encoding, sources::RefOf(content)}, content};
 }
 SpoolItem CloudAt(double seconds) {
   std::string content = std::to_string(seconds) + "cloud";
-  return {PointCloud{At(seconds), CloudEncoding::kXyz32, sources::RefOf(content)}, content};
+  return {sensor::PointCloud{At(seconds), sensor::CloudEncoding::kXyz32, sources::RefOf(content)}, content};
 }
 
 // "front 1.5", ...
 std::vector<std::string> NamesOf(const std::vector<SpoolItem>& items) {
   std::vector<std::string> names;
   for (const SpoolItem& item : items) {
-    const auto* image = std::get_if<Image>(&item.payload);
-    const std::string kind = !image ? "cloud" : image->camera == Camera::kRear ? "rear" : "front";
+    const auto* image = std::get_if<sensor::Image>(&item.payload);
+    const std::string kind = !image ? "cloud" : image->camera == sensor::Camera::kRear ? "rear" : "front";
     names.push_back(kind + " " + std::to_string(TimeOf(item) / 100'000'000));  // tenths
   }
   return names;
 }
 
-DoorReport ReportAt(double seconds, double door_seconds, double door_x) {
-  DoorReport report;
-  report.kind = DoorReport::Kind::kPassage;
+sensor::DoorReport ReportAt(double seconds, double door_seconds, double door_x) {
+  sensor::DoorReport report;
+  report.kind = sensor::DoorReport::Kind::kPassage;
   report.time = At(seconds);
   report.door_time = At(door_seconds);
   report.T_odom_door = {door_x, 0.0, 0.0};
@@ -47,8 +47,8 @@ TEST(EvidenceBuffer, GivesWhatIsNearestInTime) {
   EvidenceBuffer buffer({});
   for (int i = 0; i <= 10; ++i) {
     const double t = 0.5 * i;
-    buffer.Add(ImageAt(t, Camera::kFront), {t, 0.0, 0.0});
-    buffer.Add(ImageAt(t, Camera::kRear), {t, 0.0, 0.0});
+    buffer.Add(ImageAt(t, sensor::Camera::kFront), {t, 0.0, 0.0});
+    buffer.Add(ImageAt(t, sensor::Camera::kRear), {t, 0.0, 0.0});
     buffer.Add(CloudAt(t), {t, 0.0, 0.0});
   }
   EXPECT_THAT(NamesOf(buffer.At(At(2.1))), ElementsAre("front 20", "rear 20", "cloud 20"));
@@ -61,7 +61,7 @@ TEST(EvidenceBuffer, SpreadsTheImagesOverTheWayBehindTheDoor) {
   options.images = 3;
   EvidenceBuffer buffer(options);
   for (int i = 0; i <= 10; ++i) {
-    buffer.Add(ImageAt(i, Camera::kFront), {0.5 * i, 0.0, 0.0});
+    buffer.Add(ImageAt(i, sensor::Camera::kFront), {0.5 * i, 0.0, 0.0});
     buffer.Add(CloudAt(i), {0.5 * i, 0.0, 0.0});
   }
   // Through the door at 4 s, reported at 9 s.
@@ -78,15 +78,15 @@ TEST(EvidenceBuffer, TakesTheCloudFarthestBehindTheDoor) {
 
 TEST(EvidenceBuffer, OfAReportByHandTakesTheLastSeconds) {
   EvidenceBuffer buffer({});
-  for (int i = 0; i <= 8; ++i) buffer.Add(ImageAt(i, Camera::kRear), {0.5 * i, 0.0, 0.0});
-  DoorReport report = ReportAt(8.0, 8.0, 4.0);
+  for (int i = 0; i <= 8; ++i) buffer.Add(ImageAt(i, sensor::Camera::kRear), {0.5 * i, 0.0, 0.0});
+  sensor::DoorReport report = ReportAt(8.0, 8.0, 4.0);
   report.by_hand = true;
   EXPECT_THAT(NamesOf(buffer.Behind(report)), ElementsAre("rear 70", "rear 80"));
 }
 
 TEST(EvidenceBuffer, KeepsAStandingRobotsNewestOnly) {
   EvidenceBuffer buffer({});
-  for (int i = 0; i < 100; ++i) buffer.Add(ImageAt(0.1 * i, Camera::kFront), {1.0, 0.0, 0.0});
+  for (int i = 0; i < 100; ++i) buffer.Add(ImageAt(0.1 * i, sensor::Camera::kFront), {1.0, 0.0, 0.0});
   EXPECT_LE(buffer.size(), 2U);
   EXPECT_THAT(NamesOf(buffer.At(At(9.9))), ElementsAre("front 99"));
 }
@@ -95,23 +95,23 @@ TEST(EvidenceBuffer, KeepsTurningsAndForgetsTheOldest) {
   EvidenceOptions options;
   options.kept = 6;
   EvidenceBuffer buffer(options);
-  for (int i = 0; i < 20; ++i) buffer.Add(ImageAt(i, Camera::kFront), {0.0, 0.0, 0.2 * i});
+  for (int i = 0; i < 20; ++i) buffer.Add(ImageAt(i, sensor::Camera::kFront), {0.0, 0.0, 0.2 * i});
   EXPECT_EQ(buffer.size(), 6U);
   EXPECT_THAT(NamesOf(buffer.At(At(11.0))), IsEmpty());
 }
 
 TEST(EvidenceBuffer, PassesDepthImagesAndLateOnesBy) {
   EvidenceBuffer buffer({});
-  buffer.Add(ImageAt(5.0, Camera::kFront, ImageEncoding::kDepthPng16), {});
+  buffer.Add(ImageAt(5.0, sensor::Camera::kFront, sensor::ImageEncoding::kDepthPng16), {});
   EXPECT_EQ(buffer.size(), 0U);
-  buffer.Add(ImageAt(5.0, Camera::kFront), {});
-  buffer.Add(ImageAt(4.0, Camera::kFront), {1.0, 0.0, 0.0});
+  buffer.Add(ImageAt(5.0, sensor::Camera::kFront), {});
+  buffer.Add(ImageAt(4.0, sensor::Camera::kFront), {1.0, 0.0, 0.0});
   EXPECT_EQ(buffer.size(), 1U);
 }
 
 TEST(Joined, GivesEachThingOnceInTheOrderOfTime) {
-  const std::vector<SpoolItem> a = {ImageAt(2.0, Camera::kFront), CloudAt(3.0)};
-  const std::vector<SpoolItem> b = {ImageAt(1.0, Camera::kFront), ImageAt(2.0, Camera::kFront)};
+  const std::vector<SpoolItem> a = {ImageAt(2.0, sensor::Camera::kFront), CloudAt(3.0)};
+  const std::vector<SpoolItem> b = {ImageAt(1.0, sensor::Camera::kFront), ImageAt(2.0, sensor::Camera::kFront)};
   EXPECT_THAT(NamesOf(Joined(a, b)), ElementsAre("front 10", "front 20", "cloud 30"));
 }
 

@@ -58,7 +58,7 @@ TEST_F(LinesTest, GivesLinesAsTheyCome) {
   Write(line.substr(20));
   const Input input = Next();
   ASSERT_TRUE(std::holds_alternative<client::SpoolItem>(input));
-  EXPECT_EQ(std::get<Odometry>(std::get<client::SpoolItem>(input).payload).T_odom_robot.x, 1.5);
+  EXPECT_EQ(std::get<sensor::Odometry>(std::get<client::SpoolItem>(input).payload).T_odom_robot.x, 1.5);
   EXPECT_TRUE(std::holds_alternative<Idle>(Next()));
   Close();
   EXPECT_TRUE(std::holds_alternative<Ended>(Next()));

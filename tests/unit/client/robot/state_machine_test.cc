@@ -22,7 +22,7 @@ std::string WordOf(const Action& action) {
     std::string operator()(const FinishSession&) const { return "finish"; }
     std::string operator()(const KeepEvidence& a) const { return "keep " + std::to_string(a.door); }
     std::string operator()(const WriteReport& a) const {
-      return (a.report.kind == DoorReport::Kind::kPassage ? "passage " : "candidate ") + std::to_string(a.door) +
+      return (a.report.kind == sensor::DoorReport::Kind::kPassage ? "passage " : "candidate ") + std::to_string(a.door) +
              (a.report.by_hand ? " by hand" : "");
     }
     std::string operator()(const ShowMenu&) const { return "menu"; }
@@ -56,8 +56,8 @@ TimeNs AfterStart(double seconds) { return static_cast<TimeNs>(seconds * 1e9) + 
 Moved MovedTo(double seconds, double x) { return {AfterStart(seconds), {x, 0.0, 0.0}}; }
 
 // A door across the x axis.
-DoorSeen Door(DoorEvent::Kind kind, std::int64_t number, double seconds, double door_seconds, double door_x) {
-  DoorEvent event;
+DoorSeen Door(doors::DoorEvent::Kind kind, std::int64_t number, double seconds, double door_seconds, double door_x) {
+  doors::DoorEvent event;
   event.kind = kind;
   event.door = number;
   event.time = AfterStart(seconds);
@@ -69,13 +69,13 @@ DoorSeen Door(DoorEvent::Kind kind, std::int64_t number, double seconds, double 
   return {event};
 }
 DoorSeen Latched(std::int64_t number, double seconds) {
-  return Door(DoorEvent::Kind::kLatched, number, seconds, seconds, 0.0);
+  return Door(doors::DoorEvent::Kind::kLatched, number, seconds, seconds, 0.0);
 }
 DoorSeen Candidate(std::int64_t number, double seconds, double door_seconds) {
-  return Door(DoorEvent::Kind::kCandidate, number, seconds, door_seconds, 0.0);
+  return Door(doors::DoorEvent::Kind::kCandidate, number, seconds, door_seconds, 0.0);
 }
 DoorSeen Passage(std::int64_t number, double seconds, double door_seconds, double door_x) {
-  return Door(DoorEvent::Kind::kPassage, number, seconds, door_seconds, door_x);
+  return Door(doors::DoorEvent::Kind::kPassage, number, seconds, door_seconds, door_x);
 }
 
 class StateMachineTest : public ::testing::Test {
@@ -136,7 +136,7 @@ TEST_F(StateMachineTest, ReportsAPassageOnceTheRobotIsBehindTheDoor) {
   EXPECT_THAT(Do(MovedTo(5.2, 11.9)), IsEmpty());
   const std::vector<Action> actions = machine_.Handle(MovedTo(5.4, 12.1));
   ASSERT_THAT(WordsOf(actions), ElementsAre("passage 1", "finish"));
-  const DoorReport& report = std::get<WriteReport>(actions[0]).report;
+  const sensor::DoorReport& report = std::get<WriteReport>(actions[0]).report;
   EXPECT_EQ(report.time, AfterStart(5.4));
   EXPECT_EQ(report.door_time, AfterStart(4.0));
   EXPECT_EQ(report.T_odom_door, (Pose2{10.0, 0.0, 0.0}));
@@ -270,10 +270,10 @@ TEST_F(StateMachineTest, ALinkPointSetByHandEndsTheSessionAndBeginsTheNext) {
   Do(MovedTo(3.0, 7.0));
   EXPECT_THAT(Do(Command(SaveRearImage{})), ElementsAre("keep 0"));
   Do(MovedTo(6.0, 9.0));
-  const std::vector<Action> actions = machine_.Handle(Command(SetLinkPoint{LinkPointKind::kLift, 2}));
+  const std::vector<Action> actions = machine_.Handle(Command(SetLinkPoint{graph::LinkPointKind::kLift, 2}));
   ASSERT_THAT(WordsOf(actions), ElementsAre("passage 0 by hand", "finish")) << "what was saved before is used";
-  const DoorReport& report = std::get<WriteReport>(actions[0]).report;
-  EXPECT_EQ(report.place, LinkPointKind::kLift);
+  const sensor::DoorReport& report = std::get<WriteReport>(actions[0]).report;
+  EXPECT_EQ(report.place, graph::LinkPointKind::kLift);
   EXPECT_EQ(report.entered_level, 2);
   EXPECT_EQ(report.T_odom_door, (Pose2{9.0, 0.0, 0.0}));
   EXPECT_EQ(report.door_time, AfterStart(6.0));

@@ -12,8 +12,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-LaserScan RoundScan(float range) {
-  LaserScan scan;
+sensor::LaserScan RoundScan(float range) {
+  sensor::LaserScan scan;
   scan.time = 1;
   scan.angle_min = -M_PI;
   scan.angle_increment = 2.0 * M_PI / 360.0;
@@ -24,7 +24,7 @@ LaserScan RoundScan(float range) {
 }
 
 // A depth image of a slope, with a stripe that moves by `shift`.
-client::SpoolItem DepthAt(double seconds, int shift, Camera camera = Camera::kFront) {
+client::SpoolItem DepthAt(double seconds, int shift, sensor::Camera camera = sensor::Camera::kFront) {
   simulator::CameraFrame frame;
   frame.width = 64;
   frame.height = 48;
@@ -35,7 +35,7 @@ client::SpoolItem DepthAt(double seconds, int shift, Camera camera = Camera::kFr
     }
   }
   std::string png = *frame.DepthPng();
-  return {Image{static_cast<TimeNs>(seconds * 1e9), camera, ImageEncoding::kDepthPng16, sources::RefOf(png)}, png};
+  return {sensor::Image{static_cast<TimeNs>(seconds * 1e9), camera, sensor::ImageEncoding::kDepthPng16, sources::RefOf(png)}, png};
 }
 
 SurroundingsChoice Made(int criterion) {
@@ -50,9 +50,9 @@ TEST(SurroundingsChoice, ByRange) {
   EXPECT_EQ(choice.Choose(0).surroundings, std::nullopt);
   EXPECT_THAT(choice.Choose(0).reason, HasSubstr("no scan"));
   choice.Add(RoundScan(5.0F));
-  EXPECT_EQ(choice.Choose(0).surroundings, Surroundings::kIndoor);
+  EXPECT_EQ(choice.Choose(0).surroundings, sensor::Surroundings::kIndoor);
   choice.Add(RoundScan(40.0F));
-  EXPECT_EQ(choice.Choose(0).surroundings, Surroundings::kOutdoor);
+  EXPECT_EQ(choice.Choose(0).surroundings, sensor::Surroundings::kOutdoor);
   choice.Add(RoundScan(100.0F));
   EXPECT_EQ(choice.Choose(0).surroundings, std::nullopt) << "no hit";
 }
@@ -65,8 +65,8 @@ TEST(SurroundingsChoice, BySimilarityOfDepthImages) {
       still.Add(DepthAt(i, 0));
       restless.Add(DepthAt(i, 4 * i));
     }
-    EXPECT_EQ(still.Choose(0).surroundings, Surroundings::kIndoor) << still.Choose(0).reason;
-    EXPECT_EQ(restless.Choose(0).surroundings, Surroundings::kOutdoor) << restless.Choose(0).reason;
+    EXPECT_EQ(still.Choose(0).surroundings, sensor::Surroundings::kIndoor) << still.Choose(0).reason;
+    EXPECT_EQ(restless.Choose(0).surroundings, sensor::Surroundings::kOutdoor) << restless.Choose(0).reason;
   }
 }
 
@@ -74,16 +74,16 @@ TEST(SurroundingsChoice, LooksOnlyAtWhatCameSinceTheDoor) {
   SurroundingsChoice choice = Made(1);
   for (int i = 0; i < 4; ++i) choice.Add(DepthAt(i, 4 * i));
   for (int i = 4; i < 8; ++i) choice.Add(DepthAt(i, 0));
-  EXPECT_EQ(choice.Choose(4 * kNsPerSecond).surroundings, Surroundings::kIndoor);
+  EXPECT_EQ(choice.Choose(4 * kNsPerSecond).surroundings, sensor::Surroundings::kIndoor);
 }
 
 TEST(SurroundingsChoice, FallsBackOnTheRangeAndSaysSo) {
   SurroundingsChoice choice = Made(1);
   choice.Add(RoundScan(40.0F));
   choice.Add(DepthAt(1.0, 0));
-  choice.Add(DepthAt(2.0, 0, Camera::kRear));
+  choice.Add(DepthAt(2.0, 0, sensor::Camera::kRear));
   const SurroundingsChoice::Verdict verdict = choice.Choose(0);
-  EXPECT_EQ(verdict.surroundings, Surroundings::kOutdoor);
+  EXPECT_EQ(verdict.surroundings, sensor::Surroundings::kOutdoor);
   EXPECT_THAT(verdict.reason, HasSubstr("config_criterion 1 cannot tell"));
 }
 

@@ -42,7 +42,7 @@ TEST(ReadScan, MeasuresWallsExactly) {
   const auto world = WorldOf(kRoom);
   const Viewpoint view{*world, "ground", {0.5, 1.0, M_PI / 2.0}};
   // A full turn from behind: south, east, north, west.
-  LaserScan scan = ReadScan(view, Exact(), Noise(1));
+  sensor::LaserScan scan = ReadScan(view, Exact(), Noise(1));
   ASSERT_EQ(scan.ranges.size(), 4U);
   EXPECT_NEAR(scan.ranges[0], 4.0, 1e-6) << "over the low box";
   EXPECT_NEAR(scan.ranges[1], 1.5, 1e-6);
@@ -59,7 +59,7 @@ TEST(ReadScan, DropsBeamsAndAddsNoise) {
   ScannerOptions options;
   options.dropout = 0.1;
   options.range_sigma = 0.05;
-  const LaserScan scan = ReadScan({*world, "ground", {}}, options, Noise(3));
+  const sensor::LaserScan scan = ReadScan({*world, "ground", {}}, options, Noise(3));
   const auto missing = std::count_if(scan.ranges.begin(), scan.ranges.end(), [](float r) { return std::isnan(r); });
   EXPECT_GT(missing, 40);
   EXPECT_LT(missing, 110);
@@ -74,7 +74,7 @@ walls: [{points: [[6, 0], [6, 10]], glass: true}, {points: [[9, 0], [9, 10]], th
 )");
   ScannerOptions options = Exact();
   options.beams = 720;
-  const LaserScan scan = ReadScan({*world, "ground", {4.0, 5.0, 0.0}}, options, Noise(5));
+  const sensor::LaserScan scan = ReadScan({*world, "ground", {4.0, 5.0, 0.0}}, options, Noise(5));
   int glass = 0;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double angle = std::abs(scan.angle(i));
@@ -134,7 +134,7 @@ TEST(ReadCamera, DepthIsTheDistanceAlongTheAxis) {
     EXPECT_NEAR(frame.depth[24 * 64 + static_cast<std::size_t>(x)], 2000, 1) << "a wall square to the axis";
   }
   ASSERT_OK_AND_ASSIGN(const std::string png, frame.GreyPng());
-  ASSERT_OK_AND_ASSIGN(const PixelImage image, DecodePng(png));
+  ASSERT_OK_AND_ASSIGN(const grid::PixelImage image, grid::DecodePng(png));
   EXPECT_EQ(image.samples, frame.grey);
   ASSERT_OK_AND_ASSIGN(const std::string depth, frame.DepthPng());
   EXPECT_EQ(depth.substr(1, 3), "PNG");

@@ -45,8 +45,8 @@ TEST(Simulation, SameOptionsSameDrive) {
   ASSERT_OK_AND_ASSIGN(const Drive again, SimulateRooms(options));
   options.seed = 2;
   ASSERT_OK_AND_ASSIGN(const Drive other, SimulateRooms(options));
-  EXPECT_EQ(AllOf<Odometry>(first), AllOf<Odometry>(again));
-  EXPECT_NE(AllOf<Odometry>(first), AllOf<Odometry>(other));
+  EXPECT_EQ(AllOf<sensor::Odometry>(first), AllOf<sensor::Odometry>(again));
+  EXPECT_NE(AllOf<sensor::Odometry>(first), AllOf<sensor::Odometry>(other));
   EXPECT_EQ(first.truth.poses.size(), other.truth.poses.size()) << "noise must not change the way";
 }
 
@@ -68,10 +68,10 @@ TEST(Simulation, NoSensorChangesWhatAnotherReads) {
       ASSERT_OK_AND_ASSIGN(const auto record, together.Next());
       ASSERT_TRUE(record.has_value());
       if (record->payload.index() >= 2) continue;  // an image or a cloud
-      const Record a{1, expected->payload};
-      const Record b{1, record->payload};
-      ASSERT_EQ(TimeOf(a), TimeOf(b));
-      if (std::holds_alternative<Odometry>(a.payload)) {
+      const sensor::Record a{1, expected->payload};
+      const sensor::Record b{1, record->payload};
+      ASSERT_EQ(sensor::TimeOf(a), sensor::TimeOf(b));
+      if (std::holds_alternative<sensor::Odometry>(a.payload)) {
         ASSERT_EQ(a, b);
       }
       break;
@@ -84,15 +84,15 @@ TEST(Simulation, RecordsAreValidAndInTheOrderOfTime) {
   TimeNs last = 0;
   std::int64_t sequence = 0;
   for (const auto& entry : drive.records) {
-    const Record record{++sequence, entry.payload};
-    ASSERT_OK(Validate(record));
-    ASSERT_GE(TimeOf(record), last);
-    last = TimeOf(record);
+    const sensor::Record record{++sequence, entry.payload};
+    ASSERT_OK(sensor::Validate(record));
+    ASSERT_GE(sensor::TimeOf(record), last);
+    last = sensor::TimeOf(record);
   }
-  const auto scans = AllOf<LaserScan>(drive);
+  const auto scans = AllOf<sensor::LaserScan>(drive);
   ASSERT_EQ(scans.size(), drive.truth.poses.size());
   EXPECT_EQ(scans.back().time, drive.truth.poses.back().time);
-  EXPECT_NEAR(static_cast<double>(AllOf<Odometry>(drive).size()) / static_cast<double>(scans.size()), 4.0, 0.1);
+  EXPECT_NEAR(static_cast<double>(AllOf<sensor::Odometry>(drive).size()) / static_cast<double>(scans.size()), 4.0, 0.1);
 }
 
 TEST(Simulation, TheSecondLapSeesTheSamePlaces) {
@@ -108,7 +108,7 @@ TEST(Simulation, WithoutNoiseOdometryIsTheTruth) {
   ASSERT_OK_AND_ASSIGN(const Drive drive, SimulateRooms(Noiseless()));
   const Pose2 T_campus_start = drive.truth.poses.front().T_campus_robot;
   std::size_t checked = 0;
-  for (const Odometry& odometry : AllOf<Odometry>(drive)) {
+  for (const sensor::Odometry& odometry : AllOf<sensor::Odometry>(drive)) {
     if (checked == drive.truth.poses.size() || odometry.time != drive.truth.poses[checked].time) continue;
     ASSERT_THAT(T_campus_start * odometry.T_odom_robot,
                 PoseNear(drive.truth.poses[checked].T_campus_robot, 1e-9, 1e-9));
@@ -119,7 +119,7 @@ TEST(Simulation, WithoutNoiseOdometryIsTheTruth) {
 
 TEST(Simulation, WithNoiseOdometryDrifts) {
   ASSERT_OK_AND_ASSIGN(const Drive drive, SimulateRooms(RoomsOptions()));
-  const Pose2 by_wheels = drive.truth.poses.front().T_campus_robot * AllOf<Odometry>(drive).back().T_odom_robot;
+  const Pose2 by_wheels = drive.truth.poses.front().T_campus_robot * AllOf<sensor::Odometry>(drive).back().T_odom_robot;
   const double error = Between(by_wheels, drive.truth.poses.back().T_campus_robot).translation().norm();
   EXPECT_GT(error, 0.3);
   EXPECT_LT(error, 20.0);
@@ -148,7 +148,7 @@ TEST(Simulation, ALiftChangesTheLevel) {
   EXPECT_EQ(drive.truth.poses.back().level, "first");
   EXPECT_EQ(drive.truth.poses.back().area, "office");
   // While it rides the cabin is closed: nothing is farther than its walls.
-  const auto scans = AllOf<LaserScan>(drive);
+  const auto scans = AllOf<sensor::LaserScan>(drive);
   bool enclosed = false;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (drive.truth.poses[i].area != "lift") continue;
@@ -183,7 +183,7 @@ TEST(Simulation, RandomBuildingsAreTheSameForTheSameSeedAndAreDriven) {
     ASSERT_OK_AND_ASSIGN(const Drive again,
                          SimulateDrive(std::make_shared<const World>(RandomBuilding(seed)), "robot", options));
     EXPECT_GT(drive.truth.passages.size(), 4U) << seed;
-    EXPECT_EQ(AllOf<Odometry>(drive), AllOf<Odometry>(again));
+    EXPECT_EQ(AllOf<sensor::Odometry>(drive), AllOf<sensor::Odometry>(again));
     for (const TruePassage& passage : drive.truth.passages) {
       EXPECT_GE(passage.width, 0.7 - 1e-9);
       EXPECT_LE(passage.width, 2.0 + 1e-9);

@@ -52,10 +52,10 @@ lifts:
 )";
 
 TEST(BuildingFileTest, ReadsLevelsDoorsAndLiftsInMetres) {
-  ASSERT_OK_AND_ASSIGN(const Building building, ParseBuilding(kTwoLevels));
+  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoLevels));
   EXPECT_EQ(building.name, "house");
   ASSERT_THAT(building.levels, SizeIs(2));
-  const BuildingLevel& ground = building.levels[0];
+  const sources::BuildingLevel& ground = building.levels[0];
   EXPECT_EQ(ground.name, "Ground");
   EXPECT_EQ(ground.level, 0);
   ASSERT_THAT(ground.outline, SizeIs(4));
@@ -81,13 +81,13 @@ TEST(BuildingFileTest, ReadsLevelsDoorsAndLiftsInMetres) {
 }
 
 TEST(BuildingFileTest, TellsWhatItDidNotTake) {
-  ASSERT_OK_AND_ASSIGN(const Building building, ParseBuilding(kTwoLevels));
+  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoLevels));
   ASSERT_THAT(building.remarks, SizeIs(2));
   EXPECT_EQ(building.remarks[0].item, "levels Roof");
   EXPECT_TRUE(building.remarks[0].refused);
   EXPECT_EQ(building.remarks[1].item, "lifts Nowhere");
   EXPECT_THAT(building.remarks[1].why, HasSubstr("Cellar"));
-  ASSERT_OK_AND_ASSIGN(const Building broken, ParseBuilding(R"(
+  ASSERT_OK_AND_ASSIGN(const sources::Building broken, sources::ParseBuilding(R"(
 levels:
   A:
     measurements: [[0, 1, {distance: [3, 10]}]]
@@ -99,8 +99,8 @@ levels:
   EXPECT_THAT(broken.levels, IsEmpty());
   ASSERT_THAT(broken.remarks, SizeIs(2));
   EXPECT_THAT(broken.remarks[0].why, HasSubstr("vertex"));
-  EXPECT_CODE(ParseBuilding("levels: [1, 2]"), absl::StatusCode::kInvalidArgument);
-  EXPECT_CODE(ParseBuilding("{"), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(sources::ParseBuilding("levels: [1, 2]"), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(sources::ParseBuilding("{"), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(BuildingFileTest, ReadsTheHotelOfTheRmfDemos) {
@@ -108,11 +108,11 @@ TEST(BuildingFileTest, ReadsTheHotelOfTheRmfDemos) {
   std::ifstream file(path);
   std::ostringstream text;
   text << file.rdbuf();
-  ASSERT_OK_AND_ASSIGN(const Building building, ParseBuilding(text.str()));
+  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(text.str()));
   ASSERT_THAT(building.levels, SizeIs(3));
   EXPECT_THAT(building.lifts, SizeIs(2));
-  for (const BuildingLift& lift : building.lifts) EXPECT_THAT(lift.stops, SizeIs(3));
-  for (const BuildingLevel& level : building.levels) {
+  for (const sources::BuildingLift& lift : building.lifts) EXPECT_THAT(lift.stops, SizeIs(3));
+  for (const sources::BuildingLevel& level : building.levels) {
     EXPECT_GE(level.outline.size(), 3U);
     EXPECT_FALSE(level.doors.empty());
   }

@@ -6,7 +6,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using sources::LogOptions;
@@ -23,11 +23,11 @@ using testing::ReadLog;
 TEST(CarmenParser, ReadsScansWithTheirOdometryInLogOrder) {
   const ReadLog log = ReadAll(testing::ProjectData("logs/small.clf"));
   ASSERT_OK(log.status);
-  const auto scans = AllOf<LaserScan>(log);
+  const auto scans = AllOf<sensor::LaserScan>(log);
   ASSERT_EQ(scans.size(), 7U);
-  ASSERT_EQ(AllOf<Odometry>(log).size(), 13U);
-  EXPECT_TRUE(std::holds_alternative<Odometry>(log.entries[1].payload));
-  EXPECT_TRUE(std::holds_alternative<LaserScan>(log.entries[2].payload));
+  ASSERT_EQ(AllOf<sensor::Odometry>(log).size(), 13U);
+  EXPECT_TRUE(std::holds_alternative<sensor::Odometry>(log.entries[1].payload));
+  EXPECT_TRUE(std::holds_alternative<sensor::LaserScan>(log.entries[2].payload));
 
   EXPECT_EQ(scans[0].time, 976'052'858'304'357'000);
   EXPECT_EQ(scans[1].time, 976'052'858'804'357'000);
@@ -36,7 +36,7 @@ TEST(CarmenParser, ReadsScansWithTheirOdometryInLogOrder) {
   EXPECT_NEAR(scans[0].angle(8), M_PI / 2.0, 1e-12);
   EXPECT_EQ(scans[0].range_max, 81.83F);
   EXPECT_EQ(scans[0].T_robot_laser, (Pose2{0.25, 0.0, 0.0}));
-  EXPECT_THAT(std::get<Odometry>(log.entries[4].payload).T_odom_robot, PoseNear(Pose2{0.1, 0.0, 0.1}, 1e-12, 1e-12));
+  EXPECT_THAT(std::get<sensor::Odometry>(log.entries[4].payload).T_odom_robot, PoseNear(Pose2{0.1, 0.0, 0.1}, 1e-12, 1e-12));
 
   EXPECT_EQ(log.counts.beams_no_return, 6 * 2 + 1);
   EXPECT_EQ(log.counts.comments, 2);
@@ -48,13 +48,13 @@ TEST(CarmenParser, ReadsScansWithTheirOdometryInLogOrder) {
 
 TEST(CarmenParser, ReadsARobotLaserLinesOwnGeometry) {
   const ReadLog log = ReadAll(testing::ProjectData("logs/small.clf"));
-  const LaserScan scan = AllOf<LaserScan>(log).back();
+  const sensor::LaserScan scan = AllOf<sensor::LaserScan>(log).back();
   EXPECT_EQ(scan.time, 976'052'862'000'000'001);
   EXPECT_DOUBLE_EQ(scan.angle_min, -1.570796);
   EXPECT_DOUBLE_EQ(scan.angle_increment, 0.785398);
   EXPECT_EQ(scan.range_max, 50.0F);
   EXPECT_THAT(scan.T_robot_laser, PoseNear(Pose2{0.2 * std::cos(0.1), -0.2 * std::sin(0.1), 0.0}, 1e-12, 1e-12));
-  EXPECT_EQ(ClassifyBeam(scan, scan.ranges[4]), BeamKind::kNoReturn);
+  EXPECT_EQ(sensor::ClassifyBeam(scan, scan.ranges[4]), sensor::BeamKind::kNoReturn);
 }
 
 TEST(CarmenParser, LeavesOutOdometryWhenAsked) {
@@ -70,7 +70,7 @@ TEST(CarmenParser, SpreadsBeamsAsTheScannersDo) {
   const auto scan_of = [&](std::size_t beams) {
     const ReadLog log = ReadAll(files.Write("beams.log", FlaserLine(std::vector<std::string>(beams, "1.5"), "1", "1")));
     EXPECT_OK(log.status);
-    return AllOf<LaserScan>(log).at(0);
+    return AllOf<sensor::LaserScan>(log).at(0);
   };
   const double degree = M_PI / 180.0;
   for (const std::size_t beams : {180U, 181U}) EXPECT_NEAR(scan_of(beams).angle_increment, degree, 1e-12);
@@ -135,4 +135,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& param) { return param.param.name; });
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sources

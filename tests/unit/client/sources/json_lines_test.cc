@@ -10,7 +10,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using sources::LogEntry;
@@ -28,10 +28,10 @@ TEST(JsonLines, ReadsTheDocumentedExample) {
   ASSERT_EQ(log.entries.size(), 2U);
   EXPECT_EQ(log.facts.entries, 2);
   EXPECT_EQ(log.facts.scans, 1);
-  const auto odometry = AllOf<Odometry>(log).at(0);
+  const auto odometry = AllOf<sensor::Odometry>(log).at(0);
   EXPECT_EQ(odometry.time, 1'700'000'000'000'000'001);
   EXPECT_EQ(odometry.T_odom_robot, (Pose2{1.5, -2.0, 0.1}));
-  const auto scan = AllOf<LaserScan>(log).at(0);
+  const auto scan = AllOf<sensor::LaserScan>(log).at(0);
   EXPECT_EQ(scan.T_robot_laser, (Pose2{0.2, 0.0, 3.1}));
   EXPECT_EQ(scan.range_max, 10.0F);
   EXPECT_EQ(scan.ranges[0], 1.07F);
@@ -44,7 +44,7 @@ TEST(JsonLines, ReadsTheDocumentedExample) {
 TEST(JsonLines, WritingAndReadingBackKeepsEveryBit) {
   std::mt19937 random(7);
   std::uniform_int_distribution<std::uint32_t> bits;
-  LaserScan scan;
+  sensor::LaserScan scan;
   scan.time = 1'700'000'000'123'456'789;
   scan.angle_min = -M_PI / 3.0;
   scan.angle_increment = 0.1 + 0.2;
@@ -58,7 +58,7 @@ TEST(JsonLines, WritingAndReadingBackKeepsEveryBit) {
     std::memcpy(&range, &pattern, sizeof(range));
     if (!std::isnan(range)) scan.ranges.push_back(range);
   }
-  const Odometry odometry{42, {1e17 + 2.0, -0.0, M_PI}};
+  const sensor::Odometry odometry{42, {1e17 + 2.0, -0.0, M_PI}};
   std::string text = sources::JsonLinesHeader();
   for (const LogEntry& entry : {LogEntry{odometry, {}}, LogEntry{scan, {}}}) {
     ASSERT_OK_AND_ASSIGN(const std::string line, sources::ToJsonLine(entry));
@@ -68,9 +68,9 @@ TEST(JsonLines, WritingAndReadingBackKeepsEveryBit) {
   const ReadLog log = ReadAll(files.Write("a.jsonl", text));
   ASSERT_OK(log.status);
   ASSERT_EQ(log.entries.size(), 2U);
-  EXPECT_EQ(std::get<Odometry>(log.entries[0].payload), odometry);
-  EXPECT_TRUE(std::signbit(std::get<Odometry>(log.entries[0].payload).T_odom_robot.y));
-  EXPECT_EQ(std::get<LaserScan>(log.entries[1].payload), scan);
+  EXPECT_EQ(std::get<sensor::Odometry>(log.entries[0].payload), odometry);
+  EXPECT_TRUE(std::signbit(std::get<sensor::Odometry>(log.entries[0].payload).T_odom_robot.y));
+  EXPECT_EQ(std::get<sensor::LaserScan>(log.entries[1].payload), scan);
 }
 
 TEST(JsonLines, RefersToImagesAndCloudsByFile) {
@@ -78,18 +78,18 @@ TEST(JsonLines, RefersToImagesAndCloudsByFile) {
   files.Write("it's a \"door\".png", "not really a PNG");
   files.Write("door.xyz", std::string(24, '\0'));
   std::string text;
-  for (const LogEntry& entry : {LogEntry{Image{7, Camera::kRear, ImageEncoding::kPng, {}}, "it's a \"door\".png"},
-                                LogEntry{PointCloud{8, CloudEncoding::kXyz32, {}}, "door.xyz"}}) {
+  for (const LogEntry& entry : {LogEntry{sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kPng, {}}, "it's a \"door\".png"},
+                                LogEntry{sensor::PointCloud{8, sensor::CloudEncoding::kXyz32, {}}, "door.xyz"}}) {
     ASSERT_OK_AND_ASSIGN(const std::string line, sources::ToJsonLine(entry));
     text += line;
   }
   const ReadLog log = ReadAll(files.Write("a.jsonl", text));
   ASSERT_OK(log.status);
-  const Image image = AllOf<Image>(log).at(0);
-  EXPECT_EQ(image.camera, Camera::kRear);
+  const sensor::Image image = AllOf<sensor::Image>(log).at(0);
+  EXPECT_EQ(image.camera, sensor::Camera::kRear);
   EXPECT_EQ(image.content, sources::RefOf("not really a PNG"));
   EXPECT_EQ(log.entries[0].content, files.path() / "it's a \"door\".png");
-  EXPECT_EQ(AllOf<PointCloud>(log).at(0).content.size, 24);
+  EXPECT_EQ(AllOf<sensor::PointCloud>(log).at(0).content.size, 24);
 }
 
 struct BadJsonLine {
@@ -138,4 +138,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& param) { return param.param.name; });
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sources

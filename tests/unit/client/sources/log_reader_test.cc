@@ -9,7 +9,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using sources::LogFormat;
@@ -92,26 +92,26 @@ TEST(LogReader, ReadsWeanHallLogsInCentimetres) {
   ASSERT_OK(log.status);
   EXPECT_EQ(log.facts.format, LogFormat::kWeanHall);
   ASSERT_EQ(log.entries.size(), 4U);
-  EXPECT_THAT(std::get<Odometry>(log.entries[0].payload).T_odom_robot, PoseNear(Pose2{1.0, -0.5, 0.5}, 1e-12, 1e-12));
-  const LaserScan scan = AllOf<LaserScan>(log).at(0);
+  EXPECT_THAT(std::get<sensor::Odometry>(log.entries[0].payload).T_odom_robot, PoseNear(Pose2{1.0, -0.5, 0.5}, 1e-12, 1e-12));
+  const sensor::LaserScan scan = AllOf<sensor::LaserScan>(log).at(0);
   EXPECT_EQ(scan.time, 77'931'000);
   EXPECT_THAT(scan.T_robot_laser, PoseNear(Pose2{0.25, 0.0, 0.0}, 1e-6, 1e-12));
   EXPECT_EQ(scan.ranges[0], 1.5F);
-  EXPECT_EQ(CountBeams(scan).no_returns, 10U);
+  EXPECT_EQ(sensor::CountBeams(scan).no_returns, 10U);
 }
 
 TEST(LogReader, ReadsMinesParisLogsAndReckonsTheirWheels) {
   const ReadLog log = ReadAll(testing::ProjectData("logs/mines_paris.dat"));
   ASSERT_OK(log.status);
   EXPECT_EQ(log.facts.format, LogFormat::kMinesParis);
-  const auto scans = AllOf<LaserScan>(log);
+  const auto scans = AllOf<sensor::LaserScan>(log);
   ASSERT_EQ(scans.size(), 3U);
   EXPECT_EQ(scans[0].time, 212'387'282'000);
   EXPECT_EQ(scans[0].ranges.size(), 682U);
   EXPECT_NEAR(scans[0].angle(340), 0.0, 1e-12);
   EXPECT_EQ(scans[0].ranges[340], 1.5F);
-  EXPECT_EQ(CountBeams(scans[0]).hits, 241U);
-  const auto odometry = AllOf<Odometry>(log);
+  EXPECT_EQ(sensor::CountBeams(scans[0]).hits, 241U);
+  const auto odometry = AllOf<sensor::Odometry>(log);
   // Both wheels half a turn, then the right one half a turn more: an arc with the radius of half the track.
   const double half_turn = M_PI * 0.077;
   EXPECT_THAT(odometry[1].T_odom_robot, PoseNear(Pose2{half_turn, 0.0, 0.0}, 1e-9, 1e-9));
@@ -142,4 +142,4 @@ TEST(ParseSeconds, IsExact) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sources

@@ -49,7 +49,7 @@ TEST_F(MapManagerDatabaseTest, ReadsMapsAndLinkPointsOfAnyIds) {
   Sql("INSERT INTO LINKPOINTS VALUES (100, 'a ''door''', 0, 1.5, -2, 4, 7, 0, 0, -1, 0, 0, 0, x'89504e47', x'ff00ff', "
       "7,"
       " 3, 0), (-4, NULL, 7, 1, 1, 0, 1000000, 2, 2, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL)");
-  ASSERT_OK_AND_ASSIGN(const MapManagerContent content, ReadMapManagerDatabase(path()));
+  ASSERT_OK_AND_ASSIGN(const sources::MapManagerContent content, sources::ReadMapManagerDatabase(path()));
   ASSERT_THAT(content.maps, SizeIs(3));
   EXPECT_EQ(content.maps[1].name, "Yard '9'");
   EXPECT_FALSE(content.maps[1].indoor);
@@ -59,7 +59,7 @@ TEST_F(MapManagerDatabaseTest, ReadsMapsAndLinkPointsOfAnyIds) {
   EXPECT_EQ(content.places[0].anchors[1].map, 1'000'000);
   EXPECT_FALSE(content.places[0].direction);
   EXPECT_FALSE(content.places[0].indoor);
-  const MapManagerPlace& door = content.places[1];
+  const sources::MapManagerPlace& door = content.places[1];
   EXPECT_EQ(door.tag, "a 'door'");
   EXPECT_THAT(door.anchors[0].T_map_place, PoseNear(Pose2{1.5, -2, 4}, 1e-12, 1e-12));
   EXPECT_EQ(door.direction, 7);
@@ -74,14 +74,14 @@ TEST_F(MapManagerDatabaseTest, ABrokenRowCostsNoOther) {
       " VALUES (1, 0, 'here', 0, 0, 7, 0, 0, 0, 0), (2, 0, 0, 0, 0, 5, 0, 0, 0, 0), (3, 0, 0, 0, 0, 7, NULL, 0, 0, 0),"
       " (4, 0, 0, 0, 0, 0, 1, 1, 0, 0), (5, 0, 9e999, 0, 0, 7, 0, 0, 0, 0), (6, 0, 1, 2, 3, NULL, NULL, NULL, NULL, 5),"
       " (NULL, 0, 1, 2, 3, 7, 0, 0, 0, 0), (8, 0, 1, 2, 3, 7, 0, 0, 0, 0)");
-  ASSERT_OK_AND_ASSIGN(const MapManagerContent content, ReadMapManagerDatabase(path()));
+  ASSERT_OK_AND_ASSIGN(const sources::MapManagerContent content, sources::ReadMapManagerDatabase(path()));
   ASSERT_THAT(content.places, SizeIs(2));
   EXPECT_EQ(content.places[0].id, 6);
   EXPECT_THAT(content.places[0].anchors, SizeIs(1));
   EXPECT_EQ(content.places[1].id, 8);
   std::map<std::string, std::string> refused;
   int remarks = 0;
-  for (const MapManagerRemark& remark : content.remarks) {
+  for (const sources::MapManagerRemark& remark : content.remarks) {
     if (remark.refused) refused[remark.row] = remark.why;
     if (!remark.refused) ++remarks;
   }
@@ -101,7 +101,7 @@ TEST_F(MapManagerDatabaseTest, ReadsCandidatesCloudsWhereTheyAre) {
   Sql("INSERT INTO LINKPOINTCANDIDATES VALUES (1, 0, 1, 2, 3, 0, 0, 0, 'named.pcd', x'01', 0, 1),"
       " (2, 0, 5, 2, 3, 0, 0, 0, '/elsewhere/of/another/computer.pcd', x'02', 0, 1),"
       " (3, 7, 1, 2, 3, 0, 0, 0, 'missing.pcd', x'03', 0, 1)");
-  ASSERT_OK_AND_ASSIGN(const MapManagerContent content, ReadMapManagerDatabase(path()));
+  ASSERT_OK_AND_ASSIGN(const sources::MapManagerContent content, sources::ReadMapManagerDatabase(path()));
   ASSERT_THAT(content.places, SizeIs(3));
   EXPECT_TRUE(content.places[0].candidate);
   EXPECT_EQ(content.places[0].cloud, "cloud 1");
@@ -114,11 +114,11 @@ TEST_F(MapManagerDatabaseTest, ReadsCandidatesCloudsWhereTheyAre) {
 }
 
 TEST_F(MapManagerDatabaseTest, SaysWhatTheFileIsNot) {
-  EXPECT_CODE(ReadMapManagerDatabase(path() + ".none"), absl::StatusCode::kNotFound);
+  EXPECT_CODE(sources::ReadMapManagerDatabase(path() + ".none"), absl::StatusCode::kNotFound);
   std::ofstream(directory_.path() / "text.db") << std::string(5000, 'x');
-  EXPECT_CODE(ReadMapManagerDatabase((directory_.path() / "text.db").string()), absl::StatusCode::kDataLoss);
+  EXPECT_CODE(sources::ReadMapManagerDatabase((directory_.path() / "text.db").string()), absl::StatusCode::kDataLoss);
   Sql("DROP TABLE LINKPOINTS");
-  EXPECT_STATUS(ReadMapManagerDatabase(path()), absl::StatusCode::kInvalidArgument, HasSubstr("LINKPOINTS"));
+  EXPECT_STATUS(sources::ReadMapManagerDatabase(path()), absl::StatusCode::kInvalidArgument, HasSubstr("LINKPOINTS"));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using sources::LogOptions;
@@ -25,7 +25,7 @@ class Mutation : public ::testing::TestWithParam<const char*> {
       ASSERT_EQ(log.status.code(), absl::StatusCode::kInvalidArgument) << log.status;
       ASSERT_THAT(testing::MessageOf(log.status), HasSubstr(path.string()));
     }
-    for (const sources::LogEntry& entry : log.entries) ASSERT_OK(Validate(entry.payload));
+    for (const sources::LogEntry& entry : log.entries) ASSERT_OK(sensor::Validate(entry.payload));
     LogOptions skip;
     skip.skip_bad_lines = true;
     const ReadLog rest = ReadAll(path, skip);
@@ -72,4 +72,4 @@ INSTANTIATE_TEST_SUITE_P(All, Mutation,
                          });
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sources

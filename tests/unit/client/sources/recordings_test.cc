@@ -7,7 +7,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using testing::AllOf;
@@ -33,13 +33,13 @@ TEST_P(Recording, ReadsWhole) {
   ENFILADE_RECORDING_OR_SKIP(path, expected.path);
   const ReadLog log = ReadAll(path);
   ASSERT_OK(log.status);
-  const auto scans = AllOf<LaserScan>(log);
+  const auto scans = AllOf<sensor::LaserScan>(log);
   ASSERT_EQ(scans.size(), expected.scans);
-  EXPECT_EQ(AllOf<Odometry>(log).size(), expected.odometry);
+  EXPECT_EQ(AllOf<sensor::Odometry>(log).size(), expected.odometry);
   EXPECT_EQ(log.facts.entries, static_cast<std::int64_t>(expected.scans + expected.odometry));
   EXPECT_EQ(log.facts.synthetic_times, expected.synthetic_times);
   EXPECT_EQ(log.counts.scans_back_in_time, expected.scans_back_in_time);
-  for (const LaserScan& scan : scans) {
+  for (const sensor::LaserScan& scan : scans) {
     ASSERT_EQ(scan.ranges.size(), expected.beams);
     ASSERT_EQ(scan.range_max, expected.range_max);
     ASSERT_NEAR(scan.angle_increment, expected.increment_deg * M_PI / 180.0, 1e-6);
@@ -64,15 +64,15 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Recording, IntelTimesAreExact) {
   ENFILADE_RECORDING_OR_SKIP(path, "laser/derived/intel_raw_odom.clf.gz");
-  const auto scans = AllOf<LaserScan>(ReadAll(path));
+  const auto scans = AllOf<sensor::LaserScan>(ReadAll(path));
   EXPECT_EQ(scans.at(2).time, 976'052'858'304'357'000);
   EXPECT_EQ(scans.back().time, 976'055'547'365'637'000);
 }
 
 TEST(Recording, FreiburgsLaserSitsWhereItsParametersSay) {
   ENFILADE_RECORDING_OR_SKIP(path, "laser/corrected_gfs/freiburg-101-corrected.log.gz");
-  EXPECT_EQ(AllOf<LaserScan>(ReadAll(path)).at(0).T_robot_laser, (Pose2{-0.04, 0.0, 0.0}));
+  EXPECT_EQ(AllOf<sensor::LaserScan>(ReadAll(path)).at(0).T_robot_laser, (Pose2{-0.04, 0.0, 0.0}));
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sources

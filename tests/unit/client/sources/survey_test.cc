@@ -5,7 +5,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
 
-namespace enfilade {
+namespace enfilade::sources {
 namespace {
 
 using sources::RangeSurvey;
@@ -25,7 +25,7 @@ ReadLog ReadTimes(const std::vector<std::pair<std::string, std::string>>& times)
 
 std::vector<TimeNs> ScanTimes(const ReadLog& log) {
   std::vector<TimeNs> times;
-  for (const LaserScan& scan : AllOf<LaserScan>(log)) times.push_back(scan.time);
+  for (const sensor::LaserScan& scan : AllOf<sensor::LaserScan>(log)) times.push_back(scan.time);
   return times;
 }
 
@@ -96,4 +96,4 @@ TEST(RangeSurvey, DeclaredReachCountsUnlessReadingsPileUpBelowIt) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sources

@@ -85,7 +85,7 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   on_an_old_map.entry.T_map_robot = PoseWithCovariance{{1.0, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
   on_an_old_map.entry.T_odom_robot = Pose2{-1.0, 0.0, 3.0};
   SpoolSession in_a_yard = SampleSession("run-4");
-  in_a_yard.surroundings = Surroundings::kOutdoor;
+  in_a_yard.surroundings = sensor::Surroundings::kOutdoor;
   {
     ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
     ASSERT_OK(spool->CreateSession(after_a_door));
@@ -94,12 +94,12 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   }
   ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
   EXPECT_EQ(spool->FindSession(after_a_door.id)->entry.previous, kRun);
-  const SessionEntry entry = spool->FindSession(on_an_old_map.id)->entry;
+  const sensor::SessionEntry entry = spool->FindSession(on_an_old_map.id)->entry;
   ASSERT_TRUE(entry.T_map_robot.has_value());
   EXPECT_EQ(entry.T_map_robot->pose, on_an_old_map.entry.T_map_robot->pose);
   EXPECT_EQ(entry.T_map_robot->covariance, on_an_old_map.entry.T_map_robot->covariance);
   EXPECT_EQ(entry.T_odom_robot, on_an_old_map.entry.T_odom_robot);
-  EXPECT_EQ(spool->FindSession(in_a_yard.id)->surroundings, Surroundings::kOutdoor);
+  EXPECT_EQ(spool->FindSession(in_a_yard.id)->surroundings, sensor::Surroundings::kOutdoor);
   EXPECT_EQ(spool->FindSession(on_an_old_map.id)->surroundings, std::nullopt);
 }
 
@@ -120,9 +120,9 @@ TEST_F(SpoolFile, SendsADamagedRecordAsWithheldAndTheOthersAsTheyAre) {
   ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
   ASSERT_OK_AND_ASSIGN(const auto batch, spool->ReadBatch(kRun, 0, 10, 100'000));
   ASSERT_EQ(batch.size(), 3U);
-  EXPECT_EQ(batch[0], (Record{1, NumberedScan(1)}));
-  EXPECT_THAT(std::get<Withheld>(batch[1].payload).reason, HasSubstr("damaged on the robot's disk"));
-  EXPECT_EQ(batch[2], (Record{3, NumberedScan(3)}));
+  EXPECT_EQ(batch[0], (sensor::Record{1, NumberedScan(1)}));
+  EXPECT_THAT(std::get<sensor::Withheld>(batch[1].payload).reason, HasSubstr("damaged on the robot's disk"));
+  EXPECT_EQ(batch[2], (sensor::Record{3, NumberedScan(3)}));
 }
 
 // A process that appends, reports each sequence that is durable, trims now and then, and never ends by itself.
@@ -173,8 +173,8 @@ TEST_F(SpoolFile, LosesNothingDurableWhenTheProcessIsKilled) {
     ASSERT_OK_AND_ASSIGN(const auto rest, spool->ReadBatch(kRun, session.acknowledged_sequence, 1 << 30, 1LL << 40));
     ASSERT_EQ(static_cast<std::int64_t>(rest.size()), session.pending());
     ASSERT_EQ(spool->usage().records, session.pending());
-    for (const Record& record : rest) {
-      ASSERT_EQ(record, (Record{record.sequence, NumberedScan(static_cast<int>(record.sequence))}));
+    for (const sensor::Record& record : rest) {
+      ASSERT_EQ(record, (sensor::Record{record.sequence, NumberedScan(static_cast<int>(record.sequence))}));
     }
   }
 }

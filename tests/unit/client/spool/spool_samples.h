@@ -8,8 +8,8 @@
 namespace enfilade::testing {
 
 // A scan that is unlike every other: its time and ranges tell its number.
-inline LaserScan NumberedScan(int number, std::size_t beams = 180) {
-  LaserScan scan;
+inline sensor::LaserScan NumberedScan(int number, std::size_t beams = 180) {
+  sensor::LaserScan scan;
   scan.time = 1'700'000'000'000'000'000 + number;
   scan.angle_min = -1.5;
   scan.angle_increment = 0.01;
@@ -31,7 +31,7 @@ inline client::SpoolSession SampleSession(const std::string& id = "run-1") {
 }
 
 inline client::SpoolItem ImageItem(const std::string& content) {
-  Image image;
+  sensor::Image image;
   image.time = 1'700'000'000'000'000'000;
   image.content = {Sha256(content), static_cast<std::int64_t>(content.size())};
   return {image, content};

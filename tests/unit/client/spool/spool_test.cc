@@ -47,7 +47,7 @@ class SpoolTest : public ::testing::Test {
     std::vector<std::int64_t> sequences;
     const auto batch = spool_->ReadBatch(kSession, after, max_records, max_bytes);
     EXPECT_OK(batch);
-    for (const Record& record : *batch) sequences.push_back(record.sequence);
+    for (const sensor::Record& record : *batch) sequences.push_back(record.sequence);
     return sequences;
   }
   std::string path() const { return (directory_.path() / "robot.spool").string(); }
@@ -59,11 +59,11 @@ class SpoolTest : public ::testing::Test {
 TEST_F(SpoolTest, GivesBackWhatWasAppendedInOrder) {
   OpenWithSession();
   EXPECT_EQ(*spool_->Append(kSession, NumberedScan(1)), 1);
-  EXPECT_EQ(*spool_->Append(kSession, Odometry{5, {1.0, 2.0, 0.5}}), 2);
+  EXPECT_EQ(*spool_->Append(kSession, sensor::Odometry{5, {1.0, 2.0, 0.5}}), 2);
   ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kSession, 0, kMany, kMany));
   ASSERT_EQ(batch.size(), 2U);
-  EXPECT_EQ(batch[0], (Record{1, NumberedScan(1)}));
-  EXPECT_EQ(batch[1], (Record{2, Odometry{5, {1.0, 2.0, 0.5}}}));
+  EXPECT_EQ(batch[0], (sensor::Record{1, NumberedScan(1)}));
+  EXPECT_EQ(batch[1], (sensor::Record{2, sensor::Odometry{5, {1.0, 2.0, 0.5}}}));
 }
 
 TEST_F(SpoolTest, LimitsBatchesByCountAndBytes) {
@@ -152,7 +152,7 @@ TEST_F(SpoolTest, TakesAllItemsOrNone) {
   std::vector<SpoolItem> items(5, SpoolItem{NumberedScan(1), {}});
   EXPECT_CODE(spool_->Append(kSession, items), absl::StatusCode::kResourceExhausted);
   EXPECT_TRUE(Sequences().empty());
-  LaserScan empty = NumberedScan(1);
+  sensor::LaserScan empty = NumberedScan(1);
   empty.ranges.clear();
   items = {{NumberedScan(1), {}}, {empty, {}}};
   EXPECT_STATUS(spool_->Append(kSession, items), absl::StatusCode::kInvalidArgument, HasSubstr("item 1: "));
@@ -164,7 +164,7 @@ TEST_F(SpoolTest, StoresABlobOnceAndDropsItWithItsLastRecord) {
   const std::string content(100'000, 'x');
   for (int i = 0; i < 3; ++i) ASSERT_OK(spool_->Append(kSession, std::vector<SpoolItem>{ImageItem(content)}));
   EXPECT_LT(spool_->usage().bytes, 102'000);
-  const BlobRef blob = std::get<Image>(ImageItem(content).payload).content;
+  const sensor::BlobRef blob = std::get<sensor::Image>(ImageItem(content).payload).content;
   ASSERT_OK(spool_->Acknowledge(kSession, 2));
   EXPECT_EQ(*spool_->ReadBlob(blob), content);
   ASSERT_OK(spool_->Acknowledge(kSession, 3));
@@ -192,7 +192,7 @@ TEST_F(SpoolTest, QuarantineLeavesAWithheldRecordAndKeepsTheOriginal) {
   ASSERT_OK(spool_->Quarantine(kSession, 3, "the server says \"no\""));
   ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kSession, 2, kMany, kMany));
   ASSERT_EQ(batch.size(), 1U);
-  EXPECT_EQ(batch[0], (Record{3, Withheld{"the server says \"no\""}}));
+  EXPECT_EQ(batch[0], (sensor::Record{3, sensor::Withheld{"the server says \"no\""}}));
   EXPECT_CODE(spool_->Quarantine(kSession, 3, "again"), absl::StatusCode::kFailedPrecondition);
   EXPECT_CODE(spool_->Quarantine(kSession, 4, "none"), absl::StatusCode::kNotFound);
 
@@ -201,9 +201,9 @@ TEST_F(SpoolTest, QuarantineLeavesAWithheldRecordAndKeepsTheOriginal) {
   EXPECT_EQ(spool_->usage().quarantined, 1);
   ASSERT_OK_AND_ASSIGN(const auto kept, spool_->ListQuarantined(kSession));
   ASSERT_EQ(kept.size(), 1U);
-  EXPECT_EQ(kept[0].record, (Record{3, ImageItem("abc").payload}));
+  EXPECT_EQ(kept[0].record, (sensor::Record{3, ImageItem("abc").payload}));
   EXPECT_EQ(kept[0].reason, "the server says \"no\"");
-  EXPECT_EQ(*spool_->ReadBlob(std::get<Image>(kept[0].record.payload).content), "abc");
+  EXPECT_EQ(*spool_->ReadBlob(std::get<sensor::Image>(kept[0].record.payload).content), "abc");
 }
 
 TEST_F(SpoolTest, ReasonsAreCutToWhatTheServerTakes) {
@@ -211,7 +211,7 @@ TEST_F(SpoolTest, ReasonsAreCutToWhatTheServerTakes) {
   AppendScans(1, 1);
   ASSERT_OK(spool_->Quarantine(kSession, 1, std::string(100'000, 'r')));
   ASSERT_OK_AND_ASSIGN(const auto batch, spool_->ReadBatch(kSession, 0, kMany, kMany));
-  EXPECT_OK(Validate(batch.at(0)));
+  EXPECT_OK(sensor::Validate(batch.at(0)));
 }
 
 TEST_F(SpoolTest, RemovingASessionLeavesTheOthers) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-namespace enfilade {
+namespace enfilade::client {
 namespace {
 
 TEST(Backoff, DoublesUpToTheLimitWithinTheUpperHalf) {
@@ -27,4 +27,4 @@ TEST(Backoff, SpreadsAFleet) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::client

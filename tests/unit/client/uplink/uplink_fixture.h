@@ -52,7 +52,7 @@ class UplinkTest : public ::testing::Test {
   }
   // Brings everything over `address` and gives the outcome.
   absl::Status Bring(const std::string& address) {
-    Uplink uplink(Connection(address, std::chrono::seconds(20)), *spool_, kRun, options_);
+    client::Uplink uplink(client::Connection(address, std::chrono::seconds(20)), *spool_, kRun, options_);
     uplink.Start();
     const auto result = uplink.WaitFor(std::chrono::minutes(2));
     progress_ = uplink.progress();
@@ -72,7 +72,7 @@ class UplinkTest : public ::testing::Test {
       if (withheld.contains(sequence)) {
         EXPECT_TRUE(stored.has_withheld());
       } else if (stored.has_laser_scan()) {
-        ASSERT_EQ(*FromProto(stored), (enfilade::Record{sequence, NumberedScan(static_cast<int>(sequence), 30)}));
+        ASSERT_EQ(*convert::FromProto(stored), (enfilade::sensor::Record{sequence, NumberedScan(static_cast<int>(sequence), 30)}));
       } else {
         ASSERT_TRUE(stored.has_image());
         const std::string content = server_->blobs()[stored.image().content().sha256()];
@@ -86,8 +86,8 @@ class UplinkTest : public ::testing::Test {
   TemporaryDirectory directory_;
   std::unique_ptr<client::Spool> spool_;
   std::unique_ptr<FakeServer> server_;
-  UplinkOptions options_;
-  UplinkProgress progress_;
+  client::UplinkOptions options_;
+  client::UplinkProgress progress_;
   int recorded_ = 0;
 };
 

@@ -1,6 +1,6 @@
 #include "tests/unit/client/uplink/uplink_fixture.h"
 
-namespace enfilade {
+namespace enfilade::client {
 namespace {
 
 using client::SpoolSession;
@@ -27,7 +27,7 @@ TEST_F(UplinkTest, PutsRefusedRecordsAsideAndSendsTheRest) {
   EXPECT_EQ(progress_.quarantined, 7);
   ASSERT_OK_AND_ASSIGN(const auto kept, spool_->ListQuarantined(kRun));
   ASSERT_EQ(kept.size(), bad.size());
-  EXPECT_EQ(kept[2].record, (enfilade::Record{77, NumberedScan(77, 30)}));
+  EXPECT_EQ(kept[2].record, (enfilade::sensor::Record{77, NumberedScan(77, 30)}));
   EXPECT_EQ(kept[2].reason, "record 77: I do not like it");
 }
 
@@ -88,7 +88,7 @@ TEST_F(UplinkTest, EndsOnConflictingRecords) {
   options_.create_missing = true;
   server_->Edit(kRunName, [](FakeServer::Session& session) {
     session.request_id = SampleSession().request_id;
-    session.records[5] = ToProto(enfilade::Record{5, NumberedScan(999, 30)});
+    session.records[5] = convert::ToProto(enfilade::sensor::Record{5, NumberedScan(999, 30)});
   });
   EXPECT_STATUS(Bring(), absl::StatusCode::kAlreadyExists, HasSubstr("two robots"));
 }
@@ -114,4 +114,4 @@ TEST_F(UplinkTest, CreatesNothingWhereThatIsNotWanted) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::client

@@ -6,7 +6,7 @@
 #include "tests/support/cutting_proxy.h"
 #include "tests/unit/client/uplink/uplink_fixture.h"
 
-namespace enfilade {
+namespace enfilade::client {
 namespace {
 
 using testing::CuttingProxy;
@@ -228,4 +228,4 @@ TEST_F(UplinkTest, TellsWhichMapWasEnteredAndReportsPoses) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::client

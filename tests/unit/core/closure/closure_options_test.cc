@@ -5,7 +5,7 @@
 #include "gmock/gmock.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 using ::testing::HasSubstr;
@@ -46,4 +46,4 @@ TEST(ClosureOptions, RefusesWhatIsNoneNamingIt) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::closure

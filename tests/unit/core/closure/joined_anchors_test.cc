@@ -4,7 +4,7 @@
 #include "gmock/gmock.h"
 #include "tests/support/pose_matchers.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 using ::enfilade::testing::PoseNear;
@@ -22,7 +22,7 @@ TEST(JoinedAnchors, TheChainAcrossTheDoorPutsTheRobotWhereRegistrationFoundIt) {
   const JoinedAnchors joined = JoinAtDoor(kHere, T_here_robot, T_here_door, kThere, T_there_robot);
   EXPECT_EQ(joined.here.map, kHere);
   EXPECT_THAT(joined.here.T_map_place, PoseNear(T_here_door.pose, 1e-12, 1e-12));
-  const PoseWithCovariance T_there_here = TransformAcross(joined.there, joined.here);
+  const PoseWithCovariance T_there_here = graph::TransformAcross(joined.there, joined.here);
   EXPECT_THAT(T_there_here.pose * T_here_robot, PoseNear(T_there_robot.pose, 1e-9, 1e-9));
   // Orientation and all: of the yaw both sides' variances.
   EXPECT_NEAR(T_there_here.covariance(2, 2), 0.003, 1e-12);
@@ -37,7 +37,7 @@ TEST(JoinedAnchors, AWayOffInYawSpreadsTheDoorFromWhereTheRobotStands) {
 }
 
 TEST(JoinedAnchors, TheRobotBehindAKnownDoorFollowsFromItsPoseBeforeIt) {
-  LinkPoint door;
+  graph::LinkPoint door;
   door.anchors = {{kHere, {4, 0, 0}, Diagonal(0.01, 0.001)}, {kThere, {0, 0, M_PI_2}, Diagonal(0.01, 0.001)}};
   const auto pose = PoseBehind(door, kHere, kThere, {{5, 0, 0}, Diagonal(0.01, 0.001)});
   ASSERT_TRUE(pose.has_value());
@@ -49,7 +49,7 @@ TEST(JoinedAnchors, TheRobotBehindAKnownDoorFollowsFromItsPoseBeforeIt) {
 // Defect 2 of the original: the map behind was taken by the number after the one before, not by what the link point
 // joins.
 TEST(JoinedAnchors, Defect2TheMapBehindIsTheOneThatIsAskedForWhateverTheOrderOfAnchors) {
-  LinkPoint lift;
+  graph::LinkPoint lift;
   lift.id = LinkPointId("107");
   lift.anchors = {{MapId("9"), {100, 100, 1}, Diagonal(0.01, 0.001)},
                   {MapId("2"), {0, 0, M_PI_2}, Diagonal(0.01, 0.001)},
@@ -61,14 +61,14 @@ TEST(JoinedAnchors, Defect2TheMapBehindIsTheOneThatIsAskedForWhateverTheOrderOfA
 }
 
 TEST(JoinedAnchors, ANewMapBeginsAtTheDoor) {
-  const Anchor origin = OriginAnchor(kThere, {});
+  const graph::Anchor origin = OriginAnchor(kThere, {});
   EXPECT_EQ(origin.T_map_place, Pose2{});
   EXPECT_GT(origin.covariance(2, 2), 0.0);
   EXPECT_LT(origin.covariance(0, 0), 0.001);
 }
 
 TEST(JoinedAnchors, FindsTheOneThatJoinsTheSameMapsAtTheSamePlace) {
-  LinkPoint door;
+  graph::LinkPoint door;
   door.id = LinkPointId("door");
   door.anchors = {{kHere, {4, 0, 0}, Diagonal(0.001, 0.001)}, {kThere, {0, 0, 0}, Diagonal(0.001, 0.001)}};
   const auto joined = [](double dx_here, double dx_there) {
@@ -78,9 +78,9 @@ TEST(JoinedAnchors, FindsTheOneThatJoinsTheSameMapsAtTheSamePlace) {
   EXPECT_EQ(FindRedundant({&door}, joined(0.2, 0.2)), &door);
   EXPECT_EQ(FindRedundant({&door}, joined(0.2, 2.0)), nullptr);
   EXPECT_EQ(FindRedundant({&door}, joined(2.0, 0.2)), nullptr);
-  door.use = LinkPointUse::kSuspended;
+  door.use = graph::LinkPointUse::kSuspended;
   EXPECT_EQ(FindRedundant({&door}, joined(0.2, 0.2)), nullptr);
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -2,7 +2,7 @@
 
 #include "gmock/gmock.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 using ::testing::ElementsAre;
@@ -192,4 +192,4 @@ TEST(ToComparison, TellsAllThatTheVerdictNeeds) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -2,7 +2,7 @@
 
 #include "gmock/gmock.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 using ::testing::IsEmpty;
@@ -11,11 +11,11 @@ using ::testing::SizeIs;
 const MapId kHall("hall");
 const MapId kYard("yard");
 
-LinkPoint Place(const std::string& id, std::vector<Anchor> anchors) {
-  LinkPoint place;
+graph::LinkPoint Place(const std::string& id, std::vector<graph::Anchor> anchors) {
+  graph::LinkPoint place;
   place.id = LinkPointId(id);
   place.anchors = std::move(anchors);
-  for (Anchor& anchor : place.anchors) anchor.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
+  for (graph::Anchor& anchor : place.anchors) anchor.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
   return place;
 }
 
@@ -26,11 +26,11 @@ PoseWithCovariance At(double x, double y, double yaw) {
 class KnownPlacesTest : public ::testing::Test {
  protected:
   // Seen from (4, 2), looking north.
-  const LinkPoint candidate_ = Place("candidate", {{kHall, {4, 2, M_PI_2}, {}}});
+  const graph::LinkPoint candidate_ = Place("candidate", {{kHall, {4, 2, M_PI_2}, {}}});
   // At (10, 4), to the east.
-  const LinkPoint door_ = Place("door", {{kYard, {0, 0, 0}, {}}, {kHall, {10, 4, 0}, {}}});
-  const LinkPoint elsewhere_ = Place("elsewhere", {{kYard, {4, 2, M_PI_2}, {}}});
-  const std::vector<const LinkPoint*> all_{&candidate_, &door_, &elsewhere_};
+  const graph::LinkPoint door_ = Place("door", {{kYard, {0, 0, 0}, {}}, {kHall, {10, 4, 0}, {}}});
+  const graph::LinkPoint elsewhere_ = Place("elsewhere", {{kYard, {4, 2, M_PI_2}, {}}});
+  const std::vector<const graph::LinkPoint*> all_{&candidate_, &door_, &elsewhere_};
   const ClosureOptions options_;
 };
 
@@ -50,13 +50,13 @@ TEST_F(KnownPlacesTest, ALinkPointAheadIsTheDoorThatIsSeen) {
   EXPECT_THAT(FindSighted(all_, kHall, At(7.5, 4.2, 1.3), options_), IsEmpty());
   EXPECT_THAT(FindSighted(all_, kHall, At(12.5, 4.0, 0.0), options_), IsEmpty());  // it lies behind
   // Anchors of doors may point either way.
-  const LinkPoint turned = Place("turned", {{kHall, {10, 4, M_PI}, {}}, {kYard, {}, {}}});
+  const graph::LinkPoint turned = Place("turned", {{kHall, {10, 4, M_PI}, {}}, {kYard, {}, {}}});
   EXPECT_THAT(FindSighted({&turned}, kHall, At(7.5, 4.2, 0.1), options_), SizeIs(1));
 }
 
 TEST_F(KnownPlacesTest, SuspendedPlacesDoNotCount) {
-  LinkPoint suspended = candidate_;
-  suspended.use = LinkPointUse::kSuspended;
+  graph::LinkPoint suspended = candidate_;
+  suspended.use = graph::LinkPointUse::kSuspended;
   EXPECT_THAT(FindSighted({&suspended}, kHall, At(4, 2, M_PI_2), options_), IsEmpty());
 }
 
@@ -68,7 +68,7 @@ TEST_F(KnownPlacesTest, APassedDoorIsKnownEitherWayRound) {
 }
 
 TEST_F(KnownPlacesTest, TheLikeliestOfTwoComesFirst) {
-  const LinkPoint next = Place("next", {{kYard, {3, 3, 0}, {}}, {kHall, {10, 4.5, 0}, {}}});
+  const graph::LinkPoint next = Place("next", {{kYard, {3, 3, 0}, {}}, {kHall, {10, 4.5, 0}, {}}});
   const auto found = FindPassed({&next, &door_}, kHall, At(10, 4.1, 0), options_);
   ASSERT_THAT(found, SizeIs(2));
   EXPECT_EQ(found[0].link_point, &door_);
@@ -84,15 +84,15 @@ TEST_F(KnownPlacesTest, ACandidateOfThisSideIsFoundWhenItsDoorIsPassed) {
 
 // Who comes into the hall sees the hall, whichever door it came by.
 TEST_F(KnownPlacesTest, TheDoorMustBeWhereThePlaceSaysItIs) {
-  const Anchor& seen_from = candidate_.anchors[0];  // (4, 2), looking north
+  const graph::Anchor& seen_from = candidate_.anchors[0];  // (4, 2), looking north
   EXPECT_TRUE(IsDoorOf(candidate_, seen_from, At(4.2, 4.0, -M_PI_2 + 0.2), options_));
   EXPECT_FALSE(IsDoorOf(candidate_, seen_from, At(4.2, 4.0, M_PI_2), options_));    // out of the hall
   EXPECT_FALSE(IsDoorOf(candidate_, seen_from, At(8.0, 4.0, -M_PI_2), options_));   // the next door
   EXPECT_FALSE(IsDoorOf(candidate_, seen_from, At(4.0, -3.0, -M_PI_2), options_));  // behind its back
-  const Anchor& at_door = door_.anchors[1];
+  const graph::Anchor& at_door = door_.anchors[1];
   EXPECT_TRUE(IsDoorOf(door_, at_door, At(10.2, 4.1, M_PI), options_));
   EXPECT_FALSE(IsDoorOf(door_, at_door, At(10.0, 6.0, M_PI), options_));
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::closure

@@ -4,7 +4,7 @@
 
 #include "gmock/gmock.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 using ::testing::DoubleNear;
@@ -53,4 +53,4 @@ TEST(PoseGate, LetsDoorPosesThroughThatDifferAsRastersDo) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::closure

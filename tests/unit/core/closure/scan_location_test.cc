@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 using ::testing::HasSubstr;
@@ -39,7 +39,7 @@ std::vector<Wall> Corridor() {
 PlacedScan ScanIn(const std::vector<Wall>& walls, const Pose2& pose, double sigma = 0.01) {
   PlacedScan placed;
   placed.T_map_robot = {pose, Eigen::Vector3d(sigma * sigma, sigma * sigma, 1e-6).asDiagonal()};
-  LaserScan& scan = placed.scan;
+  sensor::LaserScan& scan = placed.scan;
   scan.time = 1;
   scan.angle_min = -M_PI;
   scan.angle_increment = M_PI / 180.0;
@@ -181,4 +181,4 @@ TEST(ScanLocation, AScanFromTheDoorwayShowsNeitherMap) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::closure

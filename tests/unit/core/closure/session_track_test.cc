@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "tests/support/pose_matchers.h"
 
-namespace enfilade {
+namespace enfilade::closure {
 namespace {
 
 using ::enfilade::testing::PoseNear;
@@ -63,4 +63,4 @@ TEST(SessionTrack, TakesSamplesInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::closure

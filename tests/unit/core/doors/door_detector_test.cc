@@ -13,14 +13,14 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 using ::testing::HasSubstr;
 using Kind = DoorEvent::Kind;
 
 struct Driven {
-  std::vector<PairedScan> scans;
+  std::vector<sensor::PairedScan> scans;
   simulator::GroundTruth truth;
 };
 
@@ -34,17 +34,17 @@ Driven Drive(const char* yaml, const simulator::SimulationOptions& options = {})
   driven.truth = drive->truth;
   Pose2 T_odom_robot;
   for (simulator::SimulatedRecord& record : drive->records) {
-    if (const auto* odometry = std::get_if<Odometry>(&record.payload)) T_odom_robot = odometry->T_odom_robot;
-    if (auto* scan = std::get_if<LaserScan>(&record.payload))
+    if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) T_odom_robot = odometry->T_odom_robot;
+    if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload))
       driven.scans.push_back({0, std::move(*scan), T_odom_robot});
   }
   return driven;
 }
 
-std::vector<DoorEvent> Detect(const std::vector<PairedScan>& scans, const DoorOptions& options = {}) {
+std::vector<DoorEvent> Detect(const std::vector<sensor::PairedScan>& scans, const DoorOptions& options = {}) {
   DoorDetector detector(options);
   std::vector<DoorEvent> events;
-  for (const PairedScan& scan : scans) {
+  for (const sensor::PairedScan& scan : scans) {
     for (const DoorEvent& event : detector.Add(scan.scan, *scan.T_odom_robot)) events.push_back(event);
   }
   for (const DoorEvent& event : detector.Finish()) events.push_back(event);
@@ -198,7 +198,7 @@ TEST(DoorDetector, AnyScanPassesByWithoutHarm) {
     ASSERT_OK_AND_ASSIGN(const DoorOptions options, DoorPreset(preset));
     DoorDetector detector(options);
     for (int i = 0; i < 400; ++i) {
-      LaserScan scan;
+      sensor::LaserScan scan;
       scan.time = i * kNsPerSecond / 5;
       scan.angle_min = -M_PI;
       const std::size_t beams = 1 + random() % 400;
@@ -216,9 +216,9 @@ TEST(DoorDetector, AnyScanPassesByWithoutHarm) {
       if (i % 50 == 1) scan.ranges.assign(beams, std::numeric_limits<float>::quiet_NaN());
       detector.Add(scan, {0.05 * i, 0.0, 0.0});
     }
-    LaserScan bad;
+    sensor::LaserScan bad;
     EXPECT_TRUE(detector.Add(bad, {}).empty()) << "no beams";
-    LaserScan good;
+    sensor::LaserScan good;
     good.time = 1000 * kNsPerSecond;
     good.angle_increment = 0.1;
     good.range_max = 5.0F;
@@ -262,4 +262,4 @@ TEST(DoorDetector, RefusesStatesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -4,7 +4,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 using ::testing::HasSubstr;
@@ -60,4 +60,4 @@ TEST(DoorOptions, RefusesUnknownKeysAndBadValuesWithTheLine) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::doors

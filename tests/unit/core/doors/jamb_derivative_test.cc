@@ -6,15 +6,15 @@
 #include <cmath>
 #include <limits>
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
 // A full turn of half-degree beams at 5 m, with posts 1.5 m away of 40 degrees on both sides of a gap of `gap` degrees
 // in direction `towards`.
-LaserScan DoorScan(double towards, double gap) {
-  LaserScan scan;
+sensor::LaserScan DoorScan(double towards, double gap) {
+  sensor::LaserScan scan;
   scan.angle_min = -M_PI;
   scan.angle_increment = kDegree / 2.0;
   scan.range_max = 100.0F;
@@ -51,12 +51,12 @@ TEST(JambDerivative, RefusesOpeningsOutOfBounds) {
 }
 
 TEST(JambDerivative, ReadsAClockwiseScannerAndItsMount) {
-  LaserScan scan = DoorScan(0.0, 36.0);
+  sensor::LaserScan scan = DoorScan(0.0, 36.0);
   std::reverse(scan.ranges.begin(), scan.ranges.end());
   scan.angle_min = scan.angle(719);
   scan.angle_increment = -scan.angle_increment;
   EXPECT_TRUE(FindJambsAhead(scan, {}).jambs.has_value());
-  LaserScan turned = DoorScan(M_PI / 2.0, 36.0);
+  sensor::LaserScan turned = DoorScan(M_PI / 2.0, 36.0);
   turned.T_robot_laser.yaw = -M_PI / 2.0;
   EXPECT_TRUE(FindJambsAhead(turned, {}).jambs.has_value());
 }
@@ -64,7 +64,7 @@ TEST(JambDerivative, ReadsAClockwiseScannerAndItsMount) {
 // Regression: the original reads ten beams past both ends of the array.
 TEST(JambDerivative, ClampsItsWindowsAtTheScansEnds) {
   for (const std::size_t beams : {1U, 2U, 5U, 9U, 19U}) {
-    LaserScan scan = DoorScan(0.0, 36.0);
+    sensor::LaserScan scan = DoorScan(0.0, 36.0);
     scan.ranges.resize(beams);
     EXPECT_EQ(ScanDerivative(scan, {}).size(), beams);
     EXPECT_FALSE(FindJambsAhead(scan, {}).jambs.has_value());
@@ -74,13 +74,13 @@ TEST(JambDerivative, ClampsItsWindowsAtTheScansEnds) {
 
 // Regression: the original subtracts infinities and keeps NaN.
 TEST(JambDerivative, InfiniteAndUnknownBeamsAreNoPosts) {
-  LaserScan scan = DoorScan(0.0, 36.0);
+  sensor::LaserScan scan = DoorScan(0.0, 36.0);
   std::fill(scan.ranges.begin(), scan.ranges.end(), std::numeric_limits<float>::infinity());
   EXPECT_FALSE(FindJambsAhead(scan, {}).jambs.has_value());
   std::fill(scan.ranges.begin(), scan.ranges.end(), std::numeric_limits<float>::quiet_NaN());
   EXPECT_FALSE(FindJambsAhead(scan, {}).jambs.has_value());
   // Open ground behind a door gives no return, and is a door all the same.
-  LaserScan open = DoorScan(0.0, 36.0);
+  sensor::LaserScan open = DoorScan(0.0, 36.0);
   for (float& range : open.ranges) {
     if (range > 4.0F) range = std::numeric_limits<float>::infinity();
   }
@@ -88,7 +88,7 @@ TEST(JambDerivative, InfiniteAndUnknownBeamsAreNoPosts) {
 }
 
 TEST(JambDerivative, SaysWhereAScannerDoesNotLook) {
-  LaserScan front = DoorScan(0.0, 36.0);
+  sensor::LaserScan front = DoorScan(0.0, 36.0);
   front.angle_min = -M_PI / 2.0;
   front.ranges = std::vector<float>(front.ranges.begin() + 180, front.ranges.begin() + 540);
   EXPECT_TRUE(FindJambsAhead(front, {}).jambs.has_value());
@@ -98,4 +98,4 @@ TEST(JambDerivative, SaysWhereAScannerDoesNotLook) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::doors

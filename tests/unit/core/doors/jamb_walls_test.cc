@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 struct Segment {
@@ -17,7 +17,7 @@ struct Segment {
 LocalMap MapOf(const std::vector<Segment>& walls, const std::vector<Eigen::Vector2d>& places) {
   LocalMap map(0.05, 5.0);
   for (const Eigen::Vector2d& from : places) {
-    LaserScan scan;
+    sensor::LaserScan scan;
     scan.angle_min = -M_PI;
     scan.angle_increment = M_PI / 720.0;
     scan.range_max = 30.0F;
@@ -107,4 +107,4 @@ TEST(ParallelSurfaces, ALeafOrACornerOnOneSideIsNone) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::doors

@@ -4,12 +4,12 @@
 
 #include "core/doors/narrows.h"
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 // A full turn that sees a circle of `range` m.
-LaserScan Circle(float range) {
-  LaserScan scan;
+sensor::LaserScan Circle(float range) {
+  sensor::LaserScan scan;
   scan.angle_min = -M_PI;
   scan.angle_increment = M_PI / 360.0;
   scan.range_max = 30.0F;
@@ -30,7 +30,7 @@ TEST(LocalMap, HoldsHitsAndFreeGround) {
 
 TEST(LocalMap, ForgetsWhoeverWalksOn) {
   LocalMap map(0.05, 5.0);
-  LaserScan with_person = Circle(3.0F);
+  sensor::LaserScan with_person = Circle(3.0F);
   for (std::size_t i = 350; i < 370; ++i) with_person.ranges[i] = 1.5F;
   map.Add(with_person, {});
   EXPECT_TRUE(map.IsOccupied(map.CellOf(1.51), map.CellOf(0.0)));
@@ -75,4 +75,4 @@ TEST(LocalMap, StatesComeBackBitForBit) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::doors

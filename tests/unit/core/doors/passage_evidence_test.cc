@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace enfilade {
+namespace enfilade::doors {
 namespace {
 
 using ::testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(JudgePassage, ALongWallOutweighsGroundInSightAndAWayRound) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::doors

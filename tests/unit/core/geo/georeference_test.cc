@@ -7,7 +7,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::geo {
 namespace {
 
 using ::testing::HasSubstr;
@@ -90,4 +90,4 @@ TEST(GeoreferenceTest, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::geo

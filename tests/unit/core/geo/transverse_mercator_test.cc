@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace enfilade {
+namespace enfilade::geo {
 namespace {
 
 // PROJ 9.1.1: +proj=tmerc +ellps=WGS84 +k=1 with lat_0, lon_0 of the origin.
@@ -47,4 +47,4 @@ TEST(TransverseMercatorTest, TheOriginIsTheOrigin) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::geo

@@ -10,7 +10,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using testing::Graph;
@@ -85,4 +85,4 @@ TEST_F(Figure1Test, GrowsAsToldAndClosesToTheIdentity) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -6,7 +6,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using nlohmann::json;
@@ -61,13 +61,13 @@ TEST(GeoJsonTest, WhatIsNotJoinedHasNoGeometry) {
 }
 
 TEST(GeoJsonTest, IsInLongitudeAndLatitudeWithAGeoreference) {
-  const std::vector<SurveyPoint> points = {{.place = {9.7000, 52.3700}, .p_world = {0, 0}},
+  const std::vector<geo::SurveyPoint> points = {{.place = {9.7000, 52.3700}, .p_world = {0, 0}},
                                            {.place = {9.7020, 52.3700}, .p_world = {136.2, 0}}};
-  ASSERT_OK_AND_ASSIGN(const GeoreferenceFit fit, FitGeoreference(points));
+  ASSERT_OK_AND_ASSIGN(const geo::GeoreferenceFit fit, geo::FitGeoreference(points));
   const json graph = json::parse(GraphToGeoJson(WorldPoses(TwoRooms()), &fit.georeference));
   EXPECT_FALSE(graph.contains("frame"));
   const json at = FeatureOf(graph, "linkPoints/x")["geometry"]["coordinates"];
-  const LonLat expected = fit.georeference.ToLonLat({6, 1});
+  const geo::LonLat expected = fit.georeference.ToLonLat({6, 1});
   EXPECT_NEAR(at[0], expected.longitude, 1e-9);
   EXPECT_NEAR(at[1], expected.latitude, 1e-9);
 }
@@ -88,4 +88,4 @@ TEST(GeoJsonTest, WritesRoutesLegByLeg) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

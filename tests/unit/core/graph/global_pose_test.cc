@@ -11,7 +11,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using testing::AnchorIn;
@@ -321,4 +321,4 @@ TEST(TransformTest, NoWayIsAnAnswer) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -12,7 +12,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using testing::AnchorIn;
@@ -290,4 +290,4 @@ TEST(GraphOptimizationTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

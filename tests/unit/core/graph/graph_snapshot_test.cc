@@ -7,7 +7,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using testing::AnchorIn;
@@ -181,4 +181,4 @@ TEST(GraphSnapshotTest, RandomChangesGiveWhatTheResultMadeAtOnceHas) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -10,7 +10,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using testing::AnchorIn;
@@ -175,4 +175,4 @@ TEST(RoutesTest, TheKShortestAreThoseOfExhaustion) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -9,22 +9,22 @@ namespace enfilade::testing {
 
 MapId M(const std::string& id) { return MapId(id); }
 LinkPointId L(const std::string& id) { return LinkPointId(id); }
-MapInGraph MapNamed(const std::string& id, int level) { return {.id = M(id), .display_name = id, .level = level}; }
+graph::MapInGraph MapNamed(const std::string& id, int level) { return {.id = M(id), .display_name = id, .level = level}; }
 
-Anchor AnchorIn(const std::string& map, const Pose2& T_map_place, const Eigen::Matrix3d& covariance) {
+graph::Anchor AnchorIn(const std::string& map, const Pose2& T_map_place, const Eigen::Matrix3d& covariance) {
   return {.map = M(map), .T_map_place = T_map_place, .covariance = covariance};
 }
 
-LinkPoint Joining(const std::string& id, std::vector<Anchor> anchors) {
+graph::LinkPoint Joining(const std::string& id, std::vector<graph::Anchor> anchors) {
   return {.id = L(id), .anchors = std::move(anchors)};
 }
 
-GraphSnapshot Graph(const std::vector<std::string>& maps, const std::vector<LinkPoint>& link_points,
-                    const GraphSnapshot& snapshot) {
-  SnapshotChanges changes{.version = snapshot.version() + 1};
+graph::GraphSnapshot Graph(const std::vector<std::string>& maps, const std::vector<graph::LinkPoint>& link_points,
+                    const graph::GraphSnapshot& snapshot) {
+  graph::SnapshotChanges changes{.version = snapshot.version() + 1};
   for (const std::string& map : maps) changes.maps.push_back(MapNamed(map));
   changes.link_points = link_points;
-  auto graph = Apply(snapshot, changes);
+  auto graph = graph::Apply(snapshot, changes);
   if (!graph.ok()) throw std::invalid_argument(graph.status().ToString());
   return *std::move(graph);
 }
@@ -51,9 +51,9 @@ Eigen::Matrix3d RandomCovariance(double position, double yaw, std::mt19937_64& r
   return factor * factor.transpose();
 }
 
-LinkPoint World::See(const std::string& id, const Pose2& T_world_place, const std::vector<int>& maps,
+graph::LinkPoint World::See(const std::string& id, const Pose2& T_world_place, const std::vector<int>& maps,
                      const std::vector<Eigen::Matrix3d>& covariances, std::mt19937_64& random) const {
-  std::vector<Anchor> anchors;
+  std::vector<graph::Anchor> anchors;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const Pose2 truth = Between(T_world_maps[static_cast<std::size_t>(maps[i])], T_world_place);
     anchors.push_back(AnchorIn(Numbered("m", maps[i]), Draw({truth, covariances[i]}, random), covariances[i]));

@@ -16,14 +16,14 @@ std::string Numbered(const char* prefix, Number number) {
 }
 MapId M(const std::string& id);
 LinkPointId L(const std::string& id);
-MapInGraph MapNamed(const std::string& id, int level = 0);
-Anchor AnchorIn(const std::string& map, const Pose2& T_map_place,
-                const Eigen::Matrix3d& covariance = DefaultAnchorCovariance());
-LinkPoint Joining(const std::string& id, std::vector<Anchor> anchors);
+graph::MapInGraph MapNamed(const std::string& id, int level = 0);
+graph::Anchor AnchorIn(const std::string& map, const Pose2& T_map_place,
+                const Eigen::Matrix3d& covariance = graph::DefaultAnchorCovariance());
+graph::LinkPoint Joining(const std::string& id, std::vector<graph::Anchor> anchors);
 
 // `snapshot`, or nothing, with these.
-GraphSnapshot Graph(const std::vector<std::string>& maps, const std::vector<LinkPoint>& link_points,
-                    const GraphSnapshot& snapshot = {});
+graph::GraphSnapshot Graph(const std::vector<std::string>& maps, const std::vector<graph::LinkPoint>& link_points,
+                    const graph::GraphSnapshot& snapshot = {});
 
 // A pose drawn from N(mean, covariance), componentwise.
 Pose2 Draw(const PoseWithCovariance& pose, std::mt19937_64& random);
@@ -36,7 +36,7 @@ struct World {
   std::vector<Pose2> T_world_maps;  // of maps "m0", "m1", ...; the first at the origin
 
   // The place as the maps see it, each anchor with noise drawn from its covariance.
-  LinkPoint See(const std::string& id, const Pose2& T_world_place, const std::vector<int>& maps,
+  graph::LinkPoint See(const std::string& id, const Pose2& T_world_place, const std::vector<int>& maps,
                 const std::vector<Eigen::Matrix3d>& covariances, std::mt19937_64& random) const;
   std::vector<std::string> MapIds() const;
 };

@@ -7,7 +7,7 @@
 
 #include "core/graph/link_point.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using ::testing::DoubleNear;
@@ -69,4 +69,4 @@ TEST(SearchRadiusTest, BearingIsSeenFromTheRobot) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -11,7 +11,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
-namespace enfilade {
+namespace enfilade::graph {
 namespace {
 
 using testing::AnchorIn;
@@ -243,4 +243,4 @@ TEST(ShortestPathsTest, AgreesWithAReferenceOnRandomGraphs) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::graph

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace enfilade {
+namespace enfilade::grid {
 
 void PrintTo(const CellIndex& cell, std::ostream* os) { *os << "(" << cell.column << ", " << cell.row << ")"; }
 
@@ -136,4 +136,4 @@ TEST(Bresenham, DoesNotOverflowOnLongLines) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -10,7 +10,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 using ::testing::AllOf;
@@ -190,4 +190,4 @@ TEST(JsonMap, RefusesEveryTruncation) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -9,7 +9,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 using ::testing::HasSubstr;
@@ -209,4 +209,4 @@ TEST(LogOddsOptions, NamesTheOptionThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -14,7 +14,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,4 +280,4 @@ TEST(RecordedMaps, LoadWithNav2sCounts) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

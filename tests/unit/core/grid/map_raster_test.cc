@@ -8,7 +8,7 @@
 #include "core/grid/occupancy_values.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 using ::testing::ElementsAre;
@@ -87,4 +87,4 @@ TEST(MapRaster, RefusesCellsThatDoNotFitTheGeometry) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -9,7 +9,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 using ::testing::AllOf;
@@ -146,4 +146,4 @@ TEST(MapYaml, WritesSmallNumbersSoThatNoReaderTakesThemForWords) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

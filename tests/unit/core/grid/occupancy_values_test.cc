@@ -8,7 +8,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 void PrintTo(const GreyAlpha& pixel, std::ostream* os) { *os << int{pixel.grey} << "/" << int{pixel.alpha}; }
 
@@ -194,4 +194,4 @@ TEST(OccupancyCell, CarriesEveryOccupancyValue) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -9,7 +9,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 // '.' unknown, '-' and 'f' free (the latter surer), '+' and '#' occupied; the top row first. The lower-left cell at
@@ -91,4 +91,4 @@ TEST(OnLattice, TurnsAGridByItsOrigin) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

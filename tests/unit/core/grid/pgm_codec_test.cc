@@ -7,7 +7,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 using ::testing::ElementsAre;
@@ -107,4 +107,4 @@ TEST(PgmCodec, RefusesEveryTruncation) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

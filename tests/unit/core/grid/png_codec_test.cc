@@ -9,7 +9,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 using ::testing::ElementsAre;
@@ -133,4 +133,4 @@ TEST(PngCodec, RefusesToWriteAnEmptyImage) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -10,7 +10,7 @@
 #include "core/grid/png_codec.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr Rgb kWhite{255, 255, 255};
@@ -81,4 +81,4 @@ TEST(RgbImage, BecomesAPng) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <limits>
 
-namespace enfilade {
+namespace enfilade::grid {
 namespace {
 
 constexpr float kInfiniteRange = std::numeric_limits<float>::infinity();
 constexpr float kNanRange = std::numeric_limits<float>::quiet_NaN();
 
-LaserScan ScanOf(std::vector<float> ranges) {
-  LaserScan scan;
+sensor::LaserScan ScanOf(std::vector<float> ranges) {
+  sensor::LaserScan scan;
   scan.angle_increment = M_PI / 2.0;
   scan.range_min = 0.1F;
   scan.range_max = 50.0F;
@@ -21,7 +21,7 @@ LaserScan ScanOf(std::vector<float> ranges) {
 }
 
 TEST(ScanRays, PutsHitsWhereTheBeamsPoint) {
-  LaserScan scan = ScanOf({2.0F, 3.0F});
+  sensor::LaserScan scan = ScanOf({2.0F, 3.0F});
   scan.T_robot_laser = {0.5, 0.0, 0.0};
   const ScanRays rays = RaysOf(scan, {10.0, 20.0, M_PI / 2.0}, {});
   EXPECT_TRUE(rays.origin.isApprox(Eigen::Vector2d(10.0, 20.5)));
@@ -56,4 +56,4 @@ TEST(ScanRays, LeavesOutBeamsThatTellNothing) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -10,7 +10,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::grid {
 
 void PrintTo(const MapRaster& raster, std::ostream* os) {
   *os << "cells of kind " << raster.cells.index() << ", " << raster.geometry.width << " x " << raster.geometry.height;
@@ -190,4 +190,4 @@ TEST(TiledRaster, RefusesHugeHeadersBeforeAllocating) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::grid

@@ -8,7 +8,7 @@
 
 #include "core/optimize/marginals.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 // A random sparse symmetric positive definite matrix as blocks and as a dense matrix, in elimination order.
@@ -109,4 +109,4 @@ TEST(InverseDiagonal, AgreesWithTheDenseInverse) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -6,7 +6,7 @@
 
 #include "ceres/cost_function.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 class CeresEdgeCostTest : public ::testing::Test {
@@ -48,4 +48,4 @@ TEST_F(CeresEdgeCostTest, JacobiansAgreeWithFiniteDifferences) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

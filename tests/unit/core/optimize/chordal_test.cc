@@ -8,7 +8,7 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 using testing::PoseNear;
@@ -45,4 +45,4 @@ TEST_F(ChordalTest, IsNearTheTruthWithNoise) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -9,7 +9,7 @@
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 // J^T Omega J of all nodes but the first, dense and from the definition.
@@ -92,4 +92,4 @@ TEST(Covariance, OfAnUnknownNodeIsAnError) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 const Pose2 kFrom{1.2, -3.4, 2.9};
@@ -46,4 +46,4 @@ TEST(EdgeError, JacobiansAgreeWithFiniteDifferences) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

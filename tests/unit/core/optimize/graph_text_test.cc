@@ -7,7 +7,7 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 using ::testing::AllOf;
@@ -136,4 +136,4 @@ TEST(WritePoseGraph, LeavesOutDisabledEdges) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

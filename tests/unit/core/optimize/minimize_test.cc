@@ -12,7 +12,7 @@
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 IndexedGraph Indexed(const PoseGraph& graph) {
@@ -104,4 +104,4 @@ INSTANTIATE_TEST_SUITE_P(Kernels, MinimizeWithKernel,
                                            RobustKernel::Type::kCauchy, RobustKernel::Type::kDcs));
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

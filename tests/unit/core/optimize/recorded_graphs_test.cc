@@ -11,7 +11,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 using ::testing::AllOf;
@@ -68,4 +68,4 @@ TEST(RecordedGraphs, ThreeDimensionalOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

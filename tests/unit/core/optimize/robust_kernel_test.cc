@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 class RobustKernelTest : public ::testing::TestWithParam<RobustKernel::Type> {};
@@ -46,4 +46,4 @@ TEST(RobustKernel, DcsWeighsByTheSquareOfItsSwitch) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

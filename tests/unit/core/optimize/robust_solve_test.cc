@@ -4,7 +4,7 @@
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 using testing::MakeManhattanGraph;
@@ -73,4 +73,4 @@ TEST(RobustSolve, AppliesToRobustEdgesOnly) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -8,7 +8,7 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 using ::testing::HasSubstr;
@@ -192,4 +192,4 @@ TEST_F(SolvePoseGraphRejects, AnUnknownFixedNode) { Expect("no node 4", {.fixed 
 TEST_F(SolvePoseGraphRejects, AKernelWithoutWidth) { Expect("width", {.kernel = {RobustKernel::Type::kHuber, 0.0}}); }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

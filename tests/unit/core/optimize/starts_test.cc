@@ -8,7 +8,7 @@
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 // A circle whose measurements turn once around; given poses that turn twice are a minimum of their own.
@@ -69,4 +69,4 @@ TEST_F(StartsTest, FindsTheTruthFromOdometryThatTurnedAway) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

@@ -6,7 +6,7 @@
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::optimize {
 namespace {
 
 class SolveTranslationsTest : public ::testing::Test {
@@ -51,4 +51,4 @@ TEST_F(SolveTranslationsTest, KeepsYawsAndHeldNodes) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::optimize

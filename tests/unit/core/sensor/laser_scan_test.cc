@@ -7,7 +7,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(LaserScan, RefusesWhatNoScannerSends) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -8,7 +8,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 std::vector<Record> OneOfEachKind() {
@@ -26,7 +26,7 @@ std::vector<Record> OneOfEachKind() {
           {5, Withheld{"the server refused it"}},
           {6, DoorReport{9,
                          DoorReport::Kind::kPassage,
-                         LinkPointKind::kLift,
+                         graph::LinkPointKind::kLift,
                          7,
                          {1.0, -2.0, 0.5},
                          0.9,
@@ -64,4 +64,4 @@ TEST(RecordCodec, RefusesEveryTruncationAndTrailingByte) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sensor

@@ -9,7 +9,7 @@
 #include "core/sensor/environment_choice.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 using ::testing::DoubleNear;
@@ -90,4 +90,4 @@ TEST(ChooseByRangeTest, KnowsBothPresetsOfTheOriginal) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sensor

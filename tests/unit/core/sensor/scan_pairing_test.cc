@@ -5,7 +5,7 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::sensor {
 namespace {
 
 using testing::PoseNear;
@@ -110,4 +110,4 @@ TEST_F(ScanPairingTest, GoesOnTheSameAfterRestoreAtAnyPoint) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::sensor

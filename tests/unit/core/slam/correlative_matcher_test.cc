@@ -7,7 +7,7 @@
 #include "core/slam/likelihood_field.h"
 #include "tests/support/pose_matchers.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::PoseNear;
@@ -56,7 +56,7 @@ TEST(SearchTable, UpdatedByPartsIsTheSameAsMadeAtOnce) {
   SearchTable parts(0.1, 5);
   for (const Eigen::Vector2d& p : Corner()) {
     field.Add({p});
-    const CellIndex cell{static_cast<int>(std::floor(p.x() / 0.05)), static_cast<int>(std::floor(p.y() / 0.05))};
+    const grid::CellIndex cell{static_cast<int>(std::floor(p.x() / 0.05)), static_cast<int>(std::floor(p.y() / 0.05))};
     parts.Update(field, Intersection(Dilated({cell, 1, 1}, 10), field.window()));
   }
   const SearchTable whole = Table(5);
@@ -105,4 +105,4 @@ TEST(SearchPose, FindsNothingBelowTheMinimumAndNothingExcluded) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -10,7 +10,7 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using ::testing::HasSubstr;
@@ -23,7 +23,7 @@ class FieldPyramidTest : public ::testing::Test {
     return RobotRays(Seen(T_world_robot), {.max_range = 30.0, .no_return_range = 0.0}).hits;
   }
 
-  LaserScan Seen(const Pose2& T_world_robot) const {
+  sensor::LaserScan Seen(const Pose2& T_world_robot) const {
     return testing::Scan(walls_, T_world_robot, {.beams = 360, .field_of_view = 2.0 * M_PI}, 0, 7);
   }
 
@@ -102,4 +102,4 @@ TEST_F(FieldPyramidTest, SearchesItsTable) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

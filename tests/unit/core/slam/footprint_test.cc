@@ -6,7 +6,7 @@
 #include "core/slam/mapper.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // The bounds that docs/slam.md states, bytes.
@@ -31,7 +31,7 @@ std::vector<testing::Wall> Rooms() {
                                 1.0);
 }
 
-std::vector<PairedScan> Rounds(int rounds) {
+std::vector<sensor::PairedScan> Rounds(int rounds) {
   std::vector<Eigen::Vector2d> corners;
   for (int i = 0; i < rounds; ++i) corners.insert(corners.end(), {{2.5, 1.5}, {24.5, 1.5}, {24.5, 10.5}, {2.5, 10.5}});
   corners.push_back({2.5, 1.5});
@@ -62,10 +62,10 @@ TEST(Footprint, OfADriveGrowsByWhatItsKeyframesAndSubmapsMayCost) {
 // The raster costs the area, not the way.
 TEST(Footprint, OfTheRasterStaysInAPlaceDrivenAgain) {
   Mapper once(SlamOptions{});
-  for (const PairedScan& scan : Rounds(2)) once.AddScan(scan);
+  for (const sensor::PairedScan& scan : Rounds(2)) once.AddScan(scan);
   once.RenderGrid();
   Mapper often(SlamOptions{});
-  for (const PairedScan& scan : Rounds(6)) often.AddScan(scan);
+  for (const sensor::PairedScan& scan : Rounds(6)) often.AddScan(scan);
   often.RenderGrid();
   EXPECT_GT(once.footprint().raster, 0U);
   EXPECT_LE(often.footprint().raster, 2 * once.footprint().raster) << "after three times the way";
@@ -85,7 +85,7 @@ TEST(Footprint, DoesNotGrowWhereTheRobotStands) {
 
 TEST(Footprint, IsTheSameAfterRestore) {
   Mapper mapper(SlamOptions{});
-  for (const PairedScan& scan : Rounds(2)) mapper.AddScan(scan);
+  for (const sensor::PairedScan& scan : Rounds(2)) mapper.AddScan(scan);
   SlamMap map;
   map.Apply(mapper.TakeDelta());
   auto restored = Mapper::Restore({}, map, mapper.Checkpoint());
@@ -95,4 +95,4 @@ TEST(Footprint, IsTheSameAfterRestore) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

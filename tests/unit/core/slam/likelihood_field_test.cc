@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 // Points every 1 cm along the line through `p` with direction `yaw`: a wall.
@@ -56,9 +56,9 @@ TEST(LikelihoodField, IsFarEverywhereElse) {
 TEST(LikelihoodField, UpdatedByPartsIsTheSameAsMadeAtOnce) {
   SubmapGrid grid(0.05, {});
   LikelihoodField updated(0.05, 0.5);
-  std::vector<CellIndex> all;
+  std::vector<grid::CellIndex> all;
   for (int scan = 0; scan < 20; ++scan) {
-    ScanRays rays;
+    grid::ScanRays rays;
     for (int i = 0; i < 60; ++i) {
       const double angle = 0.05 * i;
       // Walls come and go: cells turn from occupied to free again.
@@ -77,4 +77,4 @@ TEST(LikelihoodField, UpdatedByPartsIsTheSameAsMadeAtOnce) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

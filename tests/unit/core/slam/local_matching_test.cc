@@ -10,7 +10,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::PoseNear;
@@ -22,7 +22,7 @@ class LocalMatchingTest : public ::testing::Test {
     testing::SyntheticScanner scanner;
     scanner.beams = 720;
     scanner.field_of_view = 2.0 * M_PI;
-    const LaserScan scan = testing::Scan(walls_, kSeenFrom, scanner, 0, 1);
+    const sensor::LaserScan scan = testing::Scan(walls_, kSeenFrom, scanner, 0, 1);
     ASSERT_OK(grid_.Insert(kSeenFrom, RobotRays(scan, {})).status());
     fields_.Rebuild(grid_);
   }
@@ -84,4 +84,4 @@ TEST_F(BehindTheDoorTest, AllOfAScanThatShowsMuchIsBelieved) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

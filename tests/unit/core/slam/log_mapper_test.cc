@@ -5,7 +5,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 SlamOptions OdometryOnly() {
@@ -16,13 +16,13 @@ SlamOptions OdometryOnly() {
 }
 
 // A drive around a room as a log: odometry between the scans, not at their times.
-std::vector<Record> Log() {
+std::vector<sensor::Record> Log() {
   const auto walls =
       testing::WallsFromText({"##########", "#........#", "#...##...#", "#........#", "##########"}, 2.0);
   const auto poses = testing::Drive({{3, 3}, {15, 3}, {15, 7}, {3, 7}, {3, 3}}, 0.4);
-  std::vector<Record> log;
-  for (PairedScan& scan : testing::Record(walls, poses, {}, {}, 1)) {
-    log.push_back({0, Odometry{scan.scan.time - 10'000'000, *scan.T_odom_robot}});
+  std::vector<sensor::Record> log;
+  for (sensor::PairedScan& scan : testing::Record(walls, poses, {}, {}, 1)) {
+    log.push_back({0, sensor::Odometry{scan.scan.time - 10'000'000, *scan.T_odom_robot}});
     log.push_back({0, std::move(scan.scan)});
   }
   for (std::size_t i = 0; i < log.size(); ++i) log[i].sequence = static_cast<std::int64_t>(i) + 1;
@@ -31,12 +31,12 @@ std::vector<Record> Log() {
 
 struct Result {
   SlamMap map;
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
   LogMapperCounts counts;
 };
 
 // Maps the log, stopping and going on from the checkpoint before the records at `restarts`.
-Result MapLog(const std::vector<Record>& log, const std::vector<std::size_t>& restarts) {
+Result MapLog(const std::vector<sensor::Record>& log, const std::vector<std::size_t>& restarts) {
   Result result;
   LogMapper mapper({}, OdometryOnly());
   for (std::size_t i = 0; i < log.size(); ++i) {
@@ -83,4 +83,4 @@ TEST(LogMapper, RefusesBytesThatAreNoCheckpoint) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

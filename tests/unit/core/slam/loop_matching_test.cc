@@ -9,7 +9,7 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using ::testing::HasSubstr;
@@ -27,7 +27,7 @@ struct Place {
     for (const Pose2& pose : seen_from) EXPECT_TRUE(grid.Insert(pose, RaysFrom(pose)).ok());
   }
 
-  ScanRays RaysFrom(const Pose2& pose) const {
+  grid::ScanRays RaysFrom(const Pose2& pose) const {
     return RobotRays(testing::Scan(walls, pose, scanner, 0, 3), {.max_range = 30.0, .no_return_range = 0.0});
   }
 
@@ -131,4 +131,4 @@ TEST(MatchLoop, RefusesOneOfSeveralPlacesThatLookAlike) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -7,7 +7,7 @@
 #include "core/slam/scan_points.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr double kResolution = 0.05;
@@ -21,7 +21,7 @@ SubmapGrid RoomFromTheMiddle() {
                                              "#      #",  //
                                              "########"},
                                             1.0);
-  const LaserScan scan =
+  const sensor::LaserScan scan =
       testing::Scan(walls, {4.0, 3.0, 0.0}, {.beams = 720, .field_of_view = 2.0 * M_PI, .range_sigma = 0.0}, 0, 1);
   SubmapGrid grid(kResolution, {});
   for (int i = 0; i < 3; ++i) {
@@ -38,19 +38,19 @@ class MapRendererTest : public ::testing::Test {
   }
 
   // kUnknownCell outside.
-  static std::uint8_t At(const OccupancyGrid& grid, double x, double y) {
+  static std::uint8_t At(const grid::OccupancyGrid& grid, double x, double y) {
     const auto column = std::lround(std::floor((x - grid.geometry.T_map_grid.x) / kResolution));
     const auto row = std::lround(std::floor((y - grid.geometry.T_map_grid.y) / kResolution));
-    if (column < 0 || row < 0 || column >= grid.geometry.width || row >= grid.geometry.height) return kUnknownCell;
+    if (column < 0 || row < 0 || column >= grid.geometry.width || row >= grid.geometry.height) return grid::kUnknownCell;
     return grid.cells[grid.geometry.index(static_cast<int>(column), static_cast<int>(row))];
   }
-  static bool Occupied(const OccupancyGrid& grid, double x, double y) {
+  static bool Occupied(const grid::OccupancyGrid& grid, double x, double y) {
     const auto cell = At(grid, x, y);
-    return cell != kUnknownCell && ProbabilityOfCell(cell) > 0.6;
+    return cell != grid::kUnknownCell && grid::ProbabilityOfCell(cell) > 0.6;
   }
-  static bool Free(const OccupancyGrid& grid, double x, double y) {
+  static bool Free(const grid::OccupancyGrid& grid, double x, double y) {
     const auto cell = At(grid, x, y);
-    return cell != kUnknownCell && ProbabilityOfCell(cell) < 0.4;
+    return cell != grid::kUnknownCell && grid::ProbabilityOfCell(cell) < 0.4;
   }
 
   const SubmapGrid room_ = RoomFromTheMiddle();
@@ -64,11 +64,11 @@ TEST_F(MapRendererTest, IsEmptyWhereNothingIsPlaced) {
 TEST_F(MapRendererTest, DrawsWallsAndSpaceWhereTheSubmapIs) {
   MapRenderer renderer = Renderer();
   Place(renderer, 0, {10.0, -20.0, M_PI / 2.0});  // the room's x is the map's y
-  const OccupancyGrid grid = renderer.Render(nullptr, {});
+  const grid::OccupancyGrid grid = renderer.Render(nullptr, {});
   EXPECT_TRUE(Free(grid, 10.0, -20.0));
   EXPECT_TRUE(Occupied(grid, 10.0, -20.0 + 3.0 + 0.01));  // 3 m ahead
   EXPECT_TRUE(Occupied(grid, 10.0 - 2.01, -20.0));        // 2 m to the left
-  EXPECT_EQ(At(grid, 10.0, -20.0 + 4.0), kUnknownCell);
+  EXPECT_EQ(At(grid, 10.0, -20.0 + 4.0), grid::kUnknownCell);
   EXPECT_NEAR(grid.geometry.width * kResolution, 4.0, 0.15) << "cropped to what is known";
   EXPECT_NEAR(grid.geometry.height * kResolution, 6.0, 0.15);
 }
@@ -92,8 +92,8 @@ TEST_F(MapRendererTest, GivesTheSameWhateverTheWayThere) {
 TEST_F(MapRendererTest, DrawsTheActiveSubmapWithoutKeepingIt) {
   MapRenderer renderer = Renderer();
   Place(renderer, 0, {});
-  const OccupancyGrid before = renderer.Render(nullptr, {});
-  const OccupancyGrid with_active = renderer.Render(&room_, {20.0, 0.0, 0.0});
+  const grid::OccupancyGrid before = renderer.Render(nullptr, {});
+  const grid::OccupancyGrid with_active = renderer.Render(&room_, {20.0, 0.0, 0.0});
   EXPECT_TRUE(Occupied(with_active, 23.01, 0.0));
   EXPECT_TRUE(Occupied(with_active, 3.01, 0.0));
   EXPECT_TRUE(renderer.Render(nullptr, {}) == before);
@@ -132,11 +132,11 @@ TEST_F(MapRendererTest, CostsWhatWasSeenNotWhatLiesBetween) {
 TEST_F(MapRendererTest, LeavesOutWhatIsAbsurdlyFarAway) {
   MapRenderer renderer = Renderer();
   Place(renderer, 0, {});
-  const OccupancyGrid before = renderer.Render(nullptr, {});
+  const grid::OccupancyGrid before = renderer.Render(nullptr, {});
   Place(renderer, 1, {1e6, 1e6, 0.0});
   EXPECT_TRUE(renderer.Render(nullptr, {}) == before);
   EXPECT_TRUE(renderer.Render(&room_, {-1e6, 0.0, 0.0}) == before);
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -6,7 +6,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::Drive;
@@ -17,7 +17,7 @@ class MapperOdometryTest : public ::testing::Test {
  protected:
   MapperOdometryTest() { options_.match_scans = false; }
 
-  static std::vector<PairedScan> Log() {
+  static std::vector<sensor::PairedScan> Log() {
     const auto walls = testing::WallsFromText({"####################",  //
                                                "#                  #",  //
                                                "#     ####         #",  //
@@ -34,7 +34,7 @@ TEST_F(MapperOdometryTest, PutsTheFirstKeyframeAtTheOriginAndFollowsTheOdometry)
   const auto log = Log();
   Mapper mapper(options_);
   SlamMap map;
-  for (const PairedScan& scan : log) EXPECT_TRUE(mapper.AddScan(scan).used);
+  for (const sensor::PairedScan& scan : log) EXPECT_TRUE(mapper.AddScan(scan).used);
   mapper.Finish();
   map.Apply(mapper.TakeDelta());
   EXPECT_EQ(map.nodes.at(0).T_map_node, Pose2{});
@@ -60,25 +60,25 @@ TEST_F(MapperOdometryTest, DoesNotUseScansWithoutOdometry) {
 
 TEST_F(MapperOdometryTest, RendersWallsOccupiedAndRoomsFree) {
   Mapper mapper(options_);
-  for (const PairedScan& scan : Log()) mapper.AddScan(scan);
-  const OccupancyGrid grid = mapper.RenderGrid();
+  for (const sensor::PairedScan& scan : Log()) mapper.AddScan(scan);
+  const grid::OccupancyGrid grid = mapper.RenderGrid();
   const auto cell_at = [&](double world_x, double world_y) {  // the world's origin is at (-1.5, -1.5) of the map
     const auto& g = grid.geometry;
     const int column = static_cast<int>(std::floor((world_x - 1.5 - g.T_map_grid.x) / g.resolution));
     const int row = static_cast<int>(std::floor((world_y - 1.5 - g.T_map_grid.y) / g.resolution));
-    return g.contains(column, row) ? grid.cells[g.index(column, row)] : kUnknownCell;
+    return g.contains(column, row) ? grid.cells[g.index(column, row)] : grid::kUnknownCell;
   };
-  EXPECT_GT(ProbabilityOfCell(std::max(cell_at(10.0, 0.98), cell_at(10.0, 1.02))), 0.7);
-  EXPECT_LT(ProbabilityOfCell(cell_at(10.0, 1.5)), 0.3);
-  EXPECT_LT(ProbabilityOfCell(cell_at(14.0, 2.5)), 0.3);
-  EXPECT_EQ(cell_at(8.0, 2.5), kUnknownCell) << "inside the pillar";
+  EXPECT_GT(grid::ProbabilityOfCell(std::max(cell_at(10.0, 0.98), cell_at(10.0, 1.02))), 0.7);
+  EXPECT_LT(grid::ProbabilityOfCell(cell_at(10.0, 1.5)), 0.3);
+  EXPECT_LT(grid::ProbabilityOfCell(cell_at(14.0, 2.5)), 0.3);
+  EXPECT_EQ(cell_at(8.0, 2.5), grid::kUnknownCell) << "inside the pillar";
 }
 
 TEST_F(MapperOdometryTest, RendersTheSameWhetherOftenOrOnce) {
   Mapper often(options_);
   Mapper once(options_);
   int i = 0;
-  for (const PairedScan& scan : Log()) {
+  for (const sensor::PairedScan& scan : Log()) {
     often.AddScan(scan);
     once.AddScan(scan);
     if (++i % 17 == 0) often.RenderGrid();
@@ -89,7 +89,7 @@ TEST_F(MapperOdometryTest, RendersTheSameWhetherOftenOrOnce) {
 TEST_F(MapperOdometryTest, RefusesACheckpointThatDoesNotFitTheRows) {
   Mapper mapper(options_);
   SlamMap map;
-  for (const PairedScan& scan : Log()) mapper.AddScan(scan);
+  for (const sensor::PairedScan& scan : Log()) mapper.AddScan(scan);
   map.Apply(mapper.TakeDelta());
   const std::string checkpoint = mapper.Checkpoint();
   EXPECT_OK(Mapper::Restore(options_, map, checkpoint).status());
@@ -114,7 +114,7 @@ TEST_F(MapperOdometryTest, GoesOnTheSameAfterRestoreAtAnyPoint) {
       mapper.AddScan(log[i]);
     }
     mapper.Finish();
-    const OccupancyGrid grid = mapper.RenderGrid();
+    const grid::OccupancyGrid grid = mapper.RenderGrid();
     map.Apply(mapper.TakeDelta());
     return std::pair(map, grid);
   };
@@ -129,4 +129,4 @@ TEST_F(MapperOdometryTest, GoesOnTheSameAfterRestoreAtAnyPoint) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

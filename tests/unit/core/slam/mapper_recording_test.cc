@@ -10,11 +10,11 @@
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
-std::vector<Record> ReadLog(const std::filesystem::path& path, std::size_t limit) {
-  std::vector<Record> records;
+std::vector<sensor::Record> ReadLog(const std::filesystem::path& path, std::size_t limit) {
+  std::vector<sensor::Record> records;
   auto reader = sources::LogReader::Open(path);
   EXPECT_OK(reader.status());
   while (reader.ok() && records.size() < limit) {
@@ -28,11 +28,11 @@ std::vector<Record> ReadLog(const std::filesystem::path& path, std::size_t limit
 
 struct Mapped {
   SlamMap map;
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
 };
 
 // Stops and goes on from a checkpoint after every `every` records.
-Mapped MapRecords(const std::vector<Record>& records, std::size_t every) {
+Mapped MapRecords(const std::vector<sensor::Record>& records, std::size_t every) {
   LogMapper mapper({}, {});
   Mapped mapped;
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -52,7 +52,7 @@ Mapped MapRecords(const std::vector<Record>& records, std::size_t every) {
 
 TEST(MapperRecording, GivesTheSameMapWhereverItIsStoppedAndGoesOn) {
   ENFILADE_RECORDING_OR_SKIP(path, "laser/derived/intel_raw_odom.clf.gz");
-  const std::vector<Record> records = ReadLog(path, 2400);
+  const std::vector<sensor::Record> records = ReadLog(path, 2400);
   const Mapped expected = MapRecords(records, records.size() + 1);
   EXPECT_GT(expected.map.closures.size(), 10U);
   for (const std::size_t every : {97UL, 701UL}) {
@@ -66,4 +66,4 @@ TEST(MapperRecording, GivesTheSameMapWhereverItIsStoppedAndGoesOn) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -9,7 +9,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::Drive;
@@ -47,22 +47,22 @@ std::vector<Pose2> TwoRounds() {
 
 struct MappedDrive {
   SlamMap map;
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
   std::vector<ScanReport> reports;
 };
 
-MappedDrive MapLog(const std::vector<PairedScan>& log, const SlamOptions& options = {}) {
+MappedDrive MapLog(const std::vector<sensor::PairedScan>& log, const SlamOptions& options = {}) {
   Mapper mapper(options);
   MappedDrive mapped;
-  for (const PairedScan& scan : log) mapped.reports.push_back(mapper.AddScan(scan));
+  for (const sensor::PairedScan& scan : log) mapped.reports.push_back(mapper.AddScan(scan));
   mapper.Finish();
   mapped.grid = mapper.RenderGrid();
   mapped.map.Apply(mapper.TakeDelta());
   return mapped;
 }
 
-std::vector<PairedScan> WithoutOdometry(std::vector<PairedScan> log) {
-  for (PairedScan& scan : log) scan.T_odom_robot.reset();
+std::vector<sensor::PairedScan> WithoutOdometry(std::vector<sensor::PairedScan> log) {
+  for (sensor::PairedScan& scan : log) scan.T_odom_robot.reset();
   return log;
 }
 
@@ -171,7 +171,7 @@ TEST(MapperSlam, LeavesSuspendedClosuresOutAlsoAfterRestore) {
   const auto log = testing::Record(RingOfCorridors(), TwoRounds(), {}, kPoorOdometry, 3);
   Mapper mapper(SlamOptions{});
   SlamMap map;
-  for (const PairedScan& scan : log) mapper.AddScan(scan);
+  for (const sensor::PairedScan& scan : log) mapper.AddScan(scan);
   mapper.Finish();
   map.Apply(mapper.TakeDelta());
   const SlamMap before = map;
@@ -259,7 +259,7 @@ TEST(MapperBadInput, AJumpOfTheOdometryDoesNotMoveTheRobot) {
 struct Kidnapping {
   std::vector<Pose2> before = Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 4.5}}, 0.25);
   std::vector<Pose2> truth = before;
-  std::vector<PairedScan> log;
+  std::vector<sensor::PairedScan> log;
 
   Kidnapping() {
     auto walls = RingOfCorridors();
@@ -357,4 +357,4 @@ TEST(MapperBadInput, TakesNoScansAfterFinish) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -4,7 +4,7 @@
 
 #include "tests/support/pose_matchers.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::PoseNear;
@@ -47,4 +47,4 @@ TEST(PredictMotion, TakesTheStepAsItWasWhereTimesSayNothing) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

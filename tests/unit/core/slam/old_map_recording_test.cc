@@ -11,11 +11,11 @@
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
-std::vector<Record> ReadLog(const std::filesystem::path& path) {
-  std::vector<Record> records;
+std::vector<sensor::Record> ReadLog(const std::filesystem::path& path) {
+  std::vector<sensor::Record> records;
   auto reader = sources::LogReader::Open(path);
   EXPECT_OK(reader.status());
   while (reader.ok()) {
@@ -29,10 +29,10 @@ std::vector<Record> ReadLog(const std::filesystem::path& path) {
 
 struct MappedAgain {
   SlamMap map;
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
 };
 
-MappedAgain MapPart(LogMapper mapper, const std::vector<Record>& records, std::size_t begin, std::size_t end) {
+MappedAgain MapPart(LogMapper mapper, const std::vector<sensor::Record>& records, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) mapper.Add(records[i]);
   mapper.Finish();
   MappedAgain mapped;
@@ -45,7 +45,7 @@ MappedAgain MapPart(LogMapper mapper, const std::vector<Record>& records, std::s
 // deviations. Compared with one mapper over all of it.
 TEST(OldMapRecording, TheSecondHalfGoesOnInTheFirstOnesMap) {
   ENFILADE_RECORDING_OR_SKIP(path, "laser/derived/intel_raw_odom.clf.gz");
-  const std::vector<Record> records = ReadLog(path);
+  const std::vector<sensor::Record> records = ReadLog(path);
   const std::size_t half = records.size() / 2;
   const MappedAgain whole = MapPart(LogMapper({}, {}), records, 0, records.size());
   const MappedAgain first = MapPart(LogMapper({}, {}), records, 0, half);
@@ -83,4 +83,4 @@ TEST(OldMapRecording, TheSecondHalfGoesOnInTheFirstOnesMap) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -17,7 +17,7 @@
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::PoseNear;
@@ -26,7 +26,7 @@ constexpr double kDegree = M_PI / 180.0;
 
 // A drive through the simulated rooms, and where the robot truly was, in the frame of the drive's beginning.
 struct RoomsDrive {
-  std::vector<Record> records;
+  std::vector<sensor::Record> records;
   std::vector<std::size_t> scans;  // of the records, which are scans
   std::vector<Pose2> truth;        // of each scan
 
@@ -36,10 +36,10 @@ struct RoomsDrive {
     const auto drive = simulator::SimulateRooms(options);
     EXPECT_OK(drive);
     for (const simulator::SimulatedRecord& entry : drive->records) {
-      Record record;
+      sensor::Record record;
       record.sequence = static_cast<std::int64_t>(records.size()) + 1;
       std::visit([&](const auto& payload) { record.payload = payload; }, entry.payload);
-      if (std::holds_alternative<LaserScan>(record.payload)) scans.push_back(records.size());
+      if (std::holds_alternative<sensor::LaserScan>(record.payload)) scans.push_back(records.size());
       records.push_back(std::move(record));
     }
     const std::vector<simulator::TruePose>& poses = drive->truth.poses;
@@ -52,7 +52,7 @@ struct RoomsDrive {
   // The last odometry not after a scan.
   std::optional<Pose2> OdometryAt(std::size_t scan) const {
     for (std::size_t i = scans.at(scan) + 1; i-- > 0;) {
-      if (const auto* odometry = std::get_if<Odometry>(&records[i].payload)) return odometry->T_odom_robot;
+      if (const auto* odometry = std::get_if<sensor::Odometry>(&records[i].payload)) return odometry->T_odom_robot;
     }
     return std::nullopt;
   }
@@ -60,7 +60,7 @@ struct RoomsDrive {
 
 struct MappedOver {
   SlamMap map;
-  OccupancyGrid grid;
+  grid::OccupancyGrid grid;
 };
 
 // The scans from `first` on, `count` of them.
@@ -74,8 +74,8 @@ MappedOver MapPart(const RoomsDrive& drive, LogMapper mapper, std::size_t first,
   return mapped;
 }
 
-const OccupancyGrid& RoomsMap() {
-  static const OccupancyGrid grid = [] {
+const grid::OccupancyGrid& RoomsMap() {
+  static const grid::OccupancyGrid grid = [] {
     const RoomsDrive drive(3);
     return MapPart(drive, LogMapper({}, {}), 0, drive.scans.size()).grid;
   }();
@@ -159,12 +159,12 @@ TEST(MapperOnOldMap, RendersItsOwnLayerOnly) {
   const std::size_t first = drive.scans.size() / 2;
   const OldMap old_map{RoomsMap(), {{drive.truth[first], Covariance(0.1, 0.05)}, std::nullopt}};
   const MappedOver mapped = MapPart(drive, LogMapper({}, {}, old_map), first, 3);
-  const auto known = [](const OccupancyGrid& grid) {
-    return std::count_if(grid.cells.begin(), grid.cells.end(), [](std::uint8_t cell) { return cell != kUnknownCell; });
+  const auto known = [](const grid::OccupancyGrid& grid) {
+    return std::count_if(grid.cells.begin(), grid.cells.end(), [](std::uint8_t cell) { return cell != grid::kUnknownCell; });
   };
   EXPECT_GT(known(mapped.grid), 1000);
   EXPECT_LT(known(mapped.grid), known(RoomsMap()) / 2) << "three scans do not see all rooms";
-  ASSERT_OK_AND_ASSIGN(const OccupancyGrid both, LaidOver(RoomsMap(), mapped.grid));
+  ASSERT_OK_AND_ASSIGN(const grid::OccupancyGrid both, grid::LaidOver(RoomsMap(), mapped.grid));
   EXPECT_GE(known(both), known(RoomsMap()));
 }
 
@@ -208,8 +208,8 @@ std::vector<Pose2> FirstRound() {
   return testing::Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 13.5}, {2.5, 13.5}, {2.5, 2.5}}, 0.25);
 }
 
-MappedOver MapScans(Mapper mapper, const std::vector<PairedScan>& log) {
-  for (const PairedScan& scan : log) mapper.AddScan(scan);
+MappedOver MapScans(Mapper mapper, const std::vector<sensor::PairedScan>& log) {
+  for (const sensor::PairedScan& scan : log) mapper.AddScan(scan);
   mapper.Finish();
   MappedOver mapped;
   mapped.grid = mapper.RenderGrid();
@@ -218,7 +218,7 @@ MappedOver MapScans(Mapper mapper, const std::vector<PairedScan>& log) {
 }
 
 OldMap CorridorsEnteredAt(const Pose2& T_map_robot, double sigma, double yaw_sigma) {
-  static const OccupancyGrid grid =
+  static const grid::OccupancyGrid grid =
       MapScans(Mapper(SlamOptions{}), testing::Record(Corridors(), FirstRound(), {}, kOdometry, 3)).grid;
   return {grid, {{T_map_robot, Covariance(sigma, yaw_sigma)}, std::nullopt}};
 }
@@ -254,7 +254,7 @@ TEST(MapperOnOldMap, GoesOnTheSameAfterRestoreAtAnyPoint) {
 }
 
 TEST(MapperOnOldMap, AWrongMapIsNotMatchedAndTheRowsSaySo) {
-  const OccupancyGrid other =
+  const grid::OccupancyGrid other =
       MapScans(
           Mapper(SlamOptions{}),
           testing::Record(AnotherBuilding(), testing::Drive({{2.5, 2.5}, {6.5, 2.5}, {6.5, 4.5}, {12.5, 4.5}}, 0.25),
@@ -319,7 +319,7 @@ TEST(MapperOnOldMap, HoldsTheOldMapAndWhatTheDriveItselfMayCost) {
   const std::size_t before = on_old.footprint().kept;
   EXPECT_LT(before, 200'000U) << "30 m x 16 m, compressed";
   std::size_t nodes = 0;
-  for (const PairedScan& scan : log) {
+  for (const sensor::PairedScan& scan : log) {
     nodes += on_old.AddScan(scan).keyframe;
     ASSERT_LT(on_old.footprint().working, 100'000'000U);
   }
@@ -327,4 +327,4 @@ TEST(MapperOnOldMap, HoldsTheOldMapAndWhatTheDriveItselfMayCost) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

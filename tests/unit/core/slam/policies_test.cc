@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 LocalMatch Match(double matched, double contradicted, bool good) {
@@ -60,4 +60,4 @@ TEST(InsertPolicy, KeepsContradictingScansOutOfTheMap) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

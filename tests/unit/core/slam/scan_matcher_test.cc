@@ -11,7 +11,7 @@
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::PoseNear;
@@ -27,7 +27,7 @@ const std::vector<testing::Wall>& Room() {
   return walls;
 }
 
-ScanRays RaysAt(const Pose2& T_world_robot, std::uint64_t seed) {
+grid::ScanRays RaysAt(const Pose2& T_world_robot, std::uint64_t seed) {
   return RobotRays(testing::Scan(Room(), T_world_robot, {}, 0, seed), {});
 }
 
@@ -108,7 +108,7 @@ TEST(MatchToField, IsNotFooledByNoiseAlongAWall) {
     state = state * 1664525U + 1013904223U;
     return (static_cast<double>(state >> 8U) / (1U << 24U) - 0.5) * 0.035;
   };
-  ScanRays rays;
+  grid::ScanRays rays;
   for (double x = -9; x < 9; x += 0.01) {
     rays.hits.emplace_back(x + noise(), 1.0 + noise());
     rays.hits.emplace_back(x + noise(), -1.0 + noise());
@@ -127,4 +127,4 @@ TEST(MatchToField, IsNotFooledByNoiseAlongAWall) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

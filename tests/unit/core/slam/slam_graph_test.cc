@@ -11,7 +11,7 @@
 #include "core/slam/motion_model.h"
 #include "tests/support/pose_matchers.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using testing::PoseNear;
@@ -149,4 +149,4 @@ TEST(EdgeInformation, AddsAFloorEvenWhereSingular) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -9,7 +9,7 @@
 #include "core/slam/slam_option_names.h"
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using ::testing::AllOf;
@@ -79,4 +79,4 @@ TEST(SlamOptions, RefusesNonsenseInEveryOption) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -4,7 +4,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 using ::testing::ElementsAre;
@@ -37,4 +37,4 @@ TEST(SlamProfiles, OneOfTheSameNameTakesItsPlace) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

@@ -8,13 +8,13 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade {
+namespace enfilade::slam {
 namespace {
 
 constexpr double kCell = 0.1;  // m
 
 // One beam along x, ending `range` (m) away.
-ScanRays Beam(double range) { return {{0.0, 0.05}, {{range, 0.05}}, {}}; }
+grid::ScanRays Beam(double range) { return {{0.0, 0.05}, {{range, 0.05}}, {}}; }
 
 SubmapGrid Simplified() {
   OccupancyOptions options;
@@ -33,7 +33,7 @@ TEST(SubmapGrid, AddsABeamByBresenhamInLogOdds) {
   for (const double x : {0.05, 0.15, 0.25, 0.35, 0.45}) {
     EXPECT_NEAR(ValueAt(grid, x), log_odds(options.miss_probability), 1.0) << x;
   }
-  EXPECT_EQ(ValueAt(grid, 0.65), LogOddsGrid::kUnknown) << "behind the wall";
+  EXPECT_EQ(ValueAt(grid, 0.65), grid::LogOddsGrid::kUnknown) << "behind the wall";
   EXPECT_TRUE(grid.IsOccupied(grid.log_odds().CellOf({0.55, 0.05})));
 }
 
@@ -65,11 +65,11 @@ TEST(SubmapGrid, SaysWhichCellsChangedAndForgetsWallsThatAreGone) {
   ASSERT_OK_AND_ASSIGN(const auto built, grid.Insert({}, Beam(0.55)));
   ASSERT_EQ(built.size(), 1U);
   EXPECT_EQ(built[0].column, 5);
-  std::vector<CellIndex> changed;
+  std::vector<grid::CellIndex> changed;
   while (grid.IsOccupied({5, 0})) {
     ASSERT_OK_AND_ASSIGN(changed, grid.Insert({}, Beam(0.95)));
   }
-  const auto gone = [](const CellIndex& cell) { return cell.column == 5; };
+  const auto gone = [](const grid::CellIndex& cell) { return cell.column == 5; };
   EXPECT_TRUE(std::any_of(changed.begin(), changed.end(), gone)) << "the scan that freed it says so";
   ASSERT_EQ(grid.OccupiedPoints().size(), 1U);
   EXPECT_NEAR(grid.OccupiedPoints()[0].x(), 0.95, 1e-12);
@@ -120,4 +120,4 @@ TEST(SubmapGrid, RefusesDamagedBytes) {
 }
 
 }  // namespace
-}  // namespace enfilade
+}  // namespace enfilade::slam

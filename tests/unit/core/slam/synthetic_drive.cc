@@ -39,10 +39,10 @@ double RangeTo(const Wall& wall, const Eigen::Vector2d& from, const Eigen::Vecto
 
 }  // namespace
 
-LaserScan Scan(const std::vector<Wall>& walls, const Pose2& T_world_robot, const SyntheticScanner& scanner, TimeNs time,
+sensor::LaserScan Scan(const std::vector<Wall>& walls, const Pose2& T_world_robot, const SyntheticScanner& scanner, TimeNs time,
                std::uint64_t seed) {
   Noise noise(seed);
-  LaserScan scan;
+  sensor::LaserScan scan;
   scan.time = time;
   scan.angle_min = -scanner.field_of_view / 2.0;
   scan.angle_increment = scanner.field_of_view / scanner.beams;
@@ -79,10 +79,10 @@ std::vector<Pose2> Drive(const std::vector<Eigen::Vector2d>& corners, double ste
   return poses;
 }
 
-std::vector<PairedScan> Record(const std::vector<Wall>& walls, const std::vector<Pose2>& poses,
+std::vector<sensor::PairedScan> Record(const std::vector<Wall>& walls, const std::vector<Pose2>& poses,
                                const SyntheticScanner& scanner, const SyntheticOdometry& odometry, std::uint64_t seed) {
   Noise noise(seed);
-  std::vector<PairedScan> log;
+  std::vector<sensor::PairedScan> log;
   Pose2 T_odom_robot;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (i > 0) {

@@ -20,32 +20,32 @@ TEST(CloudToScanTest, TakesTheNearestPointOfEachBeamWithinTheHeights) {
                      {0.1F, 0.001F, 1.0F},  // too near
                      {0.0F, 5.0F, 0.5F},
                      {NAN, 1.0F, 1.0F}}};
-  ASSERT_OK_AND_ASSIGN(const LaserScan scan, CloudToScan(cloud, 42));
+  ASSERT_OK_AND_ASSIGN(const sensor::LaserScan scan, CloudToScan(cloud, 42));
   EXPECT_EQ(scan.ranges.size(), 723U);
   EXPECT_EQ(scan.time, 42);
-  EXPECT_OK(Validate(scan));
+  EXPECT_OK(sensor::Validate(scan));
   const auto beam = [&](double angle) {
     return static_cast<std::size_t>((angle - scan.angle_min) / scan.angle_increment);
   };
   EXPECT_NEAR(scan.ranges[beam(0.005)], 2.0F, 1e-4F);
   EXPECT_NEAR(scan.ranges[beam(M_PI / 2)], 5.0F, 1e-4F);
-  EXPECT_EQ(CountBeams(scan).hits, 2U);
-  EXPECT_EQ(CountBeams(scan).no_returns, 721U);
+  EXPECT_EQ(sensor::CountBeams(scan).hits, 2U);
+  EXPECT_EQ(sensor::CountBeams(scan).no_returns, 721U);
 }
 
 TEST(CloudToScanTest, SeesNothingInAnEmptyCloud) {
-  ASSERT_OK_AND_ASSIGN(const LaserScan infinite, CloudToScan({}, 0));
+  ASSERT_OK_AND_ASSIGN(const sensor::LaserScan infinite, CloudToScan({}, 0));
   EXPECT_TRUE(std::isinf(infinite.ranges[0]));
   CloudToScanOptions options;
   options.use_inf = false;
-  ASSERT_OK_AND_ASSIGN(const LaserScan finite, CloudToScan({}, 0, options));
+  ASSERT_OK_AND_ASSIGN(const sensor::LaserScan finite, CloudToScan({}, 0, options));
   EXPECT_EQ(finite.ranges[0], 101.0F);
-  EXPECT_EQ(CountBeams(finite).no_returns, finite.ranges.size());
+  EXPECT_EQ(sensor::CountBeams(finite).no_returns, finite.ranges.size());
 }
 
 TEST(CloudToScanTest, PutsThePointStraightBehindIntoTheScan) {
-  ASSERT_OK_AND_ASSIGN(const LaserScan scan, CloudToScan({{{-2.0F, 0.0F, 1.0F}}}, 0));
-  EXPECT_EQ(CountBeams(scan).hits, 1U);
+  ASSERT_OK_AND_ASSIGN(const sensor::LaserScan scan, CloudToScan({{{-2.0F, 0.0F, 1.0F}}}, 0));
+  EXPECT_EQ(sensor::CountBeams(scan).hits, 1U);
   EXPECT_NEAR(scan.ranges.back(), 2.0F, 1e-6F);
 }
 

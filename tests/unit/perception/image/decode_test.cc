@@ -69,8 +69,8 @@ TEST(DecodeTest, TakesRawRowsWithGaps) {
 }
 
 TEST(DecodeTest, RefusesFiftyMegapixelsBeforeDecodingThem) {
-  PixelImage huge{.width = 10000, .height = 5000, .channels = 1, .samples = std::vector<std::uint8_t>(50'000'000)};
-  ASSERT_OK_AND_ASSIGN(const std::string png, EncodePng(huge));
+  grid::PixelImage huge{.width = 10000, .height = 5000, .channels = 1, .samples = std::vector<std::uint8_t>(50'000'000)};
+  ASSERT_OK_AND_ASSIGN(const std::string png, grid::EncodePng(huge));
   EXPECT_STATUS(DecodeGrey(png), absl::StatusCode::kInvalidArgument,
                 AllOf(HasSubstr("10000x5000"), HasSubstr("50.0 Mpx"), HasSubstr("25.0 Mpx")));
   ASSERT_OK_AND_ASSIGN(const GreyFrame frame, DecodeGrey(png, {.max_pixels = 50'000'000}));

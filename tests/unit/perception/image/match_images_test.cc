@@ -222,11 +222,11 @@ TEST_F(SeriesTest, RefusesAnEmptySeries) {
 TEST(MatchPictureTest, PutsTheImagesSideBySide) {
   const cv::Mat place = testing::Place(1);
   const cv::Mat again = testing::SeenAgain(place, 2);
-  ASSERT_OK_AND_ASSIGN(const RgbImage picture,
+  ASSERT_OK_AND_ASSIGN(const grid::RgbImage picture,
                        DrawMatches(testing::ToFrame(place), testing::ToFrame(again), Match(place, again)));
   EXPECT_EQ(picture.width, 512 + 8 + 512);
   EXPECT_EQ(picture.height, 384);
-  ASSERT_OK_AND_ASSIGN(const RgbImage tiny,
+  ASSERT_OK_AND_ASSIGN(const grid::RgbImage tiny,
                        DrawMatches({1, 1, {0}}, testing::ToFrame(testing::Place(1, {4000, 1000})), {}));
   EXPECT_LE(tiny.width, 1280);
 }

@@ -6,7 +6,7 @@
 #include "storage/postgres/params.h"
 #include "storage/postgres/types.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 std::string Hex(std::string_view bytes) {
@@ -120,4 +120,4 @@ TEST(CopyBufferTest, WritesTheBinaryFormatOfCopy) {
 }
 
 }  // namespace
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 using absl::StatusCode;
@@ -36,4 +36,4 @@ TEST(SqlStateTest, AStatusOfOursNamesNone) {
 }
 
 }  // namespace
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

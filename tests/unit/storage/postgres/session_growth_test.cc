@@ -2,10 +2,10 @@
 
 #include "gtest/gtest.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
-Record RecordAt(std::int64_t sequence, TimeNs time) { return {sequence, Odometry{time, {}}}; }
+sensor::Record RecordAt(std::int64_t sequence, TimeNs time) { return {sequence, sensor::Odometry{time, {}}}; }
 
 SessionGrowth GrowthFrom(std::int64_t acknowledged, std::int64_t highest) {
   SessionGrowth growth;
@@ -46,7 +46,7 @@ TEST(SessionGrowthTest, SaysThatTheRecordBehindTheAcknowledgedOneCameWhileOthers
 
 TEST(SessionGrowthTest, TimesAreThoseOfTheRecordsThatHaveOne) {
   SessionGrowth growth = GrowthFrom(0, 0);
-  growth.Add({1, Withheld{"x"}}, 1);
+  growth.Add({1, sensor::Withheld{"x"}}, 1);
   EXPECT_EQ(growth.first_time, std::nullopt);
   growth.Add(RecordAt(2, 30), 1);
   growth.Add(RecordAt(3, 20), 1);
@@ -56,4 +56,4 @@ TEST(SessionGrowthTest, TimesAreThoseOfTheRecordsThatHaveOne) {
 }
 
 }  // namespace
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres

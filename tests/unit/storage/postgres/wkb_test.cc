@@ -2,7 +2,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade::postgres {
+namespace enfilade::storage::postgres {
 namespace {
 
 TEST(WkbTest, GivesBackTheCorners) {
@@ -34,4 +34,4 @@ TEST(WkbTest, RefusesOtherGeometries) {
 }
 
 }  // namespace
-}  // namespace enfilade::postgres
+}  // namespace enfilade::storage::postgres
