@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Enfilade. `make help` lists what there is; CMakePresets.json has the builds.
 PRESET ?= release
 BIN := build/$(PRESET)/bin

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # All from the distribution's packages; deploy/bootstrap installs them.
 find_package(Threads REQUIRED)
 find_package(Protobuf REQUIRED)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What `cmake --install` puts where: the programs, and the robot library with all that it is made of, for
 #   find_package(enfilade REQUIRED)
 #   target_link_libraries(robot PRIVATE enfilade::client_uplink)
@@ -17,7 +18,7 @@ foreach(library IN LISTS installed_libraries)
 endforeach()
 install(EXPORT enfilade NAMESPACE enfilade:: DESTINATION ${package_dir})
 
-foreach(folder client/cpp core/base core/geometry core/sensor proto/convert)
+foreach(folder client/sdk core/base core/geometry core/sensor proto/convert)
   install(DIRECTORY ${folder}/ DESTINATION ${header_dir}/${folder} FILES_MATCHING PATTERN "*.h")
 endforeach()
 install(FILES core/graph/link_point_kind.h DESTINATION ${header_dir}/core/graph)  # that records name

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Switches of the build; the presets in CMakePresets.json set them.
 option(ENFILADE_BUILD_TESTS "Build the tests" ON)
 option(ENFILADE_BUILD_BENCHMARKS "Build the benchmarks with the tests" ON)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 include(GoogleTest)
 
 # enfilade_library(core_grid SOURCES a.cc b.cc DEPS enfilade::core_geometry PRIVATE_DEPS PNG::PNG)

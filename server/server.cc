@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/server.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 #include "server/app/services.h"
 #include "server/rpc/api.h"
 #include "spdlog/spdlog.h"
-#include "storage/postgres/pool.h"
+#include "storage/postgres/driver/pool.h"
 
 namespace enfilade::server {
 namespace {
@@ -132,7 +133,7 @@ class Server::Impl {
   const storage::RecordStore records{*pool};
   const storage::BlobStore blobs{*pool};
   const storage::MappingStore mappings{*pool};
-  const storage::ClosureStore closures{*pool};
+  const storage::LoopClosureStore closures{*pool};
   const storage::GraphStore graph_store{*pool};
   const storage::LinkPointStore link_points{*pool};
   const storage::RobotPoseStore robot_poses{*pool};

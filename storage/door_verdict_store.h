@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/environment.h"
 #include "core/base/ids.h"
 #include "core/closure/door_verdict.h"
 #include "core/sensor/record.h"
@@ -46,7 +48,7 @@ struct NewMap {
 
 // All that follows from one report. Its site is that of the lease.
 struct DoorChange {
-  closure::DoorVerdict verdict;                            // graph_version: the graph must still be at it
+  closure::DoorVerdict verdict;                   // graph_version: the graph must still be at it
   std::optional<NewMap> new_map;                  // of verdict.entered_map
   std::optional<StoredLinkPoint> new_link_point;  // or candidate
   std::optional<StoredLinkPoint> link_point;      // one that is there, as it is to be; with its etag
@@ -91,14 +93,14 @@ class DoorVerdictStore {
 
   // By sequence, those behind `after`. NOT_FOUND where the session is missing.
   absl::StatusOr<std::vector<closure::DoorVerdict>> List(const CallContext& context, const SiteId& site,
-                                                const SessionId& session, std::int64_t after, int limit) const;
+                                                         const SessionId& session, std::int64_t after, int limit) const;
   // On the passage that the session ends with; unset where there is none, or it is not judged.
   absl::StatusOr<std::optional<closure::DoorVerdict>> FindPassage(const CallContext& context, const SiteId& site,
-                                                         const SessionId& session) const;
+                                                                  const SessionId& session) const;
 
   // Those on passages into `map`, the latest first, without their comparisons.
-  absl::StatusOr<std::vector<closure::DoorVerdict>> ListInto(const CallContext& context, const SiteId& site, const MapId& map,
-                                                    int limit) const;
+  absl::StatusOr<std::vector<closure::DoorVerdict>> ListInto(const CallContext& context, const SiteId& site,
+                                                             const MapId& map, int limit) const;
 
  private:
   postgres::Pool& pool_;

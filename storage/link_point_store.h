@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <Eigen/Core>
@@ -9,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/environment.h"
 #include "core/base/ids.h"
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
@@ -38,7 +40,7 @@ struct Evidence {
 
 struct StoredLinkPoint {
   SiteId site;
-  graph::LinkPoint point;                         // `graph_version` is set by the store
+  graph::LinkPoint point;                  // `graph_version` is set by the store
   std::optional<Environment> environment;  // unset: not known
   bool forced = false;                     // may stand beside one that joins the same maps at the same place
   // Set by the store.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <Eigen/Core>
@@ -7,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/environment.h"
 #include "core/base/ids.h"
 #include "core/base/time.h"
 #include "storage/call_context.h"
@@ -17,7 +19,6 @@ class Pool;
 }
 
 // The numbers of these enums are in the database: never reuse one.
-enum class Environment : std::int16_t { kIndoor = 1, kOutdoor = 2 };
 enum class MapState : std::int16_t {
   kEmpty = 1,    // no revision yet
   kMapping = 2,  // more revisions of the same session will come

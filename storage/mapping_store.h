@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -55,8 +56,8 @@ struct StoredMapping {
 };
 
 struct Trajectory {
-  std::int64_t mapped_sequence = 0;  // the log up to which it was made from
-  std::vector<slam::StampedPose> poses;    // in the order of the log
+  std::int64_t mapped_sequence = 0;      // the log up to which it was made from
+  std::vector<slam::StampedPose> poses;  // in the order of the log
 };
 
 // Thread-safe; errors common to all stores: see SiteStore. Leases run on the database's clock.
@@ -92,7 +93,7 @@ class MappingStore {
 
   // By id, as they are now. Empty before the first step, and where the session is missing.
   absl::StatusOr<std::vector<slam::SlamNode>> ListKeyframes(const CallContext& context, const SiteId& site,
-                                                      const SessionId& session) const;
+                                                            const SessionId& session) const;
   // The keyframe nearest in time; unset where there is none.
   absl::StatusOr<std::optional<PoseWithCovariance>> FindKeyframe(const CallContext& context, const SiteId& site,
                                                                  const SessionId& session, TimeNs time) const;

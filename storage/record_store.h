@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -68,15 +69,18 @@ class RecordStore {
   // The next records from `from_sequence` on without a hole, up to the acknowledged one, of about `max_bytes` of
   // payload together, at least one; empty where there is none yet. NOT_FOUND; FAILED_PRECONDITION where retention has
   // deleted the session's records; DATA_LOSS where a payload does not decode.
-  absl::StatusOr<std::vector<sensor::Record>> Read(const CallContext& context, const SiteId& site, const SessionId& session,
-                                           std::int64_t from_sequence, std::int64_t max_bytes) const;
+  absl::StatusOr<std::vector<sensor::Record>> Read(const CallContext& context, const SiteId& site,
+                                                   const SessionId& session, std::int64_t from_sequence,
+                                                   std::int64_t max_bytes) const;
 
   // Those of `selection`, in the order of the log; none where retention has deleted them. DATA_LOSS as in Read.
   absl::StatusOr<std::vector<sensor::Record>> ReadSelected(const CallContext& context, const SiteId& site,
-                                                   const SessionId& session, const RecordSelection& selection) const;
+                                                           const SessionId& session,
+                                                           const RecordSelection& selection) const;
   // Those of these sequences that are there, in the order of the log. DATA_LOSS as in Read.
-  absl::StatusOr<std::vector<sensor::Record>> ReadEach(const CallContext& context, const SiteId& site, const SessionId& session,
-                                               const std::vector<std::int64_t>& sequences) const;
+  absl::StatusOr<std::vector<sensor::Record>> ReadEach(const CallContext& context, const SiteId& site,
+                                                       const SessionId& session,
+                                                       const std::vector<std::int64_t>& sequences) const;
 
  private:
   postgres::Pool& pool_;

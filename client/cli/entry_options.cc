@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/cli/entry_options.h"
 
 #include "client/cli/place.h"

@@ -1,28 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
 #include <iostream>
 
 #include "absl/synchronization/mutex.h"
 #include "client/cli/command.h"
-#include "client/cli/commands/closure.h"
 #include "client/cli/commands/completion.h"
-#include "client/cli/commands/doors.h"
-#include "client/cli/commands/environment.h"
-#include "client/cli/commands/graph_remote.h"
-#include "client/cli/commands/graph_solve.h"
-#include "client/cli/commands/import_sources.h"
-#include "client/cli/commands/linkpoint.h"
-#include "client/cli/commands/map.h"
-#include "client/cli/commands/match.h"
-#include "client/cli/commands/pose.h"
-#include "client/cli/commands/replay.h"
+#include "client/cli/commands/graph/graph_remote.h"
+#include "client/cli/commands/graph/graph_solve.h"
+#include "client/cli/commands/graph/linkpoint.h"
+#include "client/cli/commands/graph/pose.h"
+#include "client/cli/commands/map/import_sources.h"
+#include "client/cli/commands/map/map.h"
+#include "client/cli/commands/offline/doors.h"
+#include "client/cli/commands/offline/environment.h"
+#include "client/cli/commands/offline/match.h"
+#include "client/cli/commands/offline/sim.h"
+#include "client/cli/commands/offline/simulate.h"
+#include "client/cli/commands/offline/slam.h"
 #include "client/cli/commands/robot.h"
 #include "client/cli/commands/server.h"
-#include "client/cli/commands/session.h"
-#include "client/cli/commands/sim.h"
-#include "client/cli/commands/simulate.h"
+#include "client/cli/commands/session/closure.h"
+#include "client/cli/commands/session/replay.h"
+#include "client/cli/commands/session/session.h"
+#include "client/cli/commands/session/trajectory.h"
 #include "client/cli/commands/site.h"
-#include "client/cli/commands/slam.h"
-#include "client/cli/commands/trajectory.h"
 
 int main(int argc, char** argv) {
   using namespace enfilade::cli;
@@ -42,7 +43,7 @@ int main(int argc, char** argv) {
   if (const char* user = std::getenv("USER")) globals.actor = user;
   app.add_option("--actor", globals.actor, "Who you are, for the audit trail (default: $USER)")
       ->envname("ENFILADE_ACTOR");
-  AddClosure(app, globals);
+  AddLoopClosure(app, globals);
   AddDoors(app, globals);
   AddEnvironment(app, globals);
   AddGraph(app, globals);

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <filesystem>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/grid/map_files.h"
+#include "core/grid/files/map_files.h"
 
 namespace enfilade::cli {
 

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/cli/remote.h"
 
 #include <ctime>
 #include <vector>
 
-#include "client/cpp/uplink/session_setup.h"
+#include "client/sdk/uplink/session_setup.h"
 #include "core/base/ids.h"
 
 namespace enfilade::cli {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -6,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/cli/command.h"
-#include "client/cpp/connection.h"
+#include "client/sdk/connection.h"
 #include "enfilade/v1/geometry.pb.h"
 #include "enfilade/v1/map.pb.h"
 #include "google/protobuf/timestamp.pb.h"

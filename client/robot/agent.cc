@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/agent.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ std::int64_t BytesOf(const SpoolItem& item) {
 }  // namespace
 
 Agent::Agent(AgentSetup setup, const client::Connection& connection, client::Spool& spool, Uploader& uploader,
-             NewsListener listener, std::function<bool()> interrupted, SurroundingsChoice choice)
+             NewsListener listener, std::function<bool()> interrupted, EnvironmentChoice choice)
     : setup_(std::move(setup)),
       connection_(connection),
       spool_(spool),
@@ -57,11 +58,11 @@ Agent::Agent(AgentSetup setup, const client::Connection& connection, client::Spo
       choice_(std::move(choice)),
       last_write_(Clock::now()) {}
 
-absl::StatusOr<std::unique_ptr<Agent>> Agent::Make(AgentSetup setup, const client::Connection& connection, client::Spool& spool,
-                                                   Uploader& uploader, NewsListener listener,
+absl::StatusOr<std::unique_ptr<Agent>> Agent::Make(AgentSetup setup, const client::Connection& connection,
+                                                   client::Spool& spool, Uploader& uploader, NewsListener listener,
                                                    std::function<bool()> interrupted) {
   ENFILADE_RETURN_IF_ERROR(setup.options.Validate());
-  ENFILADE_ASSIGN_OR_RETURN(SurroundingsChoice choice, SurroundingsChoice::Make(setup.options.choice));
+  ENFILADE_ASSIGN_OR_RETURN(EnvironmentChoice choice, EnvironmentChoice::Make(setup.options.choice));
   for (const client::SpoolSession& session : spool.ListSessions()) {
     if (session.site == setup.site && session.robot == setup.robot) continue;
     return FailedPrecondition(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -14,15 +15,15 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/cpp/connection.h"
-#include "client/cpp/spool/spool.h"
+#include "client/robot/environment_choice.h"
 #include "client/robot/evidence.h"
 #include "client/robot/news.h"
 #include "client/robot/own_pose.h"
 #include "client/robot/robot_options.h"
 #include "client/robot/state_machine.h"
-#include "client/robot/surroundings_choice.h"
 #include "client/robot/uploader.h"
+#include "client/sdk/connection.h"
+#include "client/sdk/spool/spool.h"
 #include "core/doors/door_detector.h"
 #include "core/sensor/scan_pairing.h"
 
@@ -33,7 +34,7 @@ struct AgentSetup {
   RobotId robot;
   std::string source;  // what is recorded, for people
   RobotOptions options;
-  std::variant<RecordNewMap, MapOnOldMap> start;  // of automatic mapping
+  std::variant<RecordNewMap, MapOnExistingMap> start;  // of automatic mapping
 };
 
 struct AgentCounts {
@@ -78,8 +79,8 @@ class Agent {
   const AgentCounts& counts() const { return counts_; }
 
  private:
-  Agent(AgentSetup setup, const client::Connection& connection, client::Spool& spool, Uploader& uploader, NewsListener listener,
-        std::function<bool()> interrupted, SurroundingsChoice choice);
+  Agent(AgentSetup setup, const client::Connection& connection, client::Spool& spool, Uploader& uploader,
+        NewsListener listener, std::function<bool()> interrupted, EnvironmentChoice choice);
 
   absl::Status Handle(const Event& event);
   absl::Status AddScan(const client::SpoolItem& item);
@@ -123,7 +124,7 @@ class Agent {
   sensor::ScanPairing pairing_;
   doors::DoorDetector detector_;
   EvidenceBuffer evidence_;
-  SurroundingsChoice choice_;
+  EnvironmentChoice choice_;
   std::map<std::int64_t, std::vector<client::SpoolItem>> kept_;  // by door
 
   std::optional<BeginSession> to_begin_;  // with the next scan
@@ -135,7 +136,7 @@ class Agent {
   std::int64_t gathered_bytes_ = 0;
   std::chrono::steady_clock::time_point last_write_;
   std::optional<sensor::Odometry> odometry_;  // the last
-  bool held_up_ = false;              // told
+  bool held_up_ = false;                      // told
   AgentCounts counts_;
 };
 

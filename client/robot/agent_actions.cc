@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the agent does when the state machine says so.
 #include <chrono>
 #include <ctime>
@@ -53,7 +54,7 @@ absl::Status Agent::BeginWithScan(const SpoolItem& item) {
   session.entry.T_map_robot = action.T_map_robot;
   std::string how = fmt::format("into \"{}\"", session.map);
   if (!action.T_map_robot) {
-    const SurroundingsChoice::Verdict verdict = choice_.Choose(0);
+    const EnvironmentChoice::Verdict verdict = choice_.Choose(0);
     session.surroundings = verdict.surroundings;
     how += ", " + verdict.reason;
   }
@@ -114,7 +115,7 @@ absl::Status Agent::Act(const WriteReport& action) {
   }
   std::string surroundings;
   if (passage) {
-    const SurroundingsChoice::Verdict verdict = choice_.Choose(report.door_time);
+    const EnvironmentChoice::Verdict verdict = choice_.Choose(report.door_time);
     report.entered_surroundings = verdict.surroundings;
     surroundings = "; " + verdict.reason;
   }
@@ -134,7 +135,7 @@ absl::Status Agent::Act(const WriteReport& action) {
        {"by_hand", report.by_hand},
        {"evidence", written},
        {"surroundings",
-        report.entered_surroundings ? nlohmann::json(sensor::ToString(*report.entered_surroundings)) : nlohmann::json()},
+        report.entered_surroundings ? nlohmann::json(ToString(*report.entered_surroundings)) : nlohmann::json()},
        {"reason", report.reason}});
   return absl::OkStatus();
 }

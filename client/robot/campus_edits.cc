@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/campus_edits.h"
 
-#include "client/cpp/uplink/session_setup.h"
+#include "client/sdk/uplink/session_setup.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
@@ -16,9 +17,12 @@ absl::Status DeleteMapOnServer(const client::Connection& connection, const SiteI
   return connection.Call(&v1::MapService::Stub::DeleteMap, request).status();
 }
 
-absl::Status DeleteLinkPointOnServer(const client::Connection& connection, const SiteId& site, const std::string& link_point) {
+absl::Status DeleteLinkPointOnServer(const client::Connection& connection, const SiteId& site,
+                                     const std::string& link_point) {
   v1::DeleteLinkPointRequest request;
-  request.set_name(IsValidResourceId(link_point) ? convert::NameOf(convert::LinkPointName{site, LinkPointId(link_point)}) : link_point);
+  request.set_name(IsValidResourceId(link_point)
+                       ? convert::NameOf(convert::LinkPointName{site, LinkPointId(link_point)})
+                       : link_point);
   return connection.Call(&v1::LinkPointService::Stub::DeleteLinkPoint, request).status();
 }
 

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
 
 #include "absl/status/status.h"
-#include "client/cpp/connection.h"
+#include "client/sdk/connection.h"
 #include "core/base/ids.h"
 
 namespace enfilade::robot {
@@ -12,6 +13,7 @@ namespace enfilade::robot {
 // something depends on it (its message tells what).
 absl::Status DeleteMapOnServer(const client::Connection& connection, const SiteId& site, const std::string& map);
 // By id or resource name.
-absl::Status DeleteLinkPointOnServer(const client::Connection& connection, const SiteId& site, const std::string& link_point);
+absl::Status DeleteLinkPointOnServer(const client::Connection& connection, const SiteId& site,
+                                     const std::string& link_point);
 
 }  // namespace enfilade::robot

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/commands.h"
 
 #include <array>
@@ -74,7 +75,7 @@ absl::StatusOr<Command> CommandOf(const Arguments& arguments) {
   if (arguments.map.empty()) return InvalidArgument("{}: which map?", word);
   if (word == "delete-map") return Command(DeleteMap{arguments.map});
   if (!arguments.pose) return InvalidArgument("old: where in the map is the robot? Expected old MAP X Y YAW");
-  return Command(MapOnOldMap{arguments.map, {*arguments.pose, arguments.covariance}});
+  return Command(MapOnExistingMap{arguments.map, {*arguments.pose, arguments.covariance}});
 }
 
 // Split at blanks; "a text in quotes" is one word.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <deque>
@@ -6,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "client/cpp/spool/spool.h"
 #include "client/robot/robot_options.h"
+#include "client/sdk/spool/spool.h"
 #include "core/geometry/pose2.h"
 #include "core/sensor/record.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -9,10 +10,10 @@
 #include <variant>
 
 #include "absl/status/statusor.h"
-#include "client/cpp/spool/spool.h"
 #include "client/robot/line_input.h"
 #include "client/robot/own_pose.h"
 #include "client/robot/state_machine.h"
+#include "client/sdk/spool/spool.h"
 #include "client/simulator/simulation.h"
 #include "client/sources/log_reader.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/state_machine.h"
 
 #include "fmt/format.h"
@@ -51,7 +52,7 @@ void StateMachine::On(const Ready&) {
   if (state_ != State::kInitialize) return;
   if (!options_.automatic) return Leave(State::kMainMenu);
   if (const auto* fresh = std::get_if<RecordNewMap>(&options_.start)) return Begin({fresh->map, std::nullopt, false});
-  const auto& old = std::get<MapOnOldMap>(options_.start);
+  const auto& old = std::get<MapOnExistingMap>(options_.start);
   Begin({old.map, old.T_map_robot, false});
 }
 
@@ -139,7 +140,7 @@ void StateMachine::Do(const RecordNewMap& command) {
   if (Allowed(State::kMainMenu, "record new map")) Begin({command.map, std::nullopt, false});
 }
 
-void StateMachine::Do(const MapOnOldMap& command) {
+void StateMachine::Do(const MapOnExistingMap& command) {
   if (Allowed(State::kMainMenu, "map on old map")) Begin({command.map, command.T_map_robot, false});
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -56,7 +57,7 @@ struct Failed {
 struct RecordNewMap {
   std::string map;  // its name; empty: one is made up
 };
-struct MapOnOldMap {
+struct MapOnExistingMap {
   std::string map;  // by name or id
   PoseWithCovariance T_map_robot;
 };
@@ -81,7 +82,7 @@ struct StopMapping {};
 struct Abort {};
 struct AskStatus {};
 
-using Command = std::variant<RecordNewMap, MapOnOldMap, DeleteMap, DeleteLinkPoint, SetLinkPoint, SaveRearImage,
+using Command = std::variant<RecordNewMap, MapOnExistingMap, DeleteMap, DeleteLinkPoint, SetLinkPoint, SaveRearImage,
                              SetCandidate, StopMapping, Abort, AskStatus>;
 using Event = std::variant<Ready, SessionBegun, SessionFinished, DoorSeen, Moved, SourceEnded, Failed, Command>;
 
@@ -125,7 +126,7 @@ struct StateMachineOptions {
   // Doors are found by the detector and the robot goes on by itself; false: a person says all.
   bool automatic = true;
   // What automatic mapping begins with.
-  std::variant<RecordNewMap, MapOnOldMap> start;
+  std::variant<RecordNewMap, MapOnExistingMap> start;
   // A passage is reported this far behind the door, m, or after so many seconds, so that its evidence shows the map
   // that was entered.
   double report_behind = 2.0;
@@ -151,7 +152,7 @@ class StateMachine {
   void On(const Command& command);
 
   void Do(const RecordNewMap& command);
-  void Do(const MapOnOldMap& command);
+  void Do(const MapOnExistingMap& command);
   void Do(const DeleteMap& command);
   void Do(const DeleteLinkPoint& command);
   void Do(const SetLinkPoint& command);
@@ -176,12 +177,12 @@ class StateMachine {
 
   StateMachineOptions options_;
   State state_ = State::kInitialize;
-  std::vector<Action> actions_;        // of the event that is being handled
-  std::optional<doors::DoorEvent> passage_;   // its report waits until the robot is farther behind the door
-  std::vector<doors::DoorEvent> held_;        // found behind that door: the next session's
-  std::optional<BeginSession> next_;   // after kStopMapping
-  State left_for_ = State::kMainMenu;  // after kStopMapping, where there is no next_
-  bool evidence_saved_ = false;        // by hand
+  std::vector<Action> actions_;              // of the event that is being handled
+  std::optional<doors::DoorEvent> passage_;  // its report waits until the robot is farther behind the door
+  std::vector<doors::DoorEvent> held_;       // found behind that door: the next session's
+  std::optional<BeginSession> next_;         // after kStopMapping
+  State left_for_ = State::kMainMenu;        // after kStopMapping, where there is no next_
+  bool evidence_saved_ = false;              // by hand
   TimeNs now_ = 0;
   Pose2 T_odom_robot_;
   bool located_ = false;  // Moved has come

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/uploader.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "client/cpp/uplink/session_setup.h"
+#include "client/sdk/uplink/session_setup.h"
 #include "core/base/error.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
@@ -32,8 +33,8 @@ nlohmann::json ToJson(const v1::Pose2& pose) { return {{"x_m", pose.x()}, {"y_m"
 
 }  // namespace
 
-Uploader::Uploader(const client::Connection& connection, client::Spool& spool, convert::RobotName robot, NewsListener listener,
-                   const UploaderOptions& options)
+Uploader::Uploader(const client::Connection& connection, client::Spool& spool, convert::RobotName robot,
+                   NewsListener listener, const UploaderOptions& options)
     : connection_(connection),
       spool_(spool),
       robot_(std::move(robot)),
@@ -194,7 +195,8 @@ void Uploader::Follow() {
 
 bool Uploader::FollowOne(Followed& followed) {
   const absl::StatusOr<v1::Session> session = client::GetSession(connection_, robot_.site, followed.session);
-  if (!session.ok()) return client::IsPermanent(session.status());  // deleted: nothing will come; else the next look tells
+  if (!session.ok())
+    return client::IsPermanent(session.status());  // deleted: nothing will come; else the next look tells
   const bool ended = session->state() == v1::Session::STATE_MAPPED || session->state() == v1::Session::STATE_FAILED;
   const bool failed = session->state() == v1::Session::STATE_FAILED;
   if (!followed.told_map && !session->map().empty()) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -11,10 +12,10 @@
 #include <thread>
 
 #include "absl/base/thread_annotations.h"
-#include "client/cpp/connection.h"
-#include "client/cpp/spool/spool.h"
-#include "client/cpp/uplink/uplink.h"
 #include "client/robot/news.h"
+#include "client/sdk/connection.h"
+#include "client/sdk/spool/spool.h"
+#include "client/sdk/uplink/uplink.h"
 #include "core/base/mutex.h"
 #include "enfilade/v1/door.pb.h"
 #include "enfilade/v1/ingest_service.pb.h"

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/campus_yaml.h"
 
 #include <utility>
 
-#include "client/simulator/noise.h"
+#include "client/simulator/sensors/noise.h"
 #include "client/simulator/strict_yaml.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/pose2.h"

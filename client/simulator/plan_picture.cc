@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/plan_picture.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
-#include "core/grid/rgb_image.h"
+#include "core/grid/files/rgb_image.h"
 
 namespace enfilade::simulator {
 namespace {

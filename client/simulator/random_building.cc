@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/random_building.h"
 
 #include <algorithm>
@@ -5,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/simulator/noise.h"
+#include "client/simulator/sensors/noise.h"
 #include "fmt/format.h"
 
 namespace enfilade::simulator {

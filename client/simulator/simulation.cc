@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/simulation.h"
 
 #include <algorithm>
@@ -17,7 +18,9 @@ enum Sensor : int { kWheelSizes, kWheels, kScanner, kCloudScanner, kFrontCamera,
 
 constexpr double kBesideDoor = 0.4;  // m from a door: where its two areas are asked for
 
-sensor::BlobRef RefOf(const std::string& content) { return {Sha256(content), static_cast<std::int64_t>(content.size())}; }
+sensor::BlobRef RefOf(const std::string& content) {
+  return {Sha256(content), static_cast<std::int64_t>(content.size())};
+}
 
 }  // namespace
 
@@ -130,7 +133,8 @@ absl::Status RobotSimulation::RecordImages(const Viewpoint& view, TimeNs time) {
   const bool images = Due(options_.image_hz);
   const bool depth = Due(options_.depth_hz);
   if (!images && !depth) return absl::OkStatus();
-  const auto add = [&](sensor::Camera camera, sensor::ImageEncoding encoding, absl::StatusOr<std::string> png) -> absl::Status {
+  const auto add = [&](sensor::Camera camera, sensor::ImageEncoding encoding,
+                       absl::StatusOr<std::string> png) -> absl::Status {
     ENFILADE_RETURN_IF_ERROR(png.status());
     sensor::Image image{time, camera, encoding, RefOf(*png)};
     pending_.push_back({image, *std::move(png)});
@@ -141,8 +145,8 @@ absl::Status RobotSimulation::RecordImages(const Viewpoint& view, TimeNs time) {
     ENFILADE_RETURN_IF_ERROR(add(sensor::Camera::kFront, sensor::ImageEncoding::kPng, front.GreyPng()));
     CameraOptions rear = options_.camera;
     rear.T_robot_camera = Pose2{0.0, 0.0, M_PI} * options_.camera.T_robot_camera;
-    ENFILADE_RETURN_IF_ERROR(
-        add(sensor::Camera::kRear, sensor::ImageEncoding::kPng, ReadCamera(view, rear, NoiseOf(kRearCamera, steps_)).GreyPng()));
+    ENFILADE_RETURN_IF_ERROR(add(sensor::Camera::kRear, sensor::ImageEncoding::kPng,
+                                 ReadCamera(view, rear, NoiseOf(kRearCamera, steps_)).GreyPng()));
   }
   return depth ? add(sensor::Camera::kFront, sensor::ImageEncoding::kDepthPng16, front.DepthPng()) : absl::OkStatus();
 }

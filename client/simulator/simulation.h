@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/simulator/route_driver.h"
-#include "client/simulator/sensors.h"
+#include "client/simulator/sensors/sensors.h"
 #include "client/simulator/world.h"
 #include "core/base/time.h"
 #include "core/sensor/record.h"

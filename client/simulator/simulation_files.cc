@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/simulation_files.h"
 
 #include <charconv>
@@ -51,7 +52,7 @@ class DriveWriter {
       ++report_.images;
       const char* kind = image->encoding == sensor::ImageEncoding::kDepthPng16 ? "depth"
                          : image->camera == sensor::Camera::kRear              ? "rear"
-                                                                       : "front";
+                                                                               : "front";
       entry.content = fs::path("images") / fmt::format("{}_{}.png", image->time, kind);
     }
     if (const auto* cloud = std::get_if<sensor::PointCloud>(&record.payload)) {

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/world.h"
 
 #include <algorithm>
 
-#include "client/simulator/noise.h"
+#include "client/simulator/sensors/noise.h"
 #include "client/simulator/world_builder.h"
 
 namespace enfilade::simulator {

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/world_builder.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "client/simulator/noise.h"
+#include "client/simulator/sensors/noise.h"
 
 namespace enfilade::simulator {
 namespace {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/sources/json_lines_writer.h"
 
 #include <cmath>
@@ -70,7 +71,7 @@ struct LineOf {
     const char* camera = image.camera == sensor::Camera::kRear ? "rear" : "front";
     const char* encoding = image.encoding == sensor::ImageEncoding::kPng    ? "png"
                            : image.encoding == sensor::ImageEncoding::kJpeg ? "jpeg"
-                                                                    : "depth_png16";
+                                                                            : "depth_png16";
     return fmt::format("{{\"type\":\"image\",\"time_ns\":{},\"camera\":\"{}\",\"encoding\":\"{}\",\"file\":{}}}\n",
                        image.time, camera, encoding, Quoted(entry.content));
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/sources/map_manager_database.h"
 
 #include <cmath>
@@ -6,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "client/cpp/spool/sqlite.h"
+#include "client/sdk/spool/sqlite.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/closure_options.h"
 
 #include <type_traits>
@@ -8,9 +9,9 @@
 
 namespace enfilade::closure {
 
-absl::Status ClosureOptions::Validate() const {
+absl::Status DoorClosureOptions::Validate() const {
   absl::Status status;
-  VisitClosureOptions(*this, [&](const char* name, const auto& value) {
+  VisitDoorClosureOptions(*this, [&](const char* name, const auto& value) {
     if constexpr (!std::is_same_v<std::decay_t<decltype(value)>, std::string>) {
       const auto number = static_cast<double>(value);
       if (status.ok() && !(number >= 0.0 && number < 1e6)) {
@@ -49,12 +50,12 @@ absl::Status ClosureOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<ClosureOptions> ParseClosureOptions(std::string_view yaml, const ClosureOptions& base) {
+absl::StatusOr<DoorClosureOptions> ParseDoorClosureOptions(std::string_view yaml, const DoorClosureOptions& base) {
   constexpr std::string_view kWhat = "closure options";
-  ClosureOptions options = base;
+  DoorClosureOptions options = base;
   ENFILADE_ASSIGN_OR_RETURN(const yaml_options::Values values, yaml_options::Load(yaml, kWhat));
   ENFILADE_RETURN_IF_ERROR(
-      yaml_options::Assign(values, kWhat, [&](const auto& visitor) { VisitClosureOptions(options, visitor); }));
+      yaml_options::Assign(values, kWhat, [&](const auto& visitor) { VisitDoorClosureOptions(options, visitor); }));
   ENFILADE_RETURN_IF_ERROR(options.Validate());
   return options;
 }

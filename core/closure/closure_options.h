@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -9,7 +10,7 @@
 namespace enfilade::closure {
 
 // What decides at a door (docs/closure.md). The original's values where it had any: map_manager's params.yaml.
-struct ClosureOptions {
+struct DoorClosureOptions {
   // --- The gate: does a pose agree with where it should be? Chi-squared with 3 degrees of freedom, of the sum of both
   // covariances and of what no covariance knows of:
   double gate_probability = 0.99;    // what agrees is let through so often
@@ -95,9 +96,9 @@ struct ClosureOptions {
   absl::Status Validate() const;
 };
 
-// Calls visit(name, value) for every option; `Options` is ClosureOptions, const or not.
+// Calls visit(name, value) for every option; `Options` is DoorClosureOptions, const or not.
 template <typename Options, typename Visit>
-void VisitClosureOptions(Options& o, Visit visit) {
+void VisitDoorClosureOptions(Options& o, Visit visit) {
   visit("gate_probability", o.gate_probability);
   visit("strict_probability", o.strict_probability);
   visit("place_sigma", o.place_sigma);
@@ -156,6 +157,6 @@ void VisitClosureOptions(Options& o, Visit visit) {
 
 // Options from YAML by the names above, on top of `base`. INVALID_ARGUMENT naming key and line: a key that does not
 // exist, a value of another type, what Validate refuses.
-absl::StatusOr<ClosureOptions> ParseClosureOptions(std::string_view yaml, const ClosureOptions& base);
+absl::StatusOr<DoorClosureOptions> ParseDoorClosureOptions(std::string_view yaml, const DoorClosureOptions& base);
 
 }  // namespace enfilade::closure

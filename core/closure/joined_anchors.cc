@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/joined_anchors.h"
 
 #include <algorithm>
 
-#include "core/graph/pose_chain.h"
+#include "core/graph/paths/pose_chain.h"
 #include "core/graph/search_radius.h"
 
 namespace enfilade::closure {
@@ -25,7 +26,7 @@ JoinedAnchors JoinAtDoor(const MapId& here, const Pose2& T_here_robot, const Pos
           .there = {there, T_there_door.pose, T_there_door.covariance}};
 }
 
-graph::Anchor OriginAnchor(const MapId& map, const ClosureOptions& options) {
+graph::Anchor OriginAnchor(const MapId& map, const DoorClosureOptions& options) {
   const double variance = options.origin_sigma * options.origin_sigma;
   const double yaw_variance = options.origin_yaw_sigma * options.origin_yaw_sigma;
   return {map, Pose2{}, Eigen::Vector3d(variance, variance, yaw_variance).asDiagonal()};
@@ -39,7 +40,8 @@ std::optional<PoseWithCovariance> PoseBehind(const graph::LinkPoint& link_point,
   return Compose(graph::TransformAcross(*to, *from), T_here_robot);
 }
 
-const graph::LinkPoint* FindRedundant(const std::vector<const graph::LinkPoint*>& link_points, const JoinedAnchors& anchors) {
+const graph::LinkPoint* FindRedundant(const std::vector<const graph::LinkPoint*>& link_points,
+                                      const JoinedAnchors& anchors) {
   for (const graph::LinkPoint* link_point : link_points) {
     const graph::Anchor* here = link_point->FindAnchor(anchors.here.map);
     const graph::Anchor* there = link_point->FindAnchor(anchors.there.map);

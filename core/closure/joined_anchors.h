@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -22,7 +23,7 @@ JoinedAnchors JoinAtDoor(const MapId& here, const Pose2& T_here_robot, const Pos
                          const MapId& there, const PoseWithCovariance& T_there_robot);
 
 // The door as the origin of a map that begins there, looking into it.
-graph::Anchor OriginAnchor(const MapId& map, const ClosureOptions& options);
+graph::Anchor OriginAnchor(const MapId& map, const DoorClosureOptions& options);
 
 // Where a robot at T_here_robot is in `there`, which the link point joins with `here`: T_there_place * T_here_place^-1
 // * T_here_robot. Unset where it has no anchor in one of them.
@@ -31,6 +32,7 @@ std::optional<PoseWithCovariance> PoseBehind(const graph::LinkPoint& link_point,
 
 // A link point of `link_points` that joins the same two maps at the same place: as the database sees it (within the 95
 // % circle of both covariances, at least 0.3 m, in each of them), or null.
-const graph::LinkPoint* FindRedundant(const std::vector<const graph::LinkPoint*>& link_points, const JoinedAnchors& anchors);
+const graph::LinkPoint* FindRedundant(const std::vector<const graph::LinkPoint*>& link_points,
+                                      const JoinedAnchors& anchors);
 
 }  // namespace enfilade::closure

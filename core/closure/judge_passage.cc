@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/judge_passage.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 namespace enfilade::closure {
 namespace {
 
-bool IsSure(const PoseWithCovariance& pose, const ClosureOptions& options) {
+bool IsSure(const PoseWithCovariance& pose, const DoorClosureOptions& options) {
   return graph::ErrorEllipse95(pose.covariance).semi_major_m <= options.sure_radius &&
          std::sqrt(std::max(pose.covariance(2, 2), 0.0)) <= options.sure_yaw;
 }
@@ -42,7 +43,7 @@ JudgedPlace Refuse(JudgedPlace judged, std::string why) {
 }
 
 // By registration, with or without images.
-JudgedPlace JudgeRegistered(const PlaceEvidence& evidence, JudgedPlace judged, const ClosureOptions& options) {
+JudgedPlace JudgeRegistered(const PlaceEvidence& evidence, JudgedPlace judged, const DoorClosureOptions& options) {
   const CloudWitness& clouds = *evidence.clouds;
   const bool images_agree = evidence.images && evidence.images->agree;
   const bool strict = clouds.inlier_share >= options.strict_inlier_share;
@@ -67,14 +68,14 @@ JudgedPlace JudgeRegistered(const PlaceEvidence& evidence, JudgedPlace judged, c
 
 // Do the poses rule one another out?
 bool AreRivals(const PlaceEvidence& a, const JudgedPlace& judged_a, const PlaceEvidence& b, const JudgedPlace& judged_b,
-               const ClosureOptions& options) {
+               const DoorClosureOptions& options) {
   if (a.map != b.map) return true;
   const Pose2 d = Between(judged_a.T_map_robot.pose, judged_b.T_map_robot.pose);
   return d.translation().norm() > options.same_pose;
 }
 
 bool IsClearlyBetter(const PlaceEvidence& a, const JudgedPlace& judged_a, const PlaceEvidence& b,
-                     const JudgedPlace& judged_b, const ClosureOptions& options) {
+                     const JudgedPlace& judged_b, const DoorClosureOptions& options) {
   if (judged_a.chi2 && judged_b.chi2 && *judged_a.chi2 + options.clear_chi2 <= *judged_b.chi2) return true;
   // One that the graph places where the robot is, against one that it knows nothing of.
   if (judged_a.chi2 && !judged_b.chi2) return true;
@@ -84,7 +85,7 @@ bool IsClearlyBetter(const PlaceEvidence& a, const JudgedPlace& judged_a, const 
 
 }  // namespace
 
-JudgedPlace JudgePlace(const PlaceEvidence& evidence, const ClosureOptions& options) {
+JudgedPlace JudgePlace(const PlaceEvidence& evidence, const DoorClosureOptions& options) {
   JudgedPlace judged;
   const bool registered = evidence.clouds && evidence.clouds->agree;
   if (registered && evidence.predicted) {
@@ -105,12 +106,12 @@ JudgedPlace JudgePlace(const PlaceEvidence& evidence, const ClosureOptions& opti
   return Accept(std::move(judged), *evidence.predicted, "images agree, and the graph is sure of the pose");
 }
 
-bool Contradicted(const PlaceEvidence& evidence, const ClosureOptions& options) {
+bool Contradicted(const PlaceEvidence& evidence, const DoorClosureOptions& options) {
   return evidence.images && !evidence.images->agree && evidence.clouds && !evidence.clouds->agree &&
          evidence.clouds->inlier_share < options.contradicting_share;
 }
 
-PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const ClosureOptions& options) {
+PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const DoorClosureOptions& options) {
   PassageChoice choice;
   for (const PlaceEvidence& place : evidence) choice.judged.push_back(JudgePlace(place, options));
   choice.order.resize(evidence.size());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -51,10 +52,10 @@ struct JudgedPlace {
 // * images cannot tell or do not agree, but the clouds agree strictly, pass the strict gate, and the graph is sure of
 //   where the robot is;
 // * clouds cannot tell, but images agree and the graph is sure: then the prediction is the pose.
-JudgedPlace JudgePlace(const PlaceEvidence& evidence, const ClosureOptions& options);
+JudgedPlace JudgePlace(const PlaceEvidence& evidence, const DoorClosureOptions& options);
 
 // True where both witnesses have been heard and both speak against the place: then its pose alone is not believed.
-bool Contradicted(const PlaceEvidence& evidence, const ClosureOptions& options);
+bool Contradicted(const PlaceEvidence& evidence, const DoorClosureOptions& options);
 
 struct PassageChoice {
   std::optional<std::size_t> chosen;  // index into `evidence`
@@ -66,7 +67,7 @@ struct PassageChoice {
 
 // Which of all places it was. None where none is accepted, or where two are that place the robot differently and
 // neither is clearly better.
-PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const ClosureOptions& options);
+PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const DoorClosureOptions& options);
 
 // For the verdict.
 DoorComparison ToComparison(const PlaceEvidence& evidence, const JudgedPlace& judged);

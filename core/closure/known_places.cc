@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/known_places.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ struct Reach {
 };
 
 std::optional<KnownPlace> Sight(const graph::LinkPoint& link_point, const graph::Anchor& anchor,
-                                const PoseWithCovariance& T_map_robot, const ClosureOptions& options) {
+                                const PoseWithCovariance& T_map_robot, const DoorClosureOptions& options) {
   const bool is_sighting = link_point.is_candidate();
   const Reach reach = is_sighting ? Reach{options.known_along, options.known_along, options.known_across}
                                   : Reach{options.known_ahead, kBehindDoor, options.known_across};
@@ -40,7 +41,8 @@ std::optional<KnownPlace> Sight(const graph::LinkPoint& link_point, const graph:
 }
 
 template <typename Find>
-std::vector<KnownPlace> FindEach(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map, const Find& find) {
+std::vector<KnownPlace> FindEach(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
+                                 const Find& find) {
   std::vector<KnownPlace> found;
   for (const graph::LinkPoint* link_point : link_points) {
     const graph::Anchor* anchor = link_point->FindAnchor(map);
@@ -57,14 +59,14 @@ std::vector<KnownPlace> FindEach(const std::vector<const graph::LinkPoint*>& lin
 }  // namespace
 
 std::vector<KnownPlace> FindSighted(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
-                                    const PoseWithCovariance& T_map_robot, const ClosureOptions& options) {
+                                    const PoseWithCovariance& T_map_robot, const DoorClosureOptions& options) {
   return FindEach(link_points, map, [&](const graph::LinkPoint& link_point, const graph::Anchor& anchor) {
     return Sight(link_point, anchor, T_map_robot, options);
   });
 }
 
 std::vector<KnownPlace> FindPassed(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
-                                   const PoseWithCovariance& T_map_door, const ClosureOptions& options) {
+                                   const PoseWithCovariance& T_map_door, const DoorClosureOptions& options) {
   const double gate = Gate(options);
   const PoseWithCovariance before = Compose(T_map_door, {{-options.latch_distance, 0.0, 0.0}, Eigen::Matrix3d::Zero()});
   return FindEach(link_points, map,
@@ -81,7 +83,7 @@ std::vector<KnownPlace> FindPassed(const std::vector<const graph::LinkPoint*>& l
 }
 
 bool IsDoorOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor, const PoseWithCovariance& T_map_door,
-              const ClosureOptions& options) {
+              const DoorClosureOptions& options) {
   if (!link_point.is_candidate()) {
     return PlaceChiSquared({anchor.T_map_place, anchor.covariance}, T_map_door, options) <= Gate(options);
   }

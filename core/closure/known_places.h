@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -23,18 +24,18 @@ struct KnownPlace {
 // 95 % circle of both covariances. Sightings must face the same way within known_facing, doors that way or the
 // opposite. The nearest first. `link_points`: those with an anchor in `map`; others are left out.
 std::vector<KnownPlace> FindSighted(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
-                                    const PoseWithCovariance& T_map_robot, const ClosureOptions& options);
+                                    const PoseWithCovariance& T_map_robot, const DoorClosureOptions& options);
 
 // The link points and candidates of `map` that may be the door at `T_map_door` which the robot has driven through: the
 // gate on both poses, either way round. Candidates were seen from before the door: they are those that FindSighted
 // would have the robot see from latch_distance before it. The likeliest first.
 std::vector<KnownPlace> FindPassed(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
-                                   const PoseWithCovariance& T_map_door, const ClosureOptions& options);
+                                   const PoseWithCovariance& T_map_door, const DoorClosureOptions& options);
 
 // Is the door at `T_map_door`, looking into the map that the anchor is in, the one that the anchor is of? Who comes
 // into a room by another door sees the same room. A link point's anchor must agree with it, either way round; a
 // candidate's must have it ahead, as FindSighted has it, and look against the way through.
 bool IsDoorOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor, const PoseWithCovariance& T_map_door,
-              const ClosureOptions& options);
+              const DoorClosureOptions& options);
 
 }  // namespace enfilade::closure

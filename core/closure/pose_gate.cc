@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/pose_gate.h"
 
 #include <Eigen/Cholesky>
@@ -21,12 +22,14 @@ PoseWithCovariance Turned(const PoseWithCovariance& T_map_place) {
   return turned;
 }
 
-double PlaceChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, const ClosureOptions& options) {
+double PlaceChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, const DoorClosureOptions& options) {
   return std::min(PoseChiSquared(a, b, options.place_sigma, options.place_yaw_sigma),
                   PoseChiSquared(Turned(a), b, options.place_sigma, options.place_yaw_sigma));
 }
 
-double Gate(const ClosureOptions& options) { return graph::ChiSquaredQuantile(options.gate_probability, 3); }
-double StrictGate(const ClosureOptions& options) { return graph::ChiSquaredQuantile(options.strict_probability, 3); }
+double Gate(const DoorClosureOptions& options) { return graph::ChiSquaredQuantile(options.gate_probability, 3); }
+double StrictGate(const DoorClosureOptions& options) {
+  return graph::ChiSquaredQuantile(options.strict_probability, 3);
+}
 
 }  // namespace enfilade::closure

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/closure/closure_options.h"
@@ -10,11 +11,11 @@ namespace enfilade::closure {
 double PoseChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, double sigma, double yaw_sigma);
 
 // A door has no front: the lesser of `a` as it is and turned by 180 degrees.
-double PlaceChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, const ClosureOptions& options);
+double PlaceChiSquared(const PoseWithCovariance& a, const PoseWithCovariance& b, const DoorClosureOptions& options);
 
 // The values that chi-squared with 3 degrees of freedom must not exceed.
-double Gate(const ClosureOptions& options);
-double StrictGate(const ClosureOptions& options);
+double Gate(const DoorClosureOptions& options);
+double StrictGate(const DoorClosureOptions& options);
 
 // The same place, looked at from the other side.
 PoseWithCovariance Turned(const PoseWithCovariance& T_map_place);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/scan_location.h"
 
 #include <Eigen/LU>
@@ -7,9 +8,9 @@
 
 #include "core/closure/pose_gate.h"
 #include "core/graph/search_radius.h"
-#include "core/slam/field_pyramid.h"
-#include "core/slam/loop_matching.h"
-#include "core/slam/scan_points.h"
+#include "core/slam/loops/loop_matching.h"
+#include "core/slam/matching/field_pyramid.h"
+#include "core/slam/matching/scan_points.h"
 #include "fmt/format.h"
 
 namespace enfilade::closure {
@@ -86,7 +87,7 @@ std::vector<PlacedScan> WithoutBeyond(std::vector<PlacedScan> scans, const std::
 }
 
 ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
-                           const PoseWithCovariance& predicted, const ClosureOptions& options) {
+                           const PoseWithCovariance& predicted, const DoorClosureOptions& options) {
   const double radius = graph::ErrorEllipse95(predicted.covariance).semi_major_m;
   const double yaw_sigma = std::sqrt(std::max(predicted.covariance(2, 2), 0.0));
   if (radius > options.alike_distance || yaw_sigma > options.sure_yaw) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <Eigen/Core>
@@ -42,6 +43,6 @@ struct ScanLocation {
 // robot's true place is within e of the prediction, so that a look-alike of it, alike_distance away or more, is farther
 // than alike_distance - e from the prediction; d must be less. Not looked for where e alone is more.
 ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
-                           const PoseWithCovariance& predicted, const ClosureOptions& options);
+                           const PoseWithCovariance& predicted, const DoorClosureOptions& options);
 
 }  // namespace enfilade::closure

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/session_track.h"
 
 #include <algorithm>
@@ -31,7 +32,7 @@ const Stamped* FindNearest(const std::vector<Stamped>& samples, TimeNs time) {
 }  // namespace
 
 SessionTrack::SessionTrack(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Odometry> odometry,
-                           const ClosureOptions& options)
+                           const DoorClosureOptions& options)
     : trajectory_(std::move(trajectory)),
       odometry_(std::move(odometry)),
       sigma_(options.odometry_sigma),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -15,7 +16,8 @@ namespace enfilade::closure {
 class SessionTrack {
  public:
   // Both in any order. Odometry need only cover what is asked for.
-  SessionTrack(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Odometry> odometry, const ClosureOptions& options);
+  SessionTrack(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Odometry> odometry,
+               const DoorClosureOptions& options);
 
   // T_map_robot. The covariance is that of odometry's way from the nearest mapped scan alone; unset where nothing was
   // mapped within 10 s.

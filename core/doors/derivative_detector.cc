@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/doors/derivative_detector.h"
 
 #include <algorithm>
@@ -24,7 +25,8 @@ void DerivativeDetector::Add(const sensor::LaserScan& scan, const Pose2& T_odom_
   last_time_ = scan.time;
 }
 
-void DerivativeDetector::LookAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
+void DerivativeDetector::LookAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot,
+                                   std::vector<DoorEvent>& events) {
   const DerivativeOptions& o = options_.derivative;
   if (ahead_.met()) return;
   if (ahead_hits_ > 0 && ToSeconds(scan.time - first_ahead_) > o.front_window) ahead_hits_ = 0;

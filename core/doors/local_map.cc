@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/doors/local_map.h"
 
 #include <algorithm>
@@ -88,8 +89,8 @@ void LocalMap::Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const sensor::BeamKind kind = sensor::ClassifyBeam(scan, scan.ranges[i]);
     if (kind == sensor::BeamKind::kUnknown) continue;
-    const double range =
-        kind == sensor::BeamKind::kHit ? std::min<double>(scan.ranges[i], reach_) : std::min<double>(scan.range_max, reach_);
+    const double range = kind == sensor::BeamKind::kHit ? std::min<double>(scan.ranges[i], reach_)
+                                                        : std::min<double>(scan.range_max, reach_);
     Clear(from, end_of(i, range));
   }
 }

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
 
 #include "core/geo/georeference.h"
 #include "core/graph/global_pose.h"
-#include "core/graph/routes.h"
+#include "core/graph/paths/routes.h"
 
 namespace enfilade::graph {
 
@@ -20,6 +21,7 @@ std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* geo
 
 // One LineString per route and leg, with the map, length and the link point that it ends at. Where a map of the way is
 // not joined to the world its legs have no geometry.
-std::string RoutesToGeoJson(const Routes& routes, const WorldPoses& poses, const geo::Georeference* georeference = nullptr);
+std::string RoutesToGeoJson(const Routes& routes, const WorldPoses& poses,
+                            const geo::Georeference* georeference = nullptr);
 
 }  // namespace enfilade::graph

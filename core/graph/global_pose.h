@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -9,8 +10,8 @@
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
 #include "core/graph/graph_snapshot.h"
-#include "core/graph/pose_chain.h"
-#include "core/graph/shortest_paths.h"
+#include "core/graph/paths/pose_chain.h"
+#include "core/graph/paths/shortest_paths.h"
 
 namespace enfilade::graph {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/graph/graph_optimization.h"
 
 #include <algorithm>
@@ -79,7 +80,8 @@ class Optimization {
   // off; started there and elsewhere, the least minimum counts.
   absl::Status SolveRobustly() {
     const optimize::RobustKernel dcs{.type = optimize::RobustKernel::Type::kDcs, .width = options_.kernel_width};
-    ENFILADE_RETURN_IF_ERROR(Solve({.type = optimize::RobustKernel::Type::kHuber, .width = 1.0}, optimize::Initialisation::kAuto));
+    ENFILADE_RETURN_IF_ERROR(
+        Solve({.type = optimize::RobustKernel::Type::kHuber, .width = 1.0}, optimize::Initialisation::kAuto));
     ENFILADE_RETURN_IF_ERROR(Solve(dcs, optimize::Initialisation::kNone));
     const double cost = report_.final_cost;
     const std::vector<optimize::PoseGraphNode> nodes = joint_.graph.nodes;
@@ -91,9 +93,9 @@ class Optimization {
 
   absl::Status Solve(const optimize::RobustKernel& kernel, optimize::Initialisation initialisation) {
     optimize::SolveOptions solve{.initialisation = initialisation,
-                       .kernel = kernel,
-                       .max_iterations = options_.max_iterations,
-                       .fixed = {joint_.graph.nodes.front().id}};
+                                 .kernel = kernel,
+                                 .max_iterations = options_.max_iterations,
+                                 .fixed = {joint_.graph.nodes.front().id}};
     if (kernel.type == optimize::RobustKernel::Type::kNone) {
       for (std::size_t i = 0; i < joint_.maps; ++i) solve.covariance_of.push_back(joint_.graph.nodes[i].id);
     }

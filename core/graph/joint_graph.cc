@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/graph/joint_graph.h"
 
 #include <Eigen/LU>
@@ -7,7 +8,7 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
-#include "core/graph/pose_chain.h"
+#include "core/graph/paths/pose_chain.h"
 #include "core/optimize/edge_error.h"
 #include "core/optimize/solve_pose_graph.h"
 
@@ -29,7 +30,7 @@ Eigen::Matrix3d InformationOf(const PoseWithCovariance& measured, const GraphOpt
 }
 
 optimize::PoseGraphEdge Edge(int from, std::int64_t to, const PoseWithCovariance& measured,
-                   const GraphOptimizationOptions& options) {
+                             const GraphOptimizationOptions& options) {
   return {.from = from,
           .to = to,
           .T_from_to = measured.pose,
@@ -124,8 +125,8 @@ absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<o
   const auto node = [&joint, &nodes](std::int64_t id) { return nodes[joint.node_of.at(id)]; };
   if (term.edges.size() == 1) {
     const optimize::PoseGraphEdge& edge = joint.graph.edges[term.edges.front()];
-    const Eigen::Vector3d error =
-        optimize::EdgeError(node(edge.from).T_world_node, node(edge.to).T_world_node, optimize::EdgeMeasurement(edge.T_from_to));
+    const Eigen::Vector3d error = optimize::EdgeError(node(edge.from).T_world_node, node(edge.to).T_world_node,
+                                                      optimize::EdgeMeasurement(edge.T_from_to));
     return error.dot(edge.information * error);
   }
   optimize::PoseGraph star;

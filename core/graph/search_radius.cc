@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/graph/search_radius.h"
 
 #include <Eigen/Eigenvalues>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/graph/validate_link_point.h"
 
 #include "core/base/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/grid/log_odds_grid.h"
 
 #include <algorithm>

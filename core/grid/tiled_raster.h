@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <compare>
@@ -8,8 +9,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/grid/files/raster_header.h"
 #include "core/grid/map_raster.h"
-#include "core/grid/raster_header.h"
 
 namespace enfilade::grid {
 

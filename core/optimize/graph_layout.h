@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
 
-#include "core/optimize/block_structure.h"
 #include "core/optimize/indexed_graph.h"
+#include "core/optimize/linear/block_structure.h"
 
 namespace enfilade::optimize {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/optimize/graph_text.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/optimize/indexed_graph.h"
 #include "core/optimize/information.h"
-#include "core/optimize/spanning_tree.h"
+#include "core/optimize/initialization/spanning_tree.h"
 
 namespace enfilade::optimize {
 namespace {

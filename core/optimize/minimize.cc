@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/optimize/minimize.h"
 
 #include <algorithm>
@@ -5,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "core/optimize/ceres_minimize.h"
+#include "core/optimize/ceres/ceres_minimize.h"
 #include "core/optimize/graph_layout.h"
 #include "core/optimize/indexed_graph.h"
-#include "core/optimize/normal_equations.h"
-#include "core/optimize/translations.h"
+#include "core/optimize/initialization/translations.h"
+#include "core/optimize/linear/normal_equations.h"
 
 namespace enfilade::optimize {
 namespace {

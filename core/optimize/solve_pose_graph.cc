@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/optimize/solve_pose_graph.h"
 
 #include <algorithm>
@@ -6,13 +7,13 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/optimize/chordal.h"
 #include "core/optimize/graph_layout.h"
 #include "core/optimize/indexed_graph.h"
-#include "core/optimize/marginals.h"
+#include "core/optimize/initialization/chordal.h"
+#include "core/optimize/initialization/starts.h"
+#include "core/optimize/linear/marginals.h"
+#include "core/optimize/linear/normal_equations.h"
 #include "core/optimize/minimize.h"
-#include "core/optimize/normal_equations.h"
-#include "core/optimize/starts.h"
 
 namespace enfilade::optimize {
 namespace {

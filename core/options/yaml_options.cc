@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/options/yaml_options.h"
 
 #include "core/base/status_macros.h"

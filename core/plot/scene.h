@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +8,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/geometry/pose2.h"
+#include "core/grid/files/rgb_image.h"
 #include "core/grid/occupancy_grid.h"
-#include "core/grid/rgb_image.h"
 
 namespace enfilade::plot {
 

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <numbers>
 #include <string_view>
 
 #include "core/base/status_macros.h"
-#include "core/grid/png_codec.h"
+#include "core/grid/files/png_codec.h"
 #include "core/plot/scene.h"
 #include "fmt/format.h"
 

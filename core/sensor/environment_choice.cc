@@ -1,14 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/sensor/environment_choice.h"
 
 #include <cmath>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/sensor/scan_box.h"
 
 namespace enfilade::sensor {
-
-std::string ToString(Surroundings surroundings) { return surroundings == Surroundings::kIndoor ? "indoor" : "outdoor"; }
 
 absl::Status Validate(const RangeCriterion& criterion) {
   if (!(criterion.side_limit > 0.0) || criterion.half_width < 0 || criterion.sides_needed < 1 ||
@@ -34,7 +34,7 @@ absl::StatusOr<RangeChoice> ChooseByRange(const LaserScan& scan, const RangeCrit
   for (const double side : {choice.front, choice.back, choice.left, choice.right}) {
     if (side > criterion.side_limit) ++choice.far_sides;
   }
-  choice.surroundings = choice.far_sides >= criterion.sides_needed ? Surroundings::kOutdoor : Surroundings::kIndoor;
+  choice.surroundings = choice.far_sides >= criterion.sides_needed ? Environment::kOutdoor : Environment::kIndoor;
   return choice;
 }
 

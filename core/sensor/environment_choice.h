@@ -1,17 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <string>
 
 #include "absl/status/statusor.h"
+#include "core/base/environment.h"
 #include "core/sensor/laser_scan.h"
 
 namespace enfilade::sensor {
-
-// Which SLAM configuration a new map gets: short range indoors, long range outdoors.
-enum class Surroundings : std::uint8_t { kIndoor = 1, kOutdoor = 2 };
-std::string ToString(Surroundings surroundings);
 
 // The original's criterion 0: outdoors where at least two of the four sides of the filtered scan's box are far away.
 struct RangeCriterion {
@@ -28,7 +24,7 @@ absl::Status Validate(const RangeCriterion& criterion);
 
 struct RangeChoice {
   // nullopt: the scan has no hit to judge by.
-  std::optional<Surroundings> surroundings;
+  std::optional<Environment> surroundings;
   double front = 0.0;  // m, distance of each side of the box from the robot, as absolute values
   double back = 0.0;
   double left = 0.0;

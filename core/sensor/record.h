@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,7 @@
 #include <variant>
 
 #include "absl/status/status.h"
+#include "core/base/environment.h"
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
 #include "core/graph/link_point_kind.h"
@@ -70,7 +72,7 @@ struct DoorReport {
   Pose2 T_odom_door;     // the robot's pose at the door, looking along the way through
   double width = 0.0;    // m; 0: unknown
   // Of kPassage: what the robot finds behind the door, for a new map.
-  std::optional<Surroundings> entered_surroundings;
+  std::optional<Environment> entered_surroundings;
   std::optional<std::int32_t> entered_level;  // unset: the same as before
   bool by_hand = false;                       // a person's word, not the detector's
   std::string reason;                         // for people

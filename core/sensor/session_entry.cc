@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/sensor/session_entry.h"
 
 #include "core/base/binary.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/slam/slam_map.h"
 
 #include <utility>
@@ -11,7 +12,7 @@ void SlamMap::Apply(SlamDelta delta) {
     if (submap.content.empty()) submap.content = std::move(stored.content);
     stored = std::move(submap);
   }
-  for (SlamClosure& closure : delta.closures) closures[closure.id] = std::move(closure);
+  for (LoopClosure& closure : delta.closures) closures[closure.id] = std::move(closure);
   trajectory.insert(trajectory.end(), delta.trajectory.begin(), delta.trajectory.end());
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <Eigen/Core>
@@ -38,21 +39,21 @@ struct SlamSubmap {
   friend bool operator==(const SlamSubmap&, const SlamSubmap&) = default;
 };
 
-enum class ClosureState : std::int16_t { kAccepted = 1, kRejected = 2, kSuspended = 3 };
+enum class LoopClosureState : std::int16_t { kAccepted = 1, kRejected = 2, kSuspended = 3 };
 
 // A loop closure that was tried: `node` seen in `submap`.
-struct SlamClosure {
+struct LoopClosure {
   std::int64_t id = 0;
   std::int64_t submap = 0;
   std::int64_t node = 0;
   Pose2 T_submap_node;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  ClosureState state = ClosureState::kRejected;
+  LoopClosureState state = LoopClosureState::kRejected;
   double score = 0.0;  // share of inlier beams at the finest level, 0..1
   double chi2 = 0.0;   // of the edge after the last solve; 0 where it was not in the graph
   std::string reason;  // in words, e.g. "inlier share 0.31 below 0.45 at 0.2 m"
 
-  friend bool operator==(const SlamClosure&, const SlamClosure&) = default;
+  friend bool operator==(const LoopClosure&, const LoopClosure&) = default;
 };
 
 // Where the robot was at one scan, keyframe or not: relative to a node, so that it follows when nodes move.
@@ -69,7 +70,7 @@ struct TrajectoryPoint {
 struct SlamDelta {
   std::vector<SlamNode> nodes;
   std::vector<SlamSubmap> submaps;  // `content` empty where it has not changed
-  std::vector<SlamClosure> closures;
+  std::vector<LoopClosure> closures;
   std::vector<TrajectoryPoint> trajectory;  // appended only
 
   bool empty() const { return nodes.empty() && submaps.empty() && closures.empty() && trajectory.empty(); }
@@ -79,7 +80,7 @@ struct SlamDelta {
 struct SlamMap {
   std::map<std::int64_t, SlamNode> nodes;
   std::map<std::int64_t, SlamSubmap> submaps;
-  std::map<std::int64_t, SlamClosure> closures;
+  std::map<std::int64_t, LoopClosure> closures;
   std::vector<TrajectoryPoint> trajectory;
 
   void Apply(SlamDelta delta);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // usage: robot_client SERVER SITE SPOOL
 // What a robot's driver does: records scans and odometry durably while an uplink brings them to the server. The robot
 // here drives two metres through a square room of its imagination. Killed and started anew with the same spool, what
@@ -6,8 +7,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "client/cpp/spool/spool.h"
-#include "client/cpp/uplink/uplink.h"
+#include "client/sdk/spool/spool.h"
+#include "client/sdk/uplink/uplink.h"
 
 namespace {
 

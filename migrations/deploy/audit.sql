@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- Who changed what, when, and how it was before: written with the change itself, and never changed. It outlives its
 -- site.
 BEGIN;

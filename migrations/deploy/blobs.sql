@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- Content-addressed bytes: images, point clouds, tiles of rasters.
 BEGIN;
 

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- What was made of robots' door reports, who may judge a site's, and what they are judged by.
 BEGIN;
 

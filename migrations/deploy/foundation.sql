@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- The schema, its extensions, and the types that all tables share.
 BEGIN;
 

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- What made each version of a site's graph, and where its maps lay after each optimisation.
 BEGIN;
 

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- The topological graph of a site: its maps, and the places where they meet.
 BEGIN;
 

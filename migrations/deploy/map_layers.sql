@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- What a map's revisions are laid together from: what was imported, and over it what each session has seen.
 BEGIN;
 

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- Rasters of maps: immutable revisions, each a manifest of tiles whose content is shared between revisions.
 BEGIN;
 

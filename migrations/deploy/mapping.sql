@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- What mapping makes of a session's log, and who may do it.
 BEGIN;
 

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- Where robots say they are, and where sessions begin in a map that is there already.
 BEGIN;
 

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- How a session's robot came into its map, and the doors that it reports.
 BEGIN;
 

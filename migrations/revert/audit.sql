@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 DROP TRIGGER control_points_audit ON enfilade.control_points;

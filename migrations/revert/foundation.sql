@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 -- The extensions stay: they may have been there before, and other schemas may use them.
 BEGIN;
 

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 DROP TRIGGER site_graphs_record ON enfilade.site_graphs;

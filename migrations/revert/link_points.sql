@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 DROP TRIGGER maps_join_graph ON enfilade.maps;

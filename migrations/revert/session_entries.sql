@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 DROP INDEX enfilade.session_records_doors_idx;

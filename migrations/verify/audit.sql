@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, audit_id, time, actor, action, resource, before, after FROM enfilade.audit_log WHERE false;

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, owner, token, expires_at FROM enfilade.site_leases WHERE false;

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, version, cause, resource, actor, create_time, chi2_before, chi2_after, switched_off, map_count,

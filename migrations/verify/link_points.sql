@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, graph_version, root_map_id, cause, resource FROM enfilade.site_graphs WHERE false;

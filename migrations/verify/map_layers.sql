@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, map_id, position, session_id, revision, raster_header, version FROM enfilade.map_layers WHERE false;

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height,

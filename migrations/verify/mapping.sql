@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, session_id, owner, token, expires_at FROM enfilade.session_leases WHERE false;

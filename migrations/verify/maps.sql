@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, map_id, display_name, level, environment, slam_profile, outline, state, current_revision, request_id,

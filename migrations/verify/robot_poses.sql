@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT initial_x, initial_y, initial_yaw FROM enfilade.sessions WHERE false;

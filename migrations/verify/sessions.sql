@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 
 SELECT site_id, session_id, robot_id, map_id, state, acknowledged_sequence, highest_sequence, laser_scans, odometry,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/cloud/cloud_file.h"
 
 #include "core/base/error.h"

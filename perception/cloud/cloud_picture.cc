@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/cloud/cloud_picture.h"
 
 #include <algorithm>
@@ -31,7 +32,7 @@ grid::RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen:
   const auto [bottom, top] = Extent(all, 1);
   const double scale = (kSide - 1.0) / std::max({right - left, top - bottom, 1e-3});
   grid::RgbImage picture(1 + static_cast<int>((right - left) * scale), 1 + static_cast<int>((top - bottom) * scale),
-                   {255, 255, 255});
+                         {255, 255, 255});
   const auto draw = [&](const Cloud& cloud, grid::Rgb color) {
     for (const Eigen::Vector3f& point : cloud.points) {
       const Eigen::Vector2d pixel((point.x() - left) * scale, (top - point.y()) * scale);

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/grid/rgb_image.h"
+#include "core/grid/files/rgb_image.h"
 #include "perception/cloud/cloud.h"
 
 namespace enfilade::perception {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/cloud/nearest_points.h"
 
 #include <pcl/kdtree/kdtree_flann.h>

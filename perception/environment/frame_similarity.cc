@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/environment/frame_similarity.h"
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base/environment.h"
 #include "core/base/status_macros.h"
 #include "perception/image/opencv_guard.h"
 
@@ -110,7 +112,7 @@ absl::StatusOr<SimilarityChoice> ChooseBySimilarity(std::span<const DepthFrame> 
     last = std::move(next);
   }
   choice.mean = sum / choice.pairs;
-  choice.surroundings = choice.mean < criterion.threshold ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor;
+  choice.surroundings = choice.mean < criterion.threshold ? Environment::kOutdoor : Environment::kIndoor;
   return choice;
 }
 

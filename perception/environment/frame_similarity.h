@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <span>
 
 #include "absl/status/statusor.h"
-#include "core/sensor/environment_choice.h"
+#include "core/base/environment.h"
 #include "perception/image/frame.h"
 
 namespace enfilade::perception {
@@ -37,7 +38,7 @@ struct SimilarityCriterion {
 absl::Status Validate(const SimilarityCriterion& criterion);
 
 struct SimilarityChoice {
-  sensor::Surroundings surroundings = sensor::Surroundings::kIndoor;
+  Environment surroundings = Environment::kIndoor;
   double mean = 0.0;  // over consecutive pairs; +infinity where all were equal by PSNR
   int pairs = 0;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/environment/scene_classes.h"
 
 #include <map>
@@ -5,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
@@ -32,16 +34,16 @@ std::vector<Line> LinesOf(std::string_view text) {
   return lines;
 }
 
-std::optional<sensor::Surroundings> SurroundingsOf(const std::string& word) {
-  if (word == "1" || word == "indoor") return sensor::Surroundings::kIndoor;
-  if (word == "2" || word == "outdoor") return sensor::Surroundings::kOutdoor;
+std::optional<Environment> EnvironmentOf(const std::string& word) {
+  if (word == "1" || word == "indoor") return Environment::kIndoor;
+  if (word == "2" || word == "outdoor") return Environment::kOutdoor;
   return std::nullopt;
 }
 
-absl::StatusOr<std::map<std::string, sensor::Surroundings>> ParseMapping(std::string_view text) {
-  std::map<std::string, sensor::Surroundings> mapping;
+absl::StatusOr<std::map<std::string, Environment>> ParseMapping(std::string_view text) {
+  std::map<std::string, Environment> mapping;
   for (const Line& line : LinesOf(text)) {
-    const std::optional<sensor::Surroundings> surroundings = SurroundingsOf(line.second);
+    const std::optional<Environment> surroundings = EnvironmentOf(line.second);
     if (!surroundings) {
       return InvalidArgument("mapping, line {}: \"{} {}\": expected a class and 1 (indoor) or 2 (outdoor)", line.number,
                              line.first, line.second);

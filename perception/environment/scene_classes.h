@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -5,14 +6,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/sensor/environment_choice.h"
+#include "core/base/environment.h"
 
 namespace enfilade::perception {
 
 // One output of a scene classifier.
 struct SceneClass {
   std::string name;
-  sensor::Surroundings surroundings = sensor::Surroundings::kIndoor;
+  Environment surroundings = Environment::kIndoor;
 };
 
 // Labels: one line per class in the order of the network's outputs, as Places365's categories_places365.txt: a name

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/environment/scene_classifier.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/environment.h"
 #include "core/base/status_macros.h"
 #include "perception/image/opencv_guard.h"
 
@@ -115,13 +117,13 @@ absl::StatusOr<SceneVerdict> SceneClassifier::Classify(const ColorFrame& frame) 
     const std::vector<double> shares = Softmax(scores);
     SceneVerdict verdict;
     for (std::size_t i = 0; i < shares.size(); ++i) {
-      if (classes_[i].surroundings == sensor::Surroundings::kOutdoor) verdict.outdoor_probability += shares[i];
+      if (classes_[i].surroundings == Environment::kOutdoor) verdict.outdoor_probability += shares[i];
       if (shares[i] > verdict.best_probability) {
         verdict.best_probability = shares[i];
         verdict.best_class = classes_[i].name;
       }
     }
-    verdict.surroundings = verdict.outdoor_probability > 0.5 ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor;
+    verdict.surroundings = verdict.outdoor_probability > 0.5 ? Environment::kOutdoor : Environment::kIndoor;
     return verdict;
   });
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <memory>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/environment.h"
 #include "perception/environment/scene_classes.h"
 #include "perception/image/frame.h"
 
@@ -20,7 +22,7 @@ struct SceneClassifierFiles {
 };
 
 struct SceneVerdict {
-  sensor::Surroundings surroundings = sensor::Surroundings::kIndoor;
+  Environment surroundings = Environment::kIndoor;
   double outdoor_probability = 0.0;  // sum over the outdoor classes
   std::string best_class;
   double best_probability = 0.0;

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/image/decode.h"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/status_macros.h"
-#include "core/grid/png_codec.h"
+#include "core/grid/files/png_codec.h"
 #include "core/sensor/record.h"
 #include "perception/image/image_header.h"
 #include "perception/image/opencv_guard.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // For sources of this folder only: nothing outside of perception sees OpenCV.

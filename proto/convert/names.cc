@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/convert/names.h"
 
 #include <charconv>
@@ -57,7 +58,7 @@ constexpr std::string_view kRevisionForm = "sites/{site}/maps/{map}/revisions/{r
 constexpr std::string_view kLinkPointForm = "sites/{site}/linkPoints/{link_point}";
 constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
 constexpr std::string_view kSessionForm = "sites/{site}/sessions/{session}";
-constexpr std::string_view kClosureForm = "sites/{site}/sessions/{session}/closures/{closure}";
+constexpr std::string_view kLoopClosureForm = "sites/{site}/sessions/{session}/closures/{closure}";
 
 }  // namespace
 
@@ -68,7 +69,7 @@ std::string NameOf(const RevisionName& name) {
 std::string NameOf(const LinkPointName& name) { return NameOf(name.site, name.link_point); }
 std::string NameOf(const RobotName& name) { return NameOf(name.site, name.robot); }
 std::string NameOf(const SessionName& name) { return NameOf(name.site, name.session); }
-std::string NameOf(const ClosureName& name) {
+std::string NameOf(const LoopClosureName& name) {
   return NameOf(name.site, name.session) + "/closures/" + std::to_string(name.closure);
 }
 
@@ -109,10 +110,10 @@ absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string
   return SessionName{SiteId(ids[0]), SessionId(ids[1])};
 }
 
-absl::StatusOr<ClosureName> ParseClosureName(std::string_view field, std::string_view name) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kClosureForm, field, name));
+absl::StatusOr<LoopClosureName> ParseLoopClosureName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kLoopClosureForm, field, name));
   const std::optional<std::int64_t> closure = ToNumber(ids[2]);
-  if (closure && *closure >= 0) return ClosureName{SiteId(ids[0]), SessionId(ids[1]), *closure};
+  if (closure && *closure >= 0) return LoopClosureName{SiteId(ids[0]), SessionId(ids[1]), *closure};
   return InvalidArgument("{} is \"{}\": closures are numbers from 0 on", field, name.substr(0, 200));
 }
 

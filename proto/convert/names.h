@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,7 @@ struct SessionName {
   SessionId session;
 };
 
-struct ClosureName {
+struct LoopClosureName {
   SiteId site;
   SessionId session;
   std::int64_t closure = 0;
@@ -46,7 +47,7 @@ std::string NameOf(const RevisionName& name);
 std::string NameOf(const LinkPointName& name);
 std::string NameOf(const RobotName& name);
 std::string NameOf(const SessionName& name);
-std::string NameOf(const ClosureName& name);
+std::string NameOf(const LoopClosureName& name);
 
 absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name);
 absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view name);
@@ -56,6 +57,6 @@ absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::stri
 absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::string_view name);
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);
-absl::StatusOr<ClosureName> ParseClosureName(std::string_view field, std::string_view name);
+absl::StatusOr<LoopClosureName> ParseLoopClosureName(std::string_view field, std::string_view name);
 
 }  // namespace enfilade::convert

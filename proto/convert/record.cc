@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/convert/record.h"
 
 #include <utility>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
@@ -44,7 +46,7 @@ struct PayloadToProto {
     *door.mutable_pose_odom_door() = enfilade::convert::ToProto(report.T_odom_door);
     door.set_width_m(report.width);
     door.set_entered_surroundings(
-        static_cast<v1::DoorReport::Surroundings>(report.entered_surroundings.value_or(sensor::Surroundings{})));
+        static_cast<v1::DoorReport::Surroundings>(report.entered_surroundings.value_or(Environment{})));
     if (report.entered_level) door.set_entered_level(*report.entered_level);
     door.set_by_hand(report.by_hand);
     door.set_reason(report.reason);
@@ -57,7 +59,7 @@ static_assert(static_cast<int>(sensor::ImageEncoding::kDepthPng16) == v1::Image:
 static_assert(static_cast<int>(sensor::CloudEncoding::kXyz32) == v1::PointCloud::ENCODING_XYZ32);
 static_assert(static_cast<int>(sensor::DoorReport::Kind::kPassage) == v1::DoorReport::KIND_PASSAGE);
 static_assert(static_cast<int>(graph::LinkPointKind::kOpening) == v1::DoorReport::PLACE_OPENING);
-static_assert(static_cast<int>(sensor::Surroundings::kOutdoor) == v1::DoorReport::SURROUNDINGS_OUTDOOR);
+static_assert(static_cast<int>(Environment::kOutdoor) == v1::DoorReport::SURROUNDINGS_OUTDOOR);
 
 // A value that this program knows, and not the unspecified one; `known` is the generated _IsValid.
 template <typename Core, typename Wire>
@@ -91,9 +93,10 @@ absl::StatusOr<sensor::Odometry> OdometryFromProto(const v1::Odometry& in) {
 absl::StatusOr<sensor::Image> ImageFromProto(const v1::Image& in) {
   sensor::Image image;
   ENFILADE_ASSIGN_OR_RETURN(image.time, FromTimestamp(in.time()));
-  ENFILADE_ASSIGN_OR_RETURN(image.camera, FromEnum<sensor::Camera>("image.camera", in.camera(), v1::Image::Camera_IsValid));
-  ENFILADE_ASSIGN_OR_RETURN(image.encoding,
-                            FromEnum<sensor::ImageEncoding>("image.encoding", in.encoding(), v1::Image::Encoding_IsValid));
+  ENFILADE_ASSIGN_OR_RETURN(image.camera,
+                            FromEnum<sensor::Camera>("image.camera", in.camera(), v1::Image::Camera_IsValid));
+  ENFILADE_ASSIGN_OR_RETURN(
+      image.encoding, FromEnum<sensor::ImageEncoding>("image.encoding", in.encoding(), v1::Image::Encoding_IsValid));
   image.content = {in.content().sha256(), in.content().size_bytes()};
   return image;
 }
@@ -101,8 +104,8 @@ absl::StatusOr<sensor::Image> ImageFromProto(const v1::Image& in) {
 absl::StatusOr<sensor::PointCloud> CloudFromProto(const v1::PointCloud& in) {
   sensor::PointCloud cloud;
   ENFILADE_ASSIGN_OR_RETURN(cloud.time, FromTimestamp(in.time()));
-  ENFILADE_ASSIGN_OR_RETURN(
-      cloud.encoding, FromEnum<sensor::CloudEncoding>("point_cloud.encoding", in.encoding(), v1::PointCloud::Encoding_IsValid));
+  ENFILADE_ASSIGN_OR_RETURN(cloud.encoding, FromEnum<sensor::CloudEncoding>("point_cloud.encoding", in.encoding(),
+                                                                            v1::PointCloud::Encoding_IsValid));
   cloud.content = {in.content().sha256(), in.content().size_bytes()};
   return cloud;
 }
@@ -111,19 +114,19 @@ absl::StatusOr<sensor::DoorReport> DoorReportFromProto(const v1::DoorReport& in)
   sensor::DoorReport report;
   if (!in.has_pose_odom_door()) return InvalidArgument("door_report.pose_odom_door is not set");
   ENFILADE_ASSIGN_OR_RETURN(report.time, FromTimestamp(in.time()));
-  ENFILADE_ASSIGN_OR_RETURN(report.kind,
-                            FromEnum<sensor::DoorReport::Kind>("door_report.kind", in.kind(), v1::DoorReport::Kind_IsValid));
+  ENFILADE_ASSIGN_OR_RETURN(
+      report.kind, FromEnum<sensor::DoorReport::Kind>("door_report.kind", in.kind(), v1::DoorReport::Kind_IsValid));
   if (in.place() != v1::DoorReport::PLACE_UNSPECIFIED) {
-    ENFILADE_ASSIGN_OR_RETURN(report.place,
-                              FromEnum<graph::LinkPointKind>("door_report.place", in.place(), v1::DoorReport::Place_IsValid));
+    ENFILADE_ASSIGN_OR_RETURN(
+        report.place, FromEnum<graph::LinkPointKind>("door_report.place", in.place(), v1::DoorReport::Place_IsValid));
   }
   ENFILADE_ASSIGN_OR_RETURN(report.door_time, FromTimestamp(in.door_time()));
   report.T_odom_door = FromProto(in.pose_odom_door());
   report.width = in.width_m();
   if (in.entered_surroundings() != v1::DoorReport::SURROUNDINGS_UNSPECIFIED) {
     ENFILADE_ASSIGN_OR_RETURN(report.entered_surroundings,
-                              FromEnum<sensor::Surroundings>("door_report.entered_surroundings", in.entered_surroundings(),
-                                                     v1::DoorReport::Surroundings_IsValid));
+                              FromEnum<Environment>("door_report.entered_surroundings", in.entered_surroundings(),
+                                                    v1::DoorReport::Surroundings_IsValid));
   }
   if (in.has_entered_level()) report.entered_level = in.entered_level();
   report.by_hand = in.by_hand();

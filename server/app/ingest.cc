@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/ingest.h"
 
 #include <algorithm>
@@ -52,8 +53,8 @@ struct Ingest::Work {
   std::vector<IngestEvent> events;
 };
 
-Ingest::Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records, const storage::BlobStore& blobs,
-               Metrics& metrics, std::function<void()> on_stored)
+Ingest::Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records,
+               const storage::BlobStore& blobs, Metrics& metrics, std::function<void()> on_stored)
     : options_(options), records_(records), blobs_(blobs), metrics_(metrics), on_stored_(std::move(on_stored)) {
   for (int i = 0; i < options_.writers; ++i) writers_.emplace_back([this] { Run(); });
 }
@@ -165,8 +166,8 @@ void Ingest::WriteBlobs(std::vector<Work>& work) {
     const auto* blob = std::get_if<IngestBlob>(&one.entries.front().item);
     if (!blob) continue;
     const storage::BlobView view{blob->sha256, blob->data};
-    const absl::Status status =
-        blobs_.Put(storage::CallContext::WithTimeout(kWriteTimeout), one.stream->session.site, absl::MakeConstSpan(&view, 1));
+    const absl::Status status = blobs_.Put(storage::CallContext::WithTimeout(kWriteTimeout), one.stream->session.site,
+                                           absl::MakeConstSpan(&view, 1));
     if (!status.ok()) one.events.push_back(Failed{status});
   }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -61,8 +62,8 @@ class Ingest {
   class Stream;
 
   // `on_stored` is called after every commit that brought new records (mapping has something to do).
-  Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records, const storage::BlobStore& blobs, Metrics& metrics,
-         std::function<void()> on_stored);
+  Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records, const storage::BlobStore& blobs,
+         Metrics& metrics, std::function<void()> on_stored);
   // All streams must be closed.
   ~Ingest();
   Ingest(const Ingest&) = delete;

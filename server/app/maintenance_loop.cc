@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/maintenance_loop.h"
 
 #include <functional>
@@ -45,11 +46,17 @@ void MaintenanceLoop::CleanUp() {
   };
   const Job jobs[] = {
       {"rows of deleted sessions",
-       [this](const storage::CallContext& context) { return maintenance_.PurgeDeletedSessions(context, kRowsPerPortion); }},
+       [this](const storage::CallContext& context) {
+         return maintenance_.PurgeDeletedSessions(context, kRowsPerPortion);
+       }},
       {"records past their retention",
-       [this](const storage::CallContext& context) { return maintenance_.DeleteExpiredRecords(context, kRowsPerPortion); }},
+       [this](const storage::CallContext& context) {
+         return maintenance_.DeleteExpiredRecords(context, kRowsPerPortion);
+       }},
       {"unused blobs",
-       [this](const storage::CallContext& context) { return maintenance_.CollectBlobs(context, kBlobGrace, kRowsPerPortion); }},
+       [this](const storage::CallContext& context) {
+         return maintenance_.CollectBlobs(context, kBlobGrace, kRowsPerPortion);
+       }},
   };
   for (const Job& job : jobs) {
     std::int64_t deleted = 0;

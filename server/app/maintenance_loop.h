@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <thread>
@@ -7,7 +8,7 @@
 #include "server/app/stop_signal.h"
 #include "server/config/server_options.h"
 #include "storage/maintenance.h"
-#include "storage/postgres/pool.h"
+#include "storage/postgres/driver/pool.h"
 
 namespace enfilade::server {
 

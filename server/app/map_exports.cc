@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/map_exports.h"
 
 #include <fcntl.h>
@@ -14,7 +15,7 @@
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
-#include "server/app/raster_revision.h"
+#include "server/app/mapping/raster_revision.h"
 
 namespace enfilade::server {
 namespace {
@@ -81,7 +82,8 @@ absl::Status ReadOnlyFile::Read(std::int64_t offset, std::size_t size, char* out
 }
 
 absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptions::Transfers& options,
-                                                               const storage::MapStore& maps, const storage::RevisionStore& revisions) {
+                                                               const storage::MapStore& maps,
+                                                               const storage::RevisionStore& revisions) {
   std::error_code error;
   const fs::path parent =
       options.cache_directory.empty() ? fs::temp_directory_path(error) : fs::path(options.cache_directory);
@@ -95,8 +97,8 @@ absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptio
   return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, directory));
 }
 
-MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps, const storage::RevisionStore& revisions,
-                       fs::path directory)
+MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps,
+                       const storage::RevisionStore& revisions, fs::path directory)
     : options_(options), maps_(maps), revisions_(revisions), directory_(std::move(directory)) {}
 
 MapExports::~MapExports() {
@@ -110,9 +112,10 @@ absl::StatusOr<ExportedMap> MapExports::Get(const storage::CallContext& context,
   if (name.revision == 0 && map.current_revision == 0) {
     return FailedPrecondition("map \"{}\" has no revision yet: map something into it, or import one", map.display_name);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision, revisions_.Get(context, name.site, name.map, name.revision));
-  const std::string key =
-      fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format), grid::SafeStem(map.display_name));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
+                            revisions_.Get(context, name.site, name.map, name.revision));
+  const std::string key = fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format),
+                                      grid::SafeStem(map.display_name));
   const auto find = [&]() -> std::optional<ExportedMap> {
     MutexLock lock(mutex_);
     for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
@@ -137,12 +140,14 @@ absl::StatusOr<ExportedMap> MapExports::Get(const storage::CallContext& context,
   return rendered;
 }
 
-absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext& context, const storage::MapRevision& revision,
+absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext& context,
+                                                     const storage::MapRevision& revision,
                                                      const std::string& display_name, grid::MapFileFormat format) {
   ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, revisions_, revision));
   grid::MapFileOptions file_options;
   file_options.format = format;
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, grid::RenderFiles(raster, display_name, file_options));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files,
+                            grid::RenderFiles(raster, display_name, file_options));
   Entry entry;
   entry.map.revision = revision;
   for (const grid::MapFile& file : files) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "core/base/mutex.h"
-#include "core/grid/map_files.h"
+#include "core/grid/files/map_files.h"
 #include "proto/convert/names.h"
 #include "server/config/server_options.h"
 #include "storage/map_store.h"
@@ -52,12 +53,14 @@ class MapExports {
  public:
   // RESOURCE_EXHAUSTED or PERMISSION_DENIED naming the folder where it cannot be written to.
   static absl::StatusOr<std::unique_ptr<MapExports>> Create(const ServerOptions::Transfers& options,
-                                                            const storage::MapStore& maps, const storage::RevisionStore& revisions);
+                                                            const storage::MapStore& maps,
+                                                            const storage::RevisionStore& revisions);
   // Removes what it has made.
   ~MapExports();
 
   // NOT_FOUND; FAILED_PRECONDITION where the map has no revision yet; RESOURCE_EXHAUSTED where the disk is full.
-  absl::StatusOr<ExportedMap> Get(const storage::CallContext& context, const convert::RevisionName& name, grid::MapFileFormat format);
+  absl::StatusOr<ExportedMap> Get(const storage::CallContext& context, const convert::RevisionName& name,
+                                  grid::MapFileFormat format);
 
  private:
   struct Entry {
@@ -67,10 +70,10 @@ class MapExports {
     std::int64_t bytes = 0;
   };
 
-  MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps, const storage::RevisionStore& revisions,
-             std::filesystem::path directory);
-  absl::StatusOr<Entry> Render(const storage::CallContext& context, const storage::MapRevision& revision, const std::string& display_name,
-                               grid::MapFileFormat format);
+  MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps,
+             const storage::RevisionStore& revisions, std::filesystem::path directory);
+  absl::StatusOr<Entry> Render(const storage::CallContext& context, const storage::MapRevision& revision,
+                               const std::string& display_name, grid::MapFileFormat format);
   void Evict() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ServerOptions::Transfers options_;

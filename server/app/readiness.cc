@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/readiness.h"
 
 #include <chrono>
 #include <utility>
 
 #include "core/base/error.h"
-#include "storage/postgres/pool.h"
+#include "storage/postgres/driver/pool.h"
 
 namespace enfilade::server {
 namespace {

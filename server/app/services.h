@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -8,16 +9,16 @@
 #include "server/app/graph/site_graphs.h"
 #include "server/app/ingest.h"
 #include "server/app/map_exports.h"
-#include "server/app/mapping.h"
+#include "server/app/mapping/mapping.h"
 #include "server/app/metrics.h"
 #include "server/app/readiness.h"
 #include "server/config/server_options.h"
 #include "storage/audit_store.h"
 #include "storage/blob_store.h"
-#include "storage/closure_store.h"
 #include "storage/door_verdict_store.h"
 #include "storage/graph_store.h"
 #include "storage/link_point_store.h"
+#include "storage/loop_closure_store.h"
 #include "storage/map_store.h"
 #include "storage/mapping_store.h"
 #include "storage/record_store.h"
@@ -45,7 +46,7 @@ struct Services {
   const storage::RecordStore& records;
   const storage::BlobStore& blobs;
   const storage::MappingStore& mappings;
-  const storage::ClosureStore& closures;
+  const storage::LoopClosureStore& closures;
   const storage::LinkPointStore& link_points;
   const storage::GraphStore& graph_store;
   const storage::RobotPoseStore& robot_poses;

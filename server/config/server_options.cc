@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/config/server_options.h"
 
 #include <algorithm>
@@ -36,8 +37,8 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("mapping.pairing_window_s", options.mapping.pairing_window_s);
   visit("mapping.slam_options_file", options.mapping.slam_options_file);
   visit("mapping.slam_profiles_directory", options.mapping.slam_profiles_directory);
-  closure::VisitClosureOptions(options.closure,
-                      [&](const char* name, auto& value) { visit(fmt::format("closure.{}", name).c_str(), value); });
+  closure::VisitDoorClosureOptions(
+      options.closure, [&](const char* name, auto& value) { visit(fmt::format("closure.{}", name).c_str(), value); });
   visit("transfers.cache_directory", options.transfers.cache_directory);
   visit("transfers.cache_bytes", options.transfers.cache_bytes);
   visit("transfers.max_import_bytes", options.transfers.max_import_bytes);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -61,7 +62,7 @@ struct ServerOptions {
   } mapping;
 
   // How robots' door reports are judged: core/closure/closure_options.h.
-  closure::ClosureOptions closure;
+  closure::DoorClosureOptions closure;
 
   struct Transfers {
     // Rendered files are kept here for the next download; empty: a folder of its own under the system's temporary one.

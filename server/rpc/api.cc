@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/api.h"
 
 #include "enfilade/v1/graph_service.grpc.pb.h"

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/resources.h"
 
 #include <algorithm>
 #include <charconv>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
@@ -53,7 +55,7 @@ v1::Map ToProto(const storage::Map& map) {
   out.set_name(convert::NameOf(convert::MapName{map.site, map.id}));
   out.set_display_name(map.display_name);
   out.set_level(map.level);
-  out.set_environment(map.environment == storage::Environment::kOutdoor ? v1::Map::ENVIRONMENT_OUTDOOR
+  out.set_environment(map.environment == Environment::kOutdoor ? v1::Map::ENVIRONMENT_OUTDOOR
                                                                : v1::Map::ENVIRONMENT_INDOOR);
   out.set_slam_profile(map.slam_profile);
   for (const Eigen::Vector2d& corner : map.outline) {
@@ -61,7 +63,8 @@ v1::Map ToProto(const storage::Map& map) {
     added.set_x(corner.x());
     added.set_y(corner.y());
   }
-  if (map.current_revision > 0) out.set_latest_revision(convert::NameOf(convert::RevisionName{map.site, map.id, map.current_revision}));
+  if (map.current_revision > 0)
+    out.set_latest_revision(convert::NameOf(convert::RevisionName{map.site, map.id, map.current_revision}));
   out.set_etag(std::to_string(map.etag));
   *out.mutable_create_time() = convert::ToTimestamp(map.create_time);
   return out;
@@ -71,7 +74,7 @@ v1::MapRevision ToProto(const storage::MapRevision& revision) {
   v1::MapRevision out;
   out.set_name(convert::NameOf(convert::RevisionName{revision.site, revision.map, revision.number}));
   out.set_source(revision.source == storage::RevisionSource::kImport ? v1::MapRevision::SOURCE_IMPORT
-                                                            : v1::MapRevision::SOURCE_MAPPING);
+                                                                     : v1::MapRevision::SOURCE_MAPPING);
   if (revision.session) out.set_session(convert::NameOf(convert::SessionName{revision.site, *revision.session}));
   out.set_resolution_m(revision.geometry.resolution);
   *out.mutable_pose_map_grid() = enfilade::convert::ToProto(revision.geometry.T_map_grid);
@@ -112,18 +115,20 @@ v1::Session ToProto(const storage::Session& session) {
   if (entry.previous) {
     out.mutable_entry()->set_previous_session(convert::NameOf(convert::SessionName{session.site, *entry.previous}));
   }
-  if (entry.T_map_robot) *out.mutable_entry()->mutable_pose_map_robot() = enfilade::convert::ToProto(*entry.T_map_robot);
-  if (entry.T_odom_robot) *out.mutable_entry()->mutable_pose_odom_robot() = enfilade::convert::ToProto(*entry.T_odom_robot);
+  if (entry.T_map_robot)
+    *out.mutable_entry()->mutable_pose_map_robot() = enfilade::convert::ToProto(*entry.T_map_robot);
+  if (entry.T_odom_robot)
+    *out.mutable_entry()->mutable_pose_odom_robot() = enfilade::convert::ToProto(*entry.T_odom_robot);
   return out;
 }
 
-v1::Closure ToProto(const convert::SessionName& session, const slam::SlamClosure& closure) {
+v1::Closure ToProto(const convert::SessionName& session, const slam::LoopClosure& closure) {
   v1::Closure out;
-  out.set_name(convert::NameOf(convert::ClosureName{session.site, session.session, closure.id}));
+  out.set_name(convert::NameOf(convert::LoopClosureName{session.site, session.session, closure.id}));
   out.set_submap(closure.submap);
   out.set_node(closure.node);
   *out.mutable_pose_submap_node() = enfilade::convert::ToProto(closure.T_submap_node);
-  static_assert(static_cast<int>(slam::ClosureState::kSuspended) == v1::Closure::STATE_SUSPENDED);
+  static_assert(static_cast<int>(slam::LoopClosureState::kSuspended) == v1::Closure::STATE_SUSPENDED);
   out.set_state(static_cast<v1::Closure::State>(closure.state));
   out.set_score(closure.score);
   out.set_chi2(closure.chi2);
@@ -159,7 +164,7 @@ absl::StatusOr<storage::Map> FromProto(const v1::Map& in) {
   }
   map.display_name = in.display_name();
   map.level = in.level();
-  map.environment = in.environment() == v1::Map::ENVIRONMENT_OUTDOOR ? storage::Environment::kOutdoor : storage::Environment::kIndoor;
+  map.environment = in.environment() == v1::Map::ENVIRONMENT_OUTDOOR ? Environment::kOutdoor : Environment::kIndoor;
   map.slam_profile = in.slam_profile();
   for (const v1::Point& corner : in.outline().corners()) map.outline.emplace_back(corner.x(), corner.y());
   return map;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ v1::Robot ToProto(const storage::Robot& robot);
 v1::Map ToProto(const storage::Map& map);
 v1::MapRevision ToProto(const storage::MapRevision& revision);
 v1::Session ToProto(const storage::Session& session);
-v1::Closure ToProto(const convert::SessionName& session, const slam::SlamClosure& closure);
+v1::Closure ToProto(const convert::SessionName& session, const slam::LoopClosure& closure);
 
 // INVALID_ARGUMENT naming the field. Names, etags and output-only fields of the message are not read.
 absl::StatusOr<storage::Site> FromProto(const v1::Site& site);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -29,7 +30,8 @@ using MessageSource = std::function<absl::StatusOr<bool>(Response& message)>;
 template <typename Request, typename Response>
 class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
  public:
-  using Open = absl::StatusOr<MessageSource<Response>> (*)(const Services&, const storage::CallContext&, const Request&);
+  using Open = absl::StatusOr<MessageSource<Response>> (*)(const Services&, const storage::CallContext&,
+                                                           const Request&);
 
   ServerStreamReactor(const Services& services, grpc::CallbackServerContext* call, const char* name,
                       const Request* request, Open open)

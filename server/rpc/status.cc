@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/status.h"
 
 #include <algorithm>
@@ -26,10 +27,10 @@ storage::CallContext ContextOf(const grpc::CallbackServerContext& call, std::chr
   // A call without deadline reports one beyond all times.
   const auto until = call.deadline();
   const auto now = system_clock::now();
-  storage::CallContext context =
-      until > now + std::chrono::hours(24)
-          ? storage::CallContext::WithTimeout(fallback)
-          : storage::CallContext::WithTimeout(std::max<steady_clock::duration>(until - now, steady_clock::duration::zero()));
+  storage::CallContext context = until > now + std::chrono::hours(24)
+                                     ? storage::CallContext::WithTimeout(fallback)
+                                     : storage::CallContext::WithTimeout(std::max<steady_clock::duration>(
+                                           until - now, steady_clock::duration::zero()));
   const auto actor = call.client_metadata().find(kActorKey);
   if (actor != call.client_metadata().end()) {
     context.actor = std::string(actor->second.data(), std::min(actor->second.size(), kMaxActorBytes));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Door detection in random simulated buildings, and on a recording with known doors, as JSON on standard output:
 //   bench_doors [--buildings N] [--first-seed S] [--presets a,b] [--intel LOG DOORS] [--list]
 // A told passage is right where the robot truly went through a door at most 3 s later or 15 s earlier and at most 2.5 m
@@ -22,7 +23,7 @@
 #include "core/doors/door_detector.h"
 #include "core/sensor/scan_pairing.h"
 #include "fmt/format.h"
-#include "tests/bench/recorded_scans.h"
+#include "tests/bench/support/recorded_scans.h"
 
 namespace enfilade::bench {
 namespace {
@@ -62,7 +63,8 @@ absl::StatusOr<Scenario> Drive(std::uint64_t seed) {
   return scenario;
 }
 
-std::vector<doors::DoorEvent> Detect(const std::vector<sensor::PairedScan>& scans, const doors::DoorOptions& options, Tally& tally) {
+std::vector<doors::DoorEvent> Detect(const std::vector<sensor::PairedScan>& scans, const doors::DoorOptions& options,
+                                     Tally& tally) {
   const std::clock_t begin = std::clock();
   doors::DoorDetector detector(options);
   std::vector<doors::DoorEvent> all;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prints JSON: the rate of GetGlobalPose beside a gRPC server that echoes a message of the same size.
 // usage: bench_global_pose [--quick]
 #include <atomic>
@@ -12,10 +13,10 @@
 #include "nlohmann/json.hpp"
 #include "storage/link_point_store.h"
 #include "storage/map_store.h"
-#include "storage/postgres/pool.h"
-#include "tests/bench/bare_echo.h"
-#include "tests/bench/bench_system.h"
-#include "tests/bench/load_generator.h"
+#include "storage/postgres/driver/pool.h"
+#include "tests/bench/support/bare_echo.h"
+#include "tests/bench/support/bench_system.h"
+#include "tests/bench/support/load_generator.h"
 
 namespace {
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The topological graph: shortest paths beside a plain Boost.Graph Dijkstra on the same graphs in the same run, answers
 // after a change, optimisation. Rooms in a square grid, a door to each neighbour: link points are the vertices, two in
 // the same room are joined.
@@ -14,7 +15,7 @@
 #include "core/graph/global_pose.h"
 #include "core/graph/graph_optimization.h"
 #include "core/graph/graph_snapshot.h"
-#include "core/graph/routes.h"
+#include "core/graph/paths/routes.h"
 #include "fmt/format.h"
 
 namespace enfilade::bench {
@@ -28,7 +29,8 @@ graph::LinkPoint Door(int x, int y, bool east, std::mt19937_64& random) {
   std::uniform_real_distribution<double> along(1.0, kRoom - 1.0);
   const double at = along(random);
   const auto anchor = [](const std::string& map, double px, double py) {
-    return graph::Anchor{.map = MapId(map), .T_map_place = {px, py, 0.0}, .covariance = graph::DefaultAnchorCovariance()};
+    return graph::Anchor{
+        .map = MapId(map), .T_map_place = {px, py, 0.0}, .covariance = graph::DefaultAnchorCovariance()};
   };
   graph::LinkPoint door{.id = LinkPointId(fmt::format("door-{}-{}-{}", x, y, east ? "e" : "n"))};
   if (east) {
@@ -130,9 +132,9 @@ void RouteAcross(benchmark::State& state) {
   const graph::GraphSnapshot& graph = Rooms(state.range(0));
   const int n = static_cast<int>(std::lround(std::sqrt(static_cast<double>(graph.map_count()))));
   const graph::RouteRequest request{.from_map = MapId(RoomId(0, 0)),
-                             .T_from_map_start = {1, 1, 0},
-                             .to_map = MapId(RoomId(n - 1, n - 1)),
-                             .T_to_map_goal = {9, 9, 0}};
+                                    .T_from_map_start = {1, 1, 0},
+                                    .to_map = MapId(RoomId(n - 1, n - 1)),
+                                    .T_to_map_goal = {9, 9, 0}};
   for (auto _ : state) {
     benchmark::DoNotOptimize(graph::FindRoutes(graph, request, {.max_routes = static_cast<int>(state.range(1))}));
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -5,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/grid/grey_image.h"
-#include "core/grid/json_map.h"
+#include "core/grid/files/grey_image.h"
+#include "core/grid/files/json_map.h"
+#include "core/grid/files/pgm_codec.h"
 #include "core/grid/log_odds_grid.h"
-#include "core/grid/pgm_codec.h"
 #include "core/grid/tiled_raster.h"
 
 namespace enfilade::bench {

@@ -1,13 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prints JSON: acknowledged scans per second beside a bare COPY of the same rows, and the server's memory while the
 // database stands still. usage: bench_ingest [--quick]
 #include <algorithm>
 #include <iostream>
 
 #include "nlohmann/json.hpp"
-#include "tests/bench/bare_copy.h"
-#include "tests/bench/bench_system.h"
-#include "tests/bench/load_generator.h"
-#include "tests/bench/server_memory.h"
+#include "tests/bench/support/bare_copy.h"
+#include "tests/bench/support/bench_system.h"
+#include "tests/bench/support/load_generator.h"
+#include "tests/bench/support/server_memory.h"
 
 namespace {
 

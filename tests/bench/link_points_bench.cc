@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prints JSON: rate and latency of FindLinkPoints in a site of 10,000 maps and 100,000 link points, beside pgbench with
 // the same SQL prepared; and how long a global pose takes after a link point was changed. usage: bench_link_points
 // [--quick]
@@ -15,9 +16,9 @@
 #include "google/protobuf/arena.h"
 #include "grpcpp/grpcpp.h"
 #include "nlohmann/json.hpp"
-#include "storage/postgres/link_point_search.h"
-#include "tests/bench/bench_system.h"
-#include "tests/bench/load_generator.h"
+#include "storage/postgres/graph/link_point_search.h"
+#include "tests/bench/support/bench_system.h"
+#include "tests/bench/support/load_generator.h"
 #include "tests/support/command.h"
 
 namespace {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bench_perception DATA: image matching and cloud registration on recordings, as one JSON document on stdout.
 #include "tests/bench/perception_bench.h"
 

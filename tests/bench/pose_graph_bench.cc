@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time to the optimum of pose graphs: ours beside the plain Ceres formulation, in one process, on every graph found.
 //   bench_pose_graph [--data DIR] [--repetitions N] [--json FILE]
 // DIR holds the recorded graphs (default $ENFILADE_DATA); two synthetic graphs of 10,000 poses are always there.
@@ -19,7 +20,7 @@
 #include "core/optimize/graph_text.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "fmt/format.h"
-#include "tests/bench/pose_graph_ceres_example.h"
+#include "tests/bench/support/pose_graph_ceres_example.h"
 #include "tests/support/manhattan_graph.h"
 
 namespace enfilade::bench {

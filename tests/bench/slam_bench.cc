@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SLAM's cost on a recorded log driven again and again, as JSON on standard output:
 //   bench_slam LOG [--laps N] [--no-odometry]
 // Every second lap plays the log backwards, so that the drive goes on where it was. Seconds are processor time of this
@@ -14,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/slam/log_mapper.h"
-#include "tests/bench/recorded_scans.h"
+#include "core/slam/mapper/log_mapper.h"
+#include "tests/bench/support/recorded_scans.h"
 
 namespace enfilade::bench {
 namespace {
@@ -44,7 +45,7 @@ nlohmann::json Run(std::vector<sensor::PairedScan> scans, int laps) {
     const slam::Footprint footprint = mapper.footprint();
     total += seconds;
     for (const slam::SlamSubmap& submap : delta.submaps) submaps = std::max(submaps, submap.id + 1);
-    for (const slam::SlamClosure& closure : delta.closures) closures = std::max(closures, closure.id + 1);
+    for (const slam::LoopClosure& closure : delta.closures) closures = std::max(closures, closure.id + 1);
     report["laps"].push_back({{"seconds", seconds},
                               {"ms_per_scan", 1e3 * seconds / static_cast<double>(scans.size())},
                               {"submaps", submaps},

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How fast records are stored, beside a bare COPY of the same rows. Against the server that ENFILADE_TEST_DATABASE
 // names, otherwise against a throwaway cluster without fsync (whose figures say little about a real one).
 #include <benchmark/benchmark.h>
@@ -11,8 +12,8 @@
 #include "core/sensor/record_codec.h"
 #include "fmt/format.h"
 #include "storage/map_store.h"
-#include "storage/postgres/copy_buffer.h"
-#include "storage/postgres/transaction.h"
+#include "storage/postgres/driver/copy_buffer.h"
+#include "storage/postgres/driver/transaction.h"
 #include "storage/record_store.h"
 #include "storage/revision_store.h"
 #include "storage/robot_store.h"
@@ -38,7 +39,8 @@ storage::CallContext Soon() { return storage::CallContext::WithTimeout(std::chro
 // One database for all benchmarks: it grows, as a real one does.
 struct Fixture {
   testing::TestDatabase database;
-  std::unique_ptr<storage::postgres::Pool> pool = OrDie(storage::postgres::Pool::Create({.url = database.url(), .max_connections = 16}));
+  std::unique_ptr<storage::postgres::Pool> pool =
+      OrDie(storage::postgres::Pool::Create({.url = database.url(), .max_connections = 16}));
   storage::SessionStore sessions{*pool};
   storage::RecordStore records{*pool};
   int session_count = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prints JSON: the rate of downloads of a large map beside a bare gRPC stream of the same bytes.
 // usage: bench_transfer [--quick]
 #include <algorithm>
@@ -8,9 +9,9 @@
 
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "nlohmann/json.hpp"
-#include "tests/bench/bare_stream.h"
-#include "tests/bench/bench_system.h"
-#include "tests/bench/load_generator.h"
+#include "tests/bench/support/bare_stream.h"
+#include "tests/bench/support/bench_system.h"
+#include "tests/bench/support/load_generator.h"
 #include "tests/support/command.h"
 
 namespace {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Automatic mapping of the campus of figure 1, from the robot's sensors to the solved graph: one seed of noise. `make
 // campus` does many.
 #include <gtest/gtest.h>

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // The graph of maps by the tool alone: two rooms imported, joined by a door, drawn, asked and changed.
 #include <gmock/gmock.h>
 
 #include <fstream>
 #include <set>
 
-#include "core/grid/png_codec.h"
+#include "core/grid/files/png_codec.h"
 #include "nlohmann/json.hpp"
 #include "tests/e2e/whole_system.h"
 #include "tests/support/command.h"

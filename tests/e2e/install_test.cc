@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A robot's own program, built against what `cmake --install` lays down.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Server, robot and database are killed (kill -9) at random moments of a drive, and what is stored and mapped in the
 // end is what an undisturbed drive leaves.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What robots and people see while a server ends, the database or the server is away, or another server takes over.
 #include <gtest/gtest.h>
 #include <signal.h>

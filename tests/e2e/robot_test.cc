@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A robot's agent and the whole server, with the server away in the middle of the drive.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

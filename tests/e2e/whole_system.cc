@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/e2e/whole_system.h"
 
 #include <libpq-fe.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -37,7 +38,7 @@ class GraphTest : public ServerTest {
   }
 
   storage::StoredLinkPoint Join(const std::string& id, const std::string& from, const std::string& to,
-                       const Pose2& T_from_place = {5, 0, 0}, const Pose2& T_to_place = {}) {
+                                const Pose2& T_from_place = {5, 0, 0}, const Pose2& T_to_place = {}) {
     storage::StoredLinkPoint link_point;
     link_point.site = site_;
     link_point.point.id = LinkPointId(id);

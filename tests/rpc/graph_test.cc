@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <vector>
 
 #include "core/base/sha256.h"
@@ -76,7 +77,8 @@ TEST_F(GraphTest, TransformsManyPosesAtOnce) {
   request.set_source_map("sites/s/maps/c");
   request.set_target_map("sites/s/maps/b");
   for (int i = 0; i < 100; ++i) {
-    *request.add_poses() = convert::ToProto(PoseWithCovariance{{static_cast<double>(i), 1, 0}, Eigen::Matrix3d::Zero()});
+    *request.add_poses() =
+        convert::ToProto(PoseWithCovariance{{static_cast<double>(i), 1, 0}, Eigen::Matrix3d::Zero()});
   }
   ASSERT_OK_AND_ASSIGN(const v1::TransformPosesResponse response, Call(&Stub::TransformPoses, request));
   ASSERT_EQ(response.poses_size(), 100);

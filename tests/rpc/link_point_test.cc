@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
 #include <map>
@@ -209,7 +210,8 @@ TEST_F(LinkPointTest, TheAuditTrailNamesTheActor) {
   grpc::ClientContext context;
   context.AddMetadata("enfilade-actor", "ann@example.org");
   v1::CreateLinkPointResponse response;
-  ASSERT_OK(client::FromGrpcStatus(stub->CreateLinkPoint(&context, MakeRequest("door", {MakeAnchor("m", {})}), &response)));
+  ASSERT_OK(
+      client::FromGrpcStatus(stub->CreateLinkPoint(&context, MakeRequest("door", {MakeAnchor("m", {})}), &response)));
   ASSERT_OK(Create("door-2", {MakeAnchor("lab", {})}));
   v1::ListAuditEntriesRequest request;
   request.set_parent("sites/s");

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/simulator/simulation.h"
-#include "core/slam/log_mapper.h"
+#include "core/slam/mapper/log_mapper.h"
 #include "proto/convert/record.h"
 #include "tests/rpc/server_test.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,7 +8,7 @@
 #include <vector>
 
 #include "storage/call_context.h"
-#include "storage/postgres/pool.h"
+#include "storage/postgres/driver/pool.h"
 
 namespace enfilade::testing {
 

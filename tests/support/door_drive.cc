@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/door_drive.h"
 
 #include <algorithm>
@@ -14,7 +15,8 @@ namespace {
 sensor::DoorReport ToReport(const doors::DoorEvent& event) {
   sensor::DoorReport report;
   report.time = event.time;
-  report.kind = event.kind == doors::DoorEvent::Kind::kPassage ? sensor::DoorReport::Kind::kPassage : sensor::DoorReport::Kind::kCandidate;
+  report.kind = event.kind == doors::DoorEvent::Kind::kPassage ? sensor::DoorReport::Kind::kPassage
+                                                               : sensor::DoorReport::Kind::kCandidate;
   report.door_time = event.door_time;
   report.T_odom_door = event.T_odom_door;
   report.width = event.width;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@ struct ManhattanOptions {
 };
 
 struct ManhattanGraph {
-  optimize::PoseGraph graph;               // node i has id i; posed by odometry; odometry edges are not robust, loop edges are
+  optimize::PoseGraph graph;     // node i has id i; posed by odometry; odometry edges are not robust, loop edges are
   std::vector<Pose2> truth;      // per node
   std::vector<char> is_outlier;  // per edge
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gmock/gmock.h>
@@ -7,13 +8,15 @@
 
 #include "core/geometry/pose2.h"
 
-namespace enfilade::testing {
+namespace enfilade {
 
 inline void PrintTo(const Pose2& pose, std::ostream* os) {
   *os << "(" << pose.x << ", " << pose.y << ", " << pose.yaw << ")";
 }
 
-namespace testing {
+}  // namespace enfilade
+
+namespace enfilade::testing {
 
 // EXPECT_THAT(pose, PoseNear(expected, 1e-9, 1e-9)): translation within metres, yaw within radians.
 MATCHER_P3(PoseNear, expected, metres, radians, "") {
@@ -22,5 +25,4 @@ MATCHER_P3(PoseNear, expected, metres, radians, "") {
   return error.translation().norm() <= metres && std::abs(error.yaw) <= radians;
 }
 
-}  // namespace testing
 }  // namespace enfilade::testing

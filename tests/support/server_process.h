@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -7,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/cpp/connection.h"
+#include "client/sdk/connection.h"
 #include "tests/support/process.h"
 
 namespace enfilade::testing {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/cli/commands/robot.h"
 
 #include <unistd.h>
@@ -31,7 +32,7 @@ struct RobotCommandOptions {
   std::string campus;
   std::string robot = "robot";
   std::string map;
-  std::string on_old_map;
+  std::string on_existing_map;
   bool hand = false;
   std::string preset = "default";
   std::string options_file;
@@ -74,18 +75,18 @@ absl::Status CheckRobot(const RobotCommandOptions& options) {
   if (!IsValidResourceId(options.robot)) {
     return InvalidArgument("--robot is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\"", options.robot);
   }
-  if (!options.map.empty() && !options.on_old_map.empty()) {
+  if (!options.map.empty() && !options.on_existing_map.empty()) {
     return InvalidArgument("--map begins a new map, --on-old-map goes on with one: not both");
   }
   return absl::OkStatus();
 }
 
 // Where the robot is put: MAP,X,Y,YAW.
-absl::StatusOr<std::variant<robot::RecordNewMap, robot::MapOnOldMap>> StartOf(const RobotCommandOptions& options,
-                                                                              const Eigen::Matrix3d& covariance) {
-  if (options.on_old_map.empty()) return robot::RecordNewMap{options.map};
-  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.on_old_map));
-  return robot::MapOnOldMap{place.map, {place.pose, covariance}};
+absl::StatusOr<std::variant<robot::RecordNewMap, robot::MapOnExistingMap>> StartOf(const RobotCommandOptions& options,
+                                                                                   const Eigen::Matrix3d& covariance) {
+  if (options.on_existing_map.empty()) return robot::RecordNewMap{options.map};
+  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.on_existing_map));
+  return robot::MapOnExistingMap{place.map, {place.pose, covariance}};
 }
 
 absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const RobotCommandOptions& options,
@@ -227,7 +228,7 @@ void AddRobot(CLI::App& app, const Globals& globals) {
   command->add_option("--robot", options->robot, "Its id; created where missing. Campus: the robot that drives")
       ->capture_default_str();
   command->add_option("--map", options->map, "The name of the map to begin with; default: made up");
-  command->add_option("--on-old-map", options->on_old_map, "Begin in a map that is there: MAP,X,Y,YAW (m, rad)");
+  command->add_option("--on-old-map", options->on_existing_map, "Begin in a map that is there: MAP,X,Y,YAW (m, rad)");
   command->add_flag("--hand", options->hand,
                     "No detectors: commands say where doors are, beginning with the main menu");
   command->add_option("--preset", options->preset, "default, original-yaml or original-code")->capture_default_str();

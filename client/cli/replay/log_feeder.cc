@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/cli/replay/log_feeder.h"
 
 #include <algorithm>

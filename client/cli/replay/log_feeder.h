@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -6,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cpp/spool/spool.h"
+#include "client/sdk/spool/spool.h"
 #include "client/sources/log_reader.h"
 
 namespace enfilade::cli {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -7,7 +8,7 @@
 
 #include "client/cli/entry_options.h"
 #include "client/cli/replay/replay_session.h"
-#include "client/cpp/uplink/uplink.h"
+#include "client/sdk/uplink/uplink.h"
 #include "core/base/ids.h"
 #include "enfilade/v1/session.pb.h"
 #include "nlohmann/json.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/arrival.h"
 
 #include <utility>
@@ -13,7 +14,8 @@ namespace enfilade::server {
 namespace {
 
 // A link point between two maps that are there already.
-void JoinKnown(const PassageScene& passage, const closure::JoinedAnchors& joined, const Destination& to, storage::DoorChange& change) {
+void JoinKnown(const PassageScene& passage, const closure::JoinedAnchors& joined, const Destination& to,
+               storage::DoorChange& change) {
   storage::StoredLinkPoint made;
   made.site = passage.map.site;
   made.point.id = LinkPointId(NewUuid());
@@ -32,8 +34,8 @@ void JoinKnown(const PassageScene& passage, const closure::JoinedAnchors& joined
 
 }  // namespace
 
-void Recognise(const graph::LinkPoint& link_point, const MapId& map, const PoseWithCovariance& T_map_robot, std::string why,
-               closure::DoorVerdict& verdict) {
+void Recognise(const graph::LinkPoint& link_point, const MapId& map, const PoseWithCovariance& T_map_robot,
+               std::string why, closure::DoorVerdict& verdict) {
   verdict.decision = closure::DoorDecision::kLinkPointRecognised;
   verdict.link_point = link_point.id;
   verdict.entered_map = map;
@@ -46,7 +48,8 @@ absl::Status Arrive(const storage::CallContext& context, const PassageScene& pas
   const MapId& here = passage.map.id;
   const MapId& there = to.map;
   change.consumed = own;
-  const closure::JoinedAnchors joined = closure::JoinAtDoor(here, passage.T_map_robot.pose, passage.T_map_door, there, to.T_map_robot);
+  const closure::JoinedAnchors joined =
+      closure::JoinAtDoor(here, passage.T_map_robot.pose, passage.T_map_door, there, to.T_map_robot);
   const graph::Anchor* seen = to.link_point != nullptr ? to.link_point->FindAnchor(there) : nullptr;
   const bool is_door =
       seen != nullptr &&
@@ -90,7 +93,8 @@ absl::Status Arrive(const storage::CallContext& context, const PassageScene& pas
   return absl::OkStatus();
 }
 
-void Begin(const PassageScene& passage, const std::vector<LinkPointId>& own, std::string why, storage::DoorChange& change) {
+void Begin(const PassageScene& passage, const std::vector<LinkPointId>& own, std::string why,
+           storage::DoorChange& change) {
   change.new_map = MapBehind(passage.map, &passage.report, passage.options);
   change.consumed = own;
   storage::StoredLinkPoint made;

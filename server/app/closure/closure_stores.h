@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "storage/blob_store.h"
@@ -13,7 +14,7 @@
 namespace enfilade::server {
 
 // What judging doors reads and writes.
-struct ClosureStores {
+struct DoorClosureStores {
   const storage::SessionStore& sessions;
   const storage::RecordStore& records;
   const storage::MappingStore& mappings;

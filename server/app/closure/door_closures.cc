@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/door_closures.h"
 
 #include <algorithm>
@@ -50,12 +51,14 @@ const char* InWords(closure::DoorDecision decision) {
   return "?";
 }
 
-std::string NameOf(const storage::PendingDoors& pending) { return pending.site.value() + "/" + pending.session.value(); }
+std::string NameOf(const storage::PendingDoors& pending) {
+  return pending.site.value() + "/" + pending.session.value();
+}
 
 }  // namespace
 
-DoorClosures::DoorClosures(const closure::ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs,
-                           WakeSignal& wake, std::function<void()> entered)
+DoorClosures::DoorClosures(const closure::DoorClosureOptions& options, const DoorClosureStores& stores,
+                           SiteGraphs& graphs, WakeSignal& wake, std::function<void()> entered)
     : options_(options),
       stores_(stores),
       graphs_(graphs),

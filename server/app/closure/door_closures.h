@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -22,8 +23,8 @@ namespace enfilade::server {
 class DoorClosures {
  public:
   // `wake`: when a session may have been mapped. `entered` is called when sessions have been given their map.
-  DoorClosures(const closure::ClosureOptions& options, const ClosureStores& stores, SiteGraphs& graphs, WakeSignal& wake,
-               std::function<void()> entered);
+  DoorClosures(const closure::DoorClosureOptions& options, const DoorClosureStores& stores, SiteGraphs& graphs,
+               WakeSignal& wake, std::function<void()> entered);
   ~DoorClosures();
   DoorClosures(const DoorClosures&) = delete;
   DoorClosures& operator=(const DoorClosures&) = delete;
@@ -37,7 +38,8 @@ class DoorClosures {
   bool TakeTurn();
   // False where it is too early to say: others are in the middle of mapping what may be behind the door.
   absl::StatusOr<bool> Settle(const storage::SiteLease& lease, const SessionId& session);
-  absl::StatusOr<bool> SettleReport(const storage::SiteLease& lease, const storage::Session& session, const storage::StoredDoorReport& report);
+  absl::StatusOr<bool> SettleReport(const storage::SiteLease& lease, const storage::Session& session,
+                                    const storage::StoredDoorReport& report);
   absl::Status SettleWaiting(const storage::SiteLease& lease, const SessionId& previous);
   bool MayTry(const storage::PendingDoors& pending);
   void Failed(const storage::PendingDoors& pending, const absl::Status& status);
@@ -45,8 +47,8 @@ class DoorClosures {
   // s, since it was too early for the first time; 0 where it was not.
   double WaitedFor(const storage::PendingDoors& pending) const;
 
-  const closure::ClosureOptions options_;
-  const ClosureStores stores_;
+  const closure::DoorClosureOptions options_;
+  const DoorClosureStores stores_;
   SiteGraphs& graphs_;
   WakeSignal& wake_;
   const std::function<void()> entered_;

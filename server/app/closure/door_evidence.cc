@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/door_evidence.h"
 
 #include <iterator>
@@ -13,24 +14,25 @@ std::optional<Pose2> PoseOf(const std::optional<PoseWithCovariance>& pose) {
 }  // namespace
 
 std::vector<storage::Evidence> EvidenceAt(const SessionScene& scene, const LinkPointId& link_point, const MapId& map,
-                                 TimeNs time, TimeNs from, TimeNs to,
-                                 const std::function<std::optional<Pose2>(TimeNs)>& T_map_robot,
-                                 const closure::ClosureOptions& options, std::vector<std::int64_t>& seen) {
+                                          TimeNs time, TimeNs from, TimeNs to,
+                                          const std::function<std::optional<Pose2>(TimeNs)>& T_map_robot,
+                                          const closure::DoorClosureOptions& options, std::vector<std::int64_t>& seen) {
   std::vector<storage::Evidence> evidence;
-  const auto add = [&](std::int64_t sequence, storage::EvidenceKind kind, std::int16_t encoding, const sensor::BlobRef& content,
-                       TimeNs recorded) {
+  const auto add = [&](std::int64_t sequence, storage::EvidenceKind kind, std::int16_t encoding,
+                       const sensor::BlobRef& content, TimeNs recorded) {
     evidence.push_back({link_point, map, kind, encoding, content, recorded, T_map_robot(recorded)});
     seen.push_back(sequence);
   };
   for (const sensor::Camera camera : {sensor::Camera::kFront, sensor::Camera::kRear}) {
-    const storage::EvidenceKind kind = camera == sensor::Camera::kFront ? storage::EvidenceKind::kFrontImage : storage::EvidenceKind::kRearImage;
+    const storage::EvidenceKind kind =
+        camera == sensor::Camera::kFront ? storage::EvidenceKind::kFrontImage : storage::EvidenceKind::kRearImage;
     for (const auto& image : scene.ImagesNear(camera, time, from, to, options.images_kept)) {
       add(image.sequence, kind, static_cast<std::int16_t>(image.image.encoding), image.image.content, image.image.time);
     }
   }
   if (const auto cloud = scene.CloudNear(time, from, to)) {
-    add(cloud->sequence, storage::EvidenceKind::kCloud, static_cast<std::int16_t>(cloud->cloud.encoding), cloud->cloud.content,
-        cloud->cloud.time);
+    add(cloud->sequence, storage::EvidenceKind::kCloud, static_cast<std::int16_t>(cloud->cloud.encoding),
+        cloud->cloud.content, cloud->cloud.time);
   }
   return evidence;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -12,9 +13,9 @@ namespace enfilade::server {
 // What the session saw from `map` at `time`, as evidence for an anchor: up to images_kept images of each camera and the
 // nearest cloud, all within [from, to]. Adds the records to `seen`.
 std::vector<storage::Evidence> EvidenceAt(const SessionScene& scene, const LinkPointId& link_point, const MapId& map,
-                                 TimeNs time, TimeNs from, TimeNs to,
-                                 const std::function<std::optional<Pose2>(TimeNs)>& T_map_robot,
-                                 const closure::ClosureOptions& options, std::vector<std::int64_t>& seen);
+                                          TimeNs time, TimeNs from, TimeNs to,
+                                          const std::function<std::optional<Pose2>(TimeNs)>& T_map_robot,
+                                          const closure::DoorClosureOptions& options, std::vector<std::int64_t>& seen);
 
 // What the session saw before the door, for the anchor in its own map, goes into `change` ...
 void KeepEvidenceHere(const PassageScene& passage, const LinkPointId& link_point, storage::DoorChange& change);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/known_scans.h"
 
 #include <algorithm>
@@ -22,8 +23,9 @@ struct SeenFrom {
   PoseWithCovariance T_map_robot;
 };
 
-absl::StatusOr<std::optional<storage::StoredDoorReport>> FindPassage(const storage::CallContext& context, const PassageScene& passage,
-                                                            const SessionId& session) {
+absl::StatusOr<std::optional<storage::StoredDoorReport>> FindPassage(const storage::CallContext& context,
+                                                                     const PassageScene& passage,
+                                                                     const SessionId& session) {
   ENFILADE_ASSIGN_OR_RETURN(const auto reports,
                             passage.stores.verdicts.ReadReports(context, passage.map.site, session));
   const auto found = std::find_if(reports.begin(), reports.end(), [](const storage::StoredDoorReport& stored) {
@@ -42,22 +44,24 @@ void DropTail(std::vector<slam::SlamNode>& nodes, double length) {
 }
 
 // From keyframes that were certainly taken in the session's own map.
-absl::Status AddInside(const storage::CallContext& context, const PassageScene& passage, const storage::Session& session,
-                       std::vector<SeenFrom>& seen) {
+absl::Status AddInside(const storage::CallContext& context, const PassageScene& passage,
+                       const storage::Session& session, std::vector<SeenFrom>& seen) {
   ENFILADE_ASSIGN_OR_RETURN(std::vector<slam::SlamNode> nodes,
                             passage.stores.mappings.ListKeyframes(context, session.site, session.id));
   ENFILADE_ASSIGN_OR_RETURN(const auto left, FindPassage(context, passage, session.id));
   if (left) std::erase_if(nodes, [&](const slam::SlamNode& node) { return node.time >= left->report.door_time; });
   const bool is_door_known = left ? left->judged : session.state != storage::SessionState::kRecording;
   if (!is_door_known) DropTail(nodes, passage.options.locate_tail);
-  for (const slam::SlamNode& node : nodes) seen.push_back({session.id, node.sequence, {node.T_map_node, node.covariance}});
+  for (const slam::SlamNode& node : nodes)
+    seen.push_back({session.id, node.sequence, {node.T_map_node, node.covariance}});
   return absl::OkStatus();
 }
 
 // From the keyframes of a session that entered the map, beyond the door: the door's anchors say where that is.
-absl::Status AddEntering(const storage::CallContext& context, const PassageScene& passage, const closure::DoorVerdict& verdict,
-                         std::vector<SeenFrom>& seen) {
-  const graph::LinkPoint* door = verdict.link_point ? passage.graph.graph().FindLinkPoint(*verdict.link_point) : nullptr;
+absl::Status AddEntering(const storage::CallContext& context, const PassageScene& passage,
+                         const closure::DoorVerdict& verdict, std::vector<SeenFrom>& seen) {
+  const graph::LinkPoint* door =
+      verdict.link_point ? passage.graph.graph().FindLinkPoint(*verdict.link_point) : nullptr;
   if (door == nullptr) return absl::OkStatus();
   const auto session = passage.stores.sessions.Get(context, passage.map.site, verdict.session);
   if (absl::IsNotFound(session.status())) return absl::OkStatus();
@@ -77,8 +81,9 @@ absl::Status AddEntering(const storage::CallContext& context, const PassageScene
 }
 
 // The scans of some of them, by session.
-absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const storage::CallContext& context, const PassageScene& passage,
-                                                  const std::vector<SeenFrom>& seen) {
+absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const storage::CallContext& context,
+                                                           const PassageScene& passage,
+                                                           const std::vector<SeenFrom>& seen) {
   std::map<SessionId, std::map<std::int64_t, const SeenFrom*>> chosen;  // by sequence
   const std::size_t count = std::min(static_cast<std::size_t>(passage.options.locate_scans), seen.size());
   for (std::size_t i = 0; i < count; ++i) {
@@ -110,8 +115,8 @@ std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) 
 
 }  // namespace
 
-absl::StatusOr<KnownScans> ReadKnownScans(const storage::CallContext& context, const PassageScene& passage, const MapId& map,
-                                          const Pose2& around) {
+absl::StatusOr<KnownScans> ReadKnownScans(const storage::CallContext& context, const PassageScene& passage,
+                                          const MapId& map, const Pose2& around) {
   const SiteId& site = passage.map.site;
   ENFILADE_ASSIGN_OR_RETURN(
       const auto sessions,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
@@ -20,7 +21,7 @@ struct KnownScans {
 // map, and of those that entered it, from the door on. Without what they saw through the map's doors; where a door may
 // not be known yet (a session goes on recording, or its passage is not judged), without its last locate_tail before it.
 // Errors are the stores'.
-absl::StatusOr<KnownScans> ReadKnownScans(const storage::CallContext& context, const PassageScene& passage, const MapId& map,
-                                          const Pose2& around);
+absl::StatusOr<KnownScans> ReadKnownScans(const storage::CallContext& context, const PassageScene& passage,
+                                          const MapId& map, const Pose2& around);
 
 }  // namespace enfilade::server

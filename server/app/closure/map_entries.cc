@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/map_entries.h"
 
 #include <chrono>
@@ -14,7 +15,8 @@ storage::CallContext EntryContext() { return storage::CallContext::WithTimeout(k
 
 }  // namespace
 
-MapEntries::MapEntries(const storage::SessionStore& sessions, const storage::MapStore& maps, const storage::DoorVerdictStore& verdicts)
+MapEntries::MapEntries(const storage::SessionStore& sessions, const storage::MapStore& maps,
+                       const storage::DoorVerdictStore& verdicts)
     : sessions_(sessions), maps_(maps), verdicts_(verdicts) {
   worker_ = std::thread([this] { Run(); });
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -27,14 +28,16 @@ struct MapEntry {
 // Tells streams of sessions that came through a door which map they are in, once it is known. Thread-safe.
 class MapEntries {
  public:
-  MapEntries(const storage::SessionStore& sessions, const storage::MapStore& maps, const storage::DoorVerdictStore& verdicts);
+  MapEntries(const storage::SessionStore& sessions, const storage::MapStore& maps,
+             const storage::DoorVerdictStore& verdicts);
   ~MapEntries();
   MapEntries(const MapEntries&) = delete;
   MapEntries& operator=(const MapEntries&) = delete;
 
   // Calls `tell` once from a thread of this object, as soon as the session has a map; never where it is deleted before.
   // Where `owner` is gone it is forgotten.
-  void Await(const convert::SessionName& session, std::weak_ptr<const void> owner, std::function<void(const MapEntry&)> tell);
+  void Await(const convert::SessionName& session, std::weak_ptr<const void> owner,
+             std::function<void(const MapEntry&)> tell);
   // Sessions may have been given their map.
   void Wake() { wake_.Wake(); }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/passage_judge.h"
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 #include "core/closure/joined_anchors.h"
 #include "core/closure/known_places.h"
 #include "core/graph/global_pose.h"
-#include "core/graph/pose_chain.h"
+#include "core/graph/paths/pose_chain.h"
 #include "core/graph/search_radius.h"
 #include "server/app/closure/arrival.h"
 #include "server/app/closure/passage_location.h"
@@ -18,8 +19,8 @@ namespace enfilade::server {
 namespace {
 
 // What the robot saw between the door and its report: of what lies behind.
-absl::StatusOr<ViewsBehind> LookBehind(const storage::CallContext& context, const PassageScene& passage, StoredViews& views,
-                                       std::vector<std::int64_t>& seen) {
+absl::StatusOr<ViewsBehind> LookBehind(const storage::CallContext& context, const PassageScene& passage,
+                                       StoredViews& views, std::vector<std::int64_t>& seen) {
   const sensor::DoorReport& report = passage.report;
   ViewsBehind behind;
   const TimeNs late = report.time + DurationOf(0.5);
@@ -46,7 +47,8 @@ absl::StatusOr<ViewsBehind> LookBehind(const storage::CallContext& context, cons
 }
 
 // The evidence of one anchor.
-std::vector<storage::Evidence> Of(const std::vector<storage::Evidence>& all, const LinkPointId& link_point, const MapId& map) {
+std::vector<storage::Evidence> Of(const std::vector<storage::Evidence>& all, const LinkPointId& link_point,
+                                  const MapId& map) {
   std::vector<storage::Evidence> found;
   std::copy_if(all.begin(), all.end(), std::back_inserter(found),
                [&](const storage::Evidence& item) { return item.link_point == link_point && item.map == map; });
@@ -70,8 +72,8 @@ const graph::Anchor* FindBehind(const PassageScene& passage, const graph::LinkPo
 
 // A link point of this very map. True where it is one.
 absl::StatusOr<bool> TryPassed(const storage::CallContext& context, const PassageScene& passage,
-                               const std::vector<closure::KnownPlace>& passed, const ViewsBehind& behind, StoredViews& views,
-                               storage::DoorChange& change, std::set<LinkPointId>& contradicted) {
+                               const std::vector<closure::KnownPlace>& passed, const ViewsBehind& behind,
+                               StoredViews& views, storage::DoorChange& change, std::set<LinkPointId>& contradicted) {
   for (const closure::KnownPlace& known : passed) {
     if (known.link_point->is_candidate()) continue;
     const graph::Anchor* anchor = FindBehind(passage, *known.link_point);
@@ -85,7 +87,8 @@ absl::StatusOr<bool> TryPassed(const storage::CallContext& context, const Passag
                       .evidence = Of(evidence, known.link_point->id, anchor->map),
                       .distance = known.distance,
                       .predicted = T_map_robot};
-    ENFILADE_ASSIGN_OR_RETURN(closure::PlaceEvidence compared, CompareImages(context, place, behind, passage.options, views));
+    ENFILADE_ASSIGN_OR_RETURN(closure::PlaceEvidence compared,
+                              CompareImages(context, place, behind, passage.options, views));
     // The images agree and the pose is right: clouds would add nothing.
     if (!compared.images || !compared.images->agree) {
       ENFILADE_RETURN_IF_ERROR(CompareClouds(context, place, behind, passage.options, views, compared));
@@ -111,7 +114,8 @@ absl::StatusOr<bool> TryPassed(const storage::CallContext& context, const Passag
 // Places of other maps that the robot may have come to: within the search radius, or where no link points lead there.
 // Those that are in reach first, the nearest first.
 absl::StatusOr<std::vector<Place>> FindPlaces(const storage::CallContext& context, const PassageScene& passage,
-                                              const graph::TransformsTo& to_this, const std::set<LinkPointId>& not_these) {
+                                              const graph::TransformsTo& to_this,
+                                              const std::set<LinkPointId>& not_these) {
   const graph::GraphSnapshot& graph = passage.graph.graph();
   std::map<MapId, std::optional<PoseWithCovariance>> transforms;  // T_other_this
   std::vector<Place> places;
@@ -131,7 +135,7 @@ absl::StatusOr<std::vector<Place>> FindPlaces(const storage::CallContext& contex
         place.predicted = Compose(*found->second, passage.T_map_robot);
         place.distance = (door.pose.translation() - anchor.T_map_place.translation()).norm();
         const double radius = graph::SearchRadius(door.covariance + anchor.covariance,
-                                           {passage.options.search_base, passage.options.search_factor});
+                                                  {passage.options.search_base, passage.options.search_factor});
         if (*place.distance > radius) continue;
       }
       places.push_back(std::move(place));
@@ -151,9 +155,10 @@ absl::StatusOr<std::vector<Place>> FindPlaces(const storage::CallContext& contex
   return places;
 }
 
-absl::StatusOr<std::vector<closure::PlaceEvidence>> ComparePlaces(const storage::CallContext& context, const PassageScene& passage,
-                                                         const std::vector<Place>& places, const ViewsBehind& behind,
-                                                         StoredViews& views) {
+absl::StatusOr<std::vector<closure::PlaceEvidence>> ComparePlaces(const storage::CallContext& context,
+                                                                  const PassageScene& passage,
+                                                                  const std::vector<Place>& places,
+                                                                  const ViewsBehind& behind, StoredViews& views) {
   std::vector<closure::PlaceEvidence> compared;
   for (const Place& place : places) {
     ENFILADE_RETURN_IF_ERROR(passage.go_on());
@@ -186,7 +191,8 @@ absl::StatusOr<std::vector<closure::PlaceEvidence>> ComparePlaces(const storage:
 }
 
 // Of the places that have the robot where the chosen one has it, the one whose door it came by; else the chosen one.
-std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& places, const closure::PassageChoice& choice) {
+std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& places,
+                     const closure::PassageChoice& choice) {
   const closure::JudgedPlace& chosen = choice.judged[*choice.chosen];
   const MapId& there = places[*choice.chosen].anchor->map;
   for (const std::size_t i : choice.order) {
@@ -195,8 +201,10 @@ std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& plac
     const Pose2 d = Between(judged.T_map_robot.pose, chosen.T_map_robot.pose);
     if (d.translation().norm() > passage.options.same_pose) continue;
     const graph::Anchor door =
-        closure::JoinAtDoor(passage.map.id, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot).there;
-    if (closure::IsDoorOf(*places[i].link_point, *places[i].anchor, {door.T_map_place, door.covariance}, passage.options)) {
+        closure::JoinAtDoor(passage.map.id, passage.T_map_robot.pose, passage.T_map_door, there, judged.T_map_robot)
+            .there;
+    if (closure::IsDoorOf(*places[i].link_point, *places[i].anchor, {door.T_map_place, door.covariance},
+                          passage.options)) {
       return i;
     }
   }
@@ -205,8 +213,8 @@ std::size_t FindDoor(const PassageScene& passage, const std::vector<Place>& plac
 
 }  // namespace
 
-absl::StatusOr<std::string> JudgePassage(const storage::CallContext& context, const PassageScene& passage, StoredViews& views,
-                                         storage::DoorChange& change) {
+absl::StatusOr<std::string> JudgePassage(const storage::CallContext& context, const PassageScene& passage,
+                                         StoredViews& views, storage::DoorChange& change) {
   const std::vector<closure::KnownPlace> passed =
       closure::FindPassed(passage.graph.graph().ListLinkPoints(), passage.map.id, passage.T_map_door, passage.options);
   ENFILADE_ASSIGN_OR_RETURN(const ViewsBehind behind, LookBehind(context, passage, views, change.verdict.evidence));
@@ -214,7 +222,8 @@ absl::StatusOr<std::string> JudgePassage(const storage::CallContext& context, co
   ENFILADE_ASSIGN_OR_RETURN(const bool known, TryPassed(context, passage, passed, behind, views, change, contradicted));
   if (known) return "";
 
-  ENFILADE_ASSIGN_OR_RETURN(const graph::TransformsTo to_this, graph::TransformsTo::Make(passage.graph.graph(), passage.map.id));
+  ENFILADE_ASSIGN_OR_RETURN(const graph::TransformsTo to_this,
+                            graph::TransformsTo::Make(passage.graph.graph(), passage.map.id));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<Place> places, FindPlaces(context, passage, to_this, contradicted));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<closure::PlaceEvidence> compared,
                             ComparePlaces(context, passage, places, behind, views));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/passage_location.h"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ absl::StatusOr<std::vector<Predicted>> FindMaps(const PassageScene& passage, con
       const graph::Anchor& anchor = *graph.link_point_node(link_point).link_point->FindAnchor(map->id);
       nearest = std::min(nearest, (anchor.T_map_place.translation() - robot.pose.translation()).norm());
     }
-    const closure::ClosureOptions& options = passage.options;
+    const closure::DoorClosureOptions& options = passage.options;
     if (nearest <= graph::SearchRadius(robot.covariance, {options.search_base, options.search_factor})) {
       maps.push_back({map, robot});
     }
@@ -47,7 +48,8 @@ absl::StatusOr<std::vector<Predicted>> FindMaps(const PassageScene& passage, con
 }
 
 // The place of the map that the robot came by, if it is known: one that joins both maps first.
-const graph::LinkPoint* FindSeen(const PassageScene& passage, const MapId& there, const PoseWithCovariance& T_there_door) {
+const graph::LinkPoint* FindSeen(const PassageScene& passage, const MapId& there,
+                                 const PoseWithCovariance& T_there_door) {
   const graph::LinkPoint* found = nullptr;
   for (const graph::LinkPoint* link_point : passage.graph.graph().ListLinkPoints()) {
     const graph::Anchor* anchor = link_point->FindAnchor(there);
@@ -62,12 +64,13 @@ const graph::LinkPoint* FindSeen(const PassageScene& passage, const MapId& there
 
 // What was seen of the door itself, from the map that the scans say it leads into: a cloud that is of another place, or
 // that has the robot elsewhere than the scans have it.
-bool SpeaksAgainst(const closure::PlaceEvidence& evidence, const Destination& to, const closure::ClosureOptions& options) {
+bool SpeaksAgainst(const closure::PlaceEvidence& evidence, const Destination& to,
+                   const closure::DoorClosureOptions& options) {
   if (to.link_point == nullptr || evidence.link_point != to.link_point->id || evidence.map != to.map) return false;
   if (!evidence.clouds) return false;
   if (evidence.clouds->agree) {
-    return closure::PoseChiSquared(evidence.clouds->T_map_robot, to.T_map_robot, options.pose_sigma, options.pose_yaw_sigma) >
-           closure::Gate(options);
+    return closure::PoseChiSquared(evidence.clouds->T_map_robot, to.T_map_robot, options.pose_sigma,
+                                   options.pose_yaw_sigma) > closure::Gate(options);
   }
   return evidence.clouds->inlier_share < options.contradicting_share || (evidence.images && !evidence.images->agree);
 }
@@ -80,11 +83,12 @@ bool MayWait(const KnownScans& known, const PassageScene& passage) {
 }  // namespace
 
 absl::StatusOr<PassageLocation> LocatePassage(const storage::CallContext& context, const PassageScene& passage,
-                                              const graph::TransformsTo& to_this, const std::vector<closure::PlaceEvidence>& compared) {
+                                              const graph::TransformsTo& to_this,
+                                              const std::vector<closure::PlaceEvidence>& compared) {
   PassageLocation location;
   const std::vector<Eigen::Vector2d> points =
-      closure::PointsBehind(passage.scene.ScansBetween(passage.report.door_time, passage.report.time), passage.T_map_door.pose,
-                   passage.T_map_robot.pose);
+      closure::PointsBehind(passage.scene.ScansBetween(passage.report.door_time, passage.report.time),
+                            passage.T_map_door.pose, passage.T_map_robot.pose);
   if (points.empty()) return location;
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<Predicted> maps, FindMaps(passage, to_this));
   std::vector<Destination> found;
@@ -102,8 +106,9 @@ absl::StatusOr<PassageLocation> LocatePassage(const storage::CallContext& contex
     const graph::Anchor door =
         closure::JoinAtDoor(passage.map.id, passage.T_map_robot.pose, passage.T_map_door, to.map, to.T_map_robot).there;
     to.link_point = FindSeen(passage, to.map, {door.T_map_place, door.covariance});
-    if (std::any_of(compared.begin(), compared.end(),
-                    [&](const closure::PlaceEvidence& evidence) { return SpeaksAgainst(evidence, to, passage.options); })) {
+    if (std::any_of(compared.begin(), compared.end(), [&](const closure::PlaceEvidence& evidence) {
+          return SpeaksAgainst(evidence, to, passage.options);
+        })) {
       location.reason += fmt::format("; its scans place it in \"{}\", but what was seen of the door contradicts it",
                                      one.map->display_name);
       continue;

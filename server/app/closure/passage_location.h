@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -24,6 +25,7 @@ struct PassageLocation {
 // the robot is (core/closure: LocateByScans). None where two maps would do, or where clouds or images of the very door
 // speak against it (`compared`). `to_this`: the session's map. Errors are the stores'.
 absl::StatusOr<PassageLocation> LocatePassage(const storage::CallContext& context, const PassageScene& passage,
-                                              const graph::TransformsTo& to_this, const std::vector<closure::PlaceEvidence>& compared);
+                                              const graph::TransformsTo& to_this,
+                                              const std::vector<closure::PlaceEvidence>& compared);
 
 }  // namespace enfilade::server

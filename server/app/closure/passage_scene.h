@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -13,12 +14,12 @@ namespace enfilade::server {
 
 // What a passage is judged from.
 struct PassageScene {
-  const ClosureStores& stores;
-  const closure::ClosureOptions& options;
+  const DoorClosureStores& stores;
+  const closure::DoorClosureOptions& options;
   const SiteGraph& graph;
   const SessionScene& scene;
   const sensor::DoorReport& report;
-  const storage::Map& map;                  // that the session is in
+  const storage::Map& map;         // that the session is in
   PoseWithCovariance T_map_door;   // in it
   PoseWithCovariance T_map_robot;  // when it reports
   std::set<LinkPointId> excluded;  // not to be promoted

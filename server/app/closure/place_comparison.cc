@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/place_comparison.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ Eigen::Isometry3d ToIsometry(const Pose2& pose) {
   return T;
 }
 
-perception::ImageMatchOptions MatchOptions(const closure::ClosureOptions& options) {
+perception::ImageMatchOptions MatchOptions(const closure::DoorClosureOptions& options) {
   perception::ImageMatchOptions match;
   match.ratios = {.sift = options.image_sift_ratio, .akaze = options.image_akaze_ratio};
   match.tolerance = options.image_tolerance;
@@ -32,7 +33,7 @@ perception::ImageMatchOptions MatchOptions(const closure::ClosureOptions& option
   return match;
 }
 
-perception::RegistrationOptions CloudOptions(const closure::ClosureOptions& options) {
+perception::RegistrationOptions CloudOptions(const closure::DoorClosureOptions& options) {
   perception::RegistrationOptions registration;
   registration.voxel = options.cloud_voxel;
   registration.min_inlier_share = options.min_inlier_share;
@@ -51,8 +52,9 @@ bool LooksAway(const Place& place, const storage::Evidence& item) {
 }
 
 // The images kept that look into the map, or those that look at the door, the nearest to the door's moment first.
-absl::StatusOr<std::vector<const perception::FeatureSet*>> StoredImages(const storage::CallContext& context, const Place& place,
-                                                                        bool away, const closure::ClosureOptions& options,
+absl::StatusOr<std::vector<const perception::FeatureSet*>> StoredImages(const storage::CallContext& context,
+                                                                        const Place& place, bool away,
+                                                                        const closure::DoorClosureOptions& options,
                                                                         StoredViews& views) {
   std::vector<const perception::FeatureSet*> images;
   for (const storage::Evidence& item : place.evidence) {
@@ -73,8 +75,8 @@ std::vector<Views> AsSeries(std::span<const perception::FeatureSet* const> image
 // The median over the moments, of the best of the images kept. Two moments are looked at first: where nothing at all is
 // alike, more would cost much and say the same.
 absl::StatusOr<closure::ImageWitness> Match(const std::vector<const perception::FeatureSet*>& stored,
-                                   const std::vector<const perception::FeatureSet*>& now,
-                                   const closure::ClosureOptions& options) {
+                                            const std::vector<const perception::FeatureSet*>& now,
+                                            const closure::DoorClosureOptions& options) {
   const std::vector<Views> series = AsSeries(now);
   std::vector<Views> first = {series.front()};
   if (series.size() > 2) first.push_back(series[series.size() / 2]);
@@ -101,7 +103,7 @@ const storage::Evidence* FindCloud(const Place& place) {
 
 // Where the robot may have taken its cloud, in the map behind. RegisterClouds also tries each turned on the spot.
 std::vector<Pose2> FirstGuesses(const Place& place, const ViewsBehind& behind, const Pose2& T_map_evidence,
-                                const closure::ClosureOptions& options) {
+                                const closure::DoorClosureOptions& options) {
   std::vector<Pose2> guesses;
   if (place.predicted) guesses.push_back(place.predicted->pose * Inverse(behind.T_cloud_robot));
   if (place.predicted && graph::ErrorEllipse95(place.predicted->covariance).semi_major_m <= options.sure_radius) {
@@ -125,8 +127,9 @@ bool IsBetter(const perception::Registration& a, const perception::Registration&
 
 }  // namespace
 
-absl::StatusOr<closure::PlaceEvidence> CompareImages(const storage::CallContext& context, const Place& place, const ViewsBehind& behind,
-                                            const closure::ClosureOptions& options, StoredViews& views) {
+absl::StatusOr<closure::PlaceEvidence> CompareImages(const storage::CallContext& context, const Place& place,
+                                                     const ViewsBehind& behind,
+                                                     const closure::DoorClosureOptions& options, StoredViews& views) {
   closure::PlaceEvidence evidence;
   evidence.link_point = place.link_point->id;
   evidence.map = place.anchor->map;
@@ -149,7 +152,8 @@ absl::StatusOr<closure::PlaceEvidence> CompareImages(const storage::CallContext&
 }
 
 absl::Status CompareClouds(const storage::CallContext& context, const Place& place, const ViewsBehind& behind,
-                           const closure::ClosureOptions& options, StoredViews& views, closure::PlaceEvidence& evidence) {
+                           const closure::DoorClosureOptions& options, StoredViews& views,
+                           closure::PlaceEvidence& evidence) {
   const auto miss = [&evidence](const std::string& what) {
     evidence.missing += (evidence.missing.empty() ? "" : "; ") + what;
     return absl::OkStatus();

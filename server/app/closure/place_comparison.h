@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -27,8 +28,8 @@ struct ViewsBehind {
 // A place, as the map behind it saw it.
 struct Place {
   const graph::LinkPoint* link_point = nullptr;
-  const graph::Anchor* anchor = nullptr;               // in the map behind
-  std::vector<storage::Evidence> evidence;               // of that anchor
+  const graph::Anchor* anchor = nullptr;        // in the map behind
+  std::vector<storage::Evidence> evidence;      // of that anchor
   std::optional<double> distance;               // as PlaceEvidence
   std::optional<PoseWithCovariance> predicted;  // T_map_robot where the robot reports, by the graph
 };
@@ -36,10 +37,12 @@ struct Place {
 // The first half of a PlaceEvidence, by images: who has come out of a door looks away from it, so that the front camera
 // is compared with what looked into the map then (the rear camera of a robot that faced the door); without those, the
 // rear camera with what looked at the door. Errors are the stores'.
-absl::StatusOr<closure::PlaceEvidence> CompareImages(const storage::CallContext& context, const Place& place, const ViewsBehind& behind,
-                                            const closure::ClosureOptions& options, StoredViews& views);
+absl::StatusOr<closure::PlaceEvidence> CompareImages(const storage::CallContext& context, const Place& place,
+                                                     const ViewsBehind& behind,
+                                                     const closure::DoorClosureOptions& options, StoredViews& views);
 // The second half, by clouds: registered from the graph's prediction and from before the door; the best is taken.
 absl::Status CompareClouds(const storage::CallContext& context, const Place& place, const ViewsBehind& behind,
-                           const closure::ClosureOptions& options, StoredViews& views, closure::PlaceEvidence& evidence);
+                           const closure::DoorClosureOptions& options, StoredViews& views,
+                           closure::PlaceEvidence& evidence);
 
 }  // namespace enfilade::server

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/report_judge.h"
 
 #include <utility>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
@@ -13,8 +15,8 @@ namespace enfilade::server {
 namespace {
 
 // It cannot be judged. After a passage a new map begins that nothing joins.
-void NotJudged(const std::optional<storage::Map>& map, const storage::StoredDoorReport& stored, const closure::ClosureOptions& options,
-               std::string why, storage::DoorChange& change) {
+void NotJudged(const std::optional<storage::Map>& map, const storage::StoredDoorReport& stored,
+               const closure::DoorClosureOptions& options, std::string why, storage::DoorChange& change) {
   change.verdict.decision = closure::DoorDecision::kNotJudged;
   change.verdict.reason = std::move(why);
   if (stored.report.kind != sensor::DoorReport::Kind::kPassage) return;
@@ -23,9 +25,11 @@ void NotJudged(const std::optional<storage::Map>& map, const storage::StoredDoor
   change.verdict.reason += "; a new map begins that nothing joins";
 }
 
-void JudgeSighting(const closure::ClosureOptions& options, const SiteGraph& graph, const SessionScene& scene, const storage::Map& map,
-                   const sensor::DoorReport& report, const PoseWithCovariance& T_map_robot, storage::DoorChange& change) {
-  const std::vector<closure::KnownPlace> known = closure::FindSighted(graph.graph().ListLinkPoints(), map.id, T_map_robot, options);
+void JudgeSighting(const closure::DoorClosureOptions& options, const SiteGraph& graph, const SessionScene& scene,
+                   const storage::Map& map, const sensor::DoorReport& report, const PoseWithCovariance& T_map_robot,
+                   storage::DoorChange& change) {
+  const std::vector<closure::KnownPlace> known =
+      closure::FindSighted(graph.graph().ListLinkPoints(), map.id, T_map_robot, options);
   closure::DoorVerdict& verdict = change.verdict;
   if (!known.empty()) {
     verdict.decision = closure::DoorDecision::kCandidateKnown;
@@ -55,7 +59,8 @@ void JudgeSighting(const closure::ClosureOptions& options, const SiteGraph& grap
 
 }  // namespace
 
-storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor::DoorReport* report, const closure::ClosureOptions& options) {
+storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor::DoorReport* report,
+                          const closure::DoorClosureOptions& options) {
   storage::NewMap map;
   map.id = MapId(NewUuid());
   map.name_prefix = options.map_name;
@@ -66,17 +71,18 @@ storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor:
   if (report != nullptr && report->entered_level) map.level = *report->entered_level;
   if (report != nullptr && report->entered_surroundings) {
     map.environment =
-        *report->entered_surroundings == sensor::Surroundings::kOutdoor ? storage::Environment::kOutdoor : storage::Environment::kIndoor;
+        *report->entered_surroundings == Environment::kOutdoor ? Environment::kOutdoor : Environment::kIndoor;
   }
-  map.slam_profile = map.environment == storage::Environment::kOutdoor ? options.outdoor_profile : options.indoor_profile;
+  map.slam_profile = map.environment == Environment::kOutdoor ? options.outdoor_profile : options.indoor_profile;
   return map;
 }
 
-ReportJudge::ReportJudge(const ClosureStores& stores, const closure::ClosureOptions& options,
+ReportJudge::ReportJudge(const DoorClosureStores& stores, const closure::DoorClosureOptions& options,
                          std::shared_ptr<const SiteGraph> graph, std::function<absl::Status()> go_on)
     : stores_(stores), options_(options), graph_(std::move(graph)), go_on_(std::move(go_on)) {}
 
-absl::StatusOr<ReportJudge::Judgement> ReportJudge::Judge(const storage::CallContext& context, const storage::Session& session,
+absl::StatusOr<ReportJudge::Judgement> ReportJudge::Judge(const storage::CallContext& context,
+                                                          const storage::Session& session,
                                                           const storage::StoredDoorReport& stored,
                                                           const std::set<LinkPointId>& excluded, double waited) const {
   const sensor::DoorReport& report = stored.report;

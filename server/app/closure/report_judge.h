@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -19,8 +20,8 @@ namespace enfilade::server {
 class ReportJudge {
  public:
   // `go_on` is asked between comparisons: an error ends the judgement with it (the lease is lost).
-  ReportJudge(const ClosureStores& stores, const closure::ClosureOptions& options, std::shared_ptr<const SiteGraph> graph,
-              std::function<absl::Status()> go_on);
+  ReportJudge(const DoorClosureStores& stores, const closure::DoorClosureOptions& options,
+              std::shared_ptr<const SiteGraph> graph, std::function<absl::Status()> go_on);
 
   // What comes of a report; where it is too early to say, what is waited for, and nothing is to be stored.
   struct Judgement {
@@ -30,17 +31,19 @@ class ReportJudge {
   // `waited`: s, since it was too early for the first time. `excluded`: candidates that would make a redundant link
   // point. A report that cannot be judged has a verdict that says so; errors are the stores'. `context` is read anew
   // for each call of a store: go_on may put its deadline off.
-  absl::StatusOr<Judgement> Judge(const storage::CallContext& context, const storage::Session& session, const storage::StoredDoorReport& report,
-                                  const std::set<LinkPointId>& excluded, double waited) const;
+  absl::StatusOr<Judgement> Judge(const storage::CallContext& context, const storage::Session& session,
+                                  const storage::StoredDoorReport& report, const std::set<LinkPointId>& excluded,
+                                  double waited) const;
 
  private:
-  const ClosureStores& stores_;
-  const closure::ClosureOptions& options_;
+  const DoorClosureStores& stores_;
+  const closure::DoorClosureOptions& options_;
   const std::shared_ptr<const SiteGraph> graph_;
   const std::function<absl::Status()> go_on_;
 };
 
 // A map that begins where the report's robot is; `from`: the map that it comes from, where there is one.
-storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor::DoorReport* report, const closure::ClosureOptions& options);
+storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor::DoorReport* report,
+                          const closure::DoorClosureOptions& options);
 
 }  // namespace enfilade::server

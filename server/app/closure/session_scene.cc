@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/session_scene.h"
 
 #include <algorithm>
@@ -15,29 +16,34 @@ constexpr TimeNs kMargin = 10 * kNsPerSecond;
 
 }  // namespace
 
-absl::StatusOr<SessionScene> SessionScene::Load(const ClosureStores& stores, const storage::CallContext& context,
-                                                const storage::Session& session, const storage::StoredDoorReport& stored,
-                                                const closure::ClosureOptions& options) {
+absl::StatusOr<SessionScene> SessionScene::Load(const DoorClosureStores& stores, const storage::CallContext& context,
+                                                const storage::Session& session,
+                                                const storage::StoredDoorReport& stored,
+                                                const closure::DoorClosureOptions& options) {
   const sensor::DoorReport& report = stored.report;
-  ENFILADE_ASSIGN_OR_RETURN(storage::Trajectory trajectory, stores.mappings.ReadTrajectory(context, session.site, session.id));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
-                            stores.records.ReadSelected(context, session.site, session.id,
-                                                        {.kinds = {sensor::RecordKind::kLaserScan, sensor::RecordKind::kOdometry,
-                                                                   sensor::RecordKind::kImage, sensor::RecordKind::kPointCloud},
-                                                         .from_time = report.door_time - kMargin,
-                                                         .to_time = report.time + kMargin,
-                                                         .first_sequence = stored.sequence - kRecordsBefore,
-                                                         .last_sequence = stored.sequence + kRecordsAfter}));
+  ENFILADE_ASSIGN_OR_RETURN(storage::Trajectory trajectory,
+                            stores.mappings.ReadTrajectory(context, session.site, session.id));
+  ENFILADE_ASSIGN_OR_RETURN(
+      std::vector<sensor::Record> records,
+      stores.records.ReadSelected(context, session.site, session.id,
+                                  {.kinds = {sensor::RecordKind::kLaserScan, sensor::RecordKind::kOdometry,
+                                             sensor::RecordKind::kImage, sensor::RecordKind::kPointCloud},
+                                   .from_time = report.door_time - kMargin,
+                                   .to_time = report.time + kMargin,
+                                   .first_sequence = stored.sequence - kRecordsBefore,
+                                   .last_sequence = stored.sequence + kRecordsAfter}));
   std::vector<sensor::Odometry> odometry;
   std::vector<SeenImage> images;
   std::vector<SeenCloud> clouds;
   std::vector<sensor::LaserScan> scans;
   for (sensor::Record& record : records) {
     if (auto* sample = std::get_if<sensor::Odometry>(&record.payload)) odometry.push_back(*sample);
-    if (auto* image = std::get_if<sensor::Image>(&record.payload)) images.push_back({record.sequence, std::move(*image)});
+    if (auto* image = std::get_if<sensor::Image>(&record.payload))
+      images.push_back({record.sequence, std::move(*image)});
     auto* scan = std::get_if<sensor::LaserScan>(&record.payload);
     if (scan != nullptr && scan->time >= report.door_time) scans.push_back(std::move(*scan));
-    if (auto* cloud = std::get_if<sensor::PointCloud>(&record.payload)) clouds.push_back({record.sequence, std::move(*cloud)});
+    if (auto* cloud = std::get_if<sensor::PointCloud>(&record.payload))
+      clouds.push_back({record.sequence, std::move(*cloud)});
   }
   SessionScene scene(closure::SessionTrack(std::move(trajectory.poses), std::move(odometry), options), report);
   scene.images_ = std::move(images);
@@ -61,8 +67,8 @@ std::optional<PoseWithCovariance> SessionScene::DoorPose() const {
   return pose;
 }
 
-std::vector<SessionScene::SeenImage> SessionScene::ImagesNear(sensor::Camera camera, TimeNs time, TimeNs from, TimeNs to,
-                                                              int count) const {
+std::vector<SessionScene::SeenImage> SessionScene::ImagesNear(sensor::Camera camera, TimeNs time, TimeNs from,
+                                                              TimeNs to, int count) const {
   std::vector<SeenImage> found;
   for (const SeenImage& seen : images_) {
     const bool is_picture = seen.image.encoding != sensor::ImageEncoding::kDepthPng16;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,9 @@ namespace enfilade::server {
 class SessionScene {
  public:
   // Errors are the stores'. A session whose records are gone has none.
-  static absl::StatusOr<SessionScene> Load(const ClosureStores& stores, const storage::CallContext& context,
+  static absl::StatusOr<SessionScene> Load(const DoorClosureStores& stores, const storage::CallContext& context,
                                            const storage::Session& session, const storage::StoredDoorReport& report,
-                                           const closure::ClosureOptions& options);
+                                           const closure::DoorClosureOptions& options);
 
   // In the session's map, with the covariance of the nearest keyframe and odometry's since. Unset where nothing was
   // mapped about then.
@@ -47,7 +48,8 @@ class SessionScene {
   std::vector<closure::PlacedScan> ScansBetween(TimeNs from, TimeNs to) const;
 
  private:
-  SessionScene(closure::SessionTrack track, const sensor::DoorReport& report) : track_(std::move(track)), report_(report) {}
+  SessionScene(closure::SessionTrack track, const sensor::DoorReport& report)
+      : track_(std::move(track)), report_(report) {}
 
   closure::SessionTrack track_;
   sensor::DoorReport report_;

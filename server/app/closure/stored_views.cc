@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/stored_views.h"
 
 #include <utility>
@@ -31,7 +32,8 @@ std::string StoredViews::Faults() const {
 }
 
 absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(const storage::CallContext& context,
-                                                                                const sensor::BlobRef& image, bool keep) {
+                                                                                const sensor::BlobRef& image,
+                                                                                bool keep) {
   if (keep) {
     ENFILADE_ASSIGN_OR_RETURN(const std::string kept, stores_.features.Find(context, site_, image.sha256));
     if (!kept.empty()) {
@@ -55,8 +57,8 @@ absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(
   return std::optional<perception::FeatureSet>(std::move(features));
 }
 
-absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const storage::CallContext& context, const sensor::BlobRef& image,
-                                                                    bool keep) {
+absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const storage::CallContext& context,
+                                                                    const sensor::BlobRef& image, bool keep) {
   auto found = features_.find(image.sha256);
   if (found == features_.end()) {
     ENFILADE_ASSIGN_OR_RETURN(std::optional<perception::FeatureSet> features, FindFeatures(context, image, keep));
@@ -69,7 +71,8 @@ absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const storag
   return found->second ? &*found->second : nullptr;
 }
 
-absl::StatusOr<const perception::Cloud*> StoredViews::Points(const storage::CallContext& context, const sensor::BlobRef& cloud,
+absl::StatusOr<const perception::Cloud*> StoredViews::Points(const storage::CallContext& context,
+                                                             const sensor::BlobRef& cloud,
                                                              sensor::CloudEncoding encoding) {
   auto found = clouds_.find(cloud.sha256);
   if (found == clouds_.end()) {

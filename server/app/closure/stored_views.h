@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -22,13 +23,14 @@ namespace enfilade::server {
 class StoredViews {
  public:
   // `go_on` is asked before each image that features are looked for in: it takes long.
-  StoredViews(const ClosureStores& stores, const SiteId& site, const closure::ClosureOptions& options,
+  StoredViews(const DoorClosureStores& stores, const SiteId& site, const closure::DoorClosureOptions& options,
               std::function<absl::Status()> go_on)
       : stores_(stores), site_(site), options_(options), go_on_(std::move(go_on)) {}
 
   // Null where there is nothing to see in it. `keep`: its features are read from the database or stored there, for
   // images that are compared more than once.
-  absl::StatusOr<const perception::FeatureSet*> Features(const storage::CallContext& context, const sensor::BlobRef& image, bool keep);
+  absl::StatusOr<const perception::FeatureSet*> Features(const storage::CallContext& context,
+                                                         const sensor::BlobRef& image, bool keep);
   // Null where it has no points, or is none.
   absl::StatusOr<const perception::Cloud*> Points(const storage::CallContext& context, const sensor::BlobRef& cloud,
                                                   sensor::CloudEncoding encoding);
@@ -37,13 +39,13 @@ class StoredViews {
   std::string Faults() const;
 
  private:
-  absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const storage::CallContext& context, const sensor::BlobRef& image,
-                                                                     bool keep);
+  absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const storage::CallContext& context,
+                                                                     const sensor::BlobRef& image, bool keep);
   void AddFault(const std::string& what);
 
-  const ClosureStores& stores_;
+  const DoorClosureStores& stores_;
   const SiteId& site_;
-  const closure::ClosureOptions& options_;
+  const closure::DoorClosureOptions& options_;
   const std::function<absl::Status()> go_on_;
   std::map<std::string, std::optional<perception::FeatureSet>> features_;  // by SHA-256
   std::map<std::string, std::optional<perception::Cloud>> clouds_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/graph/graph_optimizer.h"
 
 #include <chrono>
@@ -58,21 +59,24 @@ bool IsSame(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solutio
 }
 
 // As it will be: link points' places follow from the new solution.
-absl::StatusOr<storage::GraphSolution> StoredSolution(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
-  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot solved, graph::Apply(graph, graph::ChangesOf(graph, solution, graph.version() + 1)));
+absl::StatusOr<storage::GraphSolution> StoredSolution(const graph::GraphSnapshot& graph,
+                                                      const graph::SolvedGraph& solution) {
+  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot solved,
+                            graph::Apply(graph, graph::ChangesOf(graph, solution, graph.version() + 1)));
   return ToStored(graph::WorldPoses(std::move(solved)), solution);
 }
 
-absl::StatusOr<std::int64_t> Store(const storage::GraphStore& store, const storage::CallContext& context, const SiteId& site,
-                                   const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
+absl::StatusOr<std::int64_t> Store(const storage::GraphStore& store, const storage::CallContext& context,
+                                   const SiteId& site, const graph::GraphSnapshot& graph,
+                                   const graph::SolvedGraph& solution) {
   ENFILADE_ASSIGN_OR_RETURN(const storage::GraphSolution stored, StoredSolution(graph, solution));
   return store.Apply(context, site, graph.version(), stored);
 }
 
 }  // namespace
 
-GraphOptimizer::GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases, SiteGraphs& graphs,
-                               ChangedSites& changed)
+GraphOptimizer::GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases,
+                               SiteGraphs& graphs, ChangedSites& changed)
     : store_(store), leases_(leases), graphs_(graphs), changed_(changed), owner_(NewUuid() + "/graph") {
   worker_ = std::thread([this] { Run(); });
 }
@@ -115,8 +119,9 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAtRest(const storage::CallCo
   ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> known, graphs_.Get(context, site));
   OptimizedGraph optimized;
   const auto solve = [&](const storage::GraphChanges& changes) -> absl::StatusOr<storage::GraphSolution> {
-    ENFILADE_ASSIGN_OR_RETURN(const graph::GraphSnapshot graph,
-                              graph::Apply(changes.complete ? graph::GraphSnapshot() : known->graph(), ToSnapshotChanges(changes)));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const graph::GraphSnapshot graph,
+        graph::Apply(changes.complete ? graph::GraphSnapshot() : known->graph(), ToSnapshotChanges(changes)));
     ENFILADE_ASSIGN_OR_RETURN(optimized.solution, graph::OptimizeGraph(graph));
     return StoredSolution(graph, optimized.solution);
   };
@@ -153,7 +158,8 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   return optimized;
 }
 
-absl::Status GraphOptimizer::OptimizeChanged(const storage::CallContext& context, const SiteId& site, const SiteGraph& graph) {
+absl::Status GraphOptimizer::OptimizeChanged(const storage::CallContext& context, const SiteId& site,
+                                             const SiteGraph& graph) {
   ENFILADE_ASSIGN_OR_RETURN(const graph::SolvedGraph solution, graph::OptimizeGraph(graph.graph()));
   if (IsSame(graph.graph(), solution)) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph.graph(), solution));

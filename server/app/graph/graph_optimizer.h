@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,8 @@ struct OptimizedGraph {
 // Thread-safe.
 class GraphOptimizer {
  public:
-  GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases, SiteGraphs& graphs, ChangedSites& changed);
+  GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases, SiteGraphs& graphs,
+                 ChangedSites& changed);
   ~GraphOptimizer();
   GraphOptimizer(const GraphOptimizer&) = delete;
   GraphOptimizer& operator=(const GraphOptimizer&) = delete;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/graph/site_graph.h"
 
 #include <algorithm>
@@ -24,8 +25,8 @@ graph::SnapshotChanges ToSnapshotChanges(const storage::GraphChanges& changes) {
   return out;
 }
 
-std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storage::MapPose>& poses, std::int64_t version,
-                                                 const MapId& root) {
+std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storage::MapPose>& poses,
+                                                        std::int64_t version, const MapId& root) {
   graph::SolvedGraph solved{.graph_version = version, .root = root};
   for (const storage::MapPose& pose : poses) solved.map_poses[pose.map] = pose.T_world_map;
   const auto found = solved.map_poses.find(root);
@@ -36,7 +37,8 @@ std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storag
   return std::make_shared<const graph::SolvedGraph>(std::move(solved));
 }
 
-absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& poses, const std::vector<storage::ControlPoint>& points) {
+absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& poses,
+                                                      const std::vector<storage::ControlPoint>& points) {
   std::vector<geo::SurveyPoint> survey;
   for (const storage::ControlPoint& point : points) {
     ENFILADE_ASSIGN_OR_RETURN(const std::optional<graph::GlobalPose> pose, poses.Find(point.map));
@@ -53,7 +55,8 @@ absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& p
 storage::GraphSolution ToStored(const graph::WorldPoses& solved, const graph::SolvedGraph& solution) {
   storage::GraphSolution out;
   for (const auto& [map, T_world_map] : solution.map_poses) out.maps.push_back({map, T_world_map});
-  std::sort(out.maps.begin(), out.maps.end(), [](const storage::MapPose& a, const storage::MapPose& b) { return a.map < b.map; });
+  std::sort(out.maps.begin(), out.maps.end(),
+            [](const storage::MapPose& a, const storage::MapPose& b) { return a.map < b.map; });
   for (const graph::LinkPoint* link_point : solved.graph().ListLinkPoints()) {
     if (const auto T_world_place = graph::FindInWorld(solved, *link_point)) {
       out.link_points.push_back({link_point->id, *T_world_place});

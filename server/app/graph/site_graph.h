@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -29,12 +30,13 @@ graph::SnapshotChanges ToSnapshotChanges(const storage::GraphChanges& changes);
 
 // The last optimisation at or before the present version, as the snapshot wants it; null where there is none, or none
 // of the present root.
-std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storage::MapPose>& poses, std::int64_t version,
-                                                 const MapId& root);
+std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storage::MapPose>& poses,
+                                                        std::int64_t version, const MapId& root);
 
 // The control points in the world frame, fitted. FAILED_PRECONDITION where a map is not joined to the root; else as
 // FitGeoreference.
-absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& poses, const std::vector<storage::ControlPoint>& points);
+absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& poses,
+                                                      const std::vector<storage::ControlPoint>& points);
 
 // What the optimisation found, for the store.
 storage::GraphSolution ToStored(const graph::WorldPoses& solved, const graph::SolvedGraph& solution);

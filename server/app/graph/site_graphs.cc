@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/graph/site_graphs.h"
 
 #include <algorithm>
@@ -44,7 +45,8 @@ std::shared_ptr<const SiteGraph> SiteGraphs::FindCurrent(const SiteId& site) con
   return entry.changes_read >= entry.changes_needed ? entry.current : nullptr;
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Get(const storage::CallContext& context, const SiteId& site) {
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Get(const storage::CallContext& context,
+                                                                 const SiteId& site) {
   if (std::shared_ptr<const SiteGraph> current = FindCurrent(site)) return current;
   return BringUpToDate(context, site);
 }
@@ -79,8 +81,8 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::BringUpToDate(const
   return read;
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const storage::CallContext& context, const SiteId& site,
-                                                                        std::int64_t version) {
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const storage::CallContext& context,
+                                                                        const SiteId& site, std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(std::shared_ptr<const SiteGraph> current, Get(context, site));
   if (version == 0 || version == current->graph().version()) return current;
   const std::shared_ptr<Entry> entry = FindOrMake(site);
@@ -93,7 +95,8 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const st
 }
 
 // `old` itself where nothing changed.
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage::CallContext& context, const SiteId& site,
+absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage::CallContext& context,
+                                                                  const SiteId& site,
                                                                   const std::shared_ptr<const SiteGraph>& old) const {
   const std::int64_t since = old == nullptr ? 0 : old->graph().version();
   ENFILADE_ASSIGN_OR_RETURN(const storage::GraphChanges changes, store_.ReadChanges(context, site, since));
@@ -111,7 +114,8 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage:
     if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, optimized, changes.root);
     if (snapshot_changes.solution != nullptr) solution_version = optimized;
   }
-  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot, graph::Apply(anew ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
+  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot,
+                            graph::Apply(anew ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
   auto graph = std::make_shared<SiteGraph>(std::move(snapshot));
   const graph::SolvedGraph* solution = graph->graph().solution();
   graph->solution_version = solution != nullptr && solution->root == graph->graph().root() ? solution_version : 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -55,7 +56,8 @@ class SiteGraphs {
 
   std::shared_ptr<Entry> FindOrMake(const SiteId& site);
   // Reads what has changed, unless somebody just did.
-  absl::StatusOr<std::shared_ptr<const SiteGraph>> BringUpToDate(const storage::CallContext& context, const SiteId& site);
+  absl::StatusOr<std::shared_ptr<const SiteGraph>> BringUpToDate(const storage::CallContext& context,
+                                                                 const SiteId& site);
   absl::StatusOr<std::shared_ptr<const SiteGraph>> Read(const storage::CallContext& context, const SiteId& site,
                                                         const std::shared_ptr<const SiteGraph>& old) const;
   void Listen();

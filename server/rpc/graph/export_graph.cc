@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/graph/export_graph.h"
 
 #include <algorithm>
@@ -16,12 +17,13 @@ constexpr std::size_t kChunkBytes = 1 << 20;
 
 }  // namespace
 
-absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services, const storage::CallContext& context,
+absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services,
+                                                                   const storage::CallContext& context,
                                                                    const v1::ExportGraphRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site));
-  const auto text = std::make_shared<const std::string>(
-      graph::GraphToGeoJson(graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr));
+  const auto text = std::make_shared<const std::string>(graph::GraphToGeoJson(
+      graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr));
   const std::int64_t version = graph->graph().version();
   return [text, version, begun = false,
           offset = std::size_t{0}](v1::ExportGraphResponse& message) mutable -> absl::StatusOr<bool> {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -6,7 +7,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services, const storage::CallContext& context,
+absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services,
+                                                                   const storage::CallContext& context,
                                                                    const v1::ExportGraphRequest& request);
 
 }  // namespace enfilade::server

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <chrono>
 
 #include "core/base/error.h"
@@ -55,11 +56,12 @@ absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, cons
   if (!request.has_pose_map_goal()) return InvalidArgument("pose_map_goal is missing");
   ENFILADE_ASSIGN_OR_RETURN(const graph::RouteOptions options, OptionsOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, start.site));
-  ENFILADE_ASSIGN_OR_RETURN(const graph::Routes routes,
-                            enfilade::graph::FindRoutes(graph->graph(),
-                                                 {start.map, enfilade::convert::FromProto(request.pose_map_start()), goal.map,
-                                                  enfilade::convert::FromProto(request.pose_map_goal())},
-                                                 options));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const graph::Routes routes,
+      enfilade::graph::FindRoutes(graph->graph(),
+                                  {start.map, enfilade::convert::FromProto(request.pose_map_start()), goal.map,
+                                   enfilade::convert::FromProto(request.pose_map_goal())},
+                                  options));
   response.set_graph_version(routes.graph_version);
   for (const graph::Route& route : routes.routes) *response.add_routes() = ToProto(start.site, route);
   if (request.with_geojson()) {

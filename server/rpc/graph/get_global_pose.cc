@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/graph/get_global_pose.h"
 
 #include "core/base/error.h"
@@ -73,7 +74,8 @@ absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services
     case v1::GetGlobalPoseRequest::kRobot: {
       v1::GetGlobalPoseResponse response;
       ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName name, convert::ParseRobotName("robot", request.robot()));
-      ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose report, services.robot_poses.Get(context, name.site, name.robot));
+      ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose report,
+                                services.robot_poses.Get(context, name.site, name.robot));
       ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, name.site));
       ENFILADE_ASSIGN_OR_RETURN(*response.mutable_global_pose(), GlobalPoseOf(*graph, report));
       return response;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -11,7 +12,8 @@ namespace enfilade::server {
 
 absl::StatusOr<v1::GetGraphResponse> GetGraph(const Services& services, const storage::CallContext& context,
                                               const v1::GetGraphRequest& request);
-absl::StatusOr<v1::ListGraphVersionsResponse> ListGraphVersions(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListGraphVersionsResponse> ListGraphVersions(const Services& services,
+                                                                const storage::CallContext& context,
                                                                 const v1::ListGraphVersionsRequest& request);
 absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const storage::CallContext& context,
                                                         const v1::OptimizeGraphRequest& request);
@@ -21,9 +23,11 @@ absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& servic
                                                           const v1::TransformPosesRequest& request);
 absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const storage::CallContext& context,
                                                   const v1::FindRoutesRequest& request);
-absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::SetGeoreferenceRequest& request);
-absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::GetGeoreferenceRequest& request);
 
 }  // namespace enfilade::server

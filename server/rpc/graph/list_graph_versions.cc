@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/graph/handlers.h"
@@ -6,7 +7,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::ListGraphVersionsResponse> ListGraphVersions(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListGraphVersionsResponse> ListGraphVersions(const Services& services,
+                                                                const storage::CallContext& context,
                                                                 const v1::ListGraphVersionsRequest& request) {
   v1::ListGraphVersionsResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));

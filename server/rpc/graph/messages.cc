@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/graph/messages.h"
 
 #include "core/graph/search_radius.h"
@@ -9,7 +10,9 @@ namespace enfilade::server {
 namespace {
 
 std::string MapNameOf(const SiteId& site, const MapId& map) { return convert::NameOf(convert::MapName{site, map}); }
-std::string LinkPointNameOf(const SiteId& site, const LinkPointId& id) { return convert::NameOf(convert::LinkPointName{site, id}); }
+std::string LinkPointNameOf(const SiteId& site, const LinkPointId& id) {
+  return convert::NameOf(convert::LinkPointName{site, id});
+}
 
 void FillMap(const SiteId& site, const SiteGraph& graph, const graph::MapInGraph& map, v1::GraphMap& out) {
   out.set_map(MapNameOf(site, map.id));
@@ -21,10 +24,12 @@ void FillMap(const SiteId& site, const SiteGraph& graph, const graph::MapInGraph
   out.set_optimized((*pose)->solution_version.has_value() && (*pose)->hops.empty());
 }
 
-void FillLinkPoint(const SiteId& site, const SiteGraph& graph, const graph::LinkPoint& link_point, v1::GraphLinkPoint& out) {
+void FillLinkPoint(const SiteId& site, const SiteGraph& graph, const graph::LinkPoint& link_point,
+                   v1::GraphLinkPoint& out) {
   out.set_link_point(LinkPointNameOf(site, link_point.id));
   for (const graph::Anchor& anchor : link_point.anchors) out.add_maps(MapNameOf(site, anchor.map));
-  if (const auto place = graph::FindInWorld(graph.poses, link_point)) *out.mutable_pose_world_place() = convert::ToProto(*place);
+  if (const auto place = graph::FindInWorld(graph.poses, link_point))
+    *out.mutable_pose_world_place() = convert::ToProto(*place);
   out.set_joins(!link_point.is_candidate() && link_point.use == graph::LinkPointUse::kUsed);
 }
 

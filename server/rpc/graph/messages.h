@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/graph/global_pose.h"
-#include "core/graph/routes.h"
+#include "core/graph/paths/routes.h"
 #include "enfilade/v1/graph.pb.h"
 #include "server/app/graph/site_graph.h"
 #include "storage/graph_store.h"

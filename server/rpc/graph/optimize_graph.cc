@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/graph/handlers.h"
@@ -24,7 +25,8 @@ absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services
     message.set_chi2(off.chi2);
     message.set_gate(off.gate);
   }
-  for (const MapId& map : solution.disconnected) response.add_disconnected_maps(convert::NameOf(convert::MapName{site, map}));
+  for (const MapId& map : solution.disconnected)
+    response.add_disconnected_maps(convert::NameOf(convert::MapName{site, map}));
   return response;
 }
 

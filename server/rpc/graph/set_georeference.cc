@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
@@ -17,8 +18,9 @@ absl::StatusOr<std::vector<storage::ControlPoint>> Parse(const SiteId& site, con
   std::vector<storage::ControlPoint> points;
   for (int i = 0; i < message.control_points_size(); ++i) {
     const v1::ControlPoint& point = message.control_points(i);
-    ENFILADE_ASSIGN_OR_RETURN(const convert::MapName map,
-                              convert::ParseMapName(fmt::format("georeference.control_points[{}].map", i), point.map()));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const convert::MapName map,
+        convert::ParseMapName(fmt::format("georeference.control_points[{}].map", i), point.map()));
     if (map.site != site) return InvalidArgument("georeference.control_points[{}].map is of another site", i);
     points.push_back({.map = map.map,
                       .position = {point.x(), point.y()},
@@ -30,7 +32,8 @@ absl::StatusOr<std::vector<storage::ControlPoint>> Parse(const SiteId& site, con
 
 }  // namespace
 
-absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::SetGeoreferenceRequest& request) {
   v1::SetGeoreferenceResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));

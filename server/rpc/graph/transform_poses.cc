@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/geometry.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/graph/watch_global_poses.h"
 
 #include <algorithm>
@@ -53,8 +54,9 @@ class WatchReactor final : public grpc::ServerWriteReactor<v1::WatchGlobalPosesR
 
   void Look() {
     due_ = std::chrono::steady_clock::now() + watch_->period();
-    const storage::CallContext context = storage::CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::nanoseconds>(
-        std::chrono::duration<double>(services_.options.database.default_deadline_s)));
+    const storage::CallContext context =
+        storage::CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::nanoseconds>(
+            std::chrono::duration<double>(services_.options.database.default_deadline_s)));
     const absl::StatusOr<bool> has_news = watch_->Look(services_, context, message_);
     if (!has_news.ok()) return End(has_news.status());
     if (!*has_news) return Wait();

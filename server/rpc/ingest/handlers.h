@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -15,7 +16,8 @@ absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& servic
                                                           const v1::SubmitOdometryRequest& request);
 absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const storage::CallContext& context,
                                                     const v1::SubmitImageRequest& request);
-absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::SubmitPointCloudRequest& request);
 
 }  // namespace enfilade::server

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/ingest/stream_records.h"
 
 #include <deque>
@@ -110,7 +111,8 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     absl::StatusOr<convert::SessionName> name = convert::ParseSessionName("open.session", request_.open().session());
     if (!name.ok()) return EndReading(name.status());
     const bool queued = services_.executor.Post([self = shared_from_this(), name = *std::move(name)] {
-      const absl::StatusOr<storage::Session> session = self->services_.sessions.Get(self->Context(), name.site, name.session);
+      const absl::StatusOr<storage::Session> session =
+          self->services_.sessions.Get(self->Context(), name.site, name.session);
       self->Opened(name, session);
     });
     if (!queued) EndReading(absl::ResourceExhaustedError("too many calls are waiting: try again later"));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "server/rpc/ingest/handlers.h"
 #include "server/rpc/ingest/submit.h"

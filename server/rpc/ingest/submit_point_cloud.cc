@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "server/rpc/ingest/handlers.h"
 #include "server/rpc/ingest/submit.h"
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SubmitPointCloudResponse> SubmitPointCloud(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::SubmitPointCloudRequest& request) {
   v1::SubmitPointCloudResponse response;
   v1::Record record;

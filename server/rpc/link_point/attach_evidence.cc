@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/link_point/attach_evidence.h"
 
 #include "core/base/error.h"
@@ -11,7 +12,8 @@ namespace {
 
 class EvidenceTaker {
  public:
-  EvidenceTaker(const Services& services, const storage::CallContext& context) : services_(services), context_(context) {}
+  EvidenceTaker(const Services& services, const storage::CallContext& context)
+      : services_(services), context_(context) {}
 
   absl::Status Take(const v1::AttachEvidenceRequest& request) {
     if (request.has_manifest() && !begun_) {

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/link_point/convert.h"
 
 #include <algorithm>
 #include <map>
 
+#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/geometry.h"
@@ -73,7 +75,7 @@ v1::Evidence ToProto(const SiteId& site, const storage::Evidence& evidence) {
   }
   *out.mutable_image()->mutable_time() = convert::ToTimestamp(evidence.time);
   out.mutable_image()->set_camera(evidence.kind == storage::EvidenceKind::kRearImage ? v1::Image::CAMERA_REAR
-                                                                            : v1::Image::CAMERA_FRONT);
+                                                                                     : v1::Image::CAMERA_FRONT);
   out.mutable_image()->set_encoding(static_cast<v1::Image::Encoding>(evidence.encoding));
   *out.mutable_image()->mutable_content() = content;
   return out;
@@ -105,13 +107,14 @@ absl::StatusOr<storage::StoredLinkPoint> FromProto(const SiteId& site, const v1:
   if (!v1::Map::Environment_IsValid(in.environment())) return Unknown("link_point.environment", in.environment());
   if (in.kind() != 0) point.kind = static_cast<graph::LinkPointKind>(in.kind());
   if (in.state() != 0) point.state = static_cast<graph::PassageState>(in.state());
-  if (in.environment() != 0) out.environment = static_cast<storage::Environment>(in.environment());
+  if (in.environment() != 0) out.environment = static_cast<Environment>(in.environment());
   ENFILADE_RETURN_IF_ERROR(CheckTag(in.tag()));
   point.tag = in.tag();
   if (in.difficulty() < 0) return InvalidArgument("link_point.difficulty is {}: expected 0 or more", in.difficulty());
   point.difficulty = in.difficulty();
   for (int i = 0; i < in.anchors_size(); ++i) {
-    ENFILADE_ASSIGN_OR_RETURN(graph::Anchor anchor, FromProto(fmt::format("link_point.anchors[{}]", i), site, in.anchors(i)));
+    ENFILADE_ASSIGN_OR_RETURN(graph::Anchor anchor,
+                              FromProto(fmt::format("link_point.anchors[{}]", i), site, in.anchors(i)));
     point.anchors.push_back(std::move(anchor));
   }
   if (!in.direction_map().empty()) {
@@ -137,7 +140,8 @@ absl::StatusOr<storage::Evidence> FromProto(const convert::LinkPointName& name, 
   out.time = sensor::TimeOf(read);
   out.content = *sensor::FindBlob(read);
   if (const auto* image = std::get_if<sensor::Image>(&read.payload)) {
-    out.kind = image->camera == sensor::Camera::kRear ? storage::EvidenceKind::kRearImage : storage::EvidenceKind::kFrontImage;
+    out.kind =
+        image->camera == sensor::Camera::kRear ? storage::EvidenceKind::kRearImage : storage::EvidenceKind::kFrontImage;
     out.encoding = static_cast<std::int16_t>(image->encoding);
   } else {
     out.kind = storage::EvidenceKind::kCloud;

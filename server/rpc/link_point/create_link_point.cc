@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
@@ -7,7 +8,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::CreateLinkPointRequest& request) {
   v1::CreateLinkPointResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));

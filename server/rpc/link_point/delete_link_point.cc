@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
@@ -7,7 +8,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::DeleteLinkPointRequest& request) {
   v1::DeleteLinkPointResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <limits>
 
@@ -44,8 +45,9 @@ absl::Status SearchAroundPose(const v1::FindLinkPointsRequest& request, const Po
 absl::Status SearchInMap(const Services& services, const storage::CallContext& context, const SiteId& site,
                          const v1::FindLinkPointsRequest& request, Search& search) {
   ENFILADE_ASSIGN_OR_RETURN(const MapId map, MapOfSite("pose_in_map.map", site, request.pose_in_map().map()));
-  ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance T_map_robot,
-                            enfilade::convert::FromProto("pose_in_map.pose_map_robot", request.pose_in_map().pose_map_robot()));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const PoseWithCovariance T_map_robot,
+      enfilade::convert::FromProto("pose_in_map.pose_map_robot", request.pose_in_map().pose_map_robot()));
   ENFILADE_ASSIGN_OR_RETURN(const auto places, services.graph_store.GetPlaces(context, site, {map}));
   if (!places.empty()) return SearchAroundPose(request, Compose(places[0].T_world_map, T_map_robot), search);
   ENFILADE_RETURN_IF_ERROR(services.maps.Get(context, site, map).status());
@@ -70,7 +72,8 @@ absl::StatusOr<Search> SearchOf(const Services& services, const storage::CallCon
       ENFILADE_RETURN_IF_ERROR(SearchInMap(services, context, site, request, search));
       return search;
     case v1::FindLinkPointsRequest::kPoseWorld: {
-      ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose, enfilade::convert::FromProto("pose_world", request.pose_world()));
+      ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose,
+                                enfilade::convert::FromProto("pose_world", request.pose_world()));
       ENFILADE_RETURN_IF_ERROR(SearchAroundPose(request, pose, search));
       return search;
     }
@@ -123,7 +126,8 @@ absl::Status FindLinkPoints(const Services& services, const storage::CallContext
       Describe(link_point, search.center, *response.add_found());
     }
     response.set_graph_version(found.graph_version);
-    if (const auto* circle = std::get_if<storage::LinkPointCircle>(&search.query->area)) response.set_radius_m(circle->radius);
+    if (const auto* circle = std::get_if<storage::LinkPointCircle>(&search.query->area))
+      response.set_radius_m(circle->radius);
   }
   if (search.center) enfilade::convert::ToProto(*search.center, *response.mutable_pose_world());
   if (search.unplaced) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -9,21 +10,27 @@ namespace enfilade::server {
 
 // The unary RPCs of LinkPointService, one file each. What they answer and when they fail is told in the proto.
 
-absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::CreateLinkPointRequest& request);
-absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services& services,
+                                                                  const storage::CallContext& context,
                                                                   const v1::AddLinkPointAnchorRequest& request);
 absl::StatusOr<v1::GetLinkPointResponse> GetLinkPoint(const Services& services, const storage::CallContext& context,
                                                       const v1::GetLinkPointRequest& request);
 absl::StatusOr<v1::ListLinkPointsResponse> ListLinkPoints(const Services& services, const storage::CallContext& context,
                                                           const v1::ListLinkPointsRequest& request);
-absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::UpdateLinkPointRequest& request);
-absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::DeleteLinkPointRequest& request);
-absl::StatusOr<v1::SuspendLinkPointResponse> SuspendLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SuspendLinkPointResponse> SuspendLinkPoint(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::SuspendLinkPointRequest& request);
-absl::StatusOr<v1::ResumeLinkPointResponse> ResumeLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ResumeLinkPointResponse> ResumeLinkPoint(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::ResumeLinkPointRequest& request);
 // Answers into `response`, which lies in an arena (ArenaMessages).
 absl::Status FindLinkPoints(const Services& services, const storage::CallContext& context,

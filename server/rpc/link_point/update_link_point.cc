@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
@@ -23,7 +24,8 @@ void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mas
 
 }  // namespace
 
-absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::UpdateLinkPointRequest& request) {
   v1::UpdateLinkPointResponse response;
   const auto& mask = request.update_mask();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/map/file_assembly.h"
 
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -6,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/grid/map_files.h"
+#include "core/grid/files/map_files.h"
 #include "enfilade/v1/transfer.pb.h"
 #include "google/protobuf/repeated_ptr_field.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -21,7 +22,8 @@ absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const 
                                                 const v1::DeleteMapRequest& request);
 absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const storage::CallContext& context,
                                                           const v1::GetMapRevisionRequest& request);
-absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::ListMapRevisionsRequest& request);
 
 }  // namespace enfilade::server

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/map/import_map.h"
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
-#include "server/app/raster_revision.h"
+#include "server/app/mapping/raster_revision.h"
 #include "server/rpc/client_stream.h"
 #include "server/rpc/map/file_assembly.h"
 #include "server/rpc/resources.h"

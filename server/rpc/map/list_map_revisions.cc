@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/map/handlers.h"
@@ -6,7 +7,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::ListMapRevisionsRequest& request) {
   v1::ListMapRevisionsResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName name, convert::ParseMapName("parent", request.parent()));

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/server/handlers.h"
 #include "server/version.h"
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services,
+                                                            const storage::CallContext& context,
                                                             const v1::GetServerStatusRequest& request) {
   (void)context;
   (void)request;

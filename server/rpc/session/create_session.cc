@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/geometry.h"
@@ -52,11 +53,13 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services
   v1::CreateSessionResponse response;
   storage::Session session;
   ENFILADE_ASSIGN_OR_RETURN(session.site, convert::ParseSiteName("parent", request.parent()));
-  ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName robot, convert::ParseRobotName("session.robot", request.session().robot()));
+  ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName robot,
+                            convert::ParseRobotName("session.robot", request.session().robot()));
   ENFILADE_RETURN_IF_ERROR(CheckSameSite("session.robot", robot.site, session.site));
   session.robot = robot.robot;
   if (!request.session().map().empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const convert::MapName map, convert::ParseMapName("session.map", request.session().map()));
+    ENFILADE_ASSIGN_OR_RETURN(const convert::MapName map,
+                              convert::ParseMapName("session.map", request.session().map()));
     ENFILADE_RETURN_IF_ERROR(CheckSameSite("session.map", map.site, session.site));
     session.map = map.map;
   }
@@ -65,7 +68,8 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services
   }
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("session_id", request.session_id()));
   session.id = SessionId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Session created, services.sessions.Create(context, session, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Session created,
+                            services.sessions.Create(context, session, request.request_id()));
   *response.mutable_session() = ToProto(created);
   return response;
 }

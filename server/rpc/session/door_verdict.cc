@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/session/door_verdict.h"
 
 #include "fmt/format.h"
@@ -30,12 +31,14 @@ v1::DoorComparison ToProto(const SiteId& site, const closure::DoorComparison& co
 
 v1::DoorVerdict ToProto(const SiteId& site, const closure::DoorVerdict& verdict) {
   v1::DoorVerdict out;
-  out.set_name(fmt::format("{}/doors/{}", convert::NameOf(convert::SessionName{site, verdict.session}), verdict.sequence));
+  out.set_name(
+      fmt::format("{}/doors/{}", convert::NameOf(convert::SessionName{site, verdict.session}), verdict.sequence));
   out.set_decision(static_cast<v1::DoorVerdict::Decision>(verdict.decision));
   if (verdict.link_point) out.set_link_point(convert::NameOf(convert::LinkPointName{site, *verdict.link_point}));
   if (verdict.entered_map) out.set_entered_map(convert::NameOf(convert::MapName{site, *verdict.entered_map}));
   if (verdict.T_map_robot) *out.mutable_pose_map_robot() = enfilade::convert::ToProto(*verdict.T_map_robot);
-  for (const closure::DoorComparison& comparison : verdict.comparisons) *out.add_comparisons() = ToProto(site, comparison);
+  for (const closure::DoorComparison& comparison : verdict.comparisons)
+    *out.add_comparisons() = ToProto(site, comparison);
   out.set_reason(verdict.reason);
   out.set_graph_version(verdict.graph_version);
   *out.mutable_create_time() = convert::ToTimestamp(verdict.create_time);

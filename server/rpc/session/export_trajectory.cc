@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/session/export_trajectory.h"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ constexpr std::size_t kPosesPerMessage = 4096;
 absl::StatusOr<MessageSource<v1::ExportTrajectoryResponse>> ExportTrajectory(
     const Services& services, const storage::CallContext& context, const v1::ExportTrajectoryRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(storage::Trajectory read, services.mappings.ReadTrajectory(context, name.site, name.session));
+  ENFILADE_ASSIGN_OR_RETURN(storage::Trajectory read,
+                            services.mappings.ReadTrajectory(context, name.site, name.session));
   auto trajectory = std::make_shared<const storage::Trajectory>(std::move(read));
   return [trajectory, next = std::size_t{0}](v1::ExportTrajectoryResponse& message) mutable -> absl::StatusOr<bool> {
     if (next > 0 && next >= trajectory->poses.size()) return false;

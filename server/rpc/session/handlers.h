@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -26,7 +27,8 @@ absl::StatusOr<v1::SuspendClosureResponse> SuspendClosure(const Services& servic
 absl::StatusOr<v1::ResumeClosureResponse> ResumeClosure(const Services& services, const storage::CallContext& context,
                                                         const v1::ResumeClosureRequest& request);
 
-absl::StatusOr<v1::ListDoorVerdictsResponse> ListDoorVerdicts(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListDoorVerdictsResponse> ListDoorVerdicts(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::ListDoorVerdictsRequest& request);
 
 }  // namespace enfilade::server

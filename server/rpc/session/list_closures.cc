@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/paging.h"
@@ -14,7 +15,7 @@ absl::StatusOr<v1::ListClosuresResponse> ListClosures(const Services& services, 
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t after, FromNumericPageToken(request.page_token(), -1));
   ENFILADE_ASSIGN_OR_RETURN(auto closures, services.closures.List(context, name.site, name.session, after, size + 1));
   if (CutToPage(closures, size)) response.set_next_page_token(ToPageToken(std::to_string(closures.back().id)));
-  for (const slam::SlamClosure& closure : closures) *response.add_closures() = ToProto(name, closure);
+  for (const slam::LoopClosure& closure : closures) *response.add_closures() = ToProto(name, closure);
   return response;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/paging.h"
@@ -6,7 +7,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::ListDoorVerdictsResponse> ListDoorVerdicts(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListDoorVerdictsResponse> ListDoorVerdicts(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::ListDoorVerdictsRequest& request) {
   v1::ListDoorVerdictsResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("parent", request.parent()));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/resources.h"
@@ -8,8 +9,8 @@ namespace enfilade::server {
 absl::StatusOr<v1::SuspendClosureResponse> SuspendClosure(const Services& services, const storage::CallContext& context,
                                                           const v1::SuspendClosureRequest& request) {
   v1::SuspendClosureResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const convert::ClosureName name, convert::ParseClosureName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamClosure closure,
+  ENFILADE_ASSIGN_OR_RETURN(const convert::LoopClosureName name, convert::ParseLoopClosureName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const slam::LoopClosure closure,
                             services.closures.SetSuspended(context, name.site, name.session, name.closure, true));
   services.mapping.Wake();
   *response.mutable_closure() = ToProto({name.site, name.session}, closure);

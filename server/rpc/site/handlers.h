@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -20,7 +21,8 @@ absl::StatusOr<v1::UpdateSiteResponse> UpdateSite(const Services& services, cons
 absl::StatusOr<v1::DeleteSiteResponse> DeleteSite(const Services& services, const storage::CallContext& context,
                                                   const v1::DeleteSiteRequest& request);
 
-absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::ListAuditEntriesRequest& request);
 
 }  // namespace enfilade::server

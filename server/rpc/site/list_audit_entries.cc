@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
@@ -22,7 +23,8 @@ v1::AuditEntry ToProto(const std::string& site_name, const storage::AuditEntry& 
 
 }  // namespace
 
-absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services,
+                                                              const storage::CallContext& context,
                                                               const v1::ListAuditEntriesRequest& request) {
   v1::ListAuditEntriesResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));

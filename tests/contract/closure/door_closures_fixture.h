@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gmock/gmock.h>
@@ -13,7 +14,7 @@
 #include "core/base/sha256.h"
 #include "server/app/closure/door_closures.h"
 #include "server/app/graph/graph_optimizer.h"
-#include "server/app/mapping.h"
+#include "server/app/mapping/mapping.h"
 #include "tests/contract/storage/store_test.h"
 #include "tests/support/door_drive.h"
 #include "tests/support/slowdown.h"
@@ -42,15 +43,15 @@ inline const char* InWords(closure::DoorDecision decision) {
 // What the server does with sessions, without gRPC: mapping, the graph and its optimisation, closures at doors.
 class Workers {
  public:
-  Workers(storage::postgres::Pool& pool, const closure::ClosureOptions& options)
+  Workers(storage::postgres::Pool& pool, const closure::DoorClosureOptions& options)
       : pool_(pool), metrics_(*server::Metrics::Create("")), options_(options) {
     mapping_.emplace(
         server::ServerOptions::Mapping{}, slam::SlamOptions(),
         server::SessionMappingStores{mappings_, records_, sessions_, blobs_, revisions_, robot_poses_, maps_},
         *metrics_, [this] { wake_.Wake(); });
     closures_.emplace(options_,
-                      server::ClosureStores{sessions_, records_, mappings_, blobs_, features_, maps_, link_points_,
-                                            verdicts_, leases_},
+                      server::DoorClosureStores{sessions_, records_, mappings_, blobs_, features_, maps_, link_points_,
+                                                verdicts_, leases_},
                       graphs_, wake_, [this] { mapping_->Wake(); });
   }
 
@@ -69,7 +70,7 @@ class Workers {
   const storage::SiteLeaseStore leases_{pool_};
   const storage::GraphStore graph_store_{pool_};
   const std::unique_ptr<server::Metrics> metrics_;
-  const closure::ClosureOptions options_;
+  const closure::DoorClosureOptions options_;
   server::WakeSignal wake_;
   server::ChangedSites changed_;
   server::SiteGraphs graphs_{pool_, graph_store_, changed_};
@@ -117,7 +118,8 @@ class DoorClosuresTest : public StoreTest {
 
   void AwaitMapped(const std::vector<SessionId>& sessions) {
     for (const SessionId& session : sessions) {
-      for (int i = 0; i < 3000 * kSlowdown && sessions_.Get(Soon(), site_, session)->state != storage::SessionState::kMapped;
+      for (int i = 0;
+           i < 3000 * kSlowdown && sessions_.Get(Soon(), site_, session)->state != storage::SessionState::kMapped;
            ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
       }
@@ -145,7 +147,8 @@ class DoorClosuresTest : public StoreTest {
       for (const closure::DoorVerdict& verdict : Verdicts(session)) {
         decisions.emplace_back(InWords(verdict.decision));
         std::cout << session.value() << ": " << decisions.back() << ": " << verdict.reason << "\n";
-        for (const closure::DoorComparison& compared : verdict.comparisons) std::cout << "    " << compared.reason << "\n";
+        for (const closure::DoorComparison& compared : verdict.comparisons)
+          std::cout << "    " << compared.reason << "\n";
       }
     }
     return decisions;
@@ -169,7 +172,8 @@ class DoorClosuresTest : public StoreTest {
     return drive;
   }
   // The content of each image or cloud of the session becomes what `change` makes of it.
-  static void Change(DrivenSession& session, const std::function<std::string(const sensor::Record&, std::string)>& change) {
+  static void Change(DrivenSession& session,
+                     const std::function<std::string(const sensor::Record&, std::string)>& change) {
     std::size_t next = 0;  // contents are in the order of the log
     for (sensor::Record& record : session.log) {
       sensor::BlobRef* content = nullptr;
@@ -185,7 +189,7 @@ class DoorClosuresTest : public StoreTest {
 
   std::string Value(const std::string& sql) { return database_.SqlValue(sql); }
 
-  closure::ClosureOptions options_;
+  closure::DoorClosureOptions options_;
   const storage::DoorVerdictStore verdicts_{*pool_};
   std::unique_ptr<Workers> workers_;
   int sessions_made_ = 0;

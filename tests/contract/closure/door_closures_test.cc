@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/closure/door_closures.h"
 
 #include <gmock/gmock.h>
@@ -5,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "client/simulator/sensors.h"
+#include "client/simulator/sensors/sensors.h"
 #include "tests/contract/closure/door_closures_fixture.h"
 
 namespace enfilade::testing {

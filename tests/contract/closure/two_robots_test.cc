@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Robots that map one campus at once.
 #include <gmock/gmock.h>
 
@@ -43,8 +44,9 @@ class TwoRobots : public DoorClosuresTest, public ::testing::WithParamInterface<
     } else if (robot == 1) {
       sessions.push_back(Send(driven, map_, {}));
     } else {
-      sessions.push_back(Send(driven, map_, {},
-                              PoseWithCovariance{Between(StartOf("r1"), StartOf("r2")), graph::DefaultTransformCovariance()}));
+      sessions.push_back(
+          Send(driven, map_, {},
+               PoseWithCovariance{Between(StartOf("r1"), StartOf("r2")), graph::DefaultTransformCovariance()}));
     }
   }
   void AwaitAll() {

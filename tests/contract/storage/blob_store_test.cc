@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/blob_store.h"
 
 #include <thread>
@@ -51,7 +52,8 @@ TEST_F(BlobStoreTest, TheLargestBlobComesBackWholeAndInParts) {
   EXPECT_TRUE(data == blob.data());
   ASSERT_OK_AND_ASSIGN(const std::string part, blobs_.GetRange(Soon(), site_, blob.sha256(), 33'333'333, 1 << 20));
   EXPECT_TRUE(part == blob.data().substr(33'333'333, 1 << 20));
-  ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), sensor::kMaxBlobBytes - 3, 100));
+  ASSERT_OK_AND_ASSIGN(const std::string end,
+                       blobs_.GetRange(Soon(), site_, blob.sha256(), sensor::kMaxBlobBytes - 3, 100));
   EXPECT_EQ(end, blob.data().substr(sensor::kMaxBlobBytes - 3));
   const TestBlob too_large(std::string(sensor::kMaxBlobBytes + 1, 'x'));
   EXPECT_CODE(blobs_.Put(Soon(), site_, {too_large.view()}), absl::StatusCode::kInvalidArgument);

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/door_verdict_store.h"
 
 #include <chrono>
 
+#include "core/base/environment.h"
 #include "storage/feature_store.h"
 #include "storage/site_lease_store.h"
 #include "tests/contract/storage/store_test.h"
@@ -31,8 +33,8 @@ class DoorVerdictStoreTest : public StoreTest {
   // "s1", mapped, with a candidate (2) and a passage (3), and "s2" out of it.
   void DriveThroughADoor() {
     first_ = NewSession("s1");
-    ASSERT_OK(Append(first_,
-                     {ScanRecord(1), Report(2, sensor::DoorReport::Kind::kCandidate), Report(3, sensor::DoorReport::Kind::kPassage)}));
+    ASSERT_OK(Append(first_, {ScanRecord(1), Report(2, sensor::DoorReport::Kind::kCandidate),
+                              Report(3, sensor::DoorReport::Kind::kPassage)}));
     ASSERT_OK(sessions_.Finish(Soon(), site_, first_, 3));
     storage::Session next = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
     next.entry.previous = first_;
@@ -69,7 +71,7 @@ class DoorVerdictStoreTest : public StoreTest {
     compared.image_matches = 7;
     compared.reason = "images do not agree";
     verdict.comparisons = {compared};
-    change.new_map = storage::NewMap{MapId("yard"), "Map", 2, storage::Environment::kOutdoor, "wide"};
+    change.new_map = storage::NewMap{MapId("yard"), "Map", 2, Environment::kOutdoor, "wide"};
     change.new_link_point = MakeLinkPoint(site_, "door", {MakeAnchor("hall", 4, 5), MakeAnchor("yard", 0, 0)});
     return change;
   }
@@ -103,7 +105,7 @@ TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
   ASSERT_OK_AND_ASSIGN(const storage::Map yard, maps_.Get(Soon(), site_, MapId("yard")));
   EXPECT_EQ(yard.display_name, "Map 1");
   EXPECT_EQ(yard.level, 2);
-  EXPECT_EQ(yard.environment, storage::Environment::kOutdoor);
+  EXPECT_EQ(yard.environment, Environment::kOutdoor);
   EXPECT_EQ(yard.slam_profile, "wide");
   ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint door, link_points_.Get(Soon(), site_, LinkPointId("door")));
   EXPECT_THAT(door.point.anchors, SizeIs(2));
@@ -209,7 +211,8 @@ TEST_F(DoorVerdictStoreTest, APromotedCandidateMovesAndTakesItsOwnSideAlong) {
   ASSERT_OK_AND_ASSIGN(change.link_point, link_points_.Get(Soon(), site_, LinkPointId("candidate")));
   change.link_point->point.anchors = {MakeAnchor("yard", 0, 0), MakeAnchor("hall", 4, 5)};
   change.link_point->point.direction = MapId("yard");
-  const storage::Evidence seen{LinkPointId("candidate"), map_, storage::EvidenceKind::kRearImage, 1, image.ref(), 5, Pose2{4, 4, 1.5}};
+  const storage::Evidence seen{LinkPointId("candidate"), map_, storage::EvidenceKind::kRearImage, 1, image.ref(), 5,
+                               Pose2{4, 4, 1.5}};
   change.evidence = {seen, seen};
   change.evidence[1].T_map_robot = Pose2{4, 3.5, 1.5};
   ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
@@ -255,14 +258,15 @@ TEST_F(DoorVerdictStoreTest, ASessionAfterADeletedOneIsNotForgotten) {
   EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), ElementsAre(storage::PendingDoors{site_, first_}));
   ASSERT_OK(verdicts_.Enter(Soon(), Lease(),
                             {.previous = first_,
-                             .new_map = storage::NewMap{MapId("new"), "Map", 0, storage::Environment::kIndoor, ""},
+                             .new_map = storage::NewMap{MapId("new"), "Map", 0, Environment::kIndoor, ""},
                              .map = MapId("new"),
                              .T_map_robot = {},
                              .T_odom_robot = {}}));
   ASSERT_OK_AND_ASSIGN(const storage::Session next, sessions_.Get(Soon(), site_, second_));
   EXPECT_EQ(next.map, MapId("new"));
   EXPECT_FALSE(next.entry.T_map_robot.has_value());
-  const storage::EnteredMap again{.previous = first_, .new_map = {}, .map = MapId("new"), .T_map_robot = {}, .T_odom_robot = {}};
+  const storage::EnteredMap again{
+      .previous = first_, .new_map = {}, .map = MapId("new"), .T_map_robot = {}, .T_odom_robot = {}};
   EXPECT_CODE(verdicts_.Enter(Soon(), storage::SiteLease{site_, "me", 99}, again), absl::StatusCode::kAborted);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/graph_store.h"
 
 #include <atomic>
@@ -96,7 +97,9 @@ TEST_F(GraphStoreTest, AGraphIsSolvedAtRestWhileEditorsWaitAndReadersDoNot) {
   EXPECT_EQ(Read(0).version, since + 3);
   EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, since), *solved);
 
-  const auto fail = [](const storage::GraphChanges&) { return absl::StatusOr<storage::GraphSolution>(absl::InternalError("no")); };
+  const auto fail = [](const storage::GraphChanges&) {
+    return absl::StatusOr<storage::GraphSolution>(absl::InternalError("no"));
+  };
   EXPECT_CODE(graph_.SolveHeld(Soon(), site_, since, fail), absl::StatusCode::kInternal);
   EXPECT_EQ(Read(0).version, since + 3);
   EXPECT_CODE(graph_.SolveHeld(Soon(), SiteId("nowhere"), 0, fail), absl::StatusCode::kNotFound);
@@ -158,7 +161,8 @@ TEST_F(GraphStoreTest, KeepsThePosesOfTheLastOptimisationsOnly) {
 
 TEST_F(GraphStoreTest, ListenersHearOfEveryVersion) {
   ASSERT_OK_AND_ASSIGN(const auto listener, storage::GraphListener::Open(*pool_, Soon()));
-  ASSERT_OK_AND_ASSIGN(const auto nothing, listener->Await(storage::CallContext::WithTimeout(std::chrono::milliseconds(1))));
+  ASSERT_OK_AND_ASSIGN(const auto nothing,
+                       listener->Await(storage::CallContext::WithTimeout(std::chrono::milliseconds(1))));
   EXPECT_THAT(nothing, IsEmpty());
   const std::int64_t version = Read(0).version;
   Create("door", {MakeAnchor("hall", 1, 0)});

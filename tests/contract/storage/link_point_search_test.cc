@@ -1,4 +1,5 @@
-#include "storage/postgres/link_point_search.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/graph/link_point_search.h"
 
 #include <cmath>
 #include <limits>
@@ -129,7 +130,8 @@ TEST_F(LinkPointSearchTest, TheIndexServesEverySearch) {
       " SELECT 'campus', 'p' || i, 'hall', 1, i % 200, i / 200, 0, array_fill(0.01::float8, '{9}')"
       " FROM generate_series(0, 39999) i");
   database_.Sql("ANALYZE enfilade.link_points, enfilade.link_point_anchors");
-  const auto plan = [&](const storage::postgres::Statement& statement, const std::string& types, const std::string& values) {
+  const auto plan = [&](const storage::postgres::Statement& statement, const std::string& types,
+                        const std::string& values) {
     // The plan for any parameters, as a connection gets it in the long run.
     return database_.Sql("SET plan_cache_mode = force_generic_plan; PREPARE s (" + types + ") AS " + statement.sql +
                          "; EXPLAIN EXECUTE s (" + values + ")");
@@ -140,9 +142,11 @@ TEST_F(LinkPointSearchTest, TheIndexServesEverySearch) {
   EXPECT_THAT(plan(storage::postgres::kFindWithinOnLevel, types + ", float8, int", values + ", 3, 0"),
               uses("link_points_position_idx"));
   EXPECT_THAT(plan(storage::postgres::kFindWithin, types + ", float8", values + ", 3"), uses("link_points_world_idx"));
-  EXPECT_THAT(plan(storage::postgres::kFindNearestOnLevel, types + ", int", values + ", 0"), uses("link_points_position_idx"));
+  EXPECT_THAT(plan(storage::postgres::kFindNearestOnLevel, types + ", int", values + ", 0"),
+              uses("link_points_position_idx"));
   EXPECT_THAT(plan(storage::postgres::kFindNearest, types, values), uses("link_points_world_idx"));
-  EXPECT_THAT(plan(storage::postgres::kFindWithin, types + ", float8", values + ", 3"), Not(Contains(HasSubstr("Seq Scan"))));
+  EXPECT_THAT(plan(storage::postgres::kFindWithin, types + ", float8", values + ", 3"),
+              Not(Contains(HasSubstr("Seq Scan"))));
 
   storage::LinkPointQuery query = Around(50, 50, 1.0);
   query.level = 0;

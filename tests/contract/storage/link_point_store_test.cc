@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/link_point_store.h"
 
 #include <cmath>
 #include <limits>
 
+#include "core/base/environment.h"
 #include "storage/maintenance.h"
 #include "tests/contract/storage/store_test.h"
 
@@ -23,7 +25,7 @@ class LinkPointStoreTest : public StoreTest {
   }
 
   absl::StatusOr<storage::StoredLinkPoint> Create(const std::string& id, const std::vector<graph::Anchor>& anchors,
-                                         bool forced = false) {
+                                                  bool forced = false) {
     storage::StoredLinkPoint link_point = MakeLinkPoint(site_, id, anchors);
     link_point.forced = forced;
     return link_points_.Create(Soon(), link_point, "");
@@ -49,7 +51,7 @@ TEST_F(LinkPointStoreTest, GivesBackWhatWasStored) {
   lift.point.difficulty = 7;
   lift.point.state = graph::PassageState::kBlocked;
   lift.point.state_valid_until = 1'900'000'000 * kNsPerSecond + 5'000;
-  lift.environment = storage::Environment::kOutdoor;
+  lift.environment = Environment::kOutdoor;
   const std::int64_t before = Version();
   ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint created, link_points_.Create(Soon(), lift, ""));
   ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint stored, Get("lift"));
@@ -57,7 +59,7 @@ TEST_F(LinkPointStoreTest, GivesBackWhatWasStored) {
   expected.graph_version = before + 1;
   EXPECT_EQ(stored.point, expected);
   EXPECT_EQ(created.point, expected);
-  EXPECT_EQ(stored.environment, storage::Environment::kOutdoor);
+  EXPECT_EQ(stored.environment, Environment::kOutdoor);
   EXPECT_FALSE(stored.point.is_candidate());
   EXPECT_EQ(Version(), before + 1);
 }
@@ -156,7 +158,8 @@ TEST_F(LinkPointStoreTest, WhatReplacesASuspendedOneStandsBesideItAndKeepsItOut)
 }
 
 TEST_F(LinkPointStoreTest, UpdatesOnlyUnderTheStoredEtag) {
-  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door, Create("door", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)}));
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door,
+                       Create("door", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)}));
   const storage::StoredLinkPoint first = door;
   door.point.tag = "new";
   door.point.anchors = {MakeAnchor("hall", 1, 0), MakeAnchor("yard", 2, 0)};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/sha256.h"
 #include "storage/maintenance.h"
 #include "storage/revision_store.h"
@@ -35,7 +36,9 @@ class MapLayerTest : public StoreTest {
     revision.content_sha256 = Sha256(revision.content_sha256);
     return revision;
   }
-  absl::Status Add(const storage::NewRevision& revision) { return revisions_.Add(Soon(), site_, map_, revision, {}).status(); }
+  absl::Status Add(const storage::NewRevision& revision) {
+    return revisions_.Add(Soon(), site_, map_, revision, {}).status();
+  }
   storage::LayersBeside Beside(const std::string& session) {
     const auto layers = revisions_.ReadLayersBeside(Soon(), site_, map_, SessionId(session));
     EXPECT_OK(layers);

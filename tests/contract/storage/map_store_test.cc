@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/map_store.h"
 
 #include <limits>
 #include <thread>
 
+#include "core/base/environment.h"
 #include "tests/contract/storage/store_test.h"
 
 namespace enfilade::testing {
@@ -35,14 +37,14 @@ class MapStoreTest : public StoreTest {
 TEST_F(MapStoreTest, GivesBackWhatWasStored) {
   storage::Map map = MakeMap(site_, MapId("lab"), "Lab 1/2 \"west\" \xf0\x9f\xa4\x96");
   map.level = -2;
-  map.environment = storage::Environment::kOutdoor;
+  map.environment = Environment::kOutdoor;
   map.slam_profile = "outdoor-fast";
   map.outline = {{500'000.1, 5'800'000.2}, {500'010.3, 5'800'000.2}, {500'005.0, 5'800'009.4}};
   ASSERT_OK(maps_.Create(Soon(), map, ""));
   const storage::Map stored = Get("lab");
   EXPECT_EQ(stored.display_name, map.display_name);
   EXPECT_EQ(stored.level, -2);
-  EXPECT_EQ(stored.environment, storage::Environment::kOutdoor);
+  EXPECT_EQ(stored.environment, Environment::kOutdoor);
   EXPECT_EQ(stored.slam_profile, "outdoor-fast");
   EXPECT_EQ(stored.outline, map.outline);
   EXPECT_EQ(stored.state, storage::MapState::kEmpty);
@@ -74,7 +76,7 @@ TEST_F(MapStoreTest, RefusesOutlinesThatAreNoSimplePolygons) {
   map.outline = {{0, 0}, {1, std::numeric_limits<double>::quiet_NaN()}, {1, 0}};
   EXPECT_STATUS(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument, HasSubstr("finite"));
   map.outline = {};
-  map.environment = static_cast<storage::Environment>(7);
+  map.environment = static_cast<Environment>(7);
   EXPECT_CODE(maps_.Create(Soon(), map, ""), absl::StatusCode::kInvalidArgument);
 }
 

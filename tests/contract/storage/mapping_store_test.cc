@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/mapping_store.h"
 
 #include <atomic>
@@ -32,7 +33,8 @@ slam::SlamDelta FirstDelta() {
   slam::SlamDelta delta;
   delta.submaps = {{0, 1, {0.0, -0.0, 0.5}, false, ""}};
   delta.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.5)};
-  delta.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::ClosureState::kRejected, 0.25, 7.5, "too few \"inliers\""}};
+  delta.closures = {
+      {0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::LoopClosureState::kRejected, 0.25, 7.5, "too few \"inliers\""}};
   delta.trajectory = {{1, kNsPerSecond, 0, {0, 0, 0}},
                       {5, kNsPerSecond * 3 / 2, 0, {0.75, 0, 0}},
                       {11, 2 * kNsPerSecond, 1, {0, 0, 0}}};
@@ -57,7 +59,8 @@ class MappingStoreTest : public StoreTest {
     EXPECT_OK(Append(session, ScanRecords(1, count)));
     return session;
   }
-  absl::Status CommitStep(const storage::SessionLease& lease, const slam::SlamDelta& delta, std::int64_t mapped_sequence) {
+  absl::Status CommitStep(const storage::SessionLease& lease, const slam::SlamDelta& delta,
+                          std::int64_t mapped_sequence) {
     return mapping_.Commit(Soon(), lease, StepOf(delta, "state", mapped_sequence)).status();
   }
   slam::SlamMap LoadMap(const SessionId& session) {
@@ -204,7 +207,7 @@ TEST_F(MappingStoreTest, GivesBackTheSumOfAllSteps) {
   slam::SlamDelta solved;  // poses move, the finished submap's content stays
   solved.submaps = {{0, 2, {0.6, 0, 0}, true, ""}};
   solved.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.25), NodeOf(2, 2.75)};
-  solved.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::ClosureState::kAccepted, 0.5, 1.5, ""}};
+  solved.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::LoopClosureState::kAccepted, 0.5, 1.5, ""}};
   commit(solved, 21);
   EXPECT_THAT(expected.submaps.at(0).content, SizeIs(100'000));
   ASSERT_OK_AND_ASSIGN(const storage::Session stored, sessions_.Get(Soon(), site_, session));

@@ -1,11 +1,12 @@
-#include "storage/postgres/pool.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/driver/pool.h"
 
 #include <atomic>
 #include <csignal>
 #include <thread>
 #include <vector>
 
-#include "storage/postgres/transaction.h"
+#include "storage/postgres/driver/transaction.h"
 #include "tests/support/cluster.h"
 #include "tests/support/database.h"
 #include "tests/support/status_assertions.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/record_store.h"
 
 #include <algorithm>
@@ -35,12 +36,13 @@ TEST_F(RecordStoreTest, GivesBackEveryKindOfRecordExactly) {
   const TestBlob cloud("a cloud");
   sensor::Record no_returns = ScanRecord(5);
   std::get<sensor::LaserScan>(no_returns.payload).ranges = {std::numeric_limits<float>::infinity(), -1.0F, 0.0F};
-  const std::vector<sensor::Record> records = {ScanRecord(1),
-                                       OdometryRecord(2),
-                                       ImageRecord(3, image.ref()),
-                                       {4, sensor::PointCloud{4 * kNsPerSecond, sensor::CloudEncoding::kXyz32, cloud.ref()}},
-                                       no_returns,
-                                       WithheldRecord(6)};
+  const std::vector<sensor::Record> records = {
+      ScanRecord(1),
+      OdometryRecord(2),
+      ImageRecord(3, image.ref()),
+      {4, sensor::PointCloud{4 * kNsPerSecond, sensor::CloudEncoding::kXyz32, cloud.ref()}},
+      no_returns,
+      WithheldRecord(6)};
   ASSERT_OK_AND_ASSIGN(const storage::AppendResult result, Append(session, records, {image.view(), cloud.view()}));
   EXPECT_EQ(result.acknowledged_sequence, 6);
   EXPECT_EQ(result.inserted, 6);
@@ -260,7 +262,8 @@ TEST_F(RecordStoreTest, ReadsInPortionsOfAboutTheGivenSize) {
                          records_.Read(Soon(), site_, session, static_cast<std::int64_t>(all.size()) + 1, 50'000));
     ASSERT_THAT(records, ::testing::Not(IsEmpty()));
     std::size_t bytes = 0;
-    for (const sensor::Record& record : records) bytes += std::holds_alternative<sensor::LaserScan>(record.payload) ? 40'000 : 40;
+    for (const sensor::Record& record : records)
+      bytes += std::holds_alternative<sensor::LaserScan>(record.payload) ? 40'000 : 40;
     largest = std::max(largest, bytes);
     all.insert(all.end(), records.begin(), records.end());
   }

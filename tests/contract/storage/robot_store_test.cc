@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/robot_store.h"
 
 #include "tests/contract/storage/store_test.h"
@@ -11,7 +12,8 @@ using ::testing::SizeIs;
 class RobotStoreTest : public StoreTest {};
 
 TEST_F(RobotStoreTest, CreatesReadsUpdatesAndDeletes) {
-  ASSERT_OK_AND_ASSIGN(storage::Robot robot, robots_.Create(Soon(), MakeRobot(site_, RobotId("r2"), "it's \"2\""), "request"));
+  ASSERT_OK_AND_ASSIGN(storage::Robot robot,
+                       robots_.Create(Soon(), MakeRobot(site_, RobotId("r2"), "it's \"2\""), "request"));
   ASSERT_OK_AND_ASSIGN(const storage::Robot repeated,
                        robots_.Create(Soon(), MakeRobot(site_, RobotId("r3"), "it's \"2\""), "request"));
   EXPECT_EQ(repeated.id, robot.id);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "storage/session_store.h"
 
 #include "tests/contract/storage/store_test.h"

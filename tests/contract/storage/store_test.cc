@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/contract/storage/store_test.h"
 
 #include "core/base/sha256.h"
@@ -33,7 +34,8 @@ storage::Map MakeMap(const SiteId& site, const MapId& id, const std::string& dis
   return map;
 }
 
-storage::Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map) {
+storage::Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot,
+                             const std::optional<MapId>& map) {
   storage::Session session;
   session.site = site;
   session.id = id;
@@ -46,7 +48,8 @@ graph::Anchor MakeAnchor(const std::string& map, double x, double y, double yaw)
   return {MapId(map), {x, y, yaw}, graph::DefaultAnchorCovariance()};
 }
 
-storage::StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<graph::Anchor>& anchors) {
+storage::StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id,
+                                       const std::vector<graph::Anchor>& anchors) {
   storage::StoredLinkPoint link_point;
   link_point.site = site;
   link_point.point.id = LinkPointId(id);
@@ -65,8 +68,9 @@ SessionId StoreTest::NewSession(const std::string& id, bool mapped) {
   return session;
 }
 
-absl::StatusOr<storage::AppendResult> StoreTest::Append(const SessionId& session, const std::vector<sensor::Record>& records,
-                                               const std::vector<storage::BlobView>& blobs) {
+absl::StatusOr<storage::AppendResult> StoreTest::Append(const SessionId& session,
+                                                        const std::vector<sensor::Record>& records,
+                                                        const std::vector<storage::BlobView>& blobs) {
   return records_.Append(Soon(), {site_, session, records, blobs});
 }
 
@@ -87,10 +91,13 @@ sensor::Record OdometryRecord(std::int64_t sequence) {
 }
 
 sensor::Record ImageRecord(std::int64_t sequence, const sensor::BlobRef& content) {
-  return {sequence, sensor::Image{sequence * kNsPerSecond, sensor::Camera::kRear, sensor::ImageEncoding::kPng, content}};
+  return {sequence,
+          sensor::Image{sequence * kNsPerSecond, sensor::Camera::kRear, sensor::ImageEncoding::kPng, content}};
 }
 
-sensor::Record WithheldRecord(std::int64_t sequence) { return {sequence, sensor::Withheld{"no beams: ' \" \\ \xc3\xa4"}}; }
+sensor::Record WithheldRecord(std::int64_t sequence) {
+  return {sequence, sensor::Withheld{"no beams: ' \" \\ \xc3\xa4"}};
+}
 
 std::vector<sensor::Record> ScanRecords(std::int64_t first, std::int64_t last) {
   std::vector<sensor::Record> records;

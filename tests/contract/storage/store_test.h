@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -28,7 +29,7 @@ class StoreTest : public DatabaseTest {
   // A new session of r1 into "hall"; without `mapped` only recorded.
   SessionId NewSession(const std::string& id, bool mapped = true);
   absl::StatusOr<storage::AppendResult> Append(const SessionId& session, const std::vector<sensor::Record>& records,
-                                      const std::vector<storage::BlobView>& blobs = {});
+                                               const std::vector<storage::BlobView>& blobs = {});
 
   const SiteId site_{"campus"};
   const RobotId robot_{"r1"};
@@ -50,11 +51,13 @@ class StoreTest : public DatabaseTest {
 storage::Site MakeSite(const SiteId& id, const std::string& display_name);
 storage::Robot MakeRobot(const SiteId& site, const RobotId& id, const std::string& display_name);
 storage::Map MakeMap(const SiteId& site, const MapId& id, const std::string& display_name);
-storage::Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot, const std::optional<MapId>& map);
+storage::Session MakeSession(const SiteId& site, const SessionId& id, const RobotId& robot,
+                             const std::optional<MapId>& map);
 
 // With the default covariance.
 graph::Anchor MakeAnchor(const std::string& map, double x, double y, double yaw = 0.0);
-storage::StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id, const std::vector<graph::Anchor>& anchors);
+storage::StoredLinkPoint MakeLinkPoint(const SiteId& site, const std::string& id,
+                                       const std::vector<graph::Anchor>& anchors);
 
 // The delta and the checkpoint must outlive the step.
 storage::MappingStep StepOf(const slam::SlamDelta& delta, std::string_view checkpoint, std::int64_t mapped_sequence);

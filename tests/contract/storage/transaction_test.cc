@@ -1,11 +1,12 @@
-#include "storage/postgres/transaction.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/driver/transaction.h"
 
 #include <csignal>
 #include <limits>
 #include <thread>
 
-#include "storage/postgres/copy_buffer.h"
-#include "storage/postgres/error.h"
+#include "storage/postgres/driver/copy_buffer.h"
+#include "storage/postgres/driver/error.h"
 #include "tests/support/database.h"
 #include "tests/support/status_assertions.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/convert/record.h"
 
 #include <gtest/gtest.h>
@@ -5,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/environment.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::convert {
@@ -25,20 +27,22 @@ sensor::Record ScanRecord() {
 
 TEST(ConvertRecord, RoundTripsEveryKindExactly) {
   const sensor::BlobRef blob{std::string(32, '\x01'), 5};
-  for (const sensor::Record& record : {ScanRecord(), sensor::Record{2, sensor::Odometry{5, {1.0 / 3.0, 2.0, M_PI}}},
-                               sensor::Record{3, sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kJpeg, blob}},
-                               sensor::Record{4, sensor::PointCloud{9, sensor::CloudEncoding::kXyz32, blob}}, sensor::Record{5, sensor::Withheld{"why"}},
-                               sensor::Record{6, sensor::DoorReport{9,
-                                                    sensor::DoorReport::Kind::kPassage,
-                                                    graph::LinkPointKind::kLift,
-                                                    7,
-                                                    {1, -2, 0.5},
-                                                    0.9,
-                                                    sensor::Surroundings::kOutdoor,
-                                                    -1,
-                                                    true,
-                                                    "by hand"}},
-                               sensor::Record{7, sensor::DoorReport()}}) {
+  for (const sensor::Record& record :
+       {ScanRecord(), sensor::Record{2, sensor::Odometry{5, {1.0 / 3.0, 2.0, M_PI}}},
+        sensor::Record{3, sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kJpeg, blob}},
+        sensor::Record{4, sensor::PointCloud{9, sensor::CloudEncoding::kXyz32, blob}},
+        sensor::Record{5, sensor::Withheld{"why"}},
+        sensor::Record{6, sensor::DoorReport{9,
+                                             sensor::DoorReport::Kind::kPassage,
+                                             graph::LinkPointKind::kLift,
+                                             7,
+                                             {1, -2, 0.5},
+                                             0.9,
+                                             Environment::kOutdoor,
+                                             -1,
+                                             true,
+                                             "by hand"}},
+        sensor::Record{7, sensor::DoorReport()}}) {
     v1::Record received;
     ASSERT_TRUE(received.ParseFromString(ToProto(record).SerializeAsString()));
     ASSERT_OK_AND_ASSIGN(const sensor::Record converted, FromProto(received));
@@ -47,7 +51,8 @@ TEST(ConvertRecord, RoundTripsEveryKindExactly) {
 }
 
 void ExpectRefused(void (*change)(v1::Record&), const char* field) {
-  v1::Record record = ToProto(sensor::Record{3, sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kJpeg, {std::string(32, 'x'), 5}}});
+  v1::Record record = ToProto(sensor::Record{
+      3, sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kJpeg, {std::string(32, 'x'), 5}}});
   change(record);
   EXPECT_STATUS(FromProto(record), absl::StatusCode::kInvalidArgument, HasSubstr(field));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/map/chunk_message.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-#include "client/cli/commands/graph_solve.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/commands/graph/graph_solve.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +28,8 @@ class GraphSolveTest : public CommandTest {
 };
 
 TEST_F(GraphSolveTest, PrintsWhatProgramsAskFor) {
-  const std::string path = File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o) + "VERTEX_XY 5000 1 1\n");
+  const std::string path =
+      File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o) + "VERTEX_XY 5000 1 1\n");
   ASSERT_OK(Run({path, "--covariance", "99"}));
   const nlohmann::json document = nlohmann::json::parse(printed_);
   EXPECT_GT(document["initial_chi2"], document["final_chi2"]);
@@ -41,8 +43,8 @@ TEST_F(GraphSolveTest, PrintsWhatProgramsAskFor) {
 }
 
 TEST_F(GraphSolveTest, TellsPeopleOfComponentsAndUnknownTags) {
-  const std::string path =
-      File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o) + "VERTEX_SE2 5000 1 1 0\nPARAMS_X 1\n");
+  const std::string path = File(
+      "a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o) + "VERTEX_SE2 5000 1 1 0\nPARAMS_X 1\n");
   ASSERT_OK(Run({path}, false));
   EXPECT_THAT(printed_, HasSubstr("2 components"));
   EXPECT_THAT(printed_, HasSubstr("skipped 1 line of the unknown tag PARAMS_X"));
@@ -51,8 +53,9 @@ TEST_F(GraphSolveTest, TellsPeopleOfComponentsAndUnknownTags) {
 
 TEST_F(GraphSolveTest, WritesTheSolutionInTheFormOfItsName) {
   const std::string path = File("a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o, {3}));
-  for (const auto& [name, format] : {std::pair{"b.graph", optimize::GraphFormat::kToro}, std::pair{"b.g2o", optimize::GraphFormat::kG2o},
-                                     std::pair{"b.txt", optimize::GraphFormat::kG2o}}) {
+  for (const auto& [name, format] :
+       {std::pair{"b.graph", optimize::GraphFormat::kToro}, std::pair{"b.g2o", optimize::GraphFormat::kG2o},
+        std::pair{"b.txt", optimize::GraphFormat::kG2o}}) {
     const std::string output = directory_.path() / name;
     ASSERT_OK(Run({path, "-o", output}));
     const double final_chi2 = nlohmann::json::parse(printed_)["final_chi2"];

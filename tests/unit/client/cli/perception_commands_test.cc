@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,9 +7,9 @@
 #include <random>
 #include <sstream>
 
-#include "client/cli/commands/environment.h"
-#include "client/cli/commands/match.h"
-#include "core/grid/png_codec.h"
+#include "client/cli/commands/offline/environment.h"
+#include "client/cli/commands/offline/match.h"
+#include "core/grid/files/png_codec.h"
 #include "perception/cloud/cloud_file.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"

@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "client/cli/commands/doors.h"
-#include "client/cli/commands/sim.h"
-#include "core/grid/png_codec.h"
+#include "client/cli/commands/offline/doors.h"
+#include "client/cli/commands/offline/sim.h"
+#include "core/grid/files/png_codec.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/cli/command_test.h"
 

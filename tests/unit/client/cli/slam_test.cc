@@ -1,4 +1,5 @@
-#include "client/cli/commands/slam.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/commands/offline/slam.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

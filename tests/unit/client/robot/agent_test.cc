@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/agent.h"
 
 #include <gmock/gmock.h>
@@ -8,6 +9,7 @@
 #include "client/robot/run.h"
 #include "client/simulator/simulation_files.h"
 #include "client/sources/content.h"
+#include "core/base/environment.h"
 #include "tests/support/fake_server.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
@@ -50,8 +52,8 @@ class AgentTest : public ::testing::Test {
     uploader_options.uplink.min_backoff_s = 0.001;
     uploader_options.uplink.max_backoff_s = 0.02;
     uploader_options.follow_s = 0.05;
-    uploader_ = std::make_unique<Uploader>(connection_, *spool_, convert::RobotName{SiteId("s"), RobotId("r1")}, Listener(),
-                                           uploader_options);
+    uploader_ = std::make_unique<Uploader>(connection_, *spool_, convert::RobotName{SiteId("s"), RobotId("r1")},
+                                           Listener(), uploader_options);
   }
   NewsListener Listener() {
     return [this](const News& news) {
@@ -122,8 +124,8 @@ class AgentTest : public ::testing::Test {
 };
 
 int CountOf(const std::vector<sensor::Record>& records, sensor::RecordKind kind) {
-  return static_cast<int>(
-      std::count_if(records.begin(), records.end(), [&](const sensor::Record& record) { return sensor::KindOf(record) == kind; }));
+  return static_cast<int>(std::count_if(records.begin(), records.end(),
+                                        [&](const sensor::Record& record) { return sensor::KindOf(record) == kind; }));
 }
 
 // The whole way without a server: all of it is in the spool.
@@ -162,7 +164,7 @@ TEST_F(AgentTest, SplitsTheCampusIntoSessionsAtItsDoors) {
     EXPECT_EQ(report.kind, sensor::DoorReport::Kind::kPassage);
     EXPECT_NEAR(ToSeconds(report.door_time - truth[i].time), 0.0, 1.0) << truth[i].door;
     EXPECT_EQ(report.entered_surroundings,
-              truth[i].to == "M1" || truth[i].to == "M3" ? sensor::Surroundings::kOutdoor : sensor::Surroundings::kIndoor)
+              truth[i].to == "M1" || truth[i].to == "M3" ? Environment::kOutdoor : Environment::kIndoor)
         << truth[i].door;
     EXPECT_GE(CountOf(records, sensor::RecordKind::kImage), 8) << truth[i].door;
     EXPECT_GE(CountOf(records, sensor::RecordKind::kPointCloud), 2) << truth[i].door;
@@ -274,7 +276,9 @@ TEST_F(AgentTest, TellsAndCountsWhatIsWrongWithItsInput) {
   std::get<sensor::LaserScan>(broken.payload).ranges.clear();
   EXPECT_OK(agent_->Add(broken));
   const std::string content = "not what the record says";
-  EXPECT_OK(agent_->Add({sensor::Image{kNsPerSecond, sensor::Camera::kFront, sensor::ImageEncoding::kPng, sources::RefOf("other")}, content}));
+  EXPECT_OK(agent_->Add(
+      {sensor::Image{kNsPerSecond, sensor::Camera::kFront, sensor::ImageEncoding::kPng, sources::RefOf("other")},
+       content}));
   EXPECT_OK(agent_->Add({sensor::DoorReport{}, {}}));
   EXPECT_EQ(agent_->counts().invalid, 3);
   EXPECT_THAT(Events(), Contains("bad_input"));
@@ -291,7 +295,8 @@ TEST_F(AgentTest, RecordsPicturesEverywhereAtTheWantedRate) {
   for (int i = 0; i < 100; ++i) {
     const std::string content = "picture " + std::to_string(i);
     const TimeNs time = kNsPerSecond + i * kNsPerSecond / 10;
-    ASSERT_OK(agent_->Add({sensor::Image{time, sensor::Camera::kFront, sensor::ImageEncoding::kPng, sources::RefOf(content)}, content}));
+    ASSERT_OK(agent_->Add(
+        {sensor::Image{time, sensor::Camera::kFront, sensor::ImageEncoding::kPng, sources::RefOf(content)}, content}));
   }
   ASSERT_OK(agent_->Finish());
   const std::vector<sensor::Record> records = RecordsOf(spool_->ListSessions().at(0).id);

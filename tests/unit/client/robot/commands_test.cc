@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/commands.h"
 
 #include <gmock/gmock.h>
@@ -45,8 +46,8 @@ TEST(ParseCommand, TakesTheNamesOfTheOriginalsServices) {
   Parsed<SetCandidate>("set_linkpoint_candidate");
 }
 
-TEST(ParseCommand, ReadsThePoseInAnOldMapInDegrees) {
-  const auto old = Parsed<MapOnOldMap>("old \"Hall A\" 1.5 -2 90");
+TEST(ParseCommand, ReadsThePoseInAnExistingMapInDegrees) {
+  const auto old = Parsed<MapOnExistingMap>("old \"Hall A\" 1.5 -2 90");
   EXPECT_EQ(old.map, "Hall A");
   EXPECT_EQ(old.T_map_robot.pose.x, 1.5);
   EXPECT_EQ(old.T_map_robot.pose.y, -2.0);
@@ -74,8 +75,8 @@ TEST(CommandFromJson, ReadsTheSameCommands) {
   EXPECT_EQ(std::get<SetLinkPoint>(lift).level, 3);
   ASSERT_OK_AND_ASSIGN(const Command old, read(R"({"type":"command","command":"old","map":"m","pose":
       {"x_m":1,"y_m":2,"yaw_rad":0.5},"covariance":[4,0,0,0,5,0,0,0,6]})"));
-  EXPECT_EQ(std::get<MapOnOldMap>(old).T_map_robot.pose.yaw, 0.5);
-  EXPECT_EQ(std::get<MapOnOldMap>(old).T_map_robot.covariance(1, 1), 5.0);
+  EXPECT_EQ(std::get<MapOnExistingMap>(old).T_map_robot.pose.yaw, 0.5);
+  EXPECT_EQ(std::get<MapOnExistingMap>(old).T_map_robot.covariance(1, 1), 5.0);
 }
 
 TEST(CommandFromJson, RefusesWhatItCannotRead) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/robot/state_machine.h"
 
 #include <gmock/gmock.h>
@@ -22,8 +23,8 @@ std::string WordOf(const Action& action) {
     std::string operator()(const FinishSession&) const { return "finish"; }
     std::string operator()(const KeepEvidence& a) const { return "keep " + std::to_string(a.door); }
     std::string operator()(const WriteReport& a) const {
-      return (a.report.kind == sensor::DoorReport::Kind::kPassage ? "passage " : "candidate ") + std::to_string(a.door) +
-             (a.report.by_hand ? " by hand" : "");
+      return (a.report.kind == sensor::DoorReport::Kind::kPassage ? "passage " : "candidate ") +
+             std::to_string(a.door) + (a.report.by_hand ? " by hand" : "");
     }
     std::string operator()(const ShowMenu&) const { return "menu"; }
     std::string operator()(const ShowStatus&) const { return "status"; }
@@ -117,8 +118,8 @@ TEST_F(StateMachineTest, BeginsByItselfWithANewMap) {
   EXPECT_EQ(state(), State::kMapping);
 }
 
-TEST_F(StateMachineTest, BeginsByItselfInAnOldMap) {
-  options_.start = MapOnOldMap{"Hall", {}};
+TEST_F(StateMachineTest, BeginsByItselfInAnExistingMap) {
+  options_.start = MapOnExistingMap{"Hall", {}};
   machine_ = StateMachine(options_);
   EXPECT_THAT(Do(Ready{}), ElementsAre("begin \"Hall\" at a pose"));
 }
@@ -253,7 +254,7 @@ TEST_F(StateMachineTest, TheMainMenuOffersAllOfIt) {
   EXPECT_THAT(Do(Command(DeleteMap{"m1"})), ElementsAre("remove map m1", "menu"));
   EXPECT_THAT(Do(Command(DeleteLinkPoint{"l1"})), ElementsAre("remove link point l1", "menu"));
   EXPECT_EQ(state(), State::kMainMenu);
-  EXPECT_THAT(Do(Command(MapOnOldMap{"m2", {}})), ElementsAre("begin \"m2\" at a pose"));
+  EXPECT_THAT(Do(Command(MapOnExistingMap{"m2", {}})), ElementsAre("begin \"m2\" at a pose"));
   EXPECT_EQ(state(), State::kStartMapping);
 }
 
@@ -316,8 +317,8 @@ TEST_F(StateMachineTest, RefusesCommandsThatAreForAnotherState) {
     EXPECT_THAT(told_, HasSubstr("the robot is in Initialize, and this is for Mapping"));
   }
   StartMapping();
-  for (const Command& command : {Command(RecordNewMap{"x"}), Command(MapOnOldMap{"x", {}}), Command(DeleteMap{"x"}),
-                                 Command(DeleteLinkPoint{"x"})}) {
+  for (const Command& command : {Command(RecordNewMap{"x"}), Command(MapOnExistingMap{"x", {}}),
+                                 Command(DeleteMap{"x"}), Command(DeleteLinkPoint{"x"})}) {
     EXPECT_THAT(Do(command), IsEmpty());
     EXPECT_THAT(told_, HasSubstr("the robot is in Mapping, and this is for MainMenu"));
   }

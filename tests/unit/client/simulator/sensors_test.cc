@@ -1,4 +1,5 @@
-#include "client/simulator/sensors.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "client/simulator/sensors/sensors.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@
 #include <memory>
 
 #include "client/simulator/campus_yaml.h"
-#include "core/grid/png_codec.h"
+#include "core/grid/files/png_codec.h"
 #include "fmt/format.h"
 #include "tests/support/status_assertions.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +37,8 @@ TEST(CarmenParser, ReadsScansWithTheirOdometryInLogOrder) {
   EXPECT_NEAR(scans[0].angle(8), M_PI / 2.0, 1e-12);
   EXPECT_EQ(scans[0].range_max, 81.83F);
   EXPECT_EQ(scans[0].T_robot_laser, (Pose2{0.25, 0.0, 0.0}));
-  EXPECT_THAT(std::get<sensor::Odometry>(log.entries[4].payload).T_odom_robot, PoseNear(Pose2{0.1, 0.0, 0.1}, 1e-12, 1e-12));
+  EXPECT_THAT(std::get<sensor::Odometry>(log.entries[4].payload).T_odom_robot,
+              PoseNear(Pose2{0.1, 0.0, 0.1}, 1e-12, 1e-12));
 
   EXPECT_EQ(log.counts.beams_no_return, 6 * 2 + 1);
   EXPECT_EQ(log.counts.comments, 2);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -78,8 +79,9 @@ TEST(JsonLines, RefersToImagesAndCloudsByFile) {
   files.Write("it's a \"door\".png", "not really a PNG");
   files.Write("door.xyz", std::string(24, '\0'));
   std::string text;
-  for (const LogEntry& entry : {LogEntry{sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kPng, {}}, "it's a \"door\".png"},
-                                LogEntry{sensor::PointCloud{8, sensor::CloudEncoding::kXyz32, {}}, "door.xyz"}}) {
+  for (const LogEntry& entry :
+       {LogEntry{sensor::Image{7, sensor::Camera::kRear, sensor::ImageEncoding::kPng, {}}, "it's a \"door\".png"},
+        LogEntry{sensor::PointCloud{8, sensor::CloudEncoding::kXyz32, {}}, "door.xyz"}}) {
     ASSERT_OK_AND_ASSIGN(const std::string line, sources::ToJsonLine(entry));
     text += line;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/sources/log_reader.h"
 
 #include <gtest/gtest.h>
@@ -92,7 +93,8 @@ TEST(LogReader, ReadsWeanHallLogsInCentimetres) {
   ASSERT_OK(log.status);
   EXPECT_EQ(log.facts.format, LogFormat::kWeanHall);
   ASSERT_EQ(log.entries.size(), 4U);
-  EXPECT_THAT(std::get<sensor::Odometry>(log.entries[0].payload).T_odom_robot, PoseNear(Pose2{1.0, -0.5, 0.5}, 1e-12, 1e-12));
+  EXPECT_THAT(std::get<sensor::Odometry>(log.entries[0].payload).T_odom_robot,
+              PoseNear(Pose2{1.0, -0.5, 0.5}, 1e-12, 1e-12));
   const sensor::LaserScan scan = AllOf<sensor::LaserScan>(log).at(0);
   EXPECT_EQ(scan.time, 77'931'000);
   EXPECT_THAT(scan.T_robot_laser, PoseNear(Pose2{0.25, 0.0, 0.0}, 1e-6, 1e-12));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/sources/map_manager_database.h"
 
 #include <gmock/gmock.h>
@@ -7,7 +8,7 @@
 #include <fstream>
 #include <map>
 
-#include "client/cpp/spool/sqlite.h"
+#include "client/sdk/spool/sqlite.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whatever befalls a log file, reading it ends with its entries or with an error that names the file: never otherwise.
 #include <gtest/gtest.h>
 

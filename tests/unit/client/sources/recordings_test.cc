@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The recordings by others that the readers were made for; counts as their publishers' files hold them.
 #include <gtest/gtest.h>
 

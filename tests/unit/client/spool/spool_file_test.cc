@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What may befall the file: another program's, damage, a killed process, a full disk.
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -8,8 +9,9 @@
 #include <fstream>
 #include <random>
 
-#include "client/cpp/spool/spool.h"
-#include "client/cpp/spool/sqlite.h"
+#include "client/sdk/spool/spool.h"
+#include "client/sdk/spool/sqlite.h"
+#include "core/base/environment.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/spool/spool_samples.h"
@@ -85,7 +87,7 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   on_an_old_map.entry.T_map_robot = PoseWithCovariance{{1.0, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
   on_an_old_map.entry.T_odom_robot = Pose2{-1.0, 0.0, 3.0};
   SpoolSession in_a_yard = SampleSession("run-4");
-  in_a_yard.surroundings = sensor::Surroundings::kOutdoor;
+  in_a_yard.surroundings = Environment::kOutdoor;
   {
     ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
     ASSERT_OK(spool->CreateSession(after_a_door));
@@ -99,7 +101,7 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   EXPECT_EQ(entry.T_map_robot->pose, on_an_old_map.entry.T_map_robot->pose);
   EXPECT_EQ(entry.T_map_robot->covariance, on_an_old_map.entry.T_map_robot->covariance);
   EXPECT_EQ(entry.T_odom_robot, on_an_old_map.entry.T_odom_robot);
-  EXPECT_EQ(spool->FindSession(in_a_yard.id)->surroundings, sensor::Surroundings::kOutdoor);
+  EXPECT_EQ(spool->FindSession(in_a_yard.id)->surroundings, Environment::kOutdoor);
   EXPECT_EQ(spool->FindSession(on_an_old_map.id)->surroundings, std::nullopt);
 }
 

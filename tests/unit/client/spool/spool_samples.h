@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
 
-#include "client/cpp/spool/spool.h"
+#include "client/sdk/spool/spool.h"
 #include "core/base/sha256.h"
 
 namespace enfilade::testing {

@@ -1,4 +1,5 @@
-#include "client/cpp/spool/spool.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "client/sdk/spool/spool.h"
 
 #include <gtest/gtest.h>
 

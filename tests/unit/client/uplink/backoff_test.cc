@@ -1,4 +1,5 @@
-#include "client/cpp/uplink/backoff.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "client/sdk/uplink/backoff.h"
 
 #include <gtest/gtest.h>
 

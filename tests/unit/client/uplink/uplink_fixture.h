@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cpp/uplink/uplink.h"
+#include "client/sdk/uplink/uplink.h"
 #include "proto/convert/record.h"
 #include "tests/support/fake_server.h"
 #include "tests/support/status_assertions.h"
@@ -72,7 +73,8 @@ class UplinkTest : public ::testing::Test {
       if (withheld.contains(sequence)) {
         EXPECT_TRUE(stored.has_withheld());
       } else if (stored.has_laser_scan()) {
-        ASSERT_EQ(*convert::FromProto(stored), (enfilade::sensor::Record{sequence, NumberedScan(static_cast<int>(sequence), 30)}));
+        ASSERT_EQ(*convert::FromProto(stored),
+                  (enfilade::sensor::Record{sequence, NumberedScan(static_cast<int>(sequence), 30)}));
       } else {
         ASSERT_TRUE(stored.has_image());
         const std::string content = server_->blobs()[stored.image().content().sha256()];

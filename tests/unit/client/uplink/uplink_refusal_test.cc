@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/client/uplink/uplink_fixture.h"
 
 namespace enfilade::client {

@@ -1,4 +1,5 @@
-#include "client/cpp/uplink/uplink.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "client/sdk/uplink/uplink.h"
 
 #include <atomic>
 #include <thread>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/closure_options.h"
 
 #include <set>
@@ -10,27 +11,28 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(ClosureOptions, DefaultsAreValidAndEveryNameComesOnce) {
-  EXPECT_OK(ClosureOptions().Validate());
+TEST(DoorClosureOptions, DefaultsAreValidAndEveryNameComesOnce) {
+  EXPECT_OK(DoorClosureOptions().Validate());
   std::set<std::string> names;
-  const ClosureOptions options;
-  VisitClosureOptions(options, [&](const char* name, const auto&) { EXPECT_TRUE(names.insert(name).second) << name; });
+  const DoorClosureOptions options;
+  VisitDoorClosureOptions(options,
+                          [&](const char* name, const auto&) { EXPECT_TRUE(names.insert(name).second) << name; });
   EXPECT_GT(names.size(), 30U);
 }
 
-TEST(ClosureOptions, AreReadFromYamlOnTopOfABase) {
-  ClosureOptions base;
+TEST(DoorClosureOptions, AreReadFromYamlOnTopOfABase) {
+  DoorClosureOptions base;
   base.known_across = 0.7;
-  ASSERT_OK_AND_ASSIGN(const ClosureOptions options,
-                       ParseClosureOptions("image_threshold: 22\nmap_name: Raum\nplace_sigma: 0.3\n", base));
+  ASSERT_OK_AND_ASSIGN(const DoorClosureOptions options,
+                       ParseDoorClosureOptions("image_threshold: 22\nmap_name: Raum\nplace_sigma: 0.3\n", base));
   EXPECT_EQ(options.image_threshold, 22);
   EXPECT_EQ(options.map_name, "Raum");
   EXPECT_EQ(options.place_sigma, 0.3);
   EXPECT_EQ(options.known_across, 0.7);
 }
 
-TEST(ClosureOptions, RefusesWhatIsNoneNamingIt) {
-  const auto parse = [](const char* yaml) { return ParseClosureOptions(yaml, ClosureOptions()).status(); };
+TEST(DoorClosureOptions, RefusesWhatIsNoneNamingIt) {
+  const auto parse = [](const char* yaml) { return ParseDoorClosureOptions(yaml, DoorClosureOptions()).status(); };
   EXPECT_STATUS(parse("image_treshold: 3\n"), absl::StatusCode::kInvalidArgument,
                 HasSubstr("line 1: there is no option image_treshold"));
   EXPECT_STATUS(parse("\nmax_compared: many\n"), absl::StatusCode::kInvalidArgument, HasSubstr("line 2"));

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/joined_anchors.h"
 
-#include "core/graph/pose_chain.h"
+#include "core/graph/paths/pose_chain.h"
 #include "gmock/gmock.h"
 #include "tests/support/pose_matchers.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/judge_passage.h"
 
 #include "gmock/gmock.h"

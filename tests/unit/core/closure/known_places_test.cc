@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/known_places.h"
 
 #include "gmock/gmock.h"
@@ -31,7 +32,7 @@ class KnownPlacesTest : public ::testing::Test {
   const graph::LinkPoint door_ = Place("door", {{kYard, {0, 0, 0}, {}}, {kHall, {10, 4, 0}, {}}});
   const graph::LinkPoint elsewhere_ = Place("elsewhere", {{kYard, {4, 2, M_PI_2}, {}}});
   const std::vector<const graph::LinkPoint*> all_{&candidate_, &door_, &elsewhere_};
-  const ClosureOptions options_;
+  const DoorClosureOptions options_;
 };
 
 TEST_F(KnownPlacesTest, ADoorSeenAgainFromAMetreAwayIsKnown) {

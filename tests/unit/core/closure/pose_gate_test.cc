@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/pose_gate.h"
 
 #include <cmath>
@@ -37,7 +38,7 @@ TEST(PoseGate, TakesAFullCovarianceAsItIs) {
 }
 
 TEST(PoseGate, ADoorHasNoFront) {
-  const ClosureOptions options;
+  const DoorClosureOptions options;
   const double same = PlaceChiSquared(Posed(3, 4, 0.2), Posed(3.1, 4, 0.25), options);
   EXPECT_THAT(PlaceChiSquared(Posed(3, 4, 0.2), Posed(3.1, 4, 0.25 + M_PI), options), DoubleNear(same, 1e-9));
   EXPECT_LT(same, Gate(options));
@@ -45,7 +46,7 @@ TEST(PoseGate, ADoorHasNoFront) {
 }
 
 TEST(PoseGate, LetsDoorPosesThroughThatDifferAsRastersDo) {
-  const ClosureOptions options;
+  const DoorClosureOptions options;
   EXPECT_LT(PlaceChiSquared(Posed(0, 0, 0), Posed(0.5, 0, 0), options), Gate(options));
   EXPECT_GT(PlaceChiSquared(Posed(0, 0, 0), Posed(0.9, 0, 0), options),
             Gate(options));  // the next door is farther away

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/closure/scan_location.h"
 
 #include <gmock/gmock.h>
@@ -80,7 +81,7 @@ PoseWithCovariance Guess(const Pose2& pose, double sigma = 0.3, double yaw_sigma
 TEST(ScanLocation, FindsTheRobotFromAnotherSideOfTheRoom) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const ScanLocation found =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({7.4, 1.7, 2.06}), ClosureOptions());
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({7.4, 1.7, 2.06}), DoorClosureOptions());
   ASSERT_TRUE(found.accepted) << found.reason;
   EXPECT_LT((found.T_map_robot.pose.translation() - robot.translation()).norm(), 0.05);
   EXPECT_LT(std::abs(found.T_map_robot.pose.yaw - robot.yaw), 0.01);
@@ -91,25 +92,25 @@ TEST(ScanLocation, AnotherRoomIsNotTakenForIt) {
   std::vector<Wall> other;
   AddBox(0, 0, 6, 5, other);
   AddBox(2, 2, 3, 2.6, other);
-  const ScanLocation found =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(other, {4.5, 1.2, 1.0}), Guess({6.5, 2.5, 1.0}), ClosureOptions());
+  const ScanLocation found = LocateByScans(SeenAlong(Room(), 3.0), PointsOf(other, {4.5, 1.2, 1.0}),
+                                           Guess({6.5, 2.5, 1.0}), DoorClosureOptions());
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
 TEST(ScanLocation, ACorridorDoesNotSayWhereAlongItTheRobotIs) {
   const ScanLocation found = LocateByScans(SeenAlong(Corridor(), 1.2), PointsOf(Corridor(), {6.0, 1.2, 0.0}),
-                                           Guess({6.3, 1.2, 0.0}), ClosureOptions());
+                                           Guess({6.3, 1.2, 0.0}), DoorClosureOptions());
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
 TEST(ScanLocation, IsNotLookedForWhereTheGraphCannotTellRoomsApart) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const ScanLocation far =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 1.5), ClosureOptions());
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 1.5), DoorClosureOptions());
   EXPECT_FALSE(far.accepted);
   EXPECT_THAT(far.reason, HasSubstr("not sure enough"));
   const ScanLocation turned =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 0.1, 0.5), ClosureOptions());
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 0.1, 0.5), DoorClosureOptions());
   EXPECT_FALSE(turned.accepted);
 }
 
@@ -118,23 +119,24 @@ TEST(ScanLocation, APoseThatMayBeThatOfALookAlikeIsNotBelieved) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
   const ScanLocation near =
-      LocateByScans(SeenAlong(Room(), 3.0), points, Guess({6.8, 2.2, 2.0}, 0.5), ClosureOptions());
+      LocateByScans(SeenAlong(Room(), 3.0), points, Guess({6.8, 2.2, 2.0}, 0.5), DoorClosureOptions());
   EXPECT_TRUE(near.accepted) << near.reason;
-  const ScanLocation far = LocateByScans(SeenAlong(Room(), 3.0), points, Guess({5.6, 2.2, 2.0}, 0.5), ClosureOptions());
+  const ScanLocation far =
+      LocateByScans(SeenAlong(Room(), 3.0), points, Guess({5.6, 2.2, 2.0}, 0.5), DoorClosureOptions());
   EXPECT_FALSE(far.accepted) << far.reason;
 }
 
 TEST(ScanLocation, APoseThatTheGraphRulesOutIsNotBelieved) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const ScanLocation found =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({5.5, 3.0, 2.0}, 0.1), ClosureOptions());
+      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({5.5, 3.0, 2.0}, 0.1), DoorClosureOptions());
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
 TEST(ScanLocation, NothingIsFoundWhereNobodyHasBeen) {
   const Pose2 robot{7.0, 2.0, 2.0};
-  EXPECT_FALSE(LocateByScans({}, PointsOf(Room(), robot), Guess(robot), ClosureOptions()).accepted);
-  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), {}, Guess(robot), ClosureOptions()).accepted);
+  EXPECT_FALSE(LocateByScans({}, PointsOf(Room(), robot), Guess(robot), DoorClosureOptions()).accepted);
+  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), {}, Guess(robot), DoorClosureOptions()).accepted);
 }
 
 // A robot behind a door sees the room that it has left through it.

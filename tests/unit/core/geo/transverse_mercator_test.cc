@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/geo/transverse_mercator.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/graph/geojson.h"
 
 #include <gmock/gmock.h>
@@ -62,7 +63,7 @@ TEST(GeoJsonTest, WhatIsNotJoinedHasNoGeometry) {
 
 TEST(GeoJsonTest, IsInLongitudeAndLatitudeWithAGeoreference) {
   const std::vector<geo::SurveyPoint> points = {{.place = {9.7000, 52.3700}, .p_world = {0, 0}},
-                                           {.place = {9.7020, 52.3700}, .p_world = {136.2, 0}}};
+                                                {.place = {9.7020, 52.3700}, .p_world = {136.2, 0}}};
   ASSERT_OK_AND_ASSIGN(const geo::GeoreferenceFit fit, geo::FitGeoreference(points));
   const json graph = json::parse(GraphToGeoJson(WorldPoses(TwoRooms()), &fit.georeference));
   EXPECT_FALSE(graph.contains("frame"));

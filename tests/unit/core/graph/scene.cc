@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/core/graph/scene.h"
 
 #include <Eigen/Cholesky>
@@ -9,7 +10,9 @@ namespace enfilade::testing {
 
 MapId M(const std::string& id) { return MapId(id); }
 LinkPointId L(const std::string& id) { return LinkPointId(id); }
-graph::MapInGraph MapNamed(const std::string& id, int level) { return {.id = M(id), .display_name = id, .level = level}; }
+graph::MapInGraph MapNamed(const std::string& id, int level) {
+  return {.id = M(id), .display_name = id, .level = level};
+}
 
 graph::Anchor AnchorIn(const std::string& map, const Pose2& T_map_place, const Eigen::Matrix3d& covariance) {
   return {.map = M(map), .T_map_place = T_map_place, .covariance = covariance};
@@ -20,7 +23,7 @@ graph::LinkPoint Joining(const std::string& id, std::vector<graph::Anchor> ancho
 }
 
 graph::GraphSnapshot Graph(const std::vector<std::string>& maps, const std::vector<graph::LinkPoint>& link_points,
-                    const graph::GraphSnapshot& snapshot) {
+                           const graph::GraphSnapshot& snapshot) {
   graph::SnapshotChanges changes{.version = snapshot.version() + 1};
   for (const std::string& map : maps) changes.maps.push_back(MapNamed(map));
   changes.link_points = link_points;
@@ -52,7 +55,7 @@ Eigen::Matrix3d RandomCovariance(double position, double yaw, std::mt19937_64& r
 }
 
 graph::LinkPoint World::See(const std::string& id, const Pose2& T_world_place, const std::vector<int>& maps,
-                     const std::vector<Eigen::Matrix3d>& covariances, std::mt19937_64& random) const {
+                            const std::vector<Eigen::Matrix3d>& covariances, std::mt19937_64& random) const {
   std::vector<graph::Anchor> anchors;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const Pose2 truth = Between(T_world_maps[static_cast<std::size_t>(maps[i])], T_world_place);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <random>
@@ -18,12 +19,12 @@ MapId M(const std::string& id);
 LinkPointId L(const std::string& id);
 graph::MapInGraph MapNamed(const std::string& id, int level = 0);
 graph::Anchor AnchorIn(const std::string& map, const Pose2& T_map_place,
-                const Eigen::Matrix3d& covariance = graph::DefaultAnchorCovariance());
+                       const Eigen::Matrix3d& covariance = graph::DefaultAnchorCovariance());
 graph::LinkPoint Joining(const std::string& id, std::vector<graph::Anchor> anchors);
 
 // `snapshot`, or nothing, with these.
 graph::GraphSnapshot Graph(const std::vector<std::string>& maps, const std::vector<graph::LinkPoint>& link_points,
-                    const graph::GraphSnapshot& snapshot = {});
+                           const graph::GraphSnapshot& snapshot = {});
 
 // A pose drawn from N(mean, covariance), componentwise.
 Pose2 Draw(const PoseWithCovariance& pose, std::mt19937_64& random);
@@ -37,7 +38,7 @@ struct World {
 
   // The place as the maps see it, each anchor with noise drawn from its covariance.
   graph::LinkPoint See(const std::string& id, const Pose2& T_world_place, const std::vector<int>& maps,
-                const std::vector<Eigen::Matrix3d>& covariances, std::mt19937_64& random) const;
+                       const std::vector<Eigen::Matrix3d>& covariances, std::mt19937_64& random) const;
   std::vector<std::string> MapIds() const;
 };
 // Maps strewn over a square of `size_m`.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/optimize/graph_text.h"
 
 #include <gmock/gmock.h>

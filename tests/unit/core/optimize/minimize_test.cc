@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/optimize/minimize.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +8,7 @@
 
 #include "core/optimize/graph_layout.h"
 #include "core/optimize/indexed_graph.h"
-#include "core/optimize/normal_equations.h"
+#include "core/optimize/linear/normal_equations.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/sensor/record_codec.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/base/environment.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::sensor {
@@ -30,7 +32,7 @@ std::vector<Record> OneOfEachKind() {
                          7,
                          {1.0, -2.0, 0.5},
                          0.9,
-                         Surroundings::kOutdoor,
+                         Environment::kOutdoor,
                          -1,
                          true,
                          "by hand"}},

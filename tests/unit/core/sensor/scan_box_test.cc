@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/sensor/scan_box.h"
 
 #include <gmock/gmock.h>
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/environment.h"
 #include "core/sensor/environment_choice.h"
 #include "tests/support/status_assertions.h"
 
@@ -73,9 +75,9 @@ TEST(FilteredBoxTest, SurroundsTheRoomInTheFrameAskedFor) {
 
 TEST(ChooseByRangeTest, AsksForTwoFarSides) {
   const auto choose = [](const LaserScan& scan) { return ChooseByRange(scan).value(); };
-  EXPECT_EQ(choose(InRectangle(5.0, 5.0, 4.0, 4.0)).surroundings, Surroundings::kIndoor);
+  EXPECT_EQ(choose(InRectangle(5.0, 5.0, 4.0, 4.0)).surroundings, Environment::kIndoor);
   EXPECT_EQ(choose(InRectangle(40.0, 3.0, 3.0, 3.0)).far_sides, 1);
-  EXPECT_EQ(choose(InRectangle(40.0, 40.0, 30.0, 30.0)).surroundings, Surroundings::kOutdoor);
+  EXPECT_EQ(choose(InRectangle(40.0, 40.0, 30.0, 30.0)).surroundings, Environment::kOutdoor);
   const RangeChoice nothing = choose(Scan(std::vector<float>(720, kInf), -M_PI, M_PI / 360.0));
   EXPECT_EQ(nothing.surroundings, std::nullopt);
 }
@@ -83,8 +85,8 @@ TEST(ChooseByRangeTest, AsksForTwoFarSides) {
 // 12 m around: beyond the limit of the code's defaults, within that of params.yaml.
 TEST(ChooseByRangeTest, KnowsBothPresetsOfTheOriginal) {
   const LaserScan scan = InRectangle(12.0, 12.0, 12.0, 12.0);
-  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalYaml())->surroundings, Surroundings::kIndoor);
-  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalCode())->surroundings, Surroundings::kOutdoor);
+  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalYaml())->surroundings, Environment::kIndoor);
+  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalCode())->surroundings, Environment::kOutdoor);
   EXPECT_CODE(ChooseByRange(scan, {.side_limit = -1.0}), absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(ChooseByRange(LaserScan{}), absl::StatusCode::kInvalidArgument);
 }

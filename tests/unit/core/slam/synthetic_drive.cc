@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/core/slam/synthetic_drive.h"
 
 #include <cmath>
@@ -39,8 +40,8 @@ double RangeTo(const Wall& wall, const Eigen::Vector2d& from, const Eigen::Vecto
 
 }  // namespace
 
-sensor::LaserScan Scan(const std::vector<Wall>& walls, const Pose2& T_world_robot, const SyntheticScanner& scanner, TimeNs time,
-               std::uint64_t seed) {
+sensor::LaserScan Scan(const std::vector<Wall>& walls, const Pose2& T_world_robot, const SyntheticScanner& scanner,
+                       TimeNs time, std::uint64_t seed) {
   Noise noise(seed);
   sensor::LaserScan scan;
   scan.time = time;
@@ -80,7 +81,8 @@ std::vector<Pose2> Drive(const std::vector<Eigen::Vector2d>& corners, double ste
 }
 
 std::vector<sensor::PairedScan> Record(const std::vector<Wall>& walls, const std::vector<Pose2>& poses,
-                               const SyntheticScanner& scanner, const SyntheticOdometry& odometry, std::uint64_t seed) {
+                                       const SyntheticScanner& scanner, const SyntheticOdometry& odometry,
+                                       std::uint64_t seed) {
   Noise noise(seed);
   std::vector<sensor::PairedScan> log;
   Pose2 T_odom_robot;

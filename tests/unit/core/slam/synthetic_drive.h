@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -27,15 +28,16 @@ struct SyntheticOdometry {
 };
 
 // What the scanner sees of `walls` from `T_world_robot`. The noise is drawn from `seed`.
-sensor::LaserScan Scan(const std::vector<Wall>& walls, const Pose2& T_world_robot, const SyntheticScanner& scanner, TimeNs time,
-               std::uint64_t seed);
+sensor::LaserScan Scan(const std::vector<Wall>& walls, const Pose2& T_world_robot, const SyntheticScanner& scanner,
+                       TimeNs time, std::uint64_t seed);
 
 // Poses along straight lines through `corners`, `step` (m) apart, turning on the spot at corners by steps of 0.2 rad.
 std::vector<Pose2> Drive(const std::vector<Eigen::Vector2d>& corners, double step);
 
 // One scan per pose, 0.5 s apart, sequences from 1; odometry in the robot's first frame with errors drawn from `seed`.
 std::vector<sensor::PairedScan> Record(const std::vector<Wall>& walls, const std::vector<Pose2>& poses,
-                               const SyntheticScanner& scanner, const SyntheticOdometry& odometry, std::uint64_t seed);
+                                       const SyntheticScanner& scanner, const SyntheticOdometry& odometry,
+                                       std::uint64_t seed);
 
 // The walls drawn with '#' in rows of text, top row first, each character `cell` metres wide; the lower-left character
 // has its lower-left corner at the origin.

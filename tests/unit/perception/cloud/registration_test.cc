@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/cloud/registration.h"
 
 #include <gmock/gmock.h>
@@ -92,7 +93,7 @@ TEST(RegistrationTest, IsPoseOfSourceInTarget) {
 }
 
 // The original composed T_candidate * Rz(180) * T_icp^-1 and doubted the inverse.
-TEST(RegistrationTest, GivesTheRobotsPoseInTheOldMap) {
+TEST(RegistrationTest, GivesTheRobotsPoseInTheExistingMap) {
   const Eigen::Isometry3d T_map_candidate = PoseOf(1.2, -0.8, 0.5);
   const Eigen::Isometry3d T_map_robot = PoseOf(0.4, -0.3, 0.5 + 170.0 * kDegree);
   const Cloud candidate = SeenFrom(T_map_candidate, 6, 7);

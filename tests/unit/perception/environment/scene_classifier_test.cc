@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/environment/scene_classifier.h"
 
 #include <gmock/gmock.h>
@@ -5,6 +6,7 @@
 
 #include <fstream>
 
+#include "core/base/environment.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/perception/environment/onnx_writer.h"
@@ -32,10 +34,10 @@ std::vector<SceneClass> Classes() { return ParseSceneClasses(kLabels, kMapping).
 TEST(SceneClassifierTest, RunsAnOnnxNetworkOnTheImagesColors) {
   ASSERT_OK_AND_ASSIGN(SceneClassifier classifier, SceneClassifier::Make(ColorModel(), Classes()));
   ASSERT_OK_AND_ASSIGN(const SceneVerdict office, classifier.Classify(OneColor(640, 480, 255, 0, 0)));
-  EXPECT_EQ(office.surroundings, sensor::Surroundings::kIndoor);
+  EXPECT_EQ(office.surroundings, Environment::kIndoor);
   EXPECT_EQ(office.best_class, "/o/office");
   ASSERT_OK_AND_ASSIGN(const SceneVerdict sky, classifier.Classify(OneColor(50, 400, 0, 0, 255)));
-  EXPECT_EQ(sky.surroundings, sensor::Surroundings::kOutdoor);
+  EXPECT_EQ(sky.surroundings, Environment::kOutdoor);
   EXPECT_EQ(sky.best_class, "/s/sky");
 }
 

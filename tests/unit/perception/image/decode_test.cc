@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/image/decode.h"
 
 #include <gmock/gmock.h>
@@ -5,7 +6,7 @@
 
 #include <string>
 
-#include "core/grid/png_codec.h"
+#include "core/grid/files/png_codec.h"
 #include "perception/image/image_header.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/perception/image/scenes.h"
@@ -69,7 +70,8 @@ TEST(DecodeTest, TakesRawRowsWithGaps) {
 }
 
 TEST(DecodeTest, RefusesFiftyMegapixelsBeforeDecodingThem) {
-  grid::PixelImage huge{.width = 10000, .height = 5000, .channels = 1, .samples = std::vector<std::uint8_t>(50'000'000)};
+  grid::PixelImage huge{
+      .width = 10000, .height = 5000, .channels = 1, .samples = std::vector<std::uint8_t>(50'000'000)};
   ASSERT_OK_AND_ASSIGN(const std::string png, grid::EncodePng(huge));
   EXPECT_STATUS(DecodeGrey(png), absl::StatusCode::kInvalidArgument,
                 AllOf(HasSubstr("10000x5000"), HasSubstr("50.0 Mpx"), HasSubstr("25.0 Mpx")));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "perception/image/match_images.h"
 
 #include <gmock/gmock.h>

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "storage/postgres/copy_buffer.h"
-#include "storage/postgres/params.h"
-#include "storage/postgres/types.h"
+#include "storage/postgres/driver/copy_buffer.h"
+#include "storage/postgres/driver/params.h"
+#include "storage/postgres/driver/types.h"
 
 namespace enfilade::storage::postgres {
 namespace {

@@ -1,4 +1,5 @@
-#include "storage/postgres/error.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/driver/error.h"
 
 #include <utility>
 

@@ -1,4 +1,5 @@
-#include "storage/postgres/session_growth.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/sessions/session_growth.h"
 
 #include "gtest/gtest.h"
 

@@ -1,4 +1,5 @@
-#include "storage/postgres/wkb.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/driver/wkb.h"
 
 #include "tests/support/status_assertions.h"
 

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "CLI/CLI.hpp"
+#include "client/cli/command.h"
+
+namespace enfilade::cli {
+
+// enfilade linkpoint set | candidate | list | near | state | suspend | resume | delete
+void AddLinkPoint(CLI::App& app, const Globals& globals);
+
+}  // namespace enfilade::cli

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/commands/graph/pose.h"
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "client/cli/output.h"
+#include "client/cli/place.h"
+#include "client/cli/remote.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "enfilade/v1/graph_service.grpc.pb.h"
+
+namespace enfilade::cli {
+namespace {
+
+using GraphStub = v1::GraphService::Stub;
+
+struct PoseCommandOptions {
+  std::string robot;
+  std::string at;
+  double rate_hz = 1.0;
+  std::string from;
+  std::string to;
+  std::string cost = "distance";
+  int alternatives = 1;
+  bool geojson = false;
+};
+
+std::string RobotNameOf(const Globals& globals, const std::string& robot) {
+  return robot.rfind("sites/", 0) == 0 ? robot : SiteNameOf(globals) + "/robots/" + robot;
+}
+
+void SetPose(const Pose2& from, v1::Pose2& to) {
+  to.set_x(from.x);
+  to.set_y(from.y);
+  to.set_yaw(from.yaw);
+}
+
+std::string PoseInWords(const v1::PoseWithCovariance& pose) {
+  std::string words =
+      fmt::format("x {:.3f} m, y {:.3f} m, yaw {:.4f} rad", pose.pose().x(), pose.pose().y(), pose.pose().yaw());
+  if (pose.covariance_size() != 9) return words;
+  return words + fmt::format("  (sigma {:.3f} m, {:.3f} m, {:.4f} rad)", std::sqrt(pose.covariance(0)),
+                             std::sqrt(pose.covariance(4)), std::sqrt(pose.covariance(8)));
+}
+
+nlohmann::json ToJson(const v1::GlobalPose& pose) {
+  nlohmann::json json{{"robot", pose.robot()},
+                      {"map", pose.map_pose().map()},
+                      {"graph_version", pose.graph_version()},
+                      {"search_radius_m", pose.search_radius_m()},
+                      {"hops", nlohmann::json::array()}};
+  if (pose.has_pose_world_robot()) json["pose_world_robot"] = PoseToJson(pose.pose_world_robot());
+  for (const v1::PoseHop& hop : pose.hops()) {
+    json["hops"].push_back({{"link_point", hop.link_point()},
+                            {"from_map", hop.from_map()},
+                            {"to_map", hop.to_map()},
+                            {"pose_from_to", PoseToJson(hop.pose_from_to())},
+                            {"share", std::vector<double>(hop.share().begin(), hop.share().end())}});
+  }
+  return json;
+}
+
+// In one document without line breaks inside a stream of them.
+void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line) {
+  if (globals.json) {
+    if (one_line) {
+      std::cout << ToJson(pose).dump() << std::endl;
+    } else {
+      PrintJson(std::cout, ToJson(pose));
+    }
+    return;
+  }
+  if (!pose.robot().empty()) std::cout << IdOf(pose.robot()) << " in " << IdOf(pose.map_pose().map()) << ": ";
+  if (!pose.has_pose_world_robot()) {
+    std::cout << "no link points join its map to the root" << std::endl;
+    return;
+  }
+  std::cout << PoseInWords(pose.pose_world_robot()) << std::endl;
+  for (const v1::PoseHop& hop : pose.hops()) {
+    std::cout << fmt::format("  {} -> {} through {}\n", IdOf(hop.from_map()), IdOf(hop.to_map()),
+                             IdOf(hop.link_point()));
+  }
+  if (!one_line) {
+    std::cout << fmt::format("  search radius {:.2f} m, graph version {}\n", pose.search_radius_m(),
+                             pose.graph_version());
+  }
+}
+
+absl::Status PrintGlobalPose(const Globals& globals, const PoseCommandOptions& options) {
+  const client::Connection connection = ConnectionOf(globals);
+  v1::GetGlobalPoseRequest request;
+  if (!options.robot.empty()) {
+    request.set_robot(RobotNameOf(globals, options.robot));
+  } else if (!options.at.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.at));
+    ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
+    request.mutable_map_pose()->set_map(map.name());
+    SetPose(place.pose, *request.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose());
+  } else {
+    return InvalidArgument("nothing says whose pose: give --robot or --at MAP,X,Y,YAW");
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&GraphStub::GetGlobalPose, request));
+  PrintPose(globals, response.global_pose(), false);
+  return absl::OkStatus();
+}
+
+absl::Status WatchPoses(const Globals& globals, const PoseCommandOptions& options) {
+  const client::Connection connection = ConnectionOf(globals);
+  v1::WatchGlobalPosesRequest request;
+  request.set_parent(SiteNameOf(globals));
+  request.set_rate_hz(options.rate_hz);
+  if (!options.robot.empty()) request.add_robots(RobotNameOf(globals, options.robot));
+  const auto stub = v1::GraphService::NewStub(connection.channel());
+  grpc::ClientContext context;
+  const auto reader = stub->WatchGlobalPoses(&context, request);
+  v1::WatchGlobalPosesResponse response;
+  while (reader->Read(&response)) {
+    for (const v1::GlobalPose& pose : response.global_poses()) PrintPose(globals, pose, true);
+  }
+  return client::FromGrpcStatus(reader->Finish(), connection.address());
+}
+
+absl::Status SetPlace(const client::Connection& connection, const Globals& globals, const std::string& text,
+                      std::string& map, v1::Pose2& pose) {
+  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(text));
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, globals, place.map));
+  map = found.name();
+  SetPose(place.pose, pose);
+  return absl::OkStatus();
+}
+
+absl::Status PrintRoutes(const Globals& globals, const PoseCommandOptions& options) {
+  const client::Connection connection = ConnectionOf(globals);
+  v1::FindRoutesRequest request;
+  ENFILADE_RETURN_IF_ERROR(
+      SetPlace(connection, globals, options.from, *request.mutable_start_map(), *request.mutable_pose_map_start()));
+  ENFILADE_RETURN_IF_ERROR(
+      SetPlace(connection, globals, options.to, *request.mutable_goal_map(), *request.mutable_pose_map_goal()));
+  request.set_cost(options.cost == "hops"          ? v1::PATH_COST_HOPS
+                   : options.cost == "uncertainty" ? v1::PATH_COST_UNCERTAINTY
+                                                   : v1::PATH_COST_DISTANCE);
+  request.set_max_routes(options.alternatives);
+  request.set_with_geojson(options.geojson);
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&GraphStub::FindRoutes, request));
+  if (options.geojson) {
+    std::cout << response.geojson() << '\n';
+    return absl::OkStatus();
+  }
+  nlohmann::json documents = nlohmann::json::array();
+  std::vector<std::vector<std::string>> rows;
+  int number = 0;
+  for (const v1::Route& route : response.routes()) {
+    ++number;
+    nlohmann::json legs = nlohmann::json::array();
+    for (const v1::RouteLeg& leg : route.legs()) {
+      legs.push_back({{"map", leg.map()}, {"level", leg.level()}, {"length_m", leg.length_m()}, {"exit", leg.exit()}});
+      rows.push_back({std::to_string(number), IdOf(leg.map()), std::to_string(leg.level()),
+                      fmt::format("{:.2f}", leg.length_m()), leg.exit().empty() ? "goal" : IdOf(leg.exit())});
+    }
+    documents.push_back({{"length_m", route.length_m()}, {"cost", route.cost()}, {"legs", std::move(legs)}});
+  }
+  if (globals.json) {
+    PrintJson(std::cout, {{"graph_version", response.graph_version()}, {"routes", std::move(documents)}});
+  } else if (rows.empty()) {
+    std::cout << "no way: nothing open joins the two maps\n";
+  } else {
+    PrintTable(std::cout, {"ROUTE", "MAP", "LEVEL", "LENGTH M", "THEN THROUGH"}, rows);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddPose(CLI::App& app, const Globals& globals) {
+  const auto options = std::make_shared<PoseCommandOptions>();
+  CLI::App* pose = app.add_subcommand("pose", "Robots' poses in the world frame");
+  pose->require_subcommand(1);
+  CLI::App* global = AddCommand(*pose, "global", "Show a pose in the world, and the chain that it comes from",
+                                [&globals, options] { return PrintGlobalPose(globals, *options); });
+  global->add_option("--robot", options->robot, "The robot's id: its last reported pose");
+  global->add_option("--at", options->at, "A pose in a map: MAP,X,Y,YAW");
+  global->footer("Examples: enfilade pose global --robot r1\n          enfilade pose global --at Lab,1,2,0.5");
+  CLI::App* watch = AddCommand(*pose, "watch", "Print global poses as they change, until interrupted",
+                               [&globals, options] { return WatchPoses(globals, *options); });
+  watch->add_option("--robot", options->robot, "Only this robot");
+  watch->add_option("--rate", options->rate_hz, "At most so many times a second")->capture_default_str();
+  watch->footer("Example: enfilade --json pose watch --rate 5");
+  CLI::App* route = AddCommand(app, "route", "Find the way from a place in one map to a place in another",
+                               [&globals, options] { return PrintRoutes(globals, *options); });
+  route->add_option("FROM", options->from, "MAP,X,Y")->required();
+  route->add_option("TO", options->to, "MAP,X,Y")->required();
+  route->add_option("--cost", options->cost, "What it is short in")
+      ->check(CLI::IsMember({"distance", "hops", "uncertainty"}))
+      ->capture_default_str();
+  route->add_option("--alternatives", options->alternatives, "At most so many ways")->capture_default_str();
+  route->add_flag("--geojson", options->geojson, "Print them as GeoJSON");
+  route->footer("Example: enfilade route Hall,1,2 Lab,3,4 --alternatives 3");
+}
+
+}  // namespace enfilade::cli

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/commands/map/map.h"
+
+#include <iostream>
+#include <memory>
+
+#include "client/cli/commands/map/map_edit.h"
+#include "client/cli/commands/map/map_transfer.h"
+#include "client/cli/output.h"
+#include "client/cli/remote.h"
+#include "core/base/error.h"
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+#include "enfilade/v1/map_service.grpc.pb.h"
+
+namespace enfilade::cli {
+namespace {
+
+std::string EnvironmentInWords(v1::Map::Environment environment) {
+  return environment == v1::Map::ENVIRONMENT_OUTDOOR ? "outdoor" : "indoor";
+}
+
+nlohmann::json ToJson(const v1::Map& map) {
+  return {{"name", map.name()},
+          {"display_name", map.display_name()},
+          {"level", map.level()},
+          {"environment", EnvironmentInWords(map.environment())},
+          {"slam_profile", map.slam_profile()},
+          {"latest_revision", map.latest_revision()},
+          {"etag", map.etag()},
+          {"create_time", TimeInWords(map.create_time())}};
+}
+
+nlohmann::json ToJson(const v1::MapRevision& revision) {
+  return {{"name", revision.name()},
+          {"source", revision.source() == v1::MapRevision::SOURCE_IMPORT ? "import" : "mapping"},
+          {"session", revision.session()},
+          {"resolution_m", revision.resolution_m()},
+          {"origin", {revision.pose_map_grid().x(), revision.pose_map_grid().y(), revision.pose_map_grid().yaw()}},
+          {"width", revision.width()},
+          {"height", revision.height()},
+          {"content_sha256", ToHex(revision.content_sha256())},
+          {"create_time", TimeInWords(revision.create_time())}};
+}
+
+absl::Status ListMaps(const Globals& globals) {
+  const client::Connection connection = ConnectionOf(globals);
+  nlohmann::json documents = nlohmann::json::array();
+  std::vector<std::vector<std::string>> rows;
+  v1::ListMapsRequest request;
+  request.set_parent(SiteNameOf(globals));
+  do {
+    ENFILADE_ASSIGN_OR_RETURN(const v1::ListMapsResponse page,
+                              connection.Call(&v1::MapService::Stub::ListMaps, request));
+    for (const v1::Map& map : page.maps()) {
+      documents.push_back(ToJson(map));
+      rows.push_back(
+          {IdOf(map.name()), map.display_name(), std::to_string(map.level()), EnvironmentInWords(map.environment()),
+           map.latest_revision().empty() ? "-" : IdOf(map.latest_revision()), TimeInWords(map.create_time())});
+    }
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  if (globals.json) {
+    PrintJson(std::cout, documents);
+  } else {
+    PrintTable(std::cout, {"MAP", "NAME", "LEVEL", "ENVIRONMENT", "REVISION", "CREATED (UTC)"}, rows);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ShowMap(const Globals& globals, const std::string& name) {
+  const client::Connection connection = ConnectionOf(globals);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, name));
+  v1::ListMapRevisionsRequest request;
+  request.set_parent(map.name());
+  request.set_page_size(10);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::ListMapRevisionsResponse revisions,
+                            connection.Call(&v1::MapService::Stub::ListMapRevisions, request));
+  if (globals.json) {
+    nlohmann::json document = ToJson(map);
+    for (const v1::MapRevision& revision : revisions.revisions()) document["revisions"].push_back(ToJson(revision));
+    PrintJson(std::cout, document);
+    return absl::OkStatus();
+  }
+  std::cout << map.display_name() << "\n"
+            << map.name() << "  level " << map.level() << ", " << EnvironmentInWords(map.environment()) << '\n';
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::MapRevision& revision : revisions.revisions()) {
+    rows.push_back({IdOf(revision.name()),
+                    revision.session().empty() ? "import" : "session " + IdOf(revision.session()),
+                    fmt::format("{} x {} cells of {} m", revision.width(), revision.height(), revision.resolution_m()),
+                    TimeInWords(revision.create_time())});
+  }
+  PrintTable(std::cout, {"REVISION", "FROM", "SIZE", "CREATED (UTC)"}, rows);
+  return absl::OkStatus();
+}
+
+struct DeleteMapCommandOptions {
+  std::string map;
+  bool force = false;
+};
+
+absl::Status DeleteMap(const Globals& globals, const DeleteMapCommandOptions& options) {
+  const client::Connection connection = ConnectionOf(globals);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
+  v1::DeleteMapRequest request;
+  request.set_name(map.name());
+  request.set_etag(map.etag());
+  request.set_force(options.force);
+  ENFILADE_RETURN_IF_ERROR(connection.Call(&v1::MapService::Stub::DeleteMap, request).status());
+  if (globals.json) {
+    PrintJson(std::cout, {{"deleted", map.name()}});
+  } else {
+    std::cout << "deleted \"" << map.display_name() << "\" (" << map.name() << ")\n";
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddMap(CLI::App& app, const Globals& globals) {
+  CLI::App* map = app.add_subcommand("map", "Maps and their files");
+  map->require_subcommand(1);
+  AddCommand(*map, "list", "List the site's maps", [&globals] { return ListMaps(globals); });
+
+  auto name = std::make_shared<std::string>();
+  CLI::App* show = AddCommand(*map, "show", "Show a map and its newest revisions",
+                              [&globals, name] { return ShowMap(globals, *name); });
+  show->add_option("MAP", *name, "Its name, id or resource name")->required();
+  show->footer("Example: enfilade map show \"Main hall\"");
+
+  AddMapEdit(*map, globals);
+  AddMapExport(*map, globals);
+  AddMapImport(*map, globals);
+
+  auto options = std::make_shared<DeleteMapCommandOptions>();
+  CLI::App* remove = AddCommand(*map, "delete", "Delete a map with its revisions",
+                                [&globals, options] { return DeleteMap(globals, *options); });
+  remove->add_option("MAP", options->map, "Its name, id or resource name")->required();
+  remove->add_flag("--force", options->force, "Also delete the sessions recorded into it");
+  remove->footer("Example: enfilade map delete \"Main hall\" --force");
+}
+
+}  // namespace enfilade::cli

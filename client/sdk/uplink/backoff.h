@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace enfilade::client {
+
+// How long to wait before the next try: doubling from `min_s` to `max_s`, each wait drawn from its upper half, so that
+// a fleet that lost its server at one moment does not come back at one moment.
+class Backoff {
+ public:
+  Backoff(double min_s, double max_s, std::uint64_t seed)
+      : min_s_(min_s), max_s_(max_s), next_s_(min_s), random_(seed) {}
+
+  double NextSeconds();
+  // After a success.
+  void Reset() { next_s_ = min_s_; }
+
+ private:
+  double min_s_;
+  double max_s_;
+  double next_s_;
+  std::mt19937_64 random_;
+};
+
+}  // namespace enfilade::client

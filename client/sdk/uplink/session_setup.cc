@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/sdk/uplink/session_setup.h"
+
+#include "core/base/environment.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/robot_service.grpc.pb.h"
+#include "enfilade/v1/session_service.grpc.pb.h"
+#include "proto/convert/geometry.h"
+#include "proto/convert/names.h"
+#include "proto/convert/record.h"
+
+namespace enfilade::client {
+namespace {
+
+using client::SpoolSession;
+
+// Who creates first, wins: that somebody else has been faster is as good.
+absl::Status CreateRobot(const Connection& connection, const SpoolSession& session) {
+  v1::CreateRobotRequest request;
+  request.set_parent(NameOf(session.site));
+  request.set_robot_id(session.robot.value());
+  request.mutable_robot()->set_display_name(session.robot.value());
+  const absl::Status status = connection.Call(&v1::RobotService::Stub::CreateRobot, request).status();
+  return absl::IsAlreadyExists(status) ? absl::OkStatus() : status;
+}
+
+absl::StatusOr<v1::Map> CreateMap(const Connection& connection, const SpoolSession& session) {
+  v1::CreateMapRequest request;
+  request.set_parent(NameOf(session.site));
+  if (IsValidResourceId(session.map)) request.set_map_id(session.map);
+  request.mutable_map()->set_display_name(session.map);
+  if (session.surroundings == Environment::kOutdoor) {
+    request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_OUTDOOR);
+  } else if (session.surroundings == Environment::kIndoor) {
+    request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
+  }
+  const auto created = connection.Call(&v1::MapService::Stub::CreateMap, request);
+  if (created.ok()) return created->map();
+  if (absl::IsAlreadyExists(created.status())) return FindMap(connection, session.site, session.map);
+  return created.status();
+}
+
+absl::StatusOr<std::string> MapNameOf(const Connection& connection, const SpoolSession& session, bool create_missing) {
+  if (session.map.empty()) return std::string();
+  absl::StatusOr<v1::Map> map = FindMap(connection, session.site, session.map);
+  // A map to go on in must be there.
+  if (create_missing && !session.entry.T_map_robot && absl::IsNotFound(map.status()))
+    map = CreateMap(connection, session);
+  if (!map.ok()) return map.status();
+  return map->name();
+}
+
+absl::StatusOr<v1::Session> Create(const Connection& connection, const SpoolSession& session, const std::string& map) {
+  v1::CreateSessionRequest request;
+  request.set_parent(NameOf(session.site));
+  request.set_session_id(session.id.value());
+  request.set_request_id(session.request_id);
+  request.mutable_session()->set_robot(convert::NameOf(convert::RobotName{session.site, session.robot}));
+  request.mutable_session()->set_map(map);
+  if (session.entry.previous) {
+    request.mutable_session()->mutable_entry()->set_previous_session(
+        convert::NameOf(convert::SessionName{session.site, *session.entry.previous}));
+  }
+  if (session.entry.T_map_robot) {
+    *request.mutable_session()->mutable_entry()->mutable_pose_map_robot() =
+        convert::ToProto(*session.entry.T_map_robot);
+  }
+  if (session.entry.T_odom_robot) {
+    *request.mutable_session()->mutable_entry()->mutable_pose_odom_robot() =
+        convert::ToProto(*session.entry.T_odom_robot);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const v1::CreateSessionResponse response,
+                            connection.Call(&v1::SessionService::Stub::CreateSession, request));
+  return response.session();
+}
+
+}  // namespace
+
+absl::StatusOr<v1::Map> FindMap(const Connection& connection, const SiteId& site, const std::string& map) {
+  v1::ListMapsRequest by_display_name;
+  by_display_name.set_parent(NameOf(site));
+  by_display_name.set_display_name(map);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::ListMapsResponse named,
+                            connection.Call(&v1::MapService::Stub::ListMaps, by_display_name));
+  if (!map.empty() && named.maps_size() == 1) return named.maps(0);
+
+  v1::GetMapRequest by_name;
+  by_name.set_name(IsValidResourceId(map) ? convert::NameOf(convert::MapName{site, MapId(map)}) : map);
+  if (by_name.name().rfind("sites/", 0) == 0) {
+    const auto found = connection.Call(&v1::MapService::Stub::GetMap, by_name);
+    if (found.ok()) return found->map();
+    if (!absl::IsNotFound(found.status()) && !absl::IsInvalidArgument(found.status())) return found.status();
+  }
+  return NotFound("site \"{}\" has no map \"{}\": see `enfilade map list`", site.value(), map);
+}
+
+absl::StatusOr<v1::Session> EnsureSession(const Connection& connection, const SpoolSession& session,
+                                          bool create_missing) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::string map, MapNameOf(connection, session, create_missing));
+  absl::StatusOr<v1::Session> created = Create(connection, session, map);
+  if (create_missing && absl::IsNotFound(created.status())) {
+    ENFILADE_RETURN_IF_ERROR(CreateRobot(connection, session));
+    created = Create(connection, session, map);
+  }
+  if (!absl::IsAlreadyExists(created.status())) return created;
+  // Created by a request of another spool: it may still be this robot's, whose disk was replaced.
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Session found, GetSession(connection, session.site, session.id));
+  if (found.robot() == convert::NameOf(convert::RobotName{session.site, session.robot}) && found.map() == map)
+    return found;
+  return AlreadyExists("session \"{}\" is taken: it is recorded by {} into \"{}\"; choose another id", found.name(),
+                       found.robot(), found.map());
+}
+
+absl::StatusOr<v1::Session> FinishSession(const Connection& connection, const SpoolSession& session) {
+  v1::FinishSessionRequest request;
+  request.set_name(convert::NameOf(convert::SessionName{session.site, session.id}));
+  request.set_last_sequence(session.last_sequence);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::FinishSessionResponse response,
+                            connection.Call(&v1::SessionService::Stub::FinishSession, request));
+  return response.session();
+}
+
+absl::StatusOr<v1::Session> GetSession(const Connection& connection, const SiteId& site, const SessionId& id) {
+  v1::GetSessionRequest request;
+  request.set_name(convert::NameOf(convert::SessionName{site, id}));
+  ENFILADE_ASSIGN_OR_RETURN(const v1::GetSessionResponse response,
+                            connection.Call(&v1::SessionService::Stub::GetSession, request));
+  return response.session();
+}
+
+}  // namespace enfilade::client

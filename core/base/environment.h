@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace enfilade {
+
+// Where a map lies, which decides the SLAM configuration that it gets: short range indoors, long range outdoors.
+enum class Environment : std::uint8_t { kIndoor = 1, kOutdoor = 2 };
+
+inline std::string ToString(Environment environment) {
+  return environment == Environment::kIndoor ? "indoor" : "outdoor";
+}
+
+}  // namespace enfilade

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/loops/slam_graph.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/optimize/solve_pose_graph.h"
+#include "core/slam/loops/edge_information.h"
+#include "fmt/format.h"
+
+namespace enfilade::slam {
+namespace {
+
+std::int64_t SubmapVertex(std::int64_t submap) { return 2 * submap; }
+std::int64_t NodeVertex(std::int64_t node) { return 2 * node + 1; }
+
+bool TakesPart(const LoopClosure& closure) {
+  return closure.state != LoopClosureState::kSuspended && !closure.information.isZero();
+}
+
+struct Problem {
+  optimize::PoseGraph graph;
+  std::set<std::int64_t> free_nodes;   // those that have vertices of their own
+  std::vector<std::int64_t> closures;  // of the edges at the graph's end, in order
+  std::size_t first_closure = 0;
+};
+
+Pose2 PoseOfSubmap(const MapperState& state, std::int64_t id) {
+  return state.active && state.active->id == id ? state.active->T_map_submap : state.finished.at(id).T_map_submap;
+}
+
+void AddSubmap(std::int64_t id, const Pose2& pose, const std::vector<SubmapNode>& nodes, Problem& problem) {
+  problem.graph.nodes.push_back({SubmapVertex(id), pose});
+  for (const SubmapNode& node : nodes) {
+    if (node.carried || !problem.free_nodes.contains(node.node)) continue;
+    problem.graph.edges.push_back({SubmapVertex(id), NodeVertex(node.node), node.T_submap_node,
+                                   InMeasurementFrame(node.information, node.T_submap_node.yaw), false, true});
+  }
+}
+
+Problem BuildProblem(const MapperState& state) {
+  Problem problem;
+  if (!state.entry) problem.free_nodes.insert(0);
+  for (const auto& [id, closure] : state.closures) {
+    if (TakesPart(closure)) problem.free_nodes.insert(closure.node);
+  }
+  for (const auto& [id, submap] : state.finished) AddSubmap(id, submap.T_map_submap, submap.nodes, problem);
+  if (state.active) AddSubmap(state.active->id, state.active->T_map_submap, state.active->content.nodes, problem);
+  for (const std::int64_t id : problem.free_nodes) {
+    problem.graph.nodes.push_back({NodeVertex(id), state.nodes.at(id).T_map_node});
+  }
+  for (const auto& [id, submap] : state.finished) {
+    if (!submap.next) continue;
+    problem.graph.edges.push_back({SubmapVertex(id), SubmapVertex(id + 1), submap.next->T_submap_next,
+                                   InMeasurementFrame(submap.next->information, submap.next->T_submap_next.yaw), false,
+                                   true});
+  }
+  problem.first_closure = problem.graph.edges.size();
+  for (const auto& [id, closure] : state.closures) {
+    if (!TakesPart(closure)) continue;
+    problem.closures.push_back(id);
+    problem.graph.edges.push_back({SubmapVertex(closure.submap), NodeVertex(closure.node), closure.T_submap_node,
+                                   InMeasurementFrame(closure.information, closure.T_submap_node.yaw), true, true});
+  }
+  return problem;
+}
+
+// Which closures hold, by what the robust solution says of them.
+void JudgeLoopClosures(const optimize::SolveReport& report, const GraphOptions& options, MapperState& state,
+                       Problem& problem, GraphChange& change) {
+  for (std::size_t i = 0; i < problem.closures.size(); ++i) {
+    optimize::PoseGraphEdge& edge = problem.graph.edges[problem.first_closure + i];
+    LoopClosure& closure = state.closures.at(problem.closures[i]);
+    const double chi2 = report.edge_chi2[problem.first_closure + i];
+    const bool valid = chi2 < options.max_chi2;
+    edge.robust = false;
+    edge.enabled = valid;
+    const LoopClosureState judged = valid ? LoopClosureState::kAccepted : LoopClosureState::kRejected;
+    if (closure.state == judged) continue;
+    closure.state = judged;
+    closure.reason = valid ? fmt::format("fits the pose graph again: inlier share {:.2f}", closure.score)
+                           : fmt::format("chi2 {:.1f} in the pose graph, more than {:.1f}", chi2, options.max_chi2);
+    change.closures.insert(closure.id);
+  }
+}
+
+void PutBack(const optimize::SolveReport& report, const Problem& problem, MapperState& state, GraphChange& change) {
+  std::map<std::int64_t, Pose2> poses;
+  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) poses[vertex.id] = vertex.T_world_node;
+  std::map<std::int64_t, Eigen::Matrix3d> covariances;
+  for (const optimize::NodeCovariance& c : report.covariances) covariances[c.id] = c.covariance;
+
+  const auto put = [&](std::int64_t id, Pose2& T_map_submap, const std::vector<SubmapNode>& nodes) {
+    const Pose2& pose = poses.at(SubmapVertex(id));
+    if (!(pose == T_map_submap)) change.submaps.insert(id);
+    T_map_submap = pose;
+    for (const SubmapNode& measured : nodes) {
+      if (measured.carried) continue;
+      SlamNode& node = state.nodes.at(measured.node);
+      const SlamNode before = node;
+      if (problem.free_nodes.contains(node.id)) {
+        node.T_map_node = poses.at(NodeVertex(node.id));
+        node.covariance = covariances[NodeVertex(node.id)];
+      } else {
+        const Eigen::Matrix3d own = measured.information.inverse();
+        const PoseWithCovariance composed =
+            Compose({pose, covariances[SubmapVertex(id)]}, {measured.T_submap_node, 0.5 * (own + own.transpose())});
+        node.T_map_node = composed.pose;
+        node.covariance = composed.covariance;
+      }
+      if (!(node == before)) change.nodes.insert(node.id);
+    }
+  };
+  for (auto& [id, submap] : state.finished) put(id, submap.T_map_submap, submap.nodes);
+  if (state.active) put(state.active->id, state.active->T_map_submap, state.active->content.nodes);
+  for (std::size_t i = 0; i < problem.closures.size(); ++i) {
+    LoopClosure& closure = state.closures.at(problem.closures[i]);
+    const double chi2 = report.edge_chi2[problem.first_closure + i];
+    if (closure.chi2 == chi2) continue;
+    closure.chi2 = chi2;
+    change.closures.insert(closure.id);
+  }
+}
+
+}  // namespace
+
+GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
+  GraphChange change;
+  if (state.nodes.empty()) return change;
+  Problem problem = BuildProblem(state);
+  optimize::SolveOptions solve;
+  solve.initialisation = optimize::Initialisation::kNone;
+  solve.kernel = {optimize::RobustKernel::Type::kCauchy, options.kernel_width};
+  solve.max_iterations = options.max_iterations;
+  solve.fixed = {state.entry ? SubmapVertex(0) : NodeVertex(0)};
+  const absl::StatusOr<optimize::SolveReport> first = optimize::SolvePoseGraph(solve, problem.graph);
+  if (!first.ok()) return change;
+  JudgeLoopClosures(*first, options, state, problem, change);
+  solve.kernel = {};
+  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) solve.covariance_of.push_back(vertex.id);
+  const absl::StatusOr<optimize::SolveReport> second = optimize::SolvePoseGraph(solve, problem.graph);
+  if (!second.ok()) return change;
+  PutBack(*second, problem, state, change);
+  change.solved = true;
+  return change;
+}
+
+double LoopClosureChi2(const MapperState& state, const LoopClosure& closure) {
+  const Pose2 T_submap_node = Between(PoseOfSubmap(state, closure.submap), state.nodes.at(closure.node).T_map_node);
+  const Eigen::Vector3d e(T_submap_node.x - closure.T_submap_node.x, T_submap_node.y - closure.T_submap_node.y,
+                          WrapAngle(T_submap_node.yaw - closure.T_submap_node.yaw));
+  return e.dot(closure.information * e);
+}
+
+}  // namespace enfilade::slam

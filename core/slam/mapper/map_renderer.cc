@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/mapper/map_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace enfilade::slam {
+namespace {
+
+// A map of more cells than this (800 m x 800 m at 5 cm) is not drawn as one grid: submaps outside are left out.
+constexpr double kMaxCells = 1 << 28;
+constexpr int kTileBits = 7;
+constexpr int kTile = 1 << kTileBits;        // cells: 6.4 m at 5 cm
+constexpr double kPositionStep = 1.0 / 8.0;  // of a cell
+constexpr double kYawStep = 5e-4;            // rad
+
+double LogOdds(double p) { return std::log(p / (1.0 - p)); }
+
+double CellCount(const CellWindow& window) { return static_cast<double>(window.width) * window.height; }
+
+}  // namespace
+
+MapRenderer::MapRenderer(double resolution, const grid::LogOddsOptions& options)
+    : resolution_(resolution), min_log_odds_(LogOdds(options.p_min)), max_log_odds_(LogOdds(options.p_max)) {}
+
+bool MapRenderer::Place(std::int64_t submap, const Pose2& T_map_submap,
+                        const std::function<const SubmapGrid&()>& grid) {
+  const Pose2 rounded = Rounded(T_map_submap);
+  const auto placed = placed_.find(submap);
+  if (placed != placed_.end() && placed->second == rounded) return false;
+  const SubmapGrid& drawn = grid();
+  const CellWindow grown = Union(window_, MappedWindow(drawn, rounded));
+  if (CellCount(grown) > kMaxCells) return false;
+  window_ = grown;
+  if (placed != placed_.end()) Add(tiles_, drawn, placed->second, -1);
+  Add(tiles_, drawn, rounded, +1);
+  placed_[submap] = rounded;
+  return true;
+}
+
+grid::OccupancyGrid MapRenderer::Render(const SubmapGrid* active, const Pose2& T_map_active) const {
+  Tiles drawn;
+  if (active && CellCount(Union(window_, MappedWindow(*active, Rounded(T_map_active)))) <= kMaxCells) {
+    Add(drawn, *active, Rounded(T_map_active), +1);
+  }
+  const CellWindow known = Union(KnownWindow(tiles_), KnownWindow(drawn));
+  grid::OccupancyGrid grid;
+  grid.geometry.resolution = resolution_;
+  if (known.empty()) return grid;
+  grid.geometry.width = known.width;
+  grid.geometry.height = known.height;
+  grid.geometry.T_map_grid = {known.min.column * resolution_, known.min.row * resolution_, 0.0};
+  grid.cells.assign(grid.geometry.cell_count(), grid::kUnknownCell);
+  std::set<TileIndex> indices;
+  for (const Tiles* tiles : {&tiles_, static_cast<const Tiles*>(&drawn)}) {
+    for (const auto& [index, cells] : *tiles) indices.insert(index);
+  }
+  for (const TileIndex& index : indices) DrawTile(index, tiles_, drawn, grid);
+  return grid;
+}
+
+std::size_t MapRenderer::bytes() const { return tiles_.size() * kTile * kTile * sizeof(Cell); }
+
+Pose2 MapRenderer::Rounded(const Pose2& pose) const {
+  const double step = resolution_ * kPositionStep;
+  return {std::round(pose.x / step) * step, std::round(pose.y / step) * step,
+          std::round(pose.yaw / kYawStep) * kYawStep};
+}
+
+CellWindow MapRenderer::WindowOf(const TileIndex& tile) {
+  return {{tile.second * kTile, tile.first * kTile}, kTile, kTile};
+}
+
+// The cells of the map that the grid at `T_map_submap` can touch.
+CellWindow MapRenderer::MappedWindow(const SubmapGrid& grid, const Pose2& T_map_submap) {
+  const grid::LogOddsGrid& cells = grid.log_odds();
+  if (cells.cells().empty()) return {};
+  const double r = cells.resolution();
+  const grid::CellIndex min = cells.window_min();
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());
+  Eigen::Vector2d high = -low;
+  for (const int column : {min.column, min.column + cells.width()}) {
+    for (const int row : {min.row, min.row + cells.height()}) {
+      const Eigen::Vector2d corner = T_map_submap * Eigen::Vector2d(column * r, row * r);
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+  }
+  const grid::CellIndex first = cells.CellOf(low);
+  const grid::CellIndex last = cells.CellOf(high);
+  return WindowBetween(first.column, first.row, last.column + 1, last.row + 1);
+}
+
+CellWindow MapRenderer::KnownWindow(const Tiles& tiles) {
+  CellWindow known;
+  for (const auto& [index, cells] : tiles) {
+    const CellWindow w = WindowOf(index);
+    // A tile inside of what is known already adds nothing.
+    if (Union(known, w) == known) continue;
+    for (int row = w.min.row; row < w.top(); ++row) {
+      for (int column = w.min.column; column < w.right(); ++column) {
+        if (cells[w.index(column, row)].known == 0) continue;
+        known = Union(known, {{column, row}, 1, 1});
+      }
+    }
+  }
+  return known;
+}
+
+void MapRenderer::Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const {
+  const CellWindow mapped = MappedWindow(grid, T_map_submap);
+  if (mapped.empty()) return;
+  const Pose2 T_submap_map = Inverse(T_map_submap);
+  for (int row = mapped.min.row >> kTileBits; row <= (mapped.top() - 1) >> kTileBits; ++row) {
+    for (int column = mapped.min.column >> kTileBits; column <= (mapped.right() - 1) >> kTileBits; ++column) {
+      AddToTile(tiles, {row, column}, mapped, grid, T_submap_map, sign);
+    }
+  }
+}
+
+void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const CellWindow& mapped, const SubmapGrid& grid,
+                            const Pose2& T_submap_map, int sign) const {
+  const grid::LogOddsGrid& cells = grid.log_odds();
+  const CellWindow tile = WindowOf(index);
+  const CellWindow w = Intersection(tile, mapped);
+  const double c = std::cos(T_submap_map.yaw);
+  const double s = std::sin(T_submap_map.yaw);
+  std::vector<Cell>* sums = nullptr;
+  for (int row = w.min.row; row < w.top(); ++row) {
+    const double y = (row + 0.5) * resolution_;
+    for (int column = w.min.column; column < w.right(); ++column) {
+      const double x = (column + 0.5) * resolution_;
+      const auto value = cells.ValueAt(cells.CellOf({T_submap_map.x + c * x - s * y, T_submap_map.y + s * x + c * y}));
+      if (value == grid::LogOddsGrid::kUnknown) continue;
+      if (sums == nullptr) {
+        sums = &tiles[index];
+        sums->resize(tile.cell_count());
+      }
+      Cell& sum = (*sums)[tile.index(column, row)];
+      sum.log_odds += sign * value;
+      sum.known += sign;
+    }
+  }
+  const auto unknown = [](const Cell& cell) { return cell.known == 0; };
+  if (sign < 0 && sums != nullptr && std::all_of(sums->begin(), sums->end(), unknown)) tiles.erase(index);
+}
+
+void MapRenderer::DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active,
+                           grid::OccupancyGrid& grid) const {
+  const grid::CellIndex first{static_cast<int>(std::lround(grid.geometry.T_map_grid.x / resolution_)),
+                              static_cast<int>(std::lround(grid.geometry.T_map_grid.y / resolution_))};
+  const CellWindow tile = WindowOf(index);
+  const CellWindow w = Intersection(tile, {first, grid.geometry.width, grid.geometry.height});
+  const auto a = placed.find(index);
+  const auto b = active.find(index);
+  for (int row = w.min.row; row < w.top(); ++row) {
+    for (int column = w.min.column; column < w.right(); ++column) {
+      const Cell x = a == placed.end() ? Cell{} : a->second[tile.index(column, row)];
+      const Cell y = b == active.end() ? Cell{} : b->second[tile.index(column, row)];
+      if (x.known + y.known == 0) continue;
+      const double sum = (x.log_odds + y.log_odds) / grid::LogOddsGrid::kUnitsPerLogOdds;
+      const double log_odds = std::clamp(sum, min_log_odds_, max_log_odds_);
+      grid.cells[grid.geometry.index(column - first.column, row - first.row)] =
+          grid::CellFromProbability(1.0 / (1.0 + std::exp(-log_odds)));
+    }
+  }
+}
+
+}  // namespace enfilade::slam

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/mapper/mapper.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/slam/loops/edge_information.h"
+#include "core/slam/loops/loop_closer.h"
+#include "core/slam/loops/slam_graph.h"
+#include "core/slam/mapper/map_renderer.h"
+#include "core/slam/mapper/mapper_state.h"
+#include "core/slam/mapper/motion_model.h"
+#include "core/slam/mapper/policies.h"
+#include "core/slam/mapper/row_account.h"
+#include "core/slam/matching/local_matching.h"
+#include "core/slam/matching/locate.h"
+#include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/submap_cache.h"
+
+namespace enfilade::slam {
+namespace {
+
+ScanReport NotUsed(std::string reason) {
+  ScanReport report;
+  report.reason = std::move(reason);
+  return report;
+}
+
+// How unsure the way into a submap is that was begun because the robot was lost: it may be anywhere near.
+constexpr double kLostTranslation = 10.0;  // m
+constexpr double kLostYaw = 3.0;           // rad
+
+}  // namespace
+
+class Mapper::Impl {
+ public:
+  explicit Impl(const SlamOptions& options)
+      : options_(options), cache_(options), renderer_(options.resolution, LogOddsOptionsOf(options.occupancy)) {}
+
+  Impl(const SlamOptions& options, const ExistingMap& existing_map) : Impl(options) {
+    state_.entry = existing_map.entry;
+    state_.finished[0] = FinishedExistingMap(1, ContentOf(existing_map.grid, options_));
+    TouchExistingMap();
+  }
+
+  Impl(const SlamOptions& options, MapperState state) : Impl(options) {
+    state_ = std::move(state);
+    if (!state_.active) return;
+    fields_.emplace(options_.resolution, options_.local);
+    fields_->Rebuild(state_.active->content.grid);
+  }
+
+  ScanReport AddScan(const sensor::PairedScan& scan) {
+    if (state_.ended) return NotUsed("the map is finished");
+    if (!scan.T_odom_robot && !options_.match_scans) return NotUsed("no odometry at the scan's time");
+    const grid::ScanRays rays = RobotRays(scan.scan, {options_.max_range, options_.occupancy.no_return_range});
+    if (rays.hits.empty() && options_.match_scans && (!state_.track || !scan.T_odom_robot)) {
+      return NotUsed("no beam hit anything in range");
+    }
+    const Place place =
+        state_.track ? Locate(*state_.track, scan, rays, state_.active->content.grid, *fields_, options_) : Begin(scan);
+    state_.track = place.track;
+    const bool is_keyframe =
+        state_.nodes.empty() || IsElsewhere(place.track.quality, options_.quality) ||
+        IsKeyframeDue(Between(LastNode().T_submap_node, place.track.T_submap_robot), options_.keyframe);
+    ScanReport report;
+    report.used = true;
+    report.keyframe = is_keyframe && (place.may_insert || IsElsewhere(place.track.quality, options_.quality));
+    if (report.keyframe) AddKeyframe(scan, rays, place.information);
+    report.lost = IsLost(state_.track->quality, options_.quality) || state_.adrift_since.has_value();
+    report.matched_share = place.matched_share;
+    if (options_.match_scans) report.match_age = ToSeconds(state_.track->time - state_.track->matched_at);
+    account_.Append({scan.sequence, scan.scan.time, LastNode().node,
+                     Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
+    return report;
+  }
+
+  void Finish() {
+    if (!state_.ended && state_.active) FinishActive(std::nullopt);
+    state_.ended = true;
+    if (options_.match_scans) Solve();
+  }
+
+  absl::Status SetLoopClosureSuspended(std::int64_t id, bool suspended) {
+    const auto found = state_.closures.find(id);
+    if (found == state_.closures.end()) return NotFound("there is no closure {}", id);
+    LoopClosure& closure = found->second;
+    if ((closure.state == LoopClosureState::kSuspended) == suspended) return absl::OkStatus();
+    if (!suspended && closure.information.isZero()) {
+      return FailedPrecondition("closure {} never matched: {}", id, closure.reason);
+    }
+    // Taken up again it is judged by the graph like a new one.
+    closure.state = suspended ? LoopClosureState::kSuspended : LoopClosureState::kAccepted;
+    account_.TouchLoopClosure(id);
+    Solve();
+    return absl::OkStatus();
+  }
+
+  SlamDelta TakeDelta() { return account_.Take(state_); }
+
+  std::string Checkpoint() const { return EncodeCheckpoint(state_); }
+
+  Footprint footprint() const {
+    Footprint footprint;
+    footprint.kept = KeptBytes(state_);
+    footprint.working = cache_.bytes();
+    if (state_.active) footprint.working += state_.active->bytes() + fields_->bytes();
+    footprint.raster = renderer_.bytes();
+    return footprint;
+  }
+
+  grid::OccupancyGrid RenderGrid() const {
+    for (const auto& [id, submap] : state_.finished) {
+      if (state_.is_existing_map(id)) continue;
+      std::optional<SubmapContent> content;
+      renderer_.Place(id, submap.T_map_submap, [&]() -> const SubmapGrid& {
+        content = DecodeSubmapContent(submap.content, options_.occupancy).value();  // our own bytes
+        return content->grid;
+      });
+    }
+    if (!state_.active) return renderer_.Render(nullptr, {});
+    return renderer_.Render(&state_.active->content.grid, state_.active->T_map_submap);
+  }
+
+  std::optional<PresentPose> PoseNow() const { return enfilade::slam::FindPresentPose(state_, options_.quality); }
+
+ private:
+  const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
+
+  Place Begin(const sensor::PairedScan& scan) {
+    Submap first{0, 0, Pose2{}, EmptyContent()};
+    if (state_.entry) {
+      const PoseWithCovariance T_map_first = PoseAtScan(*state_.entry, scan.T_odom_robot, options_);
+      first.id = 1;
+      first.T_map_submap = T_map_first.pose;
+      TieToExistingMap(T_map_first);
+    }
+    state_.active = std::move(first);
+    fields_.emplace(options_.resolution, options_.local);
+    return FirstPlace(scan, options_.motion);
+  }
+
+  void TieToExistingMap(const PoseWithCovariance& T_map_first) {
+    FinishedSubmap& old = state_.finished.at(0);
+    SubmapContent content = DecodeSubmapContent(old.content, options_.occupancy).value();  // our own bytes
+    const Eigen::Matrix3d information = T_map_first.covariance.inverse();
+    content.next = NextSubmap{T_map_first.pose, 0.5 * (information + information.transpose())};
+    old = FinishedExistingMap(old.version + 1, content);
+    TouchExistingMap();
+  }
+
+  void TouchExistingMap() {
+    account_.TouchSubmap(0);
+    account_.AddContent(0);
+  }
+
+  void AddKeyframe(const sensor::PairedScan& scan, const grid::ScanRays& rays, const Eigen::Matrix3d& information) {
+    const Eigen::Matrix3d floored =
+        WithFloor(information, options_.graph.match_sigma_floor, options_.graph.match_yaw_floor);
+    if (IsElsewhere(state_.track->quality, options_.quality)) {
+      BeginSubmapElsewhere();
+    } else if (IsSubmapFull(*state_.active, state_.track->T_submap_robot, options_.submap)) {
+      BeginNextSubmap(floored);
+    }
+    Submap& submap = *state_.active;
+    SlamNode node;
+    node.id = static_cast<std::int64_t>(state_.nodes.size());
+    node.sequence = scan.sequence;
+    node.time = scan.scan.time;
+    node.T_map_node = submap.T_map_submap * state_.track->T_submap_robot;
+    node.submap = submap.id;
+    Put({node.id, false, std::exchange(state_.track->length_since_keyframe, 0.0), state_.track->T_submap_robot,
+         floored},
+        rays);
+    ++submap.version;
+    state_.nodes[node.id] = node;
+    account_.TouchNode(node.id);
+    account_.TouchSubmap(submap.id);
+    if (options_.close_loops && options_.match_scans) CloseLoops(node, rays);
+  }
+
+  // Into the active submap. A scan that its grid refuses (absurdly far from the rest) leaves only its pose there.
+  void Put(SubmapNode node, const grid::ScanRays& rays) {
+    SubmapContent& content = state_.active->content;
+    const auto changed = content.grid.Insert(node.T_submap_node, rays);
+    if (changed.ok()) fields_->Update(content.grid, *changed);
+    content.nodes.push_back(std::move(node));
+    content.scans.push_back(rays);
+  }
+
+  void CloseLoops(const SlamNode& node, const grid::ScanRays& rays) {
+    for (LoopClosure& closure : TryLoopClosures(state_, node, rays, options_, cache_)) {
+      account_.TouchLoopClosure(closure.id);
+      if (closure.state == LoopClosureState::kAccepted) {
+        state_.unsolved_closures = true;
+        Join(closure, state_);
+        if (LoopClosureChi2(state_, closure) > options_.graph.urgent_chi2) state_.urgent_closures = true;
+      }
+      state_.closures[closure.id] = std::move(closure);
+    }
+    const auto nodes = static_cast<std::int64_t>(state_.nodes.size());
+    if (state_.unsolved_closures && IsSolveDue(nodes, state_.nodes_at_solve, state_.urgent_closures, options_.graph)) {
+      Solve();
+    }
+  }
+
+  void Solve() {
+    account_.Touch(SolveSlamGraph(options_.graph, state_));
+    JoinAll(state_);
+    state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
+    state_.unsolved_closures = false;
+    state_.urgent_closures = false;
+    if (state_.adrift_since && IsRecognised(state_, *state_.adrift_since)) state_.adrift_since.reset();
+  }
+
+  SubmapContent EmptyContent() const { return {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}; }
+
+  // The new submap's origin is the present pose.
+  Submap BeginSubmap(const Eigen::Matrix3d& information) {
+    const Pose2 T_old_new = std::exchange(state_.track->T_submap_robot, Pose2{});
+    Submap old = FinishActive(NextSubmap{T_old_new, information});
+    fields_.emplace(options_.resolution, options_.local);
+    state_.active = Submap{old.id + 1, 0, old.T_map_submap * T_old_new, EmptyContent()};
+    return old;
+  }
+
+  // Goes on from the last submap, whose last keyframes are copied over.
+  void BeginNextSubmap(const Eigen::Matrix3d& information) {
+    const Submap old = BeginSubmap(information);
+    const std::size_t count = old.content.nodes.size();
+    const std::size_t carried = std::min(count, static_cast<std::size_t>(options_.submap.carried_keyframes));
+    for (std::size_t i = count - carried; i < count; ++i) {
+      SubmapNode node = old.content.nodes[i];
+      node.carried = true;
+      node.T_submap_node = Between(old.content.next->T_submap_next, node.T_submap_node);
+      Put(std::move(node), old.content.scans[i]);
+    }
+  }
+
+  // Begins afresh where the robot is thought to be, held to the rest by next to nothing until it is recognised.
+  void BeginSubmapElsewhere() {
+    BeginSubmap(InformationOf(kLostTranslation, kLostYaw));
+    state_.track->quality = {};
+    state_.track->last_step.reset();
+    state_.track->length_since_keyframe += options_.quality.lost_length;
+    if (!state_.adrift_since) state_.adrift_since = state_.active->id;
+  }
+
+  Submap FinishActive(const std::optional<NextSubmap>& next) {
+    Submap old = *std::exchange(state_.active, std::nullopt);
+    ++old.version;
+    old.content.next = next;
+    state_.finished[old.id] = Finished(old.T_map_submap, old.version, Encode(old.content), old.content.nodes, next);
+    account_.TouchSubmap(old.id);
+    account_.AddContent(old.id);
+    return old;
+  }
+
+  SlamOptions options_;
+  MapperState state_;
+  RowAccount account_;
+  // What follows from the state and is only kept to spare work.
+  std::optional<LocalFields> fields_;
+  SubmapCache cache_;
+  mutable MapRenderer renderer_;
+};
+
+Mapper::Mapper(const SlamOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Mapper::Mapper(const SlamOptions& options, const ExistingMap& existing_map)
+    : impl_(std::make_unique<Impl>(options, existing_map)) {}
+Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Mapper::~Mapper() = default;
+Mapper::Mapper(Mapper&&) noexcept = default;
+Mapper& Mapper::operator=(Mapper&&) noexcept = default;
+
+absl::StatusOr<Mapper> Mapper::Restore(const SlamOptions& options, const SlamMap& stored, std::string_view checkpoint) {
+  ENFILADE_ASSIGN_OR_RETURN(MapperState state, DecodeCheckpoint(checkpoint, stored, options.occupancy));
+  return Mapper(std::make_unique<Impl>(options, std::move(state)));
+}
+
+ScanReport Mapper::AddScan(const sensor::PairedScan& scan) { return impl_->AddScan(scan); }
+void Mapper::Finish() { impl_->Finish(); }
+absl::Status Mapper::SetLoopClosureSuspended(std::int64_t id, bool suspended) {
+  return impl_->SetLoopClosureSuspended(id, suspended);
+}
+SlamDelta Mapper::TakeDelta() { return impl_->TakeDelta(); }
+std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
+Footprint Mapper::footprint() const { return impl_->footprint(); }
+grid::OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }
+std::optional<PresentPose> Mapper::FindPresentPose() const { return impl_->PoseNow(); }
+
+}  // namespace enfilade::slam

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/slam/mapper/motion_model.h"
+#include "core/slam/matching/correlative_matcher.h"
+#include "core/slam/matching/likelihood_field.h"
+#include "core/slam/matching/scan_matcher.h"
+#include "core/slam/matching/search_table.h"
+#include "core/slam/submaps/submap_grid.h"
+
+namespace enfilade::slam {
+
+// What the active submap is matched by, kept up to date with its grid.
+struct LocalFields {
+  LikelihoodField field;
+  SearchTable table;
+
+  LocalFields(double resolution, const LocalMatchOptions& options);
+
+  // Bytes of memory held.
+  std::size_t bytes() const { return field.bytes() + table.bytes(); }
+
+  // `changed`: what SubmapGrid::Insert returned.
+  void Update(const SubmapGrid& grid, const std::vector<grid::CellIndex>& changed);
+  // From nothing: the same as all updates together.
+  void Rebuild(const SubmapGrid& grid);
+};
+
+// How a scan at a pose fits a grid.
+struct Agreement {
+  double matched_share = 0.0;       // of all hits: a wall within the matched distance
+  double contradicted_share = 0.0;  // of all hits: in space known to be free, no wall near
+  int hits = 0;
+
+  double known_share() const { return matched_share + contradicted_share; }
+  double agreement() const { return known_share() > 0.0 ? matched_share / known_share() : 0.0; }
+};
+Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
+                           const std::vector<Eigen::Vector2d>& points, const Pose2& T_submap_robot,
+                           double matched_distance);
+
+struct LocalMatch {
+  MatchResult match;
+  Agreement agreement;
+  bool good = false;
+};
+
+// Whether nothing better need be looked for.
+bool IsSure(const LocalMatch& match, const LocalMatchOptions& options);
+// Whether nearly all of a scan that shows much fits: no other place looks like that by chance.
+bool IsUnmistakable(const LocalMatch& match);
+
+// The scan's pose in the active submap: a correlative search about the prediction, wider where a narrow one finds
+// nothing good, refined by Gauss-Newton with the prediction as a prior. Where nothing good is found the pose is the
+// prediction.
+LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& hits,
+                        const Pose2& T_submap_last, const PredictedMotion& motion, const LocalMatchOptions& options);
+
+}  // namespace enfilade::slam

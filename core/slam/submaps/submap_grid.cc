@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/submaps/submap_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/slam/matching/scan_points.h"
+
+namespace enfilade::slam {
+namespace {
+
+constexpr int kSimplifiedClamp = 10;        // steps, the value of the public implementations of seed 001
+constexpr double kSimplifiedStep = 0.35;    // log-odds: the clamp of 10 steps is a probability of 0.97
+constexpr std::int32_t kMaxCount = 1'000;   // a mean goes on following what it sees
+constexpr double kMeanStep = 1.0 / 4096.0;  // m: a power of two, so that rounded means have few digits
+constexpr double kMinProbability = 1e-6;    // so that log-odds are finite
+constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
+
+double Probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
+
+// The lowest and highest corner of the cells that the rays touch.
+std::pair<grid::CellIndex, grid::CellIndex> Bounds(const grid::LogOddsGrid& grid, const grid::ScanRays& rays) {
+  Eigen::Vector2d low = rays.origin;
+  Eigen::Vector2d high = rays.origin;
+  for (const std::vector<Eigen::Vector2d>* ends : {&rays.hits, &rays.free_ends}) {
+    for (const Eigen::Vector2d& end : *ends) {
+      low = low.cwiseMin(end);
+      high = high.cwiseMax(end);
+    }
+  }
+  return {grid.CellOf(low), grid.CellOf(high)};
+}
+
+}  // namespace
+
+grid::LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options) {
+  grid::LogOddsOptions result;
+  if (options.log_odds) {
+    result.p_hit = options.hit_probability;
+    result.p_miss = options.miss_probability;
+    result.p_min = options.min_probability;
+    result.p_max = options.max_probability;
+  } else {
+    result.p_hit = Probability(kSimplifiedStep);
+    result.p_miss = Probability(-kSimplifiedStep);
+    result.p_min = Probability(-kSimplifiedClamp * kSimplifiedStep);
+    result.p_max = Probability(kSimplifiedClamp * kSimplifiedStep);
+  }
+  return result;
+}
+
+SubmapGrid::SubmapGrid(double resolution, const OccupancyOptions& options)
+    : log_odds_(resolution, LogOddsOptionsOf(options)) {}
+
+SubmapGrid SubmapGrid::FromOccupancy(const grid::OccupancyGrid& grid, const OccupancyOptions& options) {
+  const grid::GridGeometry& geometry = grid.geometry;
+  const double r = geometry.resolution;
+  const grid::CellIndex min{static_cast<int>(std::lround(geometry.T_map_grid.x / r)),
+                            static_cast<int>(std::lround(geometry.T_map_grid.y / r))};
+  std::vector<std::int16_t> cells(grid.cells.size(), grid::LogOddsGrid::kUnknown);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (grid.cells[i] == grid::kUnknownCell) continue;
+    const double p = std::clamp(grid::ProbabilityOfCell(grid.cells[i]), kMinProbability, 1.0 - kMinProbability);
+    cells[i] = static_cast<std::int16_t>(std::lround(grid::LogOddsGrid::kUnitsPerLogOdds * std::log(p / (1.0 - p))));
+  }
+  SubmapGrid result(grid::LogOddsGrid::FromCells(r, LogOddsOptionsOf(options), min, geometry.width, geometry.height,
+                                                 std::move(cells))
+                        .value());  // as many as the geometry says
+  const grid::LogOddsGrid& log_odds = result.log_odds_;
+  for (int row = 0; row < geometry.height; ++row) {
+    for (int column = 0; column < geometry.width; ++column) {
+      const grid::CellIndex cell{min.column + column, min.row + row};
+      if (log_odds.ValueAt(cell) <= 0) continue;  // kUnknown, too
+      const Eigen::Vector2d centre((cell.column + 0.5) * r, (cell.row + 0.5) * r);
+      result.hits_.emplace_hint(result.hits_.end(), Key{cell.row, cell.column}, HitMean{centre, 1});
+    }
+  }
+  return result;
+}
+
+absl::StatusOr<std::vector<grid::CellIndex>> SubmapGrid::Insert(const Pose2& T_submap_robot,
+                                                                const grid::ScanRays& rays) {
+  const grid::ScanRays placed = Transformed(T_submap_robot, rays);
+  const auto [low, high] = Bounds(log_odds_, placed);
+  std::set<Key> changed;
+  // Occupied cells that this scan may turn free.
+  const auto first = hits_.lower_bound({low.row, low.column});
+  const auto last = hits_.upper_bound({high.row, high.column});
+  std::vector<Key> occupied;
+  for (auto it = first; it != last; ++it) {
+    const grid::CellIndex cell{it->first.second, it->first.first};
+    if (cell.column >= low.column && cell.column <= high.column && IsOccupied(cell)) occupied.push_back(it->first);
+  }
+  ENFILADE_RETURN_IF_ERROR(log_odds_.Insert(placed));
+  for (const Key& key : occupied) {
+    if (!IsOccupied({key.second, key.first})) changed.insert(key);
+  }
+  for (const Eigen::Vector2d& hit : placed.hits) {
+    const grid::CellIndex cell = log_odds_.CellOf(hit);
+    HitMean& mean = hits_[{cell.row, cell.column}];
+    mean.count = std::min(mean.count + 1, kMaxCount);
+    mean.mean += (hit - mean.mean) / mean.count;
+    changed.insert({cell.row, cell.column});
+  }
+  std::vector<grid::CellIndex> cells;
+  cells.reserve(changed.size());
+  for (const Key& key : changed) cells.push_back({key.second, key.first});
+  return cells;
+}
+
+std::vector<Eigen::Vector2d> SubmapGrid::OccupiedPoints() const {
+  std::vector<Eigen::Vector2d> points;
+  for (const auto& [key, hit] : hits_) {
+    if (IsOccupied({key.second, key.first})) points.push_back(hit.mean);
+  }
+  return points;
+}
+
+void SubmapGrid::RoundMeans() {
+  for (auto& [key, hit] : hits_) hit.mean = (hit.mean / kMeanStep).array().round().matrix() * kMeanStep;
+}
+
+std::size_t SubmapGrid::bytes() const {
+  return log_odds_.cells().capacity() * sizeof(std::int16_t) +
+         hits_.size() * (sizeof(std::pair<const Key, HitMean>) + kTreeNodeBytes);
+}
+
+// Value by value over all cells, which compresses far better than cell by cell.
+void SubmapGrid::Serialize(BinaryWriter& writer) const {
+  log_odds_.Write(writer);
+  writer.Put<std::uint64_t>(hits_.size());
+  for (const auto& [key, hit] : hits_) writer.Put<std::int32_t>(key.first);
+  for (const auto& [key, hit] : hits_) writer.Put<std::int32_t>(key.second);
+  for (const auto& [key, hit] : hits_) writer.Put(hit.count);
+  for (const auto& [key, hit] : hits_) writer.Put(hit.mean.x());
+  for (const auto& [key, hit] : hits_) writer.Put(hit.mean.y());
+}
+
+absl::StatusOr<SubmapGrid> SubmapGrid::Deserialize(BinaryReader& reader, const OccupancyOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(grid::LogOddsGrid log_odds, grid::LogOddsGrid::Read(reader, LogOddsOptionsOf(options)));
+  SubmapGrid grid(std::move(log_odds));
+  const auto size = reader.Get<std::uint64_t>();
+  if (size > reader.remaining() / 28) return DataLoss("a submap's grid is truncated");
+  std::vector<Key> keys(size);
+  std::vector<HitMean> hits(size);
+  for (Key& key : keys) key.first = reader.Get<std::int32_t>();
+  for (Key& key : keys) key.second = reader.Get<std::int32_t>();
+  for (HitMean& hit : hits) hit.count = reader.Get<std::int32_t>();
+  for (HitMean& hit : hits) hit.mean.x() = reader.Get<double>();
+  for (HitMean& hit : hits) hit.mean.y() = reader.Get<double>();
+  for (std::size_t i = 0; i < size; ++i) grid.hits_.emplace_hint(grid.hits_.end(), keys[i], hits[i]);
+  if (!reader.ok() || grid.hits_.size() != size) return DataLoss("a submap's grid is damaged");
+  return grid;
+}
+
+}  // namespace enfilade::slam

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/base/binary.h"
+#include "core/geometry/pose2.h"
+#include "core/grid/log_odds_grid.h"
+#include "core/slam/slam_options.h"
+
+namespace enfilade::slam {
+
+// The occupancy map of one submap, in the submap's frame: log-odds, and for every cell in which beams ended the mean of
+// their ends (kept by GMapping too: Grisetti, Stachniss, Burgard 2007), which places walls far finer than the
+// cells' size.
+class SubmapGrid {
+ public:
+  struct HitMean {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();  // m, in the submap's frame
+    std::int32_t count = 0;
+
+    friend bool operator==(const HitMean&, const HitMean&) = default;
+  };
+  using Key = std::pair<int, int>;  // row, column
+
+  SubmapGrid(double resolution, const OccupancyOptions& options);
+
+  // Of a map that is there already, its cells on the lattice of their resolution (OnLattice); the mean of an occupied
+  // cell's hits is its centre, of the count 1.
+  static SubmapGrid FromOccupancy(const grid::OccupancyGrid& grid, const OccupancyOptions& options);
+
+  // Adds a scan taken at `T_submap_robot`, rays in the robot's frame. Returns the cells whose occupied state or mean
+  // changed, in order. Errors as LogOddsGrid::Insert's; then nothing has changed.
+  absl::StatusOr<std::vector<grid::CellIndex>> Insert(const Pose2& T_submap_robot, const grid::ScanRays& rays);
+
+  const grid::LogOddsGrid& log_odds() const { return log_odds_; }
+  double resolution() const { return log_odds_.resolution(); }
+  // By row and column; a cell here is occupied only while its log-odds are positive.
+  const std::map<Key, HitMean>& hits() const { return hits_; }
+  bool IsOccupied(grid::CellIndex cell) const { return log_odds_.ValueAt(cell) > 0; }
+  // The means of the occupied cells' hits, m, in order of rows.
+  std::vector<Eigen::Vector2d> OccupiedPoints() const;
+
+  // Shrinks it to what is known.
+  void Crop() { log_odds_.Crop(); }
+  // To a fifth of a millimetre, hundreds of times finer than walls are known: the rest would not compress.
+  void RoundMeans();
+
+  // Bytes of memory held.
+  std::size_t bytes() const;
+
+  void Serialize(BinaryWriter& writer) const;
+  static absl::StatusOr<SubmapGrid> Deserialize(BinaryReader& reader, const OccupancyOptions& options);
+
+  friend bool operator==(const SubmapGrid& a, const SubmapGrid& b) {
+    return a.log_odds_ == b.log_odds_ && a.hits_ == b.hits_;
+  }
+
+ private:
+  explicit SubmapGrid(grid::LogOddsGrid grid) : log_odds_(std::move(grid)) {}
+
+  grid::LogOddsGrid log_odds_;
+  std::map<Key, HitMean> hits_;
+};
+
+// The sensor model as LogOddsGrid takes it. The simplified form (+1 for a hit, -1 for a crossing beam, clamped at 10:
+// seed 001) is the log-odds form with equal and opposite steps.
+grid::LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options);
+
+}  // namespace enfilade::slam

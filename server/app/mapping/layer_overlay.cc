@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/mapping/layer_overlay.h"
+
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/grid/overlay.h"
+#include "core/grid/tiled_raster.h"
+#include "server/app/mapping/raster_revision.h"
+
+namespace enfilade::server {
+namespace {
+
+absl::StatusOr<grid::OccupancyGrid> LaidOverOrTooFar(const grid::OccupancyGrid& under,
+                                                     const grid::OccupancyGrid& over) {
+  absl::StatusOr<grid::OccupancyGrid> grid = grid::LaidOver(under, over);
+  if (grid.ok()) return grid;
+  return FailedPrecondition("the map's layers do not fit into one raster: {}", std::string(grid.status().message()));
+}
+
+}  // namespace
+
+absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Lay(const storage::CallContext& context,
+                                                      const storage::LayersBeside& beside,
+                                                      const grid::OccupancyGrid& own) {
+  const double resolution = own.geometry.resolution;
+  std::map<std::string, grid::OccupancyGrid> used;
+  grid::OccupancyGrid grid;
+  for (const storage::MapLayer& layer : beside.below) {
+    ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
+    ENFILADE_ASSIGN_OR_RETURN(grid, LaidOverOrTooFar(grid, *other));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(grid, LaidOverOrTooFar(grid, own));
+  for (const storage::MapLayer& layer : beside.above) {
+    ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
+    ENFILADE_ASSIGN_OR_RETURN(grid, LaidOverOrTooFar(grid, *other));
+  }
+  grids_ = std::move(used);
+  return grid;
+}
+
+absl::StatusOr<const grid::OccupancyGrid*> LayerOverlay::Read(const storage::CallContext& context,
+                                                              const storage::MapLayer& layer, double resolution,
+                                                              std::map<std::string, grid::OccupancyGrid>& used) {
+  const std::string hash = ContentHash(layer.raster.header, layer.raster.tiles);
+  if (auto known = grids_.extract(hash)) return &used.insert(std::move(known)).position->second;
+  ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(layer.raster.header));
+  for (const storage::TileRef& tile : layer.raster.tiles) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, blobs_.Get(context, site_, tile.sha256));
+    ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, bytes));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(std::move(assembler).Finish(), resolution));
+  return &used.insert_or_assign(hash, std::move(grid)).first->second;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/mapping/mapping.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/base/uuid.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kWorkTimeout = std::chrono::seconds(30);
+constexpr auto kTurn = std::chrono::seconds(3);
+// Turns this short come no faster than this, so that a robot's records are stored in the map by the dozen.
+constexpr auto kShortestTurn = std::chrono::milliseconds(100);
+// Other replicas' records do not wake this process: it looks for them this often.
+constexpr auto kWorkPoll = std::chrono::seconds(1);
+constexpr std::size_t kMaxParked = 4;
+
+std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(options.lease_s * 1000.0));
+}
+
+SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam) {
+  SessionMappingOptions session;
+  session.pairing.window_s = options.pairing_window_s;
+  session.slam = slam;
+  session.checkpoint_interval = std::chrono::duration<double>(options.checkpoint_interval_s);
+  session.revision_interval = std::chrono::duration<double>(options.revision_interval_s);
+  return session;
+}
+
+}  // namespace
+
+struct Mapping::Turn {
+  storage::SessionLease lease;
+  std::atomic<bool> lease_lost{false};
+};
+
+Mapping::Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam,
+                 const SessionMappingStores& stores, Metrics& metrics, std::function<void()> mapped)
+    : options_(options),
+      stores_(stores),
+      session_options_(SessionOptions(options, slam)),
+      metrics_(metrics),
+      mapped_(std::move(mapped)),
+      owner_(NewUuid()) {
+  for (int i = 0; i < options.workers; ++i) workers_.emplace_back([this, i] { Work(i); });
+  lease_keeper_ = std::thread([this] { KeepLeases(); });
+}
+
+Mapping::~Mapping() {
+  Stop();
+  for (std::thread& worker : workers_) worker.join();
+  workers_done_.Set();
+  lease_keeper_.join();
+}
+
+void Mapping::Wake() {
+  MutexLock lock(mutex_);
+  woken_ = true;
+  changed_.NotifyAll();
+}
+
+void Mapping::Stop() {
+  stop_.Set();
+  Wake();
+}
+
+void Mapping::WaitForRecords() {
+  const auto deadline = std::chrono::steady_clock::now() + kWorkPoll;
+  MutexLock lock(mutex_);
+  while (!woken_ && changed_.WaitUntil(mutex_, deadline)) {
+  }
+  woken_ = false;
+}
+
+void Mapping::Work(int worker) {
+  const std::string owner = fmt::format("{}/{}", owner_, worker);
+  while (!stop_.is_set()) {
+    const auto begin = std::chrono::steady_clock::now();
+    if (!TakeTurn(owner)) {
+      WaitForRecords();
+    } else {
+      stop_.WaitFor(kShortestTurn - (std::chrono::steady_clock::now() - begin));
+    }
+  }
+}
+
+bool Mapping::TakeTurn(const std::string& owner) {
+  const auto leased =
+      stores_.mappings.Acquire(storage::CallContext::WithTimeout(kWorkTimeout), owner, LeaseTime(options_));
+  if (!leased.ok() || !*leased) return false;  // readiness tells of an unreachable database
+  const auto turn = std::make_shared<Turn>();
+  turn->lease = (*leased)->lease;
+  {
+    MutexLock lock(mutex_);
+    turns_.push_back(turn);
+  }
+  metrics_.AddSessionsMapping(1);
+  MapSession(**leased, *turn);
+  metrics_.AddSessionsMapping(-1);
+  {
+    MutexLock lock(mutex_);
+    turns_.remove(turn);
+  }
+  return true;
+}
+
+void Mapping::MapSession(const storage::LeasedSession& leased, Turn& turn) {
+  const std::string& session = leased.session.id.value();
+  std::unique_ptr<SessionMapping> mapping = Unpark(leased);
+  absl::Status status;
+  if (!mapping) {
+    auto loaded = SessionMapping::Load(stores_, session_options_, leased.session);
+    status = loaded.status();
+    if (loaded.ok()) mapping = *std::move(loaded);
+  }
+  if (mapping) status = MapUntilTurnEnds(leased.lease, *mapping, turn);
+
+  const bool failed = absl::IsDataLoss(status) || absl::IsFailedPrecondition(status);
+  const bool ended = failed || (mapping && mapping->ended());
+  if (status.ok()) {
+    Park(leased.lease, std::move(mapping));
+  } else if (failed) {
+    // Will not get better by trying again.
+    spdlog::error("mapping: session {} fails: {}", session, status.ToString());
+    status = SessionMapping::Fail(stores_, leased, status);
+  } else {
+    spdlog::warn("mapping: session {} goes on from its checkpoint later: {}", session, status.ToString());
+  }
+  // Where the database is away the lease just ends in time.
+  (void)stores_.mappings.Release(storage::CallContext::WithTimeout(kWorkTimeout), leased.lease);
+  if (ended && mapped_) mapped_();
+}
+
+absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn) {
+  const auto end = std::chrono::steady_clock::now() + kTurn;
+  while (!turn.lease_lost && !stop_.is_set() && std::chrono::steady_clock::now() < end) {
+    const slam::LogMapperCounts before = mapping.counts();
+    ENFILADE_ASSIGN_OR_RETURN(const SessionMapping::Progress progress, mapping.Step(lease));
+    const slam::LogMapperCounts after = mapping.counts();
+    const std::int64_t used = after.used - before.used;
+    const std::int64_t settled =
+        after.pairing.paired + after.pairing.unpaired - before.pairing.paired - before.pairing.unpaired;
+    metrics_.CountScansMapped(used, settled - used);
+    if (progress == SessionMapping::Progress::kEnded) return absl::OkStatus();
+    if (progress == SessionMapping::Progress::kWaiting) break;
+  }
+  if (turn.lease_lost) return absl::AbortedError("the lease is lost");
+  return mapping.Store(lease);
+}
+
+// A parked mapping is good only where nobody else had the session since.
+std::unique_ptr<SessionMapping> Mapping::Unpark(const storage::LeasedSession& leased) {
+  MutexLock lock(mutex_);
+  for (auto parked = parked_.begin(); parked != parked_.end(); ++parked) {
+    if (parked->lease.site != leased.lease.site || parked->lease.session != leased.lease.session) continue;
+    std::unique_ptr<SessionMapping> mapping = std::move(parked->mapping);
+    const bool untouched =
+        leased.lease.token == parked->lease.token + 1 && leased.session.mapped_sequence == mapping->stored_sequence();
+    parked_.erase(parked);
+    return untouched ? std::move(mapping) : nullptr;
+  }
+  return nullptr;
+}
+
+void Mapping::Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping) {
+  if (mapping->ended()) return;
+  MutexLock lock(mutex_);
+  parked_.push_front({lease, std::move(mapping)});
+  if (parked_.size() > kMaxParked) parked_.pop_back();
+}
+
+void Mapping::KeepLeases() {
+  const auto interval = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(options_.lease_s / 3.0));
+  while (!workers_done_.WaitFor(interval)) {
+    std::list<std::shared_ptr<Turn>> turns;
+    {
+      MutexLock lock(mutex_);
+      turns = turns_;
+    }
+    for (const auto& turn : turns) {
+      const absl::Status status = stores_.mappings.Renew(storage::CallContext::WithTimeout(LeaseTime(options_) / 3),
+                                                         turn->lease, LeaseTime(options_));
+      if (absl::IsAborted(status)) turn->lease_lost = true;
+    }
+  }
+}
+
+}  // namespace enfilade::server

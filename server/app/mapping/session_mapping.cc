@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/mapping/session_mapping.h"
+
+#include <utility>
+#include <vector>
+
+#include "core/base/environment.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "server/app/mapping/raster_revision.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kMappingTimeout = std::chrono::seconds(60);
+constexpr std::int64_t kRecordPortionBytes = 128 << 10;
+// Of laying layers together, while other sessions of the same map change theirs.
+constexpr int kMaxAttempts = 100;
+
+storage::CallContext MappingContext() { return storage::CallContext::WithTimeout(kMappingTimeout); }
+
+storage::MappingCounts ToStored(const slam::LogMapperCounts& counts) {
+  return {.paired = counts.pairing.paired,
+          .unpaired = counts.pairing.unpaired,
+          .time_reversed = counts.pairing.time_reversed,
+          .used = counts.used,
+          .keyframes = counts.keyframes,
+          .lost = counts.lost};
+}
+
+absl::StatusOr<slam::SlamOptions> SlamOptionsOf(const SessionMappingStores& stores, const slam::SlamProfiles& profiles,
+                                                const storage::Session& session) {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map map, stores.maps.Get(MappingContext(), session.site, *session.map));
+  if (const slam::SlamOptions* own = profiles.Find(map.slam_profile)) return *own;
+  const char* fitting =
+      map.environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor;
+  if (!map.slam_profile.empty()) {
+    spdlog::warn("mapping: map {}: this server has no SLAM profile \"{}\", and takes \"{}\"", map.id.value(),
+                 map.slam_profile, fitting);
+  }
+  return *profiles.Find(fitting);
+}
+
+absl::StatusOr<slam::LogMapper> Begin(const SessionMappingStores& stores, const sensor::ScanPairingOptions& pairing,
+                                      const slam::SlamOptions& slam, const storage::Session& session) {
+  if (!session.entry.T_map_robot) return slam::LogMapper(pairing, slam);
+  slam::ExistingMap existing_map{{}, {*session.entry.T_map_robot, session.entry.T_odom_robot}};
+  const auto revision = stores.revisions.Get(MappingContext(), session.site, *session.map, 0);
+  if (revision.ok()) {
+    ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(MappingContext(), stores.revisions, *revision));
+    ENFILADE_ASSIGN_OR_RETURN(existing_map.grid, OnMapLattice(raster, slam.resolution));
+  } else if (!absl::IsNotFound(revision.status())) {
+    return revision.status();
+  }
+  return slam::LogMapper(pairing, slam, existing_map);
+}
+
+}  // namespace
+
+SessionMapping::SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options,
+                               const storage::Session& session, slam::LogMapper mapper)
+    : stores_(stores),
+      options_(options),
+      site_(session.site),
+      session_(session.id),
+      robot_(session.robot),
+      map_(*session.map),
+      overlay_(stores.blobs, session.site),
+      mapper_(std::move(mapper)) {}
+
+absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const SessionMappingStores& stores,
+                                                                     const SessionMappingOptions& options,
+                                                                     const storage::Session& session) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto stored, stores.mappings.Load(MappingContext(), session.site, session.id));
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions slam, SlamOptionsOf(stores, options.slam, session));
+  absl::StatusOr<slam::LogMapper> mapper =
+      stored ? slam::LogMapper::Restore(options.pairing, slam, stored->map, stored->checkpoint)
+             : Begin(stores, options.pairing, slam, session);
+  if (!mapper.ok()) return mapper.status();
+  std::unique_ptr<SessionMapping> mapping(new SessionMapping(stores, options, session, *std::move(mapper)));
+  mapping->mapped_sequence_ = mapping->stored_sequence_ = stored ? stored->mapped_sequence : 0;
+  return mapping;
+}
+
+absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const storage::SessionLease& lease) {
+  absl::StatusOr<std::vector<sensor::Record>> records =
+      stores_.records.Read(MappingContext(), site_, session_, mapped_sequence_ + 1, kRecordPortionBytes);
+  // A mapped session whose records are gone by retention may still have its graph solved again.
+  const bool records_are_gone = absl::IsFailedPrecondition(records.status());
+  if (!records.ok() && !records_are_gone) return records.status();
+  if (records_are_gone || records->empty()) return AtEndOfLog(lease);
+  for (sensor::Record& record : *records) {
+    mapped_sequence_ = record.sequence;
+    mapper_.Add(std::move(record));
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_commit_ >= options_.checkpoint_interval) {
+    ENFILADE_RETURN_IF_ERROR(Commit(lease, now - last_revision_ >= options_.revision_interval, std::nullopt));
+  }
+  return Progress::kWorked;
+}
+
+absl::StatusOr<SessionMapping::Progress> SessionMapping::AtEndOfLog(const storage::SessionLease& lease) {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, stores_.sessions.Get(MappingContext(), site_, session_));
+  if (session.state == storage::SessionState::kRecording) return Progress::kWaiting;
+  if (mapped_sequence_ < session.acknowledged_sequence) {
+    if (!session.records_deleted) return Progress::kWorked;  // more came just before the end
+    return FailedPrecondition("the records from {} on were deleted before they were mapped", mapped_sequence_ + 1);
+  }
+  mapper_.Finish();
+  ENFILADE_RETURN_IF_ERROR(Commit(lease, /*with_revision=*/true, storage::SessionState::kMapped));
+  ended_ = true;
+  return Progress::kEnded;
+}
+
+absl::Status SessionMapping::Store(const storage::SessionLease& lease) {
+  if (mapped_sequence_ == stored_sequence_) return absl::OkStatus();
+  const bool revision_due = std::chrono::steady_clock::now() - last_revision_ >= options_.revision_interval;
+  return Commit(lease, revision_due, std::nullopt);
+}
+
+absl::Status SessionMapping::Commit(const storage::SessionLease& lease, bool with_revision,
+                                    std::optional<storage::SessionState> final_state) {
+  const slam::SlamDelta delta = mapper_.TakeDelta();
+  const std::string checkpoint = mapper_.Checkpoint();
+  storage::MappingStep step{.delta = delta,
+                            .checkpoint = checkpoint,
+                            .counts = ToStored(mapper_.counts()),
+                            .mapped_sequence = mapped_sequence_,
+                            .revision = nullptr,
+                            .blobs = {},
+                            .final_state = final_state,
+                            .error = {}};
+  const grid::OccupancyGrid own = with_revision ? mapper_.RenderGrid() : grid::OccupancyGrid{};
+  if (own.cells.empty()) {
+    ENFILADE_RETURN_IF_ERROR(stores_.mappings.Commit(MappingContext(), lease, step).status());
+  } else {
+    ENFILADE_RETURN_IF_ERROR(CommitRevision(lease, own, step));
+  }
+  stored_sequence_ = mapped_sequence_;
+  last_commit_ = std::chrono::steady_clock::now();
+  if (with_revision) last_revision_ = last_commit_;
+  StorePose();
+  return absl::OkStatus();
+}
+
+// Where another session of the map is faster, its layer is laid together with this one's anew.
+absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, const grid::OccupancyGrid& own,
+                                            storage::MappingStep& step) {
+  ENFILADE_ASSIGN_OR_RETURN(RasterRevision layer, ToRevision(grid::FromOccupancyGrid(own)));
+  ENFILADE_RETURN_IF_ERROR(PutTiles(MappingContext(), stores_.blobs, site_, layer, stored_tiles_));
+  std::set<std::string> tiles;
+  for (const storage::TileRef& tile : layer.revision.tiles) tiles.insert(tile.sha256);
+  absl::Status status;
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+    ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside beside,
+                              stores_.revisions.ReadLayersBeside(MappingContext(), site_, map_, session_));
+    RasterRevision whole;
+    whole.revision = layer.revision;
+    if (!beside.below.empty() || !beside.above.empty()) {
+      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay_.Lay(MappingContext(), beside, own));
+      ENFILADE_ASSIGN_OR_RETURN(whole, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
+      std::set<std::string> known = stored_tiles_;
+      known.insert(tiles.begin(), tiles.end());
+      ENFILADE_RETURN_IF_ERROR(PutTiles(MappingContext(), stores_.blobs, site_, whole, known));
+      whole.revision.layer = storage::StoredRaster{layer.revision.raster_header, layer.revision.tiles};
+    }
+    whole.revision.source = storage::RevisionSource::kMapping;
+    whole.revision.session = session_;
+    whole.revision.layers_version = beside.version;
+    step.revision = &whole.revision;
+    status = stores_.mappings.Commit(MappingContext(), lease, step).status();
+    step.revision = nullptr;
+    if (storage::AreLayersChanged(status)) continue;
+    ENFILADE_RETURN_IF_ERROR(status);
+    for (const storage::TileRef& tile : whole.revision.tiles) tiles.insert(tile.sha256);
+    stored_tiles_ = std::move(tiles);
+    return absl::OkStatus();
+  }
+  return status;
+}
+
+// Not a part of the step: without it the robot's pose is only older.
+void SessionMapping::StorePose() const {
+  const std::optional<slam::PresentPose> pose = mapper_.FindPresentPose();
+  if (!pose || pose->lost) return;
+  const absl::Status status =
+      stores_.robot_poses.Report(MappingContext(), {site_, robot_, map_, session_, pose->T_map_robot, pose->time, 0});
+  if (!status.ok()) spdlog::warn("mapping: the pose of robot {} is not stored: {}", robot_.value(), status.ToString());
+}
+
+absl::Status SessionMapping::Fail(const SessionMappingStores& stores, const storage::LeasedSession& leased,
+                                  const absl::Status& error) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto stored,
+                            stores.mappings.Load(MappingContext(), leased.lease.site, leased.lease.session));
+  const slam::SlamDelta nothing;
+  const storage::MappingStep step{.delta = nothing,
+                                  .checkpoint = stored ? stored->checkpoint : std::string(),
+                                  .counts = leased.session.mapping_counts,
+                                  .mapped_sequence = leased.session.mapped_sequence,
+                                  .revision = nullptr,
+                                  .blobs = {},
+                                  .final_state = storage::SessionState::kFailed,
+                                  .error = std::string(error.message())};
+  return stores.mappings.Commit(MappingContext(), leased.lease, step).status();
+}
+
+}  // namespace enfilade::server

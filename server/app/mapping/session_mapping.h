@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/slam/mapper/log_mapper.h"
+#include "core/slam/slam_profiles.h"
+#include "server/app/mapping/layer_overlay.h"
+#include "storage/blob_store.h"
+#include "storage/map_store.h"
+#include "storage/mapping_store.h"
+#include "storage/record_store.h"
+#include "storage/revision_store.h"
+#include "storage/robot_pose_store.h"
+#include "storage/session_store.h"
+
+namespace enfilade::server {
+
+struct SessionMappingStores {
+  const storage::MappingStore& mappings;
+  const storage::RecordStore& records;
+  const storage::SessionStore& sessions;
+  const storage::BlobStore& blobs;
+  const storage::RevisionStore& revisions;
+  const storage::RobotPoseStore& robot_poses;
+  const storage::MapStore& maps;
+};
+
+struct SessionMappingOptions {
+  sensor::ScanPairingOptions pairing;
+  slam::SlamProfiles slam;  // a map without a profile of its own has that of its environment
+  std::chrono::duration<double> checkpoint_interval{5.0};
+  std::chrono::duration<double> revision_interval{20.0};
+};
+
+// One session on its way from log to map: reads records, maps them, and stores results together with the checkpoint.
+// What is published is the session's own raster laid between the other layers of its map. A session that enters a map
+// that is there already goes on in it (Mapper, ExistingMap). After each step the robot's present pose is stored, too,
+// unless it is lost or has reported a later one. Belongs to the thread that holds the session's lease.
+class SessionMapping {
+ public:
+  // From the stored checkpoint, or from the beginning; there, where the session has an entry pose, with the map's
+  // current revision as the old map. `session` has a map. DATA_LOSS where the stored state does not fit this program.
+  static absl::StatusOr<std::unique_ptr<SessionMapping>> Load(const SessionMappingStores& stores,
+                                                              const SessionMappingOptions& options,
+                                                              const storage::Session& session);
+
+  enum class Progress {
+    kWorked,   // there may be more to do
+    kWaiting,  // all that there is has been mapped; more may come
+    kEnded,    // the session is mapped, and stored so
+  };
+
+  // Maps the next portion of the log; stores when a checkpoint is due. ABORTED where the lease is lost. After any error
+  // the object is of no more use: what it had not stored is mapped again from the checkpoint.
+  absl::StatusOr<Progress> Step(const storage::SessionLease& lease);
+  // Stores what is not yet.
+  absl::Status Store(const storage::SessionLease& lease);
+
+  // Ends the session's mapping with `error`; its records and what is mapped stay.
+  static absl::Status Fail(const SessionMappingStores& stores, const storage::LeasedSession& leased,
+                           const absl::Status& error);
+
+  std::int64_t stored_sequence() const { return stored_sequence_; }
+  bool ended() const { return ended_; }
+  slam::LogMapperCounts counts() const { return mapper_.counts(); }
+
+ private:
+  SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options,
+                 const storage::Session& session, slam::LogMapper mapper);
+
+  absl::StatusOr<Progress> AtEndOfLog(const storage::SessionLease& lease);
+  absl::Status Commit(const storage::SessionLease& lease, bool with_revision,
+                      std::optional<storage::SessionState> final_state);
+  absl::Status CommitRevision(const storage::SessionLease& lease, const grid::OccupancyGrid& own,
+                              storage::MappingStep& step);
+  void StorePose() const;
+
+  const SessionMappingStores stores_;
+  const SessionMappingOptions options_;
+  const SiteId site_;
+  const SessionId session_;
+  const RobotId robot_;
+  const MapId map_;
+  LayerOverlay overlay_;
+  slam::LogMapper mapper_;
+  std::int64_t mapped_sequence_ = 0;
+  std::int64_t stored_sequence_ = 0;
+  bool ended_ = false;
+  std::set<std::string> stored_tiles_;  // of the last revision and layer made here, by SHA-256
+  std::chrono::steady_clock::time_point last_commit_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_revision_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace enfilade::server

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "storage/postgres/driver/params.h"
+#include "storage/postgres/driver/result.h"
+
+struct pg_conn;
+
+namespace enfilade::storage::postgres {
+
+// One SQL statement: a constant at namespace scope beside its one user; each connection prepares it at its first use.
+struct Statement {
+  const char* what;  // what it does, for error messages: "storing the map"
+  const char* sql;   // with $1, $2, ...
+};
+
+// One connection. Statements are queued and sent together: a flush is one round trip, however many they are. Not
+// thread-safe; never blocks for longer than a deadline and a grace of half a second (in which the server's own timeout
+// should have answered).
+class Connection {
+ public:
+  using Deadline = std::chrono::steady_clock::time_point;
+
+  // UNAVAILABLE with the reason; PERMISSION_DENIED; FAILED_PRECONDITION where the database does not exist or the server
+  // is too old.
+  static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& url, const std::string& application_name,
+                                                          Deadline deadline);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  // What goes wrong here shows in the flush.
+  void Queue(const Statement& statement, const Params& params);
+
+  // Sends what is queued and waits for all of it; the results come in the order of the queue. The error is that of the
+  // first statement that failed; those after it were not executed.
+  //
+  // Outside BEGIN and COMMIT all of the queue is one transaction, committed with the flush.
+  absl::StatusOr<std::vector<Result>> Flush(Deadline deadline);
+
+  // COPY ... FROM STDIN (FORMAT binary) with the whole of `data` (see CopyBuffer). Nothing may be queued.
+  absl::Status CopyIn(const Statement& statement, std::string_view data, Deadline deadline);
+
+  // Payloads of notifications on the channels that were listened to; waits for the first until the deadline, and gives
+  // none then. Nothing may be queued. UNAVAILABLE where the connection is lost.
+  absl::StatusOr<std::vector<std::string>> AwaitNotifications(Deadline deadline);
+  // Not to be given back to the pool.
+  void Retire() { broken_ = true; }
+
+  // The session's statement_timeout in ms as its users last set it; 0: not known. A flush that fails forgets it, as
+  // what set it may have been rolled back.
+  std::int64_t statement_timeout_ms() const { return statement_timeout_ms_; }
+  void set_statement_timeout_ms(std::int64_t timeout) { statement_timeout_ms_ = timeout; }
+
+  // Nothing can be done with it any more but to destroy it.
+  bool broken() const;
+  // Outside any transaction, nothing queued, nothing wrong: another caller may have it.
+  bool idle() const;
+  // Whether the server has closed an idle connection, as far as is known without asking it.
+  bool closed_by_server();
+
+ private:
+  struct Disconnect {
+    void operator()(pg_conn* connection) const;
+  };
+  enum class Step { kPrepare, kExecute };
+  struct Queued {
+    Step step;
+    const Statement* statement;
+  };
+
+  explicit Connection(pg_conn* connection) : connection_(connection) {}
+
+  absl::Status EnterPipeline();
+  absl::Status LeavePipeline(std::string_view what);
+  // Waits until the next result can be taken without blocking.
+  absl::Status AwaitResult(Deadline deadline, std::string_view what);
+  absl::Status SendAll(Deadline deadline, std::string_view what);
+  absl::Status Wait(bool for_writing, Deadline deadline, std::string_view what);
+  absl::Status TakeResult(const Queued& queued, Deadline deadline, std::vector<Result>& results);
+  absl::Status FinishCopy(const Statement& statement, Deadline deadline);
+  absl::Status Broken(absl::Status status);
+
+  std::unique_ptr<pg_conn, Disconnect> connection_;
+  std::map<const Statement*, std::string> prepared_;
+  std::int64_t prepared_count_ = 0;
+  std::vector<Queued> queue_;
+  absl::Status queue_status_;
+  std::int64_t statement_timeout_ms_ = 0;
+  bool broken_ = false;
+};
+
+}  // namespace enfilade::storage::postgres

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/driver/error.h"
+
+#include <libpq-fe.h>
+
+#include <array>
+
+#include "core/base/error.h"
+
+namespace enfilade::storage::postgres {
+namespace {
+
+constexpr char kSqlStatePayload[] = "enfilade/sqlstate";
+constexpr char kConstraintPayload[] = "enfilade/constraint";
+
+struct CodeOfState {
+  std::string_view prefix;
+  absl::StatusCode code;
+};
+
+// The first prefix that fits counts.
+constexpr std::array kCodes = {
+    CodeOfState{"40001", absl::StatusCode::kAborted},  // serialization_failure
+    CodeOfState{"40P01", absl::StatusCode::kAborted},  // deadlock_detected
+    CodeOfState{"55P03", absl::StatusCode::kAborted},  // lock_not_available
+    CodeOfState{"23505", absl::StatusCode::kAlreadyExists},
+    CodeOfState{"23503", absl::StatusCode::kFailedPrecondition},
+    CodeOfState{"23502", absl::StatusCode::kInvalidArgument},  // not_null_violation
+    CodeOfState{"23514", absl::StatusCode::kInvalidArgument},  // check_violation
+    CodeOfState{"22", absl::StatusCode::kInvalidArgument},     // data_exception
+    CodeOfState{"57014", absl::StatusCode::kDeadlineExceeded},
+    CodeOfState{"57P", absl::StatusCode::kUnavailable},       // shutdown, crash, starting up
+    CodeOfState{"53300", absl::StatusCode::kUnavailable},     // too_many_connections
+    CodeOfState{"53", absl::StatusCode::kResourceExhausted},  // disk_full, out_of_memory
+    CodeOfState{"54", absl::StatusCode::kResourceExhausted},  // program_limit_exceeded
+    CodeOfState{"25006", absl::StatusCode::kUnavailable},     // read_only_sql_transaction: a standby
+    CodeOfState{"25P03", absl::StatusCode::kUnavailable},     // idle_in_transaction_session_timeout
+    CodeOfState{"0A000", absl::StatusCode::kUnavailable},     // a plan from before a migration
+    CodeOfState{"26000", absl::StatusCode::kUnavailable},     // a prepared statement that is gone: a pooler between
+    CodeOfState{"08", absl::StatusCode::kUnavailable},
+    CodeOfState{"42501", absl::StatusCode::kPermissionDenied},
+    CodeOfState{"28", absl::StatusCode::kPermissionDenied},
+    CodeOfState{"42P01", absl::StatusCode::kFailedPrecondition},  // undefined_table
+    CodeOfState{"3F000", absl::StatusCode::kFailedPrecondition},  // invalid_schema_name
+    CodeOfState{"3D000", absl::StatusCode::kFailedPrecondition},  // invalid_catalog_name
+};
+
+std::string Field(const pg_result* result, int field) {
+  const char* text = PQresultErrorField(result, field);
+  return text ? text : "";
+}
+
+std::string PayloadOf(const absl::Status& status, const char* url) {
+  const auto payload = status.GetPayload(url);
+  return payload ? std::string(*payload) : std::string();
+}
+
+std::string WithoutLineEnd(const char* text) {
+  std::string result = text ? text : "";
+  while (!result.empty() && result.back() == '\n') result.pop_back();
+  return result;
+}
+
+}  // namespace
+
+absl::StatusCode CodeOfSqlState(std::string_view sqlstate) {
+  for (const CodeOfState& entry : kCodes) {
+    if (sqlstate.starts_with(entry.prefix)) return entry.code;
+  }
+  return absl::StatusCode::kInternal;
+}
+
+absl::Status StatusFromResult(const pg_result* result, std::string_view what) {
+  const std::string sqlstate = Field(result, PG_DIAG_SQLSTATE);
+  const std::string constraint = Field(result, PG_DIAG_CONSTRAINT_NAME);
+  if (sqlstate.empty()) {  // made by libpq itself
+    return Unavailable("{}: {}", what, WithoutLineEnd(PQresultErrorMessage(result)));
+  }
+  std::string message = fmt::format("{}: {}", what, Field(result, PG_DIAG_MESSAGE_PRIMARY));
+  if (const std::string detail = Field(result, PG_DIAG_MESSAGE_DETAIL); !detail.empty()) message += ": " + detail;
+  message += fmt::format(" (SQLSTATE {})", sqlstate);
+  absl::Status status(CodeOfSqlState(sqlstate), message);
+  status.SetPayload(kSqlStatePayload, absl::Cord(sqlstate));
+  if (!constraint.empty()) status.SetPayload(kConstraintPayload, absl::Cord(constraint));
+  return status;
+}
+
+absl::Status LostConnection(const pg_conn* connection, std::string_view what) {
+  return Unavailable("{}: the connection to the database was lost: {}", what,
+                     WithoutLineEnd(PQerrorMessage(connection)));
+}
+
+std::string SqlStateOf(const absl::Status& status) { return PayloadOf(status, kSqlStatePayload); }
+std::string ConstraintOf(const absl::Status& status) { return PayloadOf(status, kConstraintPayload); }
+
+}  // namespace enfilade::storage::postgres

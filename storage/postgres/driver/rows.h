@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "storage/postgres/driver/error.h"
+#include "storage/postgres/driver/transaction.h"
+
+namespace enfilade::storage::postgres {
+
+// Bound as NULL where empty.
+inline std::optional<std::string_view> NullIfEmpty(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional<std::string_view>(text);
+}
+
+// All rows of `result`, each through `read(Row&)`.
+template <typename Read>
+auto ReadRows(const Result& result, const Read& read) -> absl::StatusOr<std::vector<std::invoke_result_t<Read, Row&>>> {
+  std::vector<std::invoke_result_t<Read, Row&>> values;
+  values.reserve(static_cast<std::size_t>(result.rows()));
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    values.push_back(read(row));
+    ENFILADE_RETURN_IF_ERROR(row.status());
+  }
+  return values;
+}
+
+// The first row, or NOT_FOUND saying that `name` does not exist.
+template <typename Read>
+auto ReadOne(const Result& result, const Read& read, const std::string& name)
+    -> absl::StatusOr<std::invoke_result_t<Read, Row&>> {
+  if (result.rows() == 0) return NotFound("{} does not exist", name);
+  Row row(result, 0);
+  auto value = read(row);
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  return value;
+}
+
+// ABORTED: `name` was changed since the caller read it.
+inline absl::Status StaleEtag(const std::string& name) {
+  return Aborted("{} has been changed meanwhile: read it again and repeat the change", name);
+}
+
+}  // namespace enfilade::storage::postgres

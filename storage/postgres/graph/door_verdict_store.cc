@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/door_verdict_store.h"
+
+#include "core/base/resource_name.h"
+#include "core/sensor/record_codec.h"
+#include "storage/postgres/driver/pose_columns.h"
+#include "storage/postgres/driver/rows.h"
+#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/link_point_changes.h"
+#include "storage/postgres/graph/link_point_rows.h"
+#include "storage/postgres/graph/placement.h"
+#include "storage/postgres/sessions/session_row.h"
+
+namespace enfilade::storage {
+namespace {
+
+using postgres::ExecuteAlone;
+using postgres::Params;
+using postgres::PoseColumns;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+constexpr std::int16_t kDoorReport = static_cast<std::int16_t>(sensor::RecordKind::kDoorReport);
+static_assert(kDoorReport == 6);  // of the index session_records_doors_idx
+
+// As for mapping, work is found over all sites, and taken by its site's name.
+constexpr Statement kFindPending{
+    "looking for doors to judge",
+    "SELECT site_id, session_id FROM ("
+    "  SELECT site_id, session_id, finish_time FROM enfilade.sessions WHERE door_reports > 0 AND NOT doors_judged"
+    "    AND state IN (3, 4) AND finish_time IS NOT NULL AND delete_time IS NULL"
+    "  UNION SELECT p.site_id, p.session_id, p.finish_time FROM enfilade.sessions n JOIN enfilade.sessions p"
+    "    ON p.site_id = n.site_id AND p.session_id = n.previous_session_id"
+    "    WHERE n.previous_session_id IS NOT NULL AND n.map_id IS NULL AND n.delete_time IS NULL"
+    "    AND (p.delete_time IS NOT NULL OR (p.state IN (3, 4) AND p.finish_time IS NOT NULL))) w"
+    " ORDER BY finish_time NULLS FIRST, site_id, session_id LIMIT $1"};
+constexpr Statement kReadReports{"reading door reports",
+                                 "SELECT r.sequence, r.payload, v.sequence IS NOT NULL FROM enfilade.session_records r"
+                                 " LEFT JOIN enfilade.door_verdicts v USING (site_id, session_id, sequence)"
+                                 " WHERE r.site_id = $1 AND r.session_id = $2 AND r.kind = 6 ORDER BY r.sequence"};
+constexpr Statement kListWaiting{"looking for sessions that wait",
+                                 "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
+                                 " AND previous_session_id = $2 AND map_id IS NULL AND delete_time IS NULL"
+                                 " ORDER BY create_time, session_id"};
+constexpr Statement kLockSiteLease{"locking the site's lease",
+                                   "SELECT token FROM enfilade.site_leases WHERE site_id = $1 FOR SHARE"};
+constexpr Statement kIsJudged{
+    "looking for the verdict",
+    "SELECT true FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2 AND sequence = $3"};
+// The graph's lock keeps others from taking the same number.
+constexpr Statement kInsertMapBehind{
+    "making the map",
+    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile)"
+    " SELECT $1, $2, $3 || ' ' || min(n), $4, $5, $6"
+    " FROM generate_series(1, (SELECT count(*) + 1 FROM enfilade.maps WHERE site_id = $1)) AS n"
+    " WHERE NOT EXISTS (SELECT FROM enfilade.maps WHERE site_id = $1 AND display_name = $3 || ' ' || n)"};
+constexpr Statement kInsertVerdict{
+    "storing the verdict",
+    "INSERT INTO enfilade.door_verdicts (site_id, session_id, sequence, decision, link_point_id, map_id, x, y, yaw,"
+    " covariance, odom_x, odom_y, odom_yaw, evidence, reason, graph_version)"
+    " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16)"};
+constexpr Statement kInsertComparison{
+    "storing a comparison",
+    "INSERT INTO enfilade.door_comparisons (site_id, session_id, sequence, ordinal, link_point_id, map_id, distance,"
+    " image_matches, images_agree, rmse, inlier_share, clouds_agree, chi2, accepted, reason)"
+    " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)"};
+constexpr Statement kEnter{
+    "giving the next session its map",
+    "UPDATE enfilade.sessions SET map_id = $3, initial_x = $4, initial_y = $5, initial_yaw = $6,"
+    " initial_covariance = $7, initial_odom_x = $8, initial_odom_y = $9, initial_odom_yaw = $10"
+    " WHERE site_id = $1 AND previous_session_id = $2 AND map_id IS NULL AND delete_time IS NULL"};
+constexpr Statement kMarkJudged{"closing the session's doors",
+                                "UPDATE enfilade.sessions SET doors_judged = true"
+                                " WHERE site_id = $1 AND session_id = $2"};
+#define ENFILADE_VERDICT_COLUMNS                                                                           \
+  "session_id, sequence, decision, link_point_id, map_id, x, y, yaw, coalesce(covariance, '{}'), odom_x, " \
+  "odom_y, odom_yaw, evidence::float8[], reason, graph_version, create_time"
+constexpr Statement kListVerdicts{"listing verdicts",
+                                  "SELECT " ENFILADE_VERDICT_COLUMNS
+                                  " FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2"
+                                  " AND sequence > $3 ORDER BY sequence LIMIT $4"};
+constexpr Statement kFindPassage{"looking for the verdict on the passage",
+                                 "SELECT " ENFILADE_VERDICT_COLUMNS
+                                 " FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2"
+                                 " AND map_id IS NOT NULL ORDER BY sequence DESC LIMIT 1"};
+constexpr Statement kListInto{"listing verdicts on passages into a map",
+                              "SELECT " ENFILADE_VERDICT_COLUMNS
+                              " FROM enfilade.door_verdicts WHERE site_id = $1 AND map_id = $2"
+                              " ORDER BY create_time DESC, session_id, sequence LIMIT $3"};
+constexpr Statement kListComparisons{
+    "listing comparisons",
+    "SELECT sequence, link_point_id, map_id, distance, image_matches::bigint, images_agree, rmse, inlier_share,"
+    " clouds_agree, chi2, accepted, reason FROM enfilade.door_comparisons WHERE site_id = $1 AND session_id = $2"
+    " AND sequence BETWEEN $3 AND $4 ORDER BY sequence, ordinal"};
+
+closure::DoorVerdict ReadVerdict(Row& row) {
+  closure::DoorVerdict verdict;
+  verdict.session = SessionId(std::string(row.Text()));
+  verdict.sequence = row.Int64();
+  verdict.decision = static_cast<closure::DoorDecision>(row.Int16());
+  if (const auto link_point = row.OptionalText()) verdict.link_point = LinkPointId(std::string(*link_point));
+  if (const auto map = row.OptionalText()) verdict.entered_map = MapId(std::string(*map));
+  verdict.T_map_robot = postgres::ReadOptionalPoseWithCovariance(row);
+  verdict.T_odom_robot = postgres::ReadOptionalPose(row);
+  for (const double sequence : row.Doubles()) verdict.evidence.push_back(static_cast<std::int64_t>(sequence));
+  verdict.reason = row.Text();
+  verdict.graph_version = row.Int64();
+  verdict.create_time = row.Time();
+  return verdict;
+}
+
+struct ComparisonRow {
+  std::int64_t sequence = 0;
+  closure::DoorComparison comparison;
+};
+
+ComparisonRow ReadComparison(Row& row) {
+  ComparisonRow out;
+  out.sequence = row.Int64();
+  closure::DoorComparison& comparison = out.comparison;
+  comparison.link_point = LinkPointId(std::string(row.Text()));
+  comparison.map = MapId(std::string(row.Text()));
+  comparison.distance = row.OptionalDouble();
+  if (const auto matches = row.OptionalInt64()) comparison.image_matches = static_cast<int>(*matches);
+  comparison.images_agree = row.Bool();
+  comparison.rmse = row.OptionalDouble();
+  comparison.inlier_share = row.Double();
+  comparison.clouds_agree = row.Bool();
+  comparison.chi2 = row.OptionalDouble();
+  comparison.accepted = row.Bool();
+  comparison.reason = row.Text();
+  return out;
+}
+
+absl::Status LockLease(Transaction& transaction, const SiteLease& lease) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockSiteLease, Params(lease.site)));
+  if (locked.rows() > 0) {
+    Row row(locked, 0);
+    if (row.Int64() == lease.token) return absl::OkStatus();
+  }
+  return Aborted("{} has lost the lease on {}", lease.owner, NameOf(lease.site));
+}
+
+absl::Status LockGraphAt(Transaction& transaction, const SiteId& site, std::int64_t version) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present, postgres::LockGraph(transaction, site));
+  if (present == version) return absl::OkStatus();
+  return Aborted("the graph of {} is at version {}, no longer at {}: judge again", NameOf(site), present, version);
+}
+
+// The graph's version is raised by a trigger.
+void QueueMap(Transaction& transaction, const SiteId& site, const NewMap& map) {
+  transaction.Queue(kInsertMapBehind, Params(site, map.id, map.name_prefix, std::int32_t{map.level},
+                                             static_cast<std::int16_t>(map.environment), map.slam_profile));
+}
+
+absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, const DoorChange& change) {
+  for (const LinkPointId& candidate : change.consumed) {
+    ENFILADE_RETURN_IF_ERROR(
+        postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointRemoved, postgres::ResourceOf(candidate))
+            .status());
+    ENFILADE_RETURN_IF_ERROR(postgres::RemoveLinkPoint(transaction, site, candidate, 0));
+  }
+  if (change.new_link_point) {
+    const LinkPointId& id = change.new_link_point->point.id;
+    ENFILADE_RETURN_IF_ERROR(postgres::ValidateLinkPoint(*change.new_link_point));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const std::int64_t version,
+        postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointAdded, postgres::ResourceOf(id)));
+    ENFILADE_RETURN_IF_ERROR(postgres::InsertLinkPoint(transaction, *change.new_link_point, version, ""));
+    ENFILADE_RETURN_IF_ERROR(postgres::PlaceLinkPoint(transaction, site, version, id));
+  }
+  if (change.link_point) {
+    const LinkPointId& id = change.link_point->point.id;
+    ENFILADE_RETURN_IF_ERROR(postgres::ValidateLinkPoint(*change.link_point));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const std::int64_t version,
+        postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, postgres::ResourceOf(id)));
+    ENFILADE_RETURN_IF_ERROR(postgres::UpdateLinkPoint(transaction, *change.link_point, version));
+    ENFILADE_RETURN_IF_ERROR(postgres::PlaceLinkPoint(transaction, site, version, id));
+  }
+  return absl::OkStatus();
+}
+
+void QueueVerdict(Transaction& transaction, const SiteId& site, const closure::DoorVerdict& verdict) {
+  const PoseColumns pose(verdict.T_map_robot), odom(verdict.T_odom_robot);
+  transaction.Queue(kInsertVerdict,
+                    Params(site, verdict.session, verdict.sequence, static_cast<std::int16_t>(verdict.decision),
+                           verdict.link_point, verdict.entered_map, pose.x, pose.y, pose.yaw, pose.covariance, odom.x,
+                           odom.y, odom.yaw, verdict.evidence, verdict.reason, verdict.graph_version));
+  std::int32_t ordinal = 0;
+  for (const closure::DoorComparison& comparison : verdict.comparisons) {
+    std::optional<std::int32_t> matches;
+    if (comparison.image_matches) matches = *comparison.image_matches;
+    transaction.Queue(
+        kInsertComparison,
+        Params(site, verdict.session, verdict.sequence, ++ordinal, comparison.link_point, comparison.map,
+               comparison.distance, matches, comparison.images_agree, comparison.rmse, comparison.inlier_share,
+               comparison.clouds_agree, comparison.chi2, comparison.accepted, comparison.reason));
+  }
+}
+
+void QueueEntry(Transaction& transaction, const SiteId& site, const SessionId& previous, const MapId& map,
+                const std::optional<PoseWithCovariance>& T_map_robot, const std::optional<Pose2>& T_odom_robot) {
+  const PoseColumns pose(T_map_robot), odom(T_odom_robot);
+  transaction.Queue(kEnter,
+                    Params(site, previous, map, pose.x, pose.y, pose.yaw, pose.covariance, odom.x, odom.y, odom.yaw));
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<PendingDoors>> DoorVerdictStore::FindPending(const CallContext& context, int limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kFindPending, Params(std::int64_t{limit})));
+  return storage::postgres::ReadRows(result, [](Row& row) {
+    PendingDoors pending;
+    pending.site = SiteId(std::string(row.Text()));
+    pending.session = SessionId(std::string(row.Text()));
+    return pending;
+  });
+}
+
+absl::StatusOr<std::vector<StoredDoorReport>> DoorVerdictStore::ReadReports(const CallContext& context,
+                                                                            const SiteId& site,
+                                                                            const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kReadReports, Params(site, session)));
+  std::vector<StoredDoorReport> reports;
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    StoredDoorReport stored;
+    stored.sequence = row.Int64();
+    const std::string_view payload = row.Bytes();
+    stored.judged = row.Bool();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    auto record = sensor::DecodePayload(stored.sequence, sensor::RecordKind::kDoorReport, payload);
+    if (!record.ok()) return WithContext(record.status(), NameOf(site, session));
+    stored.report = std::get<sensor::DoorReport>(std::move(record->payload));
+    reports.push_back(std::move(stored));
+  }
+  return reports;
+}
+
+absl::StatusOr<std::vector<SessionId>> DoorVerdictStore::ListWaiting(const CallContext& context, const SiteId& site,
+                                                                     const SessionId& previous) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kListWaiting, Params(site, previous)));
+  return storage::postgres::ReadRows(result, [](Row& row) { return SessionId(std::string(row.Text())); });
+}
+
+absl::Status DoorVerdictStore::Commit(const CallContext& context, const SiteLease& lease,
+                                      const DoorChange& change) const {
+  const SiteId& site = lease.site;
+  const closure::DoorVerdict& verdict = change.verdict;
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const auto judged,
+                            transaction.Execute(kIsJudged, Params(site, verdict.session, verdict.sequence)));
+  if (judged.rows() > 0) return absl::OkStatus();
+  ENFILADE_RETURN_IF_ERROR(LockGraphAt(transaction, site, verdict.graph_version));
+  ENFILADE_RETURN_IF_ERROR(LockLease(transaction, lease));
+  if (change.new_map) QueueMap(transaction, site, *change.new_map);
+  ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(transaction, site, change));
+  postgres::QueueEvidence(transaction, site, change.evidence);
+  QueueVerdict(transaction, site, verdict);
+  if (verdict.entered_map) {
+    QueueEntry(transaction, site, verdict.session, *verdict.entered_map, verdict.T_map_robot, verdict.T_odom_robot);
+  }
+  return WithContext(transaction.Commit(), NameOf(site, verdict.session));
+}
+
+absl::Status DoorVerdictStore::Enter(const CallContext& context, const SiteLease& lease,
+                                     const EnteredMap& entered) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  postgres::QueueGraphLock(transaction, lease.site);
+  ENFILADE_RETURN_IF_ERROR(LockLease(transaction, lease));
+  if (entered.new_map) QueueMap(transaction, lease.site, *entered.new_map);
+  QueueEntry(transaction, lease.site, entered.previous, entered.map, entered.T_map_robot, entered.T_odom_robot);
+  const absl::Status committed = transaction.Commit();
+  if (postgres::SqlStateOf(committed) == "23503") return NotFound("{} does not exist", NameOf(lease.site, entered.map));
+  return WithContext(committed, NameOf(lease.site, entered.previous));
+}
+
+absl::Status DoorVerdictStore::MarkJudged(const CallContext& context, const SiteLease& lease,
+                                          const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_RETURN_IF_ERROR(LockLease(transaction, lease));
+  transaction.Queue(kMarkJudged, Params(lease.site, session));
+  return WithContext(transaction.Commit(), NameOf(lease.site, session));
+}
+
+absl::StatusOr<std::vector<closure::DoorVerdict>> DoorVerdictStore::List(const CallContext& context, const SiteId& site,
+                                                                         const SessionId& session, std::int64_t after,
+                                                                         int limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  transaction.Queue(postgres::kSessionExists, Params(site, session));
+  transaction.Queue(kListVerdicts, Params(site, session, after, std::int64_t{limit}));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
+  if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::DoorVerdict> verdicts,
+                            storage::postgres::ReadRows(results[1], ReadVerdict));
+  if (verdicts.empty()) return verdicts;
+  ENFILADE_ASSIGN_OR_RETURN(const auto listed,
+                            transaction.Execute(kListComparisons, Params(site, session, verdicts.front().sequence,
+                                                                         verdicts.back().sequence)));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<ComparisonRow> comparisons,
+                            storage::postgres::ReadRows(listed, ReadComparison));
+  auto verdict = verdicts.begin();
+  for (ComparisonRow& row : comparisons) {
+    while (verdict != verdicts.end() && verdict->sequence < row.sequence) ++verdict;
+    if (verdict != verdicts.end()) verdict->comparisons.push_back(std::move(row.comparison));
+  }
+  return verdicts;
+}
+
+absl::StatusOr<std::optional<closure::DoorVerdict>> DoorVerdictStore::FindPassage(const CallContext& context,
+                                                                                  const SiteId& site,
+                                                                                  const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto found,
+                            storage::postgres::ExecuteAlone(pool_, context, kFindPassage, Params(site, session)));
+  if (found.rows() == 0) return std::nullopt;
+  ENFILADE_ASSIGN_OR_RETURN(closure::DoorVerdict verdict,
+                            storage::postgres::ReadOne(found, ReadVerdict, "the verdict"));
+  return std::optional<closure::DoorVerdict>(std::move(verdict));
+}
+
+absl::StatusOr<std::vector<closure::DoorVerdict>> DoorVerdictStore::ListInto(const CallContext& context,
+                                                                             const SiteId& site, const MapId& map,
+                                                                             int limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto listed, storage::postgres::ExecuteAlone(pool_, context, kListInto,
+                                                                               Params(site, map, std::int64_t{limit})));
+  return storage::postgres::ReadRows(listed, ReadVerdict);
+}
+
+}  // namespace enfilade::storage

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <span>
+#include <string>
+
+#include "core/base/environment.h"
+#include "core/base/resource_name.h"
+#include "storage/graph_store.h"
+#include "storage/postgres/driver/rows.h"
+#include "storage/postgres/driver/wkb.h"
+#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/link_point_rows.h"
+
+namespace enfilade::storage {
+namespace {
+
+using postgres::Params;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+constexpr Statement kSelectGraph{"reading the graph's version",
+                                 "SELECT coalesce(g.graph_version, 0), g.root_map_id FROM enfilade.sites s"
+                                 " LEFT JOIN enfilade.site_graphs g USING (site_id) WHERE site_id = $1"};
+constexpr Statement kHoldGraph{"holding the graph's version",
+                               "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR SHARE"};
+constexpr Statement kSelectMaps{
+    "reading the graph's maps",
+    "SELECT m.map_id, m.display_name, m.level, m.environment, ST_AsBinary(m.outline, 'NDR'), g.x IS NOT NULL,"
+    " coalesce(g.x, 0), coalesce(g.y, 0), coalesce(g.yaw, 0), coalesce(g.covariance, '{}'), g.changed_version"
+    " FROM enfilade.graph_maps g JOIN enfilade.maps m ON m.site_id = g.site_id AND m.map_id = g.map_id"
+    " WHERE g.site_id = $1 AND g.changed_version > $2 ORDER BY m.map_id"};
+constexpr Statement kSelectLinkPoints{
+    "reading the graph's link points",
+    "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
+    " WHERE p.site_id = $1 AND p.changed_version > $2 ORDER BY p.link_point_id, a.ordinal"};
+constexpr Statement kSelectRemovals{"reading what is gone from the graph",
+                                    "SELECT kind, id FROM enfilade.graph_removals"
+                                    " WHERE site_id = $1 AND removed_version > $2 ORDER BY kind, id"};
+constexpr int kAttempts = 3;
+
+struct GraphMapRow {
+  GraphMap map;
+  std::string outline;
+};
+
+GraphMapRow ReadGraphMapRow(Row& row) {
+  GraphMapRow out;
+  out.map.id = MapId(std::string(row.Text()));
+  out.map.display_name = row.Text();
+  out.map.level = row.Int32();
+  out.map.environment = static_cast<Environment>(row.Int16());
+  out.outline = row.OptionalBytes().value_or("");
+  const bool placed = row.Bool();
+  PoseWithCovariance place;
+  place.pose = {row.Double(), row.Double(), row.Double()};
+  place.covariance = postgres::ReadCovariance(row);
+  if (placed) out.map.T_world_map = place;
+  out.map.graph_version = row.Int64();
+  return out;
+}
+
+absl::Status Read(const postgres::Result& maps, const postgres::Result& link_points, const postgres::Result& removals,
+                  GraphChanges& changes) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<GraphMapRow> rows, storage::postgres::ReadRows(maps, ReadGraphMapRow));
+  for (GraphMapRow& row : rows) {
+    if (!row.outline.empty()) {
+      ENFILADE_ASSIGN_OR_RETURN(row.map.outline, postgres::DecodePolygon(row.outline));
+    }
+    changes.maps.push_back(std::move(row.map));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(changes.link_points, postgres::ReadLinkPoints(link_points));
+  if (changes.complete) return absl::OkStatus();
+  for (int i = 0; i < removals.rows(); ++i) {
+    Row row(removals, i);
+    const bool is_map = row.Int16() == 1;
+    std::string id(row.Text());
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    if (is_map) {
+      changes.removed_maps.emplace_back(std::move(id));
+    } else {
+      changes.removed_link_points.emplace_back(std::move(id));
+    }
+  }
+  return absl::OkStatus();
+}
+
+void QueueChanges(Transaction& transaction, const SiteId& site, std::int64_t since) {
+  transaction.Queue(kSelectGraph, Params(site));
+  transaction.Queue(kSelectMaps, Params(site, since));
+  transaction.Queue(kSelectLinkPoints, Params(site, since));
+  transaction.Queue(kSelectRemovals, Params(site, since));
+  transaction.Queue(kSelectGraph, Params(site));
+}
+
+// Of what QueueChanges has queued. Each statement sees what was committed before it: all of one version where the
+// version is the same before and after; nothing where it is not.
+absl::StatusOr<std::optional<GraphChanges>> ReadQueued(std::span<const postgres::Result> results, const SiteId& site,
+                                                       std::int64_t since) {
+  GraphChanges changes;
+  std::int64_t after = 0;
+  for (const postgres::Result* result : {&results[4], &results[0]}) {
+    if (result->rows() == 0) return NotFound("{} does not exist", NameOf(site));
+    Row row(*result, 0);
+    changes.version = row.Int64();
+    changes.root = MapId(std::string(row.OptionalText().value_or("")));
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    if (result == &results[4]) after = changes.version;
+  }
+  if (after != changes.version) return std::nullopt;
+  changes.complete = since == 0;
+  ENFILADE_RETURN_IF_ERROR(Read(results[1], results[2], results[3], changes));
+  return changes;
+}
+
+absl::StatusOr<std::optional<GraphChanges>> TryRead(postgres::Pool& pool, const CallContext& context,
+                                                    const SiteId& site, std::int64_t since, bool hold) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  if (hold) transaction.Queue(kHoldGraph, Params(site));
+  QueueChanges(transaction, site, since);
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  return ReadQueued(std::span(results).subspan(hold ? 1 : 0), site, since);
+}
+
+}  // namespace
+
+absl::StatusOr<GraphChanges> GraphStore::ReadChanges(const CallContext& context, const SiteId& site,
+                                                     std::int64_t since) const {
+  for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+    ENFILADE_ASSIGN_OR_RETURN(auto changes, TryRead(pool_, context, site, since, attempt == kAttempts));
+    if (changes && changes->version < since) return ReadChanges(context, site, 0);
+    if (changes) return *std::move(changes);
+  }
+  return Aborted("{} was deleted and made again meanwhile: repeat the call", NameOf(site));
+}
+
+absl::StatusOr<GraphChanges> postgres::ReadHeldGraph(storage::postgres::Transaction& transaction, const SiteId& site,
+                                                     std::int64_t since) {
+  QueueChanges(transaction, site, since);
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
+  ENFILADE_ASSIGN_OR_RETURN(auto changes, ReadQueued(results, site, since));
+  if (!changes) return Internal("the graph of {} changed while it was held", NameOf(site));
+  if (changes->version < since) return storage::postgres::ReadHeldGraph(transaction, site, 0);
+  return *std::move(changes);
+}
+
+}  // namespace enfilade::storage

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/graph_store.h"
+
+#include "core/base/resource_name.h"
+#include "storage/postgres/driver/rows.h"
+#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/link_point_rows.h"
+#include "storage/postgres/graph/placement.h"
+
+namespace enfilade::storage {
+namespace {
+
+using postgres::ExecuteAlone;
+using postgres::Params;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+constexpr Statement kUseLinkPoints{"switching link points",
+                                   "UPDATE enfilade.link_points SET changed_version = $2,"
+                                   " \"use\" = CASE WHEN link_point_id = ANY ($3) THEN 2 ELSE 1 END"
+                                   " WHERE site_id = $1 AND ((\"use\" = 1 AND link_point_id = ANY ($3))"
+                                   "   OR (\"use\" = 2 AND NOT link_point_id = ANY ($3)))"};
+constexpr Statement kStoreResult{
+    "storing the optimisation's result",
+    "UPDATE enfilade.graph_versions SET chi2_before = $3, chi2_after = $4, switched_off = $5, map_count = $6,"
+    " residual_count = $7 WHERE site_id = $1 AND version = $2"};
+constexpr Statement kStorePoses{"storing maps' poses",
+                                "INSERT INTO enfilade.map_poses (site_id, version, map_id, x, y, yaw, covariance)"
+                                " SELECT site_id, $2, map_id, x, y, yaw, covariance FROM enfilade.graph_maps"
+                                " WHERE site_id = $1 AND map_id = ANY ($3) AND x IS NOT NULL"};
+constexpr Statement kForgetPoses{
+    "deleting old poses",
+    "DELETE FROM enfilade.map_poses WHERE site_id = $1 AND version < (SELECT version FROM enfilade.graph_versions"
+    "   WHERE site_id = $1 AND cause = 7 ORDER BY version DESC OFFSET $2 LIMIT 1)"};
+constexpr Statement kListVersions{
+    "listing the graph's versions",
+    "SELECT version, cause, resource, actor, create_time, chi2_before, chi2_after, switched_off, map_count,"
+    " residual_count FROM enfilade.graph_versions WHERE site_id = $1 AND ($2 = 0 OR version < $2)"
+    " ORDER BY version DESC LIMIT $3"};
+constexpr Statement kLastOptimization{
+    "looking for the last optimisation",
+    "SELECT coalesce(max(version), 0) FROM enfilade.graph_versions WHERE site_id = $1 AND version > $2 AND cause = $3"};
+constexpr Statement kSelectPoses{"reading maps' poses",
+                                 "SELECT map_id, x, y, yaw, covariance FROM enfilade.map_poses"
+                                 " WHERE site_id = $1 AND version = $2 ORDER BY map_id"};
+constexpr Statement kSelectPlaces{"reading maps' places",
+                                  "SELECT map_id, x, y, yaw, covariance FROM enfilade.graph_maps"
+                                  " WHERE site_id = $1 AND (cardinality($2::text[]) = 0 OR map_id = ANY ($2))"
+                                  " AND x IS NOT NULL ORDER BY map_id"};
+constexpr Statement kDropControlPoints{"removing control points",
+                                       "DELETE FROM enfilade.control_points WHERE site_id = $1"};
+constexpr Statement kPutControlPoints{
+    "storing control points",
+    "INSERT INTO enfilade.control_points (site_id, ordinal, map_id, x, y, latitude, longitude)"
+    " SELECT $1, u.n, u.map_id, u.x, u.y, u.latitude, u.longitude FROM"
+    " unnest($2::text[], $3::float8[], $4::float8[], $5::float8[], $6::float8[])"
+    " WITH ORDINALITY AS u (map_id, x, y, latitude, longitude, n)"};
+constexpr Statement kSelectControlPoints{"reading control points",
+                                         "SELECT map_id, x, y, latitude, longitude FROM enfilade.control_points"
+                                         " WHERE site_id = $1 ORDER BY ordinal"};
+
+MapPose ReadMapPose(Row& row) {
+  MapPose pose;
+  pose.map = MapId(std::string(row.Text()));
+  pose.T_world_map.pose = {row.Double(), row.Double(), row.Double()};
+  pose.T_world_map.covariance = postgres::ReadCovariance(row);
+  return pose;
+}
+
+GraphVersion ReadVersion(Row& row) {
+  GraphVersion version;
+  version.version = row.Int64();
+  version.cause = static_cast<GraphCause>(row.Int16());
+  version.resource = row.Text();
+  version.actor = row.Text();
+  version.create_time = row.Time();
+  GraphVersion::Optimization optimization;
+  const std::optional<double> chi2_before = row.OptionalDouble();
+  optimization.chi2_before = chi2_before.value_or(0.0);
+  optimization.chi2_after = row.OptionalDouble().value_or(0.0);
+  for (std::string& id : row.OptionalTexts()) optimization.switched_off.emplace_back(std::move(id));
+  optimization.map_count = row.OptionalInt64().value_or(0);
+  optimization.residual_count = row.OptionalInt64().value_or(0);
+  if (chi2_before) version.optimization = std::move(optimization);
+  return version;
+}
+
+absl::StatusOr<std::int64_t> LockExistingGraph(Transaction& transaction, const SiteId& site) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, postgres::LockGraph(transaction, site));
+  if (version == 0) return NotFound("the graph of {} does not exist", NameOf(site));
+  return version;
+}
+
+// Of a graph that `transaction` holds.
+absl::StatusOr<std::int64_t> StoreAndCommit(Transaction& transaction, const SiteId& site,
+                                            const GraphSolution& solution) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t raised,
+                            postgres::RaiseGraphVersion(transaction, site, GraphCause::kOptimized, ""));
+  postgres::QueuePlaces(transaction, site, raised, solution.maps, solution.link_points);
+  std::vector<std::string_view> switched_off, maps;
+  for (const LinkPointId& id : solution.switched_off) switched_off.push_back(id.value());
+  for (const MapPose& pose : solution.maps) maps.push_back(pose.map.value());
+  transaction.Queue(kUseLinkPoints, Params(site, raised, switched_off));
+  transaction.Queue(kStoreResult, Params(site, raised, solution.chi2_before, solution.chi2_after, switched_off,
+                                         static_cast<std::int64_t>(maps.size()), solution.residual_count));
+  transaction.Queue(kStorePoses, Params(site, raised, maps));
+  transaction.Queue(kForgetPoses, Params(site, std::int64_t{GraphStore::kKeptOptimizations - 1}));
+  ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(site)));
+  return raised;
+}
+
+}  // namespace
+
+absl::StatusOr<std::int64_t> GraphStore::GetVersion(const CallContext& context, const SiteId& site) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto result, storage::postgres::ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
+  return postgres::ReadGraphVersion(result);
+}
+
+absl::StatusOr<std::int64_t> GraphStore::Apply(const CallContext& context, const SiteId& site, std::int64_t version,
+                                               const GraphSolution& solution) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present, LockExistingGraph(transaction, site));
+  if (present != version) {
+    return Aborted("the graph of {} is at version {}, no longer at {}: optimise it again", NameOf(site), present,
+                   version);
+  }
+  return StoreAndCommit(transaction, site, solution);
+}
+
+absl::StatusOr<std::int64_t> GraphStore::SolveHeld(
+    const CallContext& context, const SiteId& site, std::int64_t since,
+    const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_RETURN_IF_ERROR(LockExistingGraph(transaction, site).status());
+  ENFILADE_ASSIGN_OR_RETURN(const GraphChanges changes, postgres::ReadHeldGraph(transaction, site, since));
+  ENFILADE_ASSIGN_OR_RETURN(const GraphSolution solution, solve(changes));
+  return StoreAndCommit(transaction, site, solution);
+}
+
+absl::StatusOr<std::vector<GraphVersion>> GraphStore::ListVersions(const CallContext& context, const SiteId& site,
+                                                                   std::int64_t before, int limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto result,
+      storage::postgres::ExecuteAlone(pool_, context, kListVersions, Params(site, before, std::int64_t{limit})));
+  return storage::postgres::ReadRows(result, ReadVersion);
+}
+
+absl::StatusOr<std::int64_t> GraphStore::FindLastOptimization(const CallContext& context, const SiteId& site,
+                                                              std::int64_t since) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto result,
+      storage::postgres::ExecuteAlone(pool_, context, kLastOptimization,
+                                      Params(site, since, static_cast<std::int16_t>(GraphCause::kOptimized))));
+  return storage::postgres::ReadOne(
+      result, [](Row& row) { return row.Int64(); }, NameOf(site));
+}
+
+absl::StatusOr<std::vector<MapPose>> GraphStore::GetMapPoses(const CallContext& context, const SiteId& site,
+                                                             std::int64_t version) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kSelectPoses, Params(site, version)));
+  if (result.rows() == 0) {
+    return NotFound("version {} of the graph of {} is none of its last {} optimisations", version, NameOf(site),
+                    kKeptOptimizations);
+  }
+  return storage::postgres::ReadRows(result, ReadMapPose);
+}
+
+absl::StatusOr<std::vector<MapPose>> GraphStore::GetPlaces(const CallContext& context, const SiteId& site,
+                                                           const std::vector<MapId>& maps) const {
+  std::vector<std::string_view> ids;
+  for (const MapId& map : maps) ids.push_back(map.value());
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kSelectPlaces, Params(site, ids)));
+  return storage::postgres::ReadRows(result, ReadMapPose);
+}
+
+absl::StatusOr<std::int64_t> GraphStore::SetControlPoints(const CallContext& context, const SiteId& site,
+                                                          const std::vector<ControlPoint>& points) const {
+  std::vector<std::string_view> maps;
+  std::vector<double> x, y, latitudes, longitudes;
+  for (const ControlPoint& point : points) {
+    maps.push_back(point.map.value());
+    x.push_back(point.position.x());
+    y.push_back(point.position.y());
+    latitudes.push_back(point.latitude);
+    longitudes.push_back(point.longitude);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            postgres::RaiseGraphVersion(transaction, site, GraphCause::kGeoreferenced, ""));
+  transaction.Queue(kDropControlPoints, Params(site));
+  if (!points.empty()) transaction.Queue(kPutControlPoints, Params(site, maps, x, y, latitudes, longitudes));
+  const absl::Status committed = transaction.Commit();
+  if (postgres::SqlStateOf(committed) == "23503") {
+    return NotFound("a map of the control points does not exist in {}", NameOf(site));
+  }
+  ENFILADE_RETURN_IF_ERROR(WithContext(committed, NameOf(site)));
+  return version;
+}
+
+absl::StatusOr<std::vector<ControlPoint>> GraphStore::GetControlPoints(const CallContext& context,
+                                                                       const SiteId& site) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kSelectControlPoints, Params(site)));
+  return storage::postgres::ReadRows(result, [](Row& row) {
+    ControlPoint point;
+    point.map = MapId(std::string(row.Text()));
+    point.position = {row.Double(), row.Double()};
+    point.latitude = row.Double();
+    point.longitude = row.Double();
+    return point;
+  });
+}
+
+}  // namespace enfilade::storage

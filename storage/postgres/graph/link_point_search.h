@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "storage/postgres/driver/connection.h"
+#include "storage/postgres/graph/link_point_rows.h"
+
+namespace enfilade::storage::postgres {
+
+// The statements of LinkPointStore::Find, apart so that the benchmark can give the same to pgbench. The inner query is
+// the indexed search; the joined anchors come with those that it found, and the graph's version with each row.
+#define ENFILADE_GRAPH_VERSION ", (SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1)"
+#define ENFILADE_FIND_LINK_POINTS(area, level)                                                        \
+  "WITH found AS MATERIALIZED (SELECT * FROM enfilade.link_points WHERE site_id = $1" area level      \
+  " AND anchor_count BETWEEN $2 AND $3 AND \"use\" <= $4"                                             \
+  " ORDER BY position <-> ST_MakePoint($6, $7) LIMIT $5)"                                             \
+  " SELECT " ENFILADE_LINK_POINT_COLUMNS ENFILADE_GRAPH_VERSION " FROM found p" ENFILADE_JOIN_ANCHORS \
+  " ORDER BY p.position <-> ST_MakePoint($6, $7), p.link_point_id, a.ordinal"
+#define ENFILADE_WITHIN " AND ST_DWithin(position, ST_MakePoint($6, $7), $8)"
+
+constexpr Statement kFindWithinOnLevel{"looking for link points",
+                                       ENFILADE_FIND_LINK_POINTS(ENFILADE_WITHIN, " AND levels @> $9::integer")};
+constexpr Statement kFindWithin{"looking for link points", ENFILADE_FIND_LINK_POINTS(ENFILADE_WITHIN, "")};
+constexpr Statement kFindNearestOnLevel{
+    "looking for the nearest link points",
+    ENFILADE_FIND_LINK_POINTS(" AND position IS NOT NULL", " AND levels @> $8::integer")};
+constexpr Statement kFindNearest{"looking for the nearest link points",
+                                 ENFILADE_FIND_LINK_POINTS(" AND position IS NOT NULL", "")};
+
+}  // namespace enfilade::storage::postgres

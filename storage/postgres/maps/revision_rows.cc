@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/maps/revision_rows.h"
+
+#include "core/base/resource_name.h"
+#include "storage/postgres/driver/rows.h"
+#include "storage/postgres/maps/blob_rows.h"
+#include "storage/postgres/maps/layer_rows.h"
+
+namespace enfilade::storage::postgres {
+namespace {
+
+// NO KEY: robots' new sessions, which refer to the map, do not wait.
+constexpr Statement kLockMap{
+    "locking the map",
+    "SELECT m.current_revision, coalesce(r.source = $3 AND r.session_id IS NOT DISTINCT FROM $4"
+    " AND r.content_sha256 = $5 AND r.raster_header = $6, false)"
+    " FROM enfilade.maps m LEFT JOIN enfilade.map_revisions r"
+    " ON (r.site_id, r.map_id, r.revision) = (m.site_id, m.map_id, m.current_revision)"
+    " WHERE m.site_id = $1 AND m.map_id = $2 FOR NO KEY UPDATE OF m"};
+constexpr Statement kInsertRevision{
+    "storing the revision",
+    "INSERT INTO enfilade.map_revisions (site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y,"
+    " origin_yaw, width, height, raster_header, content_sha256, tile_count, tile_bytes)"
+    " SELECT $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, cardinality($14::bytea[]), coalesce(sum(b.size), "
+    "0)"
+    " FROM unnest($14::bytea[]) AS u (sha256) JOIN enfilade.blobs b ON b.site_id = $1 AND b.sha256 = u.sha256"};
+constexpr Statement kInsertTiles{
+    "storing the revision's tiles",
+    "INSERT INTO enfilade.map_revision_tiles (site_id, map_id, revision, tile_row, tile_column, sha256)"
+    " SELECT $1, $2, $3, u.* FROM unnest($4::integer[], $5::integer[], $6::bytea[]) u"};
+constexpr Statement kSetRevisionState{"updating the map",
+                                      "UPDATE enfilade.maps SET current_revision = $3, state = $4"
+                                      " WHERE site_id = $1 AND map_id = $2"};
+
+}  // namespace
+
+absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const SiteId& site, const MapId& map,
+                                         const NewRevision& revision, absl::Span<const BlobView> blobs,
+                                         MapState state) {
+  const auto source = static_cast<std::int16_t>(revision.source);
+  ENFILADE_ASSIGN_OR_RETURN(
+      const Result locked,
+      transaction.Execute(kLockMap, Params(site, map, source, revision.session, Bytes{revision.content_sha256},
+                                           Bytes{revision.raster_header})));
+  if (locked.rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
+  Row row(locked, 0);
+  std::int64_t number = row.Int64();
+  const bool stored = row.Bool();
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  ENFILADE_RETURN_IF_ERROR(CheckLayers(transaction, site, map, revision));
+  QueueBlobs(transaction, site, blobs);
+  if (!stored) {
+    ++number;
+    std::vector<std::int32_t> rows, columns;
+    std::vector<Bytes> digests;
+    for (const TileRef& tile : revision.tiles) {
+      rows.push_back(tile.key.row);
+      columns.push_back(tile.key.column);
+      digests.push_back(Bytes{tile.sha256});
+    }
+    const grid::GridGeometry& grid = revision.geometry;
+    transaction.Queue(kInsertRevision, Params(site, map, number, source, revision.session, grid.resolution,
+                                              grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw,
+                                              std::int32_t{grid.width}, std::int32_t{grid.height},
+                                              Bytes{revision.raster_header}, Bytes{revision.content_sha256}, digests));
+    transaction.Queue(kInsertTiles, Params(site, map, number, rows, columns, digests));
+  }
+  QueueLayer(transaction, site, map, revision, number);
+  transaction.Queue(kSetRevisionState, Params(site, map, number, static_cast<std::int16_t>(state)));
+  return number;
+}
+
+absl::Status ExplainRevisionError(const absl::Status& status, const SiteId& site, const MapId& map) {
+  if (AreLayersChanged(status)) return status;
+  const std::string constraint = ConstraintOf(status);
+  if (constraint == "map_revision_tiles_site_id_sha256_fkey" || constraint == "map_layer_tiles_site_id_sha256_fkey") {
+    return FailedPrecondition("a tile's blob is not stored: {}", std::string(status.message()));
+  }
+  if (constraint == "map_revision_tiles_pkey") {
+    return InvalidArgument("a tile is given twice: {}", std::string(status.message()));
+  }
+  return WithContext(status, NameOf(site, map));
+}
+
+}  // namespace enfilade::storage::postgres

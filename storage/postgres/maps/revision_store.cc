@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/revision_store.h"
+
+#include <limits>
+
+#include "core/base/resource_name.h"
+#include "storage/postgres/driver/rows.h"
+#include "storage/postgres/maps/blob_rows.h"
+#include "storage/postgres/maps/revision_rows.h"
+
+namespace enfilade::storage {
+namespace {
+
+using postgres::ExecuteAlone;
+using postgres::Params;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+#define ENFILADE_REVISION_COLUMNS                                                                             \
+  "site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height," \
+  " raster_header, content_sha256, tile_count, tile_bytes, create_time"
+
+constexpr Statement kSelectRevision{"reading the revision",
+                                    "SELECT " ENFILADE_REVISION_COLUMNS
+                                    " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision ="
+                                    " CASE $3 WHEN 0 THEN (SELECT current_revision FROM enfilade.maps"
+                                    "   WHERE site_id = $1 AND map_id = $2) ELSE $3 END"};
+constexpr Statement kSelectCurrentRevision{
+    "looking for the map", "SELECT current_revision FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kListRevisions{"listing revisions",
+                                   "SELECT " ENFILADE_REVISION_COLUMNS
+                                   " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision < $3"
+                                   " ORDER BY revision DESC LIMIT $4"};
+constexpr Statement kListTiles{"listing tiles",
+                               "SELECT tile_row, tile_column, sha256 FROM enfilade.map_revision_tiles"
+                               " WHERE site_id = $1 AND map_id = $2 AND revision = $3"
+                               " ORDER BY tile_row, tile_column"};
+// Takes as many tiles as would fit by their mean size, and of those no more than really fit.
+constexpr Statement kReadTiles{
+    "reading tiles",
+    "SELECT t.tile_row, t.tile_column, t.sha256, b.data FROM ("
+    "  SELECT tile_row, tile_column, sha256,"
+    "    sum(size) OVER (ORDER BY tile_row, tile_column) - size AS bytes_before FROM ("
+    "    SELECT t.tile_row, t.tile_column, t.sha256, b.size FROM enfilade.map_revision_tiles t"
+    "    JOIN enfilade.blobs b ON b.site_id = t.site_id AND b.sha256 = t.sha256"
+    "    WHERE t.site_id = $1 AND t.map_id = $2 AND t.revision = $3 AND (t.tile_row, t.tile_column) > ($4, $5)"
+    "    ORDER BY t.tile_row, t.tile_column LIMIT (SELECT 1 + $6 * tile_count / (1 + tile_bytes)"
+    "      FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision = $3)) s) t"
+    " JOIN enfilade.blobs b ON b.site_id = $1 AND b.sha256 = t.sha256"
+    " WHERE t.bytes_before < $6 ORDER BY t.tile_row, t.tile_column"};
+
+MapRevision ReadRevision(Row& row) {
+  MapRevision revision;
+  revision.site = SiteId(std::string(row.Text()));
+  revision.map = MapId(std::string(row.Text()));
+  revision.number = row.Int64();
+  revision.source = static_cast<RevisionSource>(row.Int16());
+  if (const auto session = row.OptionalText()) revision.session = SessionId(std::string(*session));
+  revision.geometry.resolution = row.Double();
+  revision.geometry.T_map_grid.x = row.Double();
+  revision.geometry.T_map_grid.y = row.Double();
+  revision.geometry.T_map_grid.yaw = row.Double();
+  revision.geometry.width = row.Int32();
+  revision.geometry.height = row.Int32();
+  revision.raster_header = row.Bytes();
+  revision.content_sha256 = row.Bytes();
+  revision.tile_count = row.Int64();
+  revision.tile_bytes = row.Int64();
+  revision.create_time = row.Time();
+  return revision;
+}
+
+std::string NameOfRevision(const SiteId& site, const MapId& map, std::int64_t number) {
+  if (number == 0) return fmt::format("a revision of {}", NameOf(site, map));
+  return fmt::format("{}/revisions/{}", NameOf(site, map), number);
+}
+
+}  // namespace
+
+absl::StatusOr<MapRevision> RevisionStore::Add(const CallContext& context, const SiteId& site, const MapId& map,
+                                               const NewRevision& revision, absl::Span<const BlobView> blobs) const {
+  ENFILADE_RETURN_IF_ERROR(postgres::ValidateBlobs(blobs));
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  const auto number = storage::postgres::AddRevision(transaction, site, map, revision, blobs, MapState::kReady);
+  if (!number.ok()) return postgres::ExplainRevisionError(number.status(), site, map);
+  transaction.Queue(kSelectRevision, Params(site, map, *number));
+  const auto results = transaction.FlushAndCommit();
+  if (!results.ok()) return postgres::ExplainRevisionError(results.status(), site, map);
+  return storage::postgres::ReadOne(results->back(), ReadRevision, NameOfRevision(site, map, *number));
+}
+
+absl::StatusOr<MapRevision> RevisionStore::Get(const CallContext& context, const SiteId& site, const MapId& map,
+                                               std::int64_t number) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
+  return storage::postgres::ReadOne(result, ReadRevision, NameOfRevision(site, map, number));
+}
+
+absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& context, const SiteId& site,
+                                                             const MapId& map, std::int64_t before, int limit) const {
+  const std::int64_t below = before > 0 ? before : std::numeric_limits<std::int64_t>::max();
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  transaction.Queue(kSelectCurrentRevision, Params(site, map));
+  transaction.Queue(kListRevisions, Params(site, map, below, static_cast<std::int64_t>(limit)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
+  return storage::postgres::ReadRows(results[1], ReadRevision);
+}
+
+absl::StatusOr<std::vector<TileRef>> RevisionStore::ListTiles(const CallContext& context, const SiteId& site,
+                                                              const MapId& map, std::int64_t number) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  transaction.Queue(kSelectRevision, Params(site, map, number));
+  transaction.Queue(kListTiles, Params(site, map, number));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  if (results[0].rows() == 0) return NotFound("{} does not exist", NameOfRevision(site, map, number));
+  return storage::postgres::ReadRows(results[1], [](Row& row) {
+    const std::int32_t tile_row = row.Int32();
+    const std::int32_t tile_column = row.Int32();
+    return TileRef{{tile_row, tile_column}, std::string(row.Bytes())};
+  });
+}
+
+absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& context, const SiteId& site,
+                                                           const MapId& map, std::int64_t number,
+                                                           std::optional<TileKey> after, std::int64_t max_bytes) const {
+  constexpr int kFirst = std::numeric_limits<std::int32_t>::min();
+  const TileKey behind = after.value_or(TileKey{kFirst, kFirst});
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kReadTiles,
+                                                            Params(site, map, number, std::int32_t{behind.row},
+                                                                   std::int32_t{behind.column}, max_bytes)));
+  return storage::postgres::ReadRows(result, [](Row& row) {
+    const std::int32_t tile_row = row.Int32();
+    const std::int32_t tile_column = row.Int32();
+    Tile tile{{tile_row, tile_column}, std::string(row.Bytes()), {}};
+    tile.data = row.Bytes();
+    return tile;
+  });
+}
+
+}  // namespace enfilade::storage

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "core/base/ids.h"
+#include "storage/call_context.h"
+#include "storage/postgres/driver/pool.h"
+#include "storage/record_store.h"
+
+namespace enfilade::storage::postgres {
+
+// RecordStore::AppendGroup for batches of one site: one transaction.
+std::vector<absl::StatusOr<AppendResult>> AppendToSite(Pool& pool, const CallContext& context, const SiteId& site,
+                                                       absl::Span<const RecordBatch* const> batches);
+
+// `status` with the record at fault: see RefusedSequenceOf.
+absl::Status RefuseRecord(absl::Status status, std::int64_t sequence);
+
+}  // namespace enfilade::storage::postgres

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/maintenance.h"
+
+#include <array>
+
+#include "core/base/resource_name.h"
+#include "storage/postgres/driver/rows.h"
+
+namespace enfilade::storage {
+namespace {
+
+using postgres::ExecuteAlone;
+using postgres::Params;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+// Another replica's is left to it.
+constexpr Statement kFindDeleted{"looking for deleted sessions",
+                                 "SELECT site_id, session_id FROM enfilade.sessions"
+                                 " WHERE delete_time IS NOT NULL AND NOT purged LIMIT 1 FOR UPDATE SKIP LOCKED"};
+constexpr Statement kFindExpired{"looking for expired records",
+                                 "SELECT site_id, session_id FROM enfilade.sessions"
+                                 " WHERE records_deleted AND delete_time IS NULL AND NOT purged LIMIT 1"
+                                 " FOR UPDATE SKIP LOCKED"};
+constexpr Statement kMarkExpired{
+    "looking for sessions past their retention",
+    "UPDATE enfilade.sessions s SET records_deleted = true FROM enfilade.sites t"
+    " WHERE t.site_id = s.site_id AND s.finish_time <= now() - t.raw_retention_s * interval '1 second'"
+    " AND s.delete_time IS NULL AND NOT s.records_deleted AND s.state IN (3, 4)"};
+constexpr Statement kMarkPurged{"closing the session",
+                                "UPDATE enfilade.sessions SET purged = true WHERE site_id = $1 AND session_id = $2"};
+
+#define ENFILADE_PURGE(table)                                                                                         \
+  Statement {                                                                                                         \
+    "deleting from " table, "DELETE FROM enfilade." table " WHERE ctid = ANY (ARRAY(SELECT ctid FROM enfilade." table \
+                            " WHERE site_id = $1 AND session_id = $2 LIMIT $3))"                                      \
+  }
+// What a retention deletes, and after it what only the session's own deletion does, in an order that no foreign key
+// objects to.
+constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs"), ENFILADE_PURGE("session_records")};
+constexpr std::array kMappingTables = {
+    ENFILADE_PURGE("door_verdicts"),       ENFILADE_PURGE("session_tracks"), ENFILADE_PURGE("trajectory_points"),
+    ENFILADE_PURGE("slam_closures"),       ENFILADE_PURGE("slam_nodes"),     ENFILADE_PURGE("slam_submaps"),
+    ENFILADE_PURGE("mapping_checkpoints"), ENFILADE_PURGE("session_leases"),
+};
+
+constexpr Statement kCollectBlobs{
+    "collecting blobs",
+    "DELETE FROM enfilade.blobs WHERE ctid = ANY (ARRAY("
+    "  SELECT ctid FROM enfilade.blobs b WHERE b.put_time <= now() - $1 * interval '1 second'"
+    "  AND NOT EXISTS (SELECT FROM enfilade.map_revision_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.map_layer_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.session_record_blobs r"
+    "    WHERE r.site_id = b.site_id AND r.sha256 = b.sha256)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.link_point_evidence e"
+    "    WHERE e.site_id = b.site_id AND e.sha256 = b.sha256)"
+    "  LIMIT $2 FOR UPDATE SKIP LOCKED))"};
+
+// One session: deletes up to `limit` rows of it; unset where none was found.
+absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const CallContext& context,
+                                                     const Statement& find, bool with_mapping, std::int64_t limit) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(find, Params()));
+  if (found.rows() == 0) return std::nullopt;
+  Row row(found, 0);
+  const std::string site(row.Text());
+  const std::string session(row.Text());
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  std::vector<const Statement*> deletions;
+  for (const Statement& deletion : kRecordTables) deletions.push_back(&deletion);
+  if (with_mapping) {
+    for (const Statement& deletion : kMappingTables) deletions.push_back(&deletion);
+  }
+  std::int64_t deleted = 0;
+  for (const Statement* deletion : deletions) {
+    if (deleted >= limit) break;
+    ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                              transaction.Execute(*deletion, Params(site, session, limit - deleted)));
+    deleted += result.affected();
+  }
+  if (deleted < limit) transaction.Queue(kMarkPurged, Params(site, session));
+  ENFILADE_RETURN_IF_ERROR(transaction.Commit());
+  return deleted;
+}
+
+absl::StatusOr<std::int64_t> Purge(postgres::Pool& pool, const CallContext& context, const Statement& find,
+                                   bool with_mapping, std::int64_t limit) {
+  std::int64_t total = 0;
+  while (total < limit) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto deleted, PurgeOne(pool, context, find, with_mapping, limit - total));
+    if (!deleted) break;
+    total += *deleted;
+  }
+  return total;
+}
+
+}  // namespace
+
+absl::StatusOr<std::int64_t> Maintenance::PurgeDeletedSessions(const CallContext& context, std::int64_t limit) const {
+  return Purge(pool_, context, kFindDeleted, true, limit);
+}
+
+absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const {
+  ENFILADE_RETURN_IF_ERROR(storage::postgres::ExecuteAlone(pool_, context, kMarkExpired, Params()).status());
+  return Purge(pool_, context, kFindExpired, false, limit);
+}
+
+absl::StatusOr<std::int64_t> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,
+                                                       std::int64_t limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kCollectBlobs,
+                                                            Params(static_cast<std::int64_t>(grace.count()), limit)));
+  return result.affected();
+}
+
+}  // namespace enfilade::storage

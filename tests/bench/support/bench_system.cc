@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/support/bench_system.h"
+
+#include <stdexcept>
+
+#include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/robot_service.grpc.pb.h"
+#include "enfilade/v1/session_service.grpc.pb.h"
+#include "enfilade/v1/site_service.grpc.pb.h"
+#include "tests/support/command.h"
+
+namespace enfilade::bench {
+namespace {
+
+constexpr char kSite[] = "sites/bench";
+
+template <typename T>
+T Must(absl::StatusOr<T> value) {
+  if (!value.ok()) throw std::runtime_error(value.status().ToString());
+  return *std::move(value);
+}
+
+}  // namespace
+
+BenchSystem::BenchSystem(std::vector<std::string> settings)
+    : cluster_(testing::Cluster::Durability::kDurable),
+      server_(directory_.path(), "server", cluster_.url(), std::move(settings)) {
+  const auto migrate = testing::RunCommand({testing::ProjectFile("deploy/database/migrate"), "up", cluster_.url()});
+  if (migrate.exit_code != 0) throw std::runtime_error("the migrations failed:\n" + migrate.output);
+  server_.StartAndWait();
+  v1::CreateSiteRequest site;
+  site.set_site_id("bench");
+  site.mutable_site()->set_display_name("bench");
+  Must(server_.Connect().Call(&v1::SiteService::Stub::CreateSite, site));
+  v1::CreateRobotRequest robot;
+  robot.set_parent(kSite);
+  robot.set_robot_id("robot");
+  robot.mutable_robot()->set_display_name("robot");
+  Must(server_.Connect().Call(&v1::RobotService::Stub::CreateRobot, robot));
+}
+
+std::vector<std::string> BenchSystem::CreateSessions(int count) {
+  const client::Connection connection = server_.Connect();
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) {
+    v1::CreateSessionRequest request;
+    request.set_parent(kSite);
+    request.mutable_session()->set_robot(std::string(kSite) + "/robots/robot");
+    request.set_session_id("session-" + std::to_string(++sessions_));
+    names.push_back(Must(connection.Call(&v1::SessionService::Stub::CreateSession, request)).session().name());
+  }
+  return names;
+}
+
+std::string BenchSystem::CreateMap(const std::string& display_name) {
+  v1::CreateMapRequest request;
+  request.set_parent(kSite);
+  request.mutable_map()->set_display_name(display_name);
+  return Must(server_.Connect().Call(&v1::MapService::Stub::CreateMap, request)).map().name();
+}
+
+}  // namespace enfilade::bench

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/cluster.h"
+#include "tests/support/server_process.h"
+#include "tests/support/test_data.h"
+
+namespace enfilade::bench {
+
+// A durable database cluster and a server of their own, with one site and one robot.
+class BenchSystem {
+ public:
+  // `settings` of the server: KEY=VALUE. Throws where something does not start.
+  explicit BenchSystem(std::vector<std::string> settings = {});
+
+  const std::string& database_url() const { return cluster_.url(); }
+  testing::ServerProcess& server() { return server_; }
+  const std::filesystem::path& directory() const { return directory_.path(); }
+
+  // New sessions that are only recorded, as resource names.
+  std::vector<std::string> CreateSessions(int count);
+  // A new map's resource name.
+  std::string CreateMap(const std::string& display_name);
+
+ private:
+  testing::TemporaryDirectory directory_;
+  testing::Cluster cluster_;
+  testing::ServerProcess server_;
+  int sessions_ = 0;
+};
+
+}  // namespace enfilade::bench

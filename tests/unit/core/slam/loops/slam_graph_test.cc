@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/loops/slam_graph.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "core/slam/loops/edge_information.h"
+#include "core/slam/loops/loop_candidates.h"
+#include "core/slam/mapper/motion_model.h"
+#include "tests/support/pose_matchers.h"
+
+namespace enfilade::slam {
+namespace {
+
+using testing::PoseNear;
+
+// Submaps along a square of 10 m sides, one keyframe in each, as measured with a yaw error of `drift` at each corner.
+// Submap 4 is back where submap 0 was.
+MapperState Square(double drift) {
+  MapperState state;
+  Pose2 pose;
+  for (std::int64_t id = 0; id <= 4; ++id) {
+    const std::vector<SubmapNode> nodes{{id, false, 10.0, {1.0, 0.0, 0.1}, InformationOf(0.01, 0.002)}};
+    std::optional<NextSubmap> next;
+    if (id < 4) next = NextSubmap{{10.0, 0.0, M_PI / 2.0 + drift}, InformationOf(0.05, 0.05)};
+    state.finished[id] = Finished(pose, 1, "", nodes, next);
+    SlamNode node;
+    node.id = id;
+    node.T_map_node = pose * nodes[0].T_submap_node;
+    node.submap = id;
+    state.nodes[id] = node;
+    if (next) pose = pose * next->T_submap_next;
+  }
+  return state;
+}
+
+LoopClosure Closure(std::int64_t id, std::int64_t submap, std::int64_t node, const Pose2& T_submap_node) {
+  LoopClosure closure;
+  closure.id = id;
+  closure.submap = submap;
+  closure.node = node;
+  closure.T_submap_node = T_submap_node;
+  closure.information = InformationOf(0.05, 0.01);
+  closure.state = LoopClosureState::kAccepted;
+  return closure;
+}
+
+TEST(SolveSlamGraph, PullsADriftedSquareTogether) {
+  MapperState state = Square(0.05);
+  EXPECT_GT(state.nodes.at(4).T_map_node.translation().norm(), 1.5);
+  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});  // keyframe 4 is where keyframe 0 was
+  EXPECT_TRUE(SolveSlamGraph({}, state).solved);
+  EXPECT_THAT(state.nodes.at(0).T_map_node, PoseNear(Pose2{1.0, 0.0, 0.1}, 1e-12, 1e-12)) << "held";
+  EXPECT_THAT(state.nodes.at(4).T_map_node, PoseNear(Pose2{1.0, 0.0, 0.1}, 0.2, 0.05));
+  EXPECT_EQ(state.closures.at(0).state, LoopClosureState::kAccepted);
+  for (const auto& [id, submap] : state.finished) {
+    EXPECT_THAT(Between(submap.T_map_submap, state.nodes.at(id).T_map_node),
+                PoseNear(Pose2{1.0, 0.0, 0.1}, 0.05, 0.01));
+  }
+}
+
+TEST(SolveSlamGraph, SwitchesOffWhatContradictsTheRest) {
+  MapperState state = Square(0.0);
+  const std::map<std::int64_t, SlamNode> before = state.nodes;
+  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
+  state.closures[1] = Closure(1, 0, 4, {1.02, 0.01, 0.1});
+  state.closures[2] = Closure(2, 0, 2, {2.0, 1.0, 0.0});  // false: keyframe 2 is at the far corner
+  SolveSlamGraph({}, state);
+  EXPECT_EQ(state.closures.at(0).state, LoopClosureState::kAccepted);
+  EXPECT_EQ(state.closures.at(1).state, LoopClosureState::kAccepted);
+  EXPECT_EQ(state.closures.at(2).state, LoopClosureState::kRejected);
+  EXPECT_THAT(state.closures.at(2).reason, ::testing::HasSubstr("chi2"));
+  for (const auto& [id, node] : before) {
+    EXPECT_THAT(state.nodes.at(id).T_map_node, PoseNear(node.T_map_node, 0.05, 0.01)) << id;
+  }
+}
+
+TEST(SolveSlamGraph, LeavesSuspendedClosuresOut) {
+  MapperState state = Square(0.05);
+  const Pose2 before = state.nodes.at(4).T_map_node;
+  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
+  state.closures[0].state = LoopClosureState::kSuspended;
+  SolveSlamGraph({}, state);
+  EXPECT_THAT(state.nodes.at(4).T_map_node, PoseNear(before, 1e-6, 1e-6));
+  EXPECT_EQ(state.closures.at(0).state, LoopClosureState::kSuspended);
+}
+
+TEST(SolveSlamGraph, GivesCovariancesThatGrowAlongTheWay) {
+  MapperState state = Square(0.0);
+  SolveSlamGraph({}, state);
+  EXPECT_TRUE(state.nodes.at(0).covariance.isZero());
+  for (std::int64_t id = 1; id <= 4; ++id) {
+    EXPECT_GT(state.nodes.at(id).covariance(2, 2), state.nodes.at(id - 1).covariance(2, 2));
+  }
+}
+
+TEST(DriftLengths, GoTheShortestWayAcrossClosures) {
+  MapperState state = Square(0.0);
+  EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 40.0);
+  state.closures[0] = Closure(0, 1, 4, {});
+  Join(state.closures[0], state);
+  EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 10.0);
+  state.closures[0].state = LoopClosureState::kRejected;
+  JoinAll(state);
+  EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 40.0);
+}
+
+TEST(SelectLoopCandidates, TakesNearSubmapsThatAreNotTooRecentAndNotYetJoined) {
+  MapperState state = Square(0.0);
+  LoopOptions options;
+  const SlamNode node = state.nodes.at(4);
+  auto candidates = SelectLoopCandidates(state, node, options);
+  ASSERT_EQ(candidates.size(), 1U);
+  EXPECT_EQ(candidates[0].submap, 0);
+  EXPECT_DOUBLE_EQ(candidates[0].half_width, options.search_base + 40.0 * options.drift_per_metre);
+  options.min_submap_gap = 5;
+  EXPECT_TRUE(SelectLoopCandidates(state, node, options).empty()) << "too recent";
+  options = {};
+  options.max_distance = 0.0;
+  options.search_base = 0.05;
+  options.drift_per_metre = 0.0;
+  state.nodes.at(4).T_map_node.x += 3.0;
+  EXPECT_TRUE(SelectLoopCandidates(state, state.nodes.at(4), options).empty()) << "too far";
+  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
+  EXPECT_TRUE(SelectLoopCandidates(state, node, {}).empty()) << "closed already";
+}
+
+TEST(EdgeInformation, TurnsIntoTheMeasurementsFrame) {
+  // Sure along x of frame a, unsure along y; frame b is turned by 90 degrees.
+  const Eigen::Matrix3d information = Eigen::Vector3d(100.0, 1.0, 10.0).asDiagonal();
+  const Eigen::Matrix3d turned = InMeasurementFrame(information, M_PI / 2.0);
+  EXPECT_NEAR(turned(0, 0), 1.0, 1e-12);
+  EXPECT_NEAR(turned(1, 1), 100.0, 1e-12);
+  EXPECT_NEAR(turned(2, 2), 10.0, 1e-12);
+}
+
+TEST(EdgeInformation, AddsAFloorEvenWhereSingular) {
+  Eigen::Matrix3d corridor = Eigen::Matrix3d::Zero();
+  corridor(1, 1) = 1e6;
+  corridor(2, 2) = 1e6;
+  const Eigen::Matrix3d floored = WithFloor(corridor, 0.1, 0.01);
+  EXPECT_NEAR(floored(1, 1), 1.0 / (0.01 + 1e-6), 1.0);
+  EXPECT_GT(floored(0, 0), 0.0);
+  EXPECT_EQ(Eigen::LLT<Eigen::Matrix3d>(floored).info(), Eigen::Success);
+  EXPECT_GT(WeakestDirection(corridor), 100.0);
+  EXPECT_NEAR(WeakestDirection(InformationOf(0.1, 0.1)), 0.1, 1e-6);
+}
+
+}  // namespace
+}  // namespace enfilade::slam
