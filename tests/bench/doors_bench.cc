@@ -224,6 +224,7 @@ nlohmann::json ScoreRecording(const std::vector<sensor::PairedScan>& scans, cons
 
 int main(int argc, char** argv) {
   using namespace enfilade;
+  using namespace enfilade::bench;
   CLI::App app("Door detection in random buildings and on a recording");
   int buildings = 50;
   std::uint64_t first_seed = 5001;

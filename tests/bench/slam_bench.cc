@@ -77,6 +77,6 @@ int main(int argc, char** argv) {
     std::cerr << "bench_slam: " << scans.status().message() << '\n';
     return 1;
   }
-  std::cout << enfilade::Run(*std::move(scans), laps).dump(2) << '\n';
+  std::cout << enfilade::bench::Run(*std::move(scans), laps).dump(2) << '\n';
   return 0;
 }
