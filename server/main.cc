@@ -15,7 +15,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/slam/slam_options_yaml.h"
-#include "server/app/logging.h"
+#include "server/app/runtime/logging.h"
 #include "server/config/server_options.h"
 #include "server/server.h"
 #include "server/version.h"

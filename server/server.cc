@@ -11,7 +11,7 @@
 #include "grpcpp/grpcpp.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "server/app/closure/door_closures.h"
-#include "server/app/maintenance_loop.h"
+#include "server/app/runtime/maintenance_loop.h"
 #include "server/app/services.h"
 #include "server/rpc/api.h"
 #include "spdlog/spdlog.h"

@@ -12,8 +12,8 @@
 #include "core/closure/closure_options.h"
 #include "server/app/closure/closure_stores.h"
 #include "server/app/graph/site_graphs.h"
-#include "server/app/stop_signal.h"
-#include "server/app/wake_signal.h"
+#include "server/app/runtime/stop_signal.h"
+#include "server/app/runtime/wake_signal.h"
 
 namespace enfilade::server {
 

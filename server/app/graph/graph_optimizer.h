@@ -11,7 +11,7 @@
 #include "core/graph/graph_optimization.h"
 #include "server/app/graph/changed_sites.h"
 #include "server/app/graph/site_graphs.h"
-#include "server/app/stop_signal.h"
+#include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
 #include "storage/graph_store.h"
 #include "storage/site_lease_store.h"

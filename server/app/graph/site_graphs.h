@@ -13,7 +13,7 @@
 #include "core/base/mutex.h"
 #include "server/app/graph/changed_sites.h"
 #include "server/app/graph/site_graph.h"
-#include "server/app/stop_signal.h"
+#include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
 #include "storage/graph_store.h"
 

@@ -13,8 +13,8 @@
 #include "absl/base/thread_annotations.h"
 #include "core/base/mutex.h"
 #include "server/app/mapping/session_mapping.h"
-#include "server/app/metrics.h"
-#include "server/app/stop_signal.h"
+#include "server/app/runtime/metrics.h"
+#include "server/app/runtime/stop_signal.h"
 #include "server/config/server_options.h"
 #include "storage/mapping_store.h"
 

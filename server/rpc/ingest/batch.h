@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "enfilade/v1/ingest_service.pb.h"
-#include "server/app/ingest.h"
+#include "server/app/ingest/ingest.h"
 
 namespace enfilade::server {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/ingest.h"
+#include "server/app/ingest/ingest.h"
 
 #include <algorithm>
 #include <chrono>

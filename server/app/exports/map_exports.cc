@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/map_exports.h"
+#include "server/app/exports/map_exports.h"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/executor.h"
+#include "server/app/runtime/executor.h"
 
 #include <utility>
 

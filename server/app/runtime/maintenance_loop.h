@@ -3,9 +3,9 @@
 
 #include <thread>
 
-#include "server/app/metrics.h"
-#include "server/app/readiness.h"
-#include "server/app/stop_signal.h"
+#include "server/app/runtime/metrics.h"
+#include "server/app/runtime/readiness.h"
+#include "server/app/runtime/stop_signal.h"
 #include "server/config/server_options.h"
 #include "storage/maintenance.h"
 #include "storage/postgres/driver/pool.h"

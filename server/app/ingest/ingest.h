@@ -17,7 +17,7 @@
 #include "core/base/mutex.h"
 #include "core/sensor/record.h"
 #include "proto/convert/names.h"
-#include "server/app/metrics.h"
+#include "server/app/runtime/metrics.h"
 #include "server/config/server_options.h"
 #include "storage/blob_store.h"
 #include "storage/record_store.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/logging.h"
+#include "server/app/runtime/logging.h"
 
 #include <grpc/support/log.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/maintenance_loop.h"
+#include "server/app/runtime/maintenance_loop.h"
 
 #include <functional>
 

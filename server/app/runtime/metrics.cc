@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/metrics.h"
+#include "server/app/runtime/metrics.h"
 
 #include <exception>
 #include <map>

@@ -8,7 +8,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "core/base/mutex.h"
-#include "server/app/stop_signal.h"
+#include "server/app/runtime/stop_signal.h"
 #include "storage/schema.h"
 
 namespace enfilade::server {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/readiness.h"
+#include "server/app/runtime/readiness.h"
 
 #include <chrono>
 #include <utility>
