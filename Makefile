@@ -60,8 +60,8 @@ tidy: ## build with clang, its thread-safety analysis and clang-tidy
 format: ## clang-format in place
 	@git ls-files '*.h' '*.cc' | xargs clang-format -i
 
-lint: ## what the tests check without building: includes, format, scripts, API
-	@for check in tests/lint/*; do "$$check" || exit 1; done
+lint: bootstrap ## what the tests check without building: layers, licence, rooms, format, scripts, API
+	@tests/lint/run
 
 api-baseline: ## record the API as released: what `buf breaking` compares with
 	@cd proto && ../deploy/buf build -o baseline.binpb

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "storage/postgres/driver/rows.h"
 #include "storage/postgres/driver/migrations.h"
+#include "storage/postgres/driver/rows.h"
 
 namespace enfilade::storage {
 namespace {
