@@ -9,7 +9,7 @@ SEEDS ?= 20
 ROBOTS ?= r1
 CAMPUS ?= figure1
 VERDICTS ?= no
-.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint api-baseline clean campus
+.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -62,6 +62,9 @@ format: ## clang-format in place
 
 lint: bootstrap ## what the tests check without building: layers, licence, rooms, format, scripts, API
 	@tests/lint/run
+
+structure: ## how large folders, files and functions are, and the tests' share
+	@deploy/bootstrap analysis >/dev/null && deploy/structure
 
 api-baseline: ## record the API as released: what `buf breaking` compares with
 	@cd proto && ../deploy/buf build -o baseline.binpb
