@@ -4,9 +4,7 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/slam/slam_options_yaml.h"
+#include "io/file.h"
 #include "server/app/runtime/logging.h"
 #include "server/config/server_options.h"
 #include "server/server.h"
@@ -32,18 +31,10 @@ struct CommandLine {
   bool print_config = false;
 };
 
-absl::StatusOr<std::string> ReadFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return NotFound("cannot read the file {}", path);
-  std::ostringstream content;
-  content << file.rdbuf();
-  return content.str();
-}
-
 absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
   ServerOptions options;
   if (!command_line.config.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadFile(command_line.config));
+    ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(command_line.config));
     ENFILADE_RETURN_IF_ERROR(ApplyYaml(text, command_line.config, options));
   }
   std::vector<std::string> environment;
@@ -59,7 +50,7 @@ absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
 }
 
 absl::StatusOr<enfilade::slam::SlamOptions> LoadSlamOptions(const std::string& path) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(path));
   absl::StatusOr<enfilade::slam::SlamOptions> slam = enfilade::slam::ParseSlamOptions(text);
   if (!slam.ok()) return WithContext(slam.status(), path);
   return slam;

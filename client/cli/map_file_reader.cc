@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/map_file_reader.h"
 
-#include <fstream>
-#include <sstream>
+#include <string>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
 
 absl::StatusOr<grid::MapFile> ReadMapFile(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return NotFound("cannot read {}", path.string());
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  return grid::MapFile{path.filename().string(), std::move(bytes).str()};
+  ENFILADE_ASSIGN_OR_RETURN(std::string bytes, io::ReadFile(path));
+  return grid::MapFile{path.filename().string(), std::move(bytes)};
 }
 
 }  // namespace

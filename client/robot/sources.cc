@@ -10,6 +10,7 @@
 #include "client/sources/log_parser.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "io/file.h"
 #include "nlohmann/json.hpp"
 
 namespace enfilade::robot {
@@ -51,7 +52,7 @@ class SimulationSource : public Source {
     ENFILADE_ASSIGN_OR_RETURN(std::optional<simulator::SimulatedRecord> record, simulation_.Next());
     if (record) return Input(SpoolItem{std::move(record->payload), std::move(record->content)});
     if (!truth_.empty()) {
-      ENFILADE_RETURN_IF_ERROR(simulator::WriteFile(truth_, simulator::TruthLines(simulation_.truth())));
+      ENFILADE_RETURN_IF_ERROR(io::WriteFile(truth_, simulator::TruthLines(simulation_.truth())));
       truth_.clear();
     }
     return Input(Ended{});

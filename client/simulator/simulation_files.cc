@@ -3,7 +3,6 @@
 
 #include <charconv>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "client/sources/json_lines_writer.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "io/file.h"
 #include "nlohmann/json.hpp"
 
 namespace enfilade::simulator {
@@ -64,7 +64,7 @@ class DriveWriter {
         ENFILADE_RETURN_IF_ERROR(MakeFolder(folder_ / entry.content.parent_path()));
         made_[entry.content.parent_path()] = true;
       }
-      ENFILADE_RETURN_IF_ERROR(WriteFile(folder_ / entry.content, record.content));
+      ENFILADE_RETURN_IF_ERROR(io::WriteFile(folder_ / entry.content, record.content));
     }
     ENFILADE_ASSIGN_OR_RETURN(const std::string line, sources::ToJsonLine(entry));
     log_ << line;
@@ -84,13 +84,6 @@ class DriveWriter {
 
 }  // namespace
 
-absl::Status WriteFile(const fs::path& path, const std::string& content) {
-  std::ofstream file(path, std::ios::binary);
-  file << content;
-  file.close();
-  return file ? absl::OkStatus() : CannotWrite(path);
-}
-
 absl::StatusOr<Campus> LoadCampus(const std::string& name) {
   constexpr std::string_view kRandom = "random:";
   if (name.starts_with(kRandom)) {
@@ -101,8 +94,7 @@ absl::StatusOr<Campus> LoadCampus(const std::string& name) {
     return RandomBuilding(seed);
   }
   if (!fs::is_regular_file(name)) return ShippedCampus(name);
-  std::ifstream file(name, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(name));
   absl::StatusOr<Campus> campus = ParseCampus(text);
   if (!campus.ok()) return WithContext(campus.status(), name);
   return campus;
@@ -179,8 +171,8 @@ absl::StatusOr<DriveReport> WriteDrive(std::shared_ptr<const World> world, const
   }
   ENFILADE_RETURN_IF_ERROR(writer.Close());
   report.truth = simulation.truth();
-  ENFILADE_RETURN_IF_ERROR(WriteFile(folder / "truth.jsonl", TruthLines(report.truth)));
-  ENFILADE_RETURN_IF_ERROR(WriteFile(folder / "truth.txt", TruthTrajectory(report.truth)));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(folder / "truth.jsonl", TruthLines(report.truth)));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(folder / "truth.txt", TruthTrajectory(report.truth)));
   if (!report.truth.poses.empty()) {
     report.seconds = ToSeconds(report.truth.poses.back().time - report.truth.poses.front().time);
   }

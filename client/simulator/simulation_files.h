@@ -40,7 +40,4 @@ std::string TruthTrajectory(const GroundTruth& truth);  // "t x y yaw", as `enfi
 // The mounts and intrinsics of the sensors as JSON, which logs have no room for.
 std::string SensorDescription(const SimulationOptions& options);
 
-// Writes a whole file. FAILED_PRECONDITION.
-absl::Status WriteFile(const std::filesystem::path& path, const std::string& content);
-
 }  // namespace enfilade::simulator

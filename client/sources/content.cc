@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/sources/content.h"
 
-#include <fstream>
 #include <system_error>
 
 #include "core/base/error.h"
 #include "core/base/sha256.h"
+#include "io/file.h"
 
 namespace enfilade::sources {
 
@@ -21,12 +21,7 @@ absl::StatusOr<std::string> ReadContent(const fs::path& path) {
   if (size < 1 || size > static_cast<std::uintmax_t>(sensor::kMaxBlobBytes)) {
     return InvalidArgument("{}: has {} bytes: expected 1 to {}", path.string(), size, sensor::kMaxBlobBytes);
   }
-  std::string content(size, '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(content.data(), static_cast<std::streamsize>(size))) {
-    return InvalidArgument("{}: cannot be read", path.string());
-  }
-  return content;
+  return io::ReadFile(path);
 }
 
 sensor::BlobRef RefOf(std::string_view content) { return {Sha256(content), static_cast<std::int64_t>(content.size())}; }

@@ -3,13 +3,12 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "client/sdk/spool/sqlite.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "io/file.h"
 
 namespace enfilade::sources {
 namespace {
@@ -133,11 +132,8 @@ class Reader {
     for (const std::filesystem::path& path :
          {directory_ / named, directory_ / "data" / "pointclouds" / fmt::format("{}_pointcloud.pcd", place.id)}) {
       std::error_code ignored;
-      if (!std::filesystem::is_regular_file(path, ignored)) continue;
-      std::ifstream file(path, std::ios::binary);
-      std::ostringstream bytes;
-      bytes << file.rdbuf();
-      place.cloud = bytes.str();
+      if (!std::filesystem::is_regular_file(path, ignored)) continue;  // a pipe or a device might never end
+      place.cloud = io::ReadFile(path).value_or("");
       if (!place.cloud.empty()) return;
     }
     Remark(fmt::format("its point cloud \"{}\" is missing or empty: taken without", named));

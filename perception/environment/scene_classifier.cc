@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
-#include <fstream>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
-#include <sstream>
 #include <utility>
 
 #include "core/base/environment.h"
 #include "core/base/status_macros.h"
+#include "io/file.h"
 #include "perception/image/opencv_guard.h"
 
 namespace enfilade::perception {
@@ -21,17 +19,15 @@ namespace {
 constexpr int kSide = 256;
 constexpr int kCrop = 224;
 
-absl::StatusOr<std::string> ReadFile(const std::string& path, const char* what) {
-  std::error_code error;
-  if (path.empty() || !std::filesystem::is_regular_file(path, error)) {
-    return NotFound("the scene classifier's {} \"{}\" is not there: name an existing file, or choose another criterion",
-                    what, path);
+absl::StatusOr<std::string> ReadPart(const std::string& path, const char* what) {
+  absl::StatusOr<std::string> bytes = io::ReadFile(path);
+  if (absl::IsNotFound(bytes.status())) {
+    return NotFound(
+        "the scene classifier's {} \"{}\" does not exist: name an existing file, or choose another criterion", what,
+        path);
   }
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream bytes;
-  bytes << file.rdbuf();
-  if (!file) return InvalidArgument("the scene classifier's {} \"{}\" cannot be read", what, path);
-  return std::move(bytes).str();
+  if (!bytes.ok()) return WithContext(bytes.status(), fmt::format("the scene classifier's {}", what));
+  return bytes;
 }
 
 // 1x3x224x224 of an RGB image.
@@ -83,9 +79,9 @@ SceneClassifier::SceneClassifier(SceneClassifier&&) noexcept = default;
 SceneClassifier& SceneClassifier::operator=(SceneClassifier&&) noexcept = default;
 
 absl::StatusOr<SceneClassifier> SceneClassifier::Load(const SceneClassifierFiles& files) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string model, ReadFile(files.model, "model"));
-  ENFILADE_ASSIGN_OR_RETURN(const std::string labels, ReadFile(files.labels, "labels"));
-  ENFILADE_ASSIGN_OR_RETURN(const std::string mapping, ReadFile(files.mapping, "mapping"));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string model, ReadPart(files.model, "model"));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string labels, ReadPart(files.labels, "labels"));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string mapping, ReadPart(files.mapping, "mapping"));
   ENFILADE_ASSIGN_OR_RETURN(std::vector<SceneClass> classes, ParseSceneClasses(labels, mapping));
   absl::StatusOr<SceneClassifier> classifier = Make(model, std::move(classes));
   if (!classifier.ok()) return WithContext(classifier.status(), files.model);

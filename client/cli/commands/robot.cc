@@ -16,13 +16,13 @@
 #include "client/cli/place.h"
 #include "client/cli/remote.h"
 #include "client/cli/replay/replay_session.h"
-#include "client/cli/whole_file.h"
 #include "client/robot/commands.h"
 #include "client/robot/run.h"
 #include "core/base/error.h"
 #include "core/base/mutex.h"
 #include "core/base/status_macros.h"
 #include "fmt/chrono.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -59,7 +59,7 @@ absl::StatusOr<std::optional<double>> RateOf(const std::string& text) {
 absl::StatusOr<robot::RobotOptions> LoadAgentOptions(const RobotCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(robot::RobotOptions loaded, robot::RobotPreset(options.preset));
   if (!options.options_file.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadWholeFile(options.options_file));
+    ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(options.options_file));
     absl::StatusOr<robot::RobotOptions> parsed = robot::ParseRobotOptions(text, loaded);
     if (!parsed.ok()) return WithContext(parsed.status(), options.options_file);
     loaded = *std::move(parsed);

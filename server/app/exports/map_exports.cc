@@ -7,7 +7,6 @@
 
 #include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
+#include "io/file.h"
 #include "server/app/mapping/raster_revision.h"
 
 namespace enfilade::server {
@@ -38,31 +38,16 @@ void RemoveAbandoned(const fs::path& parent) {
   }
 }
 
-absl::Status FileError(const fs::path& path, int error) {
-  if (error == ENOSPC || error == EDQUOT) {
-    return ResourceExhausted("the disk that holds {} is full: free space, or set transfers.cache_directory",
-                             path.string());
-  }
-  return Internal("{}: {}", path.string(), std::strerror(error));
+absl::Status WithDiskHint(const absl::Status& status) {
+  if (!absl::IsResourceExhausted(status)) return status;
+  return ResourceExhausted("{}: free space, or set transfers.cache_directory", std::string(status.message()));
 }
 
-absl::Status WriteFile(const fs::path& path, const std::string& bytes) {
-  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  if (descriptor < 0) return FileError(path, errno);
-  std::size_t written = 0;
-  while (written < bytes.size()) {
-    const ssize_t n = write(descriptor, bytes.data() + written, bytes.size() - written);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) {
-      const int error = errno;
-      close(descriptor);
-      unlink(path.c_str());
-      return FileError(path, error);
-    }
-    written += static_cast<std::size_t>(n);
-  }
-  close(descriptor);
-  return absl::OkStatus();
+// No file is left behind after an error.
+absl::Status WriteExport(const fs::path& path, const std::string& bytes) {
+  const absl::Status status = io::WriteFile(path, bytes);
+  if (!status.ok()) unlink(path.c_str());
+  return WithDiskHint(status);
 }
 
 }  // namespace
@@ -152,9 +137,9 @@ absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext&
   entry.map.revision = revision;
   for (const grid::MapFile& file : files) {
     const fs::path path = directory_ / std::to_string(next_file_++);
-    ENFILADE_RETURN_IF_ERROR(WriteFile(path, file.bytes));
+    ENFILADE_RETURN_IF_ERROR(WriteExport(path, file.bytes));
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) return FileError(path, errno);
+    if (descriptor < 0) return io::FileError(path, "cannot be opened", errno);
     entry.paths.push_back(path);
     entry.bytes += static_cast<std::int64_t>(file.bytes.size());
     entry.map.files.push_back({file.name, static_cast<std::int64_t>(file.bytes.size()), Sha256(file.bytes),

@@ -13,7 +13,6 @@
 #include "client/cli/output.h"
 #include "client/cli/place.h"
 #include "client/cli/remote.h"
-#include "client/cli/whole_file.h"
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
@@ -23,6 +22,7 @@
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -253,7 +253,7 @@ absl::Status PlotGraph(const Globals& globals, const GraphPlotCommandOptions& op
   ENFILADE_ASSIGN_OR_RETURN(const plot::SceneView view, plot::ViewOf(scene, options.size_px));
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes,
                             svg ? plot::WriteSvg(scene, view) : grid::EncodePng(plot::DrawScene(scene, view)));
-  ENFILADE_RETURN_IF_ERROR(WriteWholeFile(options.output, bytes));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.output, bytes));
   if (globals.json) {
     PrintJson(std::cout, {{"file", options.output},
                           {"maps", maps.size()},

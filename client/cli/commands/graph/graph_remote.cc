@@ -2,7 +2,6 @@
 #include "client/cli/commands/graph/graph_remote.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -13,6 +12,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -188,10 +188,7 @@ absl::Status ExportGraph(const Globals& globals, const std::string& path) {
   }
   ENFILADE_RETURN_IF_ERROR(client::FromGrpcStatus(reader->Finish(), connection.address()));
   if (Sha256(bytes) != sha256) return DataLoss("the graph came with another SHA-256 than was announced: try again");
-  std::ofstream file(path, std::ios::binary);
-  file << bytes;
-  file.close();
-  if (!file) return absl::PermissionDeniedError("cannot write " + path);
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(path, bytes));
   if (globals.json) {
     PrintJson(std::cout, {{"file", path}, {"graph_version", version}, {"bytes", bytes.size()}});
   } else {

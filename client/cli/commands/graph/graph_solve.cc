@@ -4,11 +4,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +16,7 @@
 #include "core/base/status_macros.h"
 #include "core/optimize/graph_text.h"
 #include "core/optimize/solve_pose_graph.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -51,18 +50,6 @@ struct Solved {
   double seconds = 0.0;  // of solving, without reading and writing
 };
 
-absl::StatusOr<std::string> ReadText(const std::string& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) return NotFound("{}: no such file", path);
-  if (status.type() == fs::file_type::directory) return InvalidArgument("{}: is a folder", path);
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) return InvalidArgument("{}: cannot be read", path);
-  return std::move(text).str();
-}
-
 optimize::GraphFormat FormatOf(const std::string& path, optimize::GraphFormat otherwise) {
   const std::string extension = fs::path(path).extension();
   if (extension == ".g2o") return optimize::GraphFormat::kG2o;
@@ -71,11 +58,8 @@ optimize::GraphFormat FormatOf(const std::string& path, optimize::GraphFormat ot
 }
 
 absl::Status Write(const Solved& solved, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << optimize::WritePoseGraph(solved.parsed.graph, FormatOf(path, solved.parsed.format), solved.parsed.fixed);
-  file.close();
-  if (file) return absl::OkStatus();
-  return FailedPrecondition("{}: cannot be written (no such folder, no permission, or the disk is full)", path);
+  return io::WriteFile(
+      path, optimize::WritePoseGraph(solved.parsed.graph, FormatOf(path, solved.parsed.format), solved.parsed.fixed));
 }
 
 const char* NameOf(optimize::GraphFormat format) { return format == optimize::GraphFormat::kG2o ? "g2o" : "TORO"; }
@@ -130,7 +114,7 @@ void PrintText(const GraphSolveCommandOptions& options, const Solved& solved) {
 }
 
 absl::Status RunGraphSolve(const Globals& globals, const GraphSolveCommandOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadText(options.input));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(options.input));
   Solved solved;
   ENFILADE_ASSIGN_OR_RETURN(solved.parsed, optimize::ParsePoseGraph(text, options.input));
   optimize::SolveOptions solve = options.solve;

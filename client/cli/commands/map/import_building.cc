@@ -6,12 +6,12 @@
 
 #include "client/cli/commands/map/import_report.h"
 #include "client/cli/remote.h"
-#include "client/cli/whole_file.h"
 #include "client/sources/building_file.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -120,7 +120,7 @@ class BuildingImport {
 };
 
 absl::Status ImportBuilding(const Globals& globals, const BuildingCommandOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string yaml, ReadWholeFile(options.path));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string yaml, io::ReadFile(options.path));
   ENFILADE_ASSIGN_OR_RETURN(const sources::Building building, sources::ParseBuilding(yaml));
   const client::Connection connection = ConnectionOf(globals);
   const std::string prefix = options.prefix.empty() && !building.name.empty() ? building.name + " " : options.prefix;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/commands/offline/doors.h"
 
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +15,7 @@
 #include "core/base/status_macros.h"
 #include "core/doors/door_detector.h"
 #include "core/sensor/scan_pairing.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -33,9 +32,7 @@ struct DoorsCommandOptions {
 absl::StatusOr<doors::DoorOptions> LoadDoorOptions(const DoorsCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const doors::DoorOptions preset, doors::DoorPreset(options.preset));
   if (options.options_file.empty()) return preset;
-  std::ifstream file(options.options_file, std::ios::binary);
-  if (!file) return NotFound("{}: no such file", options.options_file);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(options.options_file));
   absl::StatusOr<doors::DoorOptions> parsed = doors::ParseDoorOptions(text, preset);
   if (!parsed.ok()) return WithContext(parsed.status(), options.options_file);
   return parsed;
@@ -108,11 +105,7 @@ absl::Status RunDoors(const Globals& globals, const DoorsCommandOptions& options
   bar.Finish();
   if (options.plot.empty()) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const std::string png, DrawDoors(scans, events, doors.derivative));
-  std::ofstream file(options.plot, std::ios::binary);
-  file << png;
-  file.close();
-  if (file) return absl::OkStatus();
-  return FailedPrecondition("{}: cannot be written (no such folder, no permission, or the disk is full)", options.plot);
+  return io::WriteFile(options.plot, png);
 }
 
 }  // namespace

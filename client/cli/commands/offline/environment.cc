@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "client/cli/output.h"
-#include "client/cli/whole_file.h"
 #include "client/sources/log_reader.h"
 #include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/sensor/environment_choice.h"
+#include "io/file.h"
 #include "perception/environment/frame_similarity.h"
 #include "perception/environment/scene_classifier.h"
 #include "perception/image/decode.h"
@@ -60,7 +60,7 @@ absl::StatusOr<Material> ReadLog(const std::string& path) {
 absl::StatusOr<Material> Gather(const std::vector<std::string>& inputs) {
   Material material;
   for (const std::string& path : inputs) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
+    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
     const absl::StatusOr<perception::ImageHeader> header = perception::ReadImageHeader(bytes);
     if (header.ok()) {
       (header->bit_depth == 16 ? material.depth_files : material.color_files).push_back(path);
@@ -108,7 +108,7 @@ absl::StatusOr<Verdict> BySimilarity(const Material& material, const perception:
   std::vector<perception::DepthFrame> frames;
   for (const std::string& path : material.depth_files) {
     if (frames.size() == static_cast<std::size_t>(criterion.frames)) break;
-    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
+    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
     absl::StatusOr<perception::DepthFrame> frame = perception::DecodeDepth(bytes);
     if (!frame.ok()) return WithContext(frame.status(), path);
     frames.push_back(*std::move(frame));
@@ -128,7 +128,7 @@ absl::StatusOr<Verdict> ByScene(const Material& material, const perception::Scen
   Verdict verdict{Environment::kIndoor, {{"images", nlohmann::json::array()}}, {}};
   double outdoor = 0.0;
   for (const std::string& path : material.color_files) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
+    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
     const absl::StatusOr<perception::ColorFrame> frame = perception::DecodeColor(bytes);
     if (!frame.ok()) return WithContext(frame.status(), path);
     ENFILADE_ASSIGN_OR_RETURN(const perception::SceneVerdict scene, classifier.Classify(*frame));

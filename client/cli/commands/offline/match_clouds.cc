@@ -9,10 +9,10 @@
 
 #include "client/cli/commands/offline/match.h"
 #include "client/cli/output.h"
-#include "client/cli/whole_file.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/grid/files/rgb_image.h"
+#include "io/file.h"
 #include "perception/cloud/cloud_file.h"
 #include "perception/cloud/cloud_picture.h"
 #include "perception/cloud/registration.h"
@@ -36,7 +36,7 @@ struct MatchCloudsCommandOptions {
 };
 
 absl::StatusOr<perception::Cloud> LoadCloud(const std::string& path) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
   absl::StatusOr<perception::Cloud> cloud = perception::DecodeCloud(bytes);
   if (!cloud.ok()) return WithContext(cloud.status(), path);
   return cloud;
@@ -106,7 +106,7 @@ absl::Status RunMatchClouds(const Globals& globals, const MatchCloudsCommandOpti
   if (!options.output.empty()) {
     const grid::RgbImage picture = perception::DrawClouds(source, target, found.T_target_source);
     ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(picture));
-    ENFILADE_RETURN_IF_ERROR(WriteWholeFile(options.output, png));
+    ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.output, png));
   }
   if (globals.json) {
     PrintJson(std::cout, ToJson(options, found, seconds));

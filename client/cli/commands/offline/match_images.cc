@@ -10,9 +10,9 @@
 
 #include "client/cli/commands/offline/match.h"
 #include "client/cli/output.h"
-#include "client/cli/whole_file.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "io/file.h"
 #include "perception/image/decode.h"
 #include "perception/image/match_picture.h"
 
@@ -44,7 +44,7 @@ struct Side {
 };
 
 absl::StatusOr<Side> LoadImage(const std::string& path, const perception::FeatureOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, ReadWholeFile(path));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
   Side side;
   absl::StatusOr<perception::GreyFrame> frame = perception::DecodeGrey(bytes);
   if (!frame.ok()) return WithContext(frame.status(), path);
@@ -76,7 +76,7 @@ absl::Status RunMatchImages(const Globals& globals, const MatchImagesCommandOpti
   if (!options.output.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const grid::RgbImage picture, perception::DrawMatches(a.frame, b.frame, match));
     ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(picture));
-    ENFILADE_RETURN_IF_ERROR(WriteWholeFile(options.output, png));
+    ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.output, png));
   }
   if (globals.json) {
     PrintJson(std::cout, {{"a", options.a},

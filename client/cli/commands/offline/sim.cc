@@ -17,6 +17,7 @@
 #include "core/base/status_macros.h"
 #include "core/geometry/pose2.h"
 #include "fmt/ranges.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -35,7 +36,7 @@ absl::Status WritePlans(const simulator::World& world, const std::map<std::strin
   for (const auto& [level, height] : world.campus().levels) {
     ENFILADE_ASSIGN_OR_RETURN(const std::string png, simulator::DrawPlan(world, level, drives));
     const std::string name = world.campus().levels.size() == 1 ? "plan.png" : "plan-" + level + ".png";
-    ENFILADE_RETURN_IF_ERROR(simulator::WriteFile(folder / name, png));
+    ENFILADE_RETURN_IF_ERROR(io::WriteFile(folder / name, png));
   }
   return absl::OkStatus();
 }
@@ -82,8 +83,8 @@ absl::Status RunSim(const Globals& globals, SimCommandOptions options) {
   }
   bar.Finish();
   ENFILADE_RETURN_IF_ERROR(WritePlans(*world, drives, options.output));
-  ENFILADE_RETURN_IF_ERROR(simulator::WriteFile(std::filesystem::path(options.output) / "sensors.json",
-                                                simulator::SensorDescription(options.simulation)));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(std::filesystem::path(options.output) / "sensors.json",
+                                         simulator::SensorDescription(options.simulation)));
   PrintSim(globals, reports);
   return absl::OkStatus();
 }

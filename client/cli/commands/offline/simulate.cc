@@ -10,6 +10,7 @@
 #include "client/sources/json_lines_writer.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -29,9 +30,9 @@ absl::Status RunSimulate(const Globals& globals, SimulateCommandOptions options)
     ENFILADE_ASSIGN_OR_RETURN(const std::string line, sources::ToJsonLine({record.payload, {}}));
     log += line;
   }
-  ENFILADE_RETURN_IF_ERROR(simulator::WriteFile(options.output, log));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.output, log));
   if (!options.truth.empty()) {
-    ENFILADE_RETURN_IF_ERROR(simulator::WriteFile(options.truth, simulator::TruthTrajectory(drive.truth)));
+    ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.truth, simulator::TruthTrajectory(drive.truth)));
   }
   const std::size_t scans = drive.truth.poses.size();
   const std::size_t odometry = drive.records.size() - scans;

@@ -3,9 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +22,7 @@
 #include "core/grid/overlay.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "core/slam/slam_options_yaml.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
@@ -51,9 +50,7 @@ struct SlamRun {
 
 absl::StatusOr<slam::SlamOptions> LoadSlamOptions(const std::string& path) {
   if (path.empty()) return slam::SlamOptions{};
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return NotFound("{}: no such file", path);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(path));
   absl::StatusOr<slam::SlamOptions> options = slam::ParseSlamOptions(text);
   if (!options.ok()) return WithContext(options.status(), path);
   return options;

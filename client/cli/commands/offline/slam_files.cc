@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/commands/offline/slam_files.h"
 
-#include <fstream>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -12,18 +10,10 @@
 #include "core/base/status_macros.h"
 #include "core/grid/files/map_files.h"
 #include "core/grid/files/rgb_image.h"
+#include "io/file.h"
 
 namespace enfilade::cli {
 namespace {
-
-absl::Status WriteFile(const std::filesystem::path& path, std::string_view bytes) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (file) return absl::OkStatus();
-  return FailedPrecondition("{}: cannot be written (no such folder, no permission, or the disk is full)",
-                            path.string());
-}
 
 std::string TrajectoryText(const slam::SlamMap& map) {
   std::string text;
@@ -65,9 +55,9 @@ std::string LoopClosuresJson(const slam::SlamMap& map) {
 absl::Status WriteMap(const std::filesystem::path& directory, const grid::OccupancyGrid& grid) {
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files,
                             grid::RenderFiles(grid::FromOccupancyGrid(grid), "map", {}));
-  for (const grid::MapFile& file : files) ENFILADE_RETURN_IF_ERROR(WriteFile(directory / file.name, file.bytes));
+  for (const grid::MapFile& file : files) ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / file.name, file.bytes));
   ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(grid::DrawGrid(grid)));
-  return WriteFile(directory / "map.png", png);
+  return io::WriteFile(directory / "map.png", png);
 }
 
 absl::Status WritePlot(const std::filesystem::path& directory, const slam::SlamMap& map,
@@ -77,7 +67,7 @@ absl::Status WritePlot(const std::filesystem::path& directory, const slam::SlamM
   grid::RgbImage image = grid::DrawGrid(grid);
   grid::DrawPath(image, grid.geometry, path, grid::kRed, 2);
   ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(image));
-  return WriteFile(directory / "plot.png", png);
+  return io::WriteFile(directory / "plot.png", png);
 }
 
 }  // namespace
@@ -87,8 +77,8 @@ absl::Status WriteSlamFiles(const std::filesystem::path& directory, const slam::
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) return FailedPrecondition("{}: cannot make this folder: {}", directory.string(), error.message());
-  ENFILADE_RETURN_IF_ERROR(WriteFile(directory / "trajectory.txt", TrajectoryText(map)));
-  ENFILADE_RETURN_IF_ERROR(WriteFile(directory / "closures.json", LoopClosuresJson(map)));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "trajectory.txt", TrajectoryText(map)));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "closures.json", LoopClosuresJson(map)));
   if (grid.cells.empty()) return absl::OkStatus();
   ENFILADE_RETURN_IF_ERROR(WriteMap(directory, grid));
   return plot ? WritePlot(directory, map, grid) : absl::OkStatus();

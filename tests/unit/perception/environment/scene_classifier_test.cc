@@ -58,7 +58,7 @@ TEST(SceneClassifierTest, LoadsItsFilesAndNamesTheOneThatIsMissing) {
                                    .labels = directory.path() / "labels.txt",
                                    .mapping = directory.path() / "mapping.txt"};
   EXPECT_STATUS(SceneClassifier::Load(files), absl::StatusCode::kNotFound,
-                AllOf(HasSubstr("places.onnx"), HasSubstr("is not there")));
+                AllOf(HasSubstr("places.onnx"), HasSubstr("does not exist")));
   EXPECT_STATUS(SceneClassifier::Load({}), absl::StatusCode::kNotFound, HasSubstr("model"));
   std::ofstream(files.model, std::ios::binary) << ColorModel();
   EXPECT_STATUS(SceneClassifier::Load(files), absl::StatusCode::kNotFound, HasSubstr("labels.txt"));
