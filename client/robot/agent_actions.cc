@@ -55,7 +55,7 @@ absl::Status Agent::BeginWithScan(const SpoolItem& item) {
   std::string how = fmt::format("into \"{}\"", session.map);
   if (!action.T_map_robot) {
     const EnvironmentChoice::Verdict verdict = choice_.Choose(0);
-    session.surroundings = verdict.surroundings;
+    session.environment = verdict.environment;
     how += ", " + verdict.reason;
   }
   return Begin(std::move(session), how);
@@ -113,11 +113,11 @@ absl::Status Agent::Act(const WriteReport& action) {
     ++written;
     Keep(std::move(item));
   }
-  std::string surroundings;
+  std::string reason;
   if (passage) {
     const EnvironmentChoice::Verdict verdict = choice_.Choose(report.door_time);
-    report.entered_surroundings = verdict.surroundings;
-    surroundings = "; " + verdict.reason;
+    report.entered_environment = verdict.environment;
+    reason = "; " + verdict.reason;
   }
   gathered_.push_back({report, {}});
   ENFILADE_RETURN_IF_ERROR(WriteGathered(true));
@@ -125,7 +125,7 @@ absl::Status Agent::Act(const WriteReport& action) {
   ++(passage ? counts_.passages : counts_.candidates);
   uploader_.Expect(*session_, ++reports_);
   Say("report",
-      fmt::format("{} reported with {} images and clouds{}", passage ? "passage" : "candidate", written, surroundings),
+      fmt::format("{} reported with {} images and clouds{}", passage ? "passage" : "candidate", written, reason),
       {{"session", session_->value()},
        {"kind", passage ? "passage" : "candidate"},
        {"door_time_ns", report.door_time},
@@ -135,7 +135,7 @@ absl::Status Agent::Act(const WriteReport& action) {
        {"by_hand", report.by_hand},
        {"evidence", written},
        {"surroundings",
-        report.entered_surroundings ? nlohmann::json(ToString(*report.entered_surroundings)) : nlohmann::json()},
+        report.entered_environment ? nlohmann::json(ToString(*report.entered_environment)) : nlohmann::json()},
        {"reason", report.reason}});
   return absl::OkStatus();
 }

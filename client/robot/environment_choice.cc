@@ -55,9 +55,9 @@ EnvironmentChoice::Verdict EnvironmentChoice::ByRange() const {
   criterion.half_width = options_.low_pass_filter_size;
   const absl::StatusOr<sensor::RangeChoice> choice = sensor::ChooseByRange(*scan_, criterion);
   if (!choice.ok()) return {std::nullopt, std::string(choice.status().message())};
-  if (!choice->surroundings) return {std::nullopt, "the scan has no hit"};
-  return {choice->surroundings, fmt::format("{}: {} of 4 sides beyond {} m", ToString(*choice->surroundings),
-                                            choice->far_sides, options_.range_thr)};
+  if (!choice->environment) return {std::nullopt, "the scan has no hit"};
+  return {choice->environment, fmt::format("{}: {} of 4 sides beyond {} m", ToString(*choice->environment),
+                                           choice->far_sides, options_.range_thr)};
 }
 
 absl::StatusOr<EnvironmentChoice::Verdict> EnvironmentChoice::BySimilarity(TimeNs since) const {
@@ -74,9 +74,9 @@ absl::StatusOr<EnvironmentChoice::Verdict> EnvironmentChoice::BySimilarity(TimeN
   criterion.frames = options_.num_depth_imgs;
   ENFILADE_ASSIGN_OR_RETURN(const perception::SimilarityChoice choice,
                             perception::ChooseBySimilarity(frames, criterion));
-  return Verdict{choice.surroundings, fmt::format("{}: {} of {} pairs of depth images is {:.3f}, threshold {}",
-                                                  ToString(choice.surroundings), ssim ? "SSIM" : "PSNR", choice.pairs,
-                                                  choice.mean, criterion.threshold)};
+  return Verdict{choice.environment,
+                 fmt::format("{}: {} of {} pairs of depth images is {:.3f}, threshold {}", ToString(choice.environment),
+                             ssim ? "SSIM" : "PSNR", choice.pairs, choice.mean, criterion.threshold)};
 }
 
 absl::StatusOr<EnvironmentChoice::Verdict> EnvironmentChoice::ByScene(TimeNs since) {
@@ -92,9 +92,9 @@ absl::StatusOr<EnvironmentChoice::Verdict> EnvironmentChoice::ByScene(TimeNs sin
     ++judged;
   }
   if (judged == 0) return FailedPrecondition("no image of the front camera since the door");
-  const Environment surroundings = outdoor / judged > 0.5 ? Environment::kOutdoor : Environment::kIndoor;
-  return Verdict{surroundings, fmt::format("{}: outdoors by {:.2f} over {} images, the last one {}",
-                                           ToString(surroundings), outdoor / judged, judged, best)};
+  const Environment environment = outdoor / judged > 0.5 ? Environment::kOutdoor : Environment::kIndoor;
+  return Verdict{environment, fmt::format("{}: outdoors by {:.2f} over {} images, the last one {}",
+                                          ToString(environment), outdoor / judged, judged, best)};
 }
 
 }  // namespace enfilade::robot

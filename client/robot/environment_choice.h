@@ -19,7 +19,7 @@ namespace enfilade::robot {
 class EnvironmentChoice {
  public:
   struct Verdict {
-    std::optional<Environment> surroundings;  // unset: there is nothing to tell by
+    std::optional<Environment> environment;  // unset: there is nothing to tell by
     std::string reason;
   };
 

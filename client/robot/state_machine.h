@@ -101,7 +101,7 @@ struct KeepEvidence {
   TimeNs time = 0;
 };
 // Writes what was kept for `door` into the session's log, for a passage also images and a cloud from behind the door,
-// and then the report, of whose entered_surroundings the writer takes care.
+// and then the report, of whose entered_environment the writer takes care.
 struct WriteReport {
   std::int64_t door = 0;
   sensor::DoorReport report;

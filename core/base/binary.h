@@ -38,8 +38,8 @@ class BinaryWriter {
   std::string& out_;
 };
 
-// Reads what BinaryWriter wrote. Past the end every Get returns zeros and `ok()` turns false for good, so that a
-// decoder may read through and check once.
+// Reads what BinaryWriter wrote. A read past the end returns zeros and makes `ok()` false for good, so a decoder can
+// read everything and check once.
 class BinaryReader {
  public:
   explicit BinaryReader(std::string_view bytes) : bytes_(bytes) {}
@@ -50,6 +50,7 @@ class BinaryReader {
 
   template <typename T>
   requires std::is_arithmetic_v<T> || std::is_enum_v<T> T Get() {
+    if constexpr (std::is_same_v<T, bool>) return Get<std::uint8_t>() != 0;  // any other byte is not a valid bool
     T value{};
     const std::string_view bytes = GetBytes(sizeof(T));
     if (bytes.size() == sizeof(T)) std::memcpy(&value, bytes.data(), sizeof(T));
@@ -75,7 +76,7 @@ class BinaryReader {
   }
 
  private:
-  // A stored count of elements of `element_size` bytes; fails where fewer bytes are left, before anything is allocated.
+  // A stored count of elements of `element_size` bytes. Fails before anything is allocated if fewer bytes are left.
   std::size_t GetLength(std::size_t element_size) {
     const auto length = Get<std::uint64_t>();
     if (!ok_ || length > remaining() / element_size) {

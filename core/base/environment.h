@@ -6,7 +6,8 @@
 
 namespace enfilade {
 
-// Where a map lies, which decides the SLAM configuration that it gets: short range indoors, long range outdoors.
+// Whether a map lies indoors or outdoors. Selects the map's SLAM configuration: short range indoors, long range
+// outdoors.
 enum class Environment : std::uint8_t { kIndoor = 1, kOutdoor = 2 };
 
 inline std::string ToString(Environment environment) {

@@ -9,8 +9,7 @@
 
 namespace enfilade {
 
-// absl's message constructors take absl::string_view, which fmt's std::string does convert to; these spare the
-// repeated `absl::XError(fmt::format(...))` and keep message formats checked at compile time.
+// Shorthand for `absl::XError(fmt::format(...))`; formats are checked at compile time.
 
 template <typename... Args>
 absl::Status InvalidArgument(fmt::format_string<Args...> format, Args&&... args) {

@@ -10,7 +10,7 @@
 namespace enfilade {
 
 // std::mutex with the annotations that clang's -Wthread-safety checks. Not absl::Mutex: the distribution's libabsl is
-// not built for ThreadSanitizer, which then sees races where there are none.
+// not built for ThreadSanitizer, which would then report false races.
 class ABSL_LOCKABLE Mutex {
  public:
   void Lock() ABSL_EXCLUSIVE_LOCK_FUNCTION() { mutex_.lock(); }
@@ -32,7 +32,7 @@ class ABSL_SCOPED_LOCKABLE MutexLock {
   Mutex& mutex_;
 };
 
-// Waits with a Mutex that the caller holds. Wakes up without cause at times: wait in a loop.
+// Waits with a Mutex that the caller holds. Wake-ups may be spurious: wait in a loop.
 class CondVar {
  public:
   void NotifyOne() { condition_.notify_one(); }
@@ -43,7 +43,7 @@ class CondVar {
     condition_.wait(lock);
     lock.release();
   }
-  // False where `deadline` has passed.
+  // Returns false if `deadline` passed.
   template <typename Clock, typename Duration>
   bool WaitUntil(Mutex& mutex, const std::chrono::time_point<Clock, Duration>& deadline)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {

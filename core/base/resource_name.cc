@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kSites = "sites/";
 
-// In one piece: answers have many names.
+// One allocation per name: responses hold many names.
 std::string ChildOf(const SiteId& site, std::string_view collection, const std::string& id) {
   std::string name;
   name.reserve(kSites.size() + site.value().size() + collection.size() + id.size());

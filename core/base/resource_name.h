@@ -7,7 +7,7 @@
 
 namespace enfilade {
 
-// Resource names as the API has them (AIP-122), for answers and messages.
+// Resource names in the API's form (AIP-122), for responses and messages.
 std::string NameOf(const SiteId& site);
 std::string NameOf(const SiteId& site, const RobotId& robot);
 std::string NameOf(const SiteId& site, const MapId& map);

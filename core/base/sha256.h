@@ -9,10 +9,10 @@ struct evp_md_ctx_st;
 
 namespace enfilade {
 
-// The SHA-256 (FIPS 180-4) of bytes, as 32 raw bytes: what blobs and files are known by.
+// The SHA-256 (FIPS 180-4) of bytes, as 32 raw bytes. Identifies blobs and files.
 std::string Sha256(std::string_view bytes);
 
-// The same over bytes that come piece by piece.
+// The SHA-256 of bytes that arrive in pieces.
 class Sha256Stream {
  public:
   Sha256Stream();
@@ -21,7 +21,7 @@ class Sha256Stream {
   Sha256Stream& operator=(Sha256Stream&&) noexcept;
 
   void Add(std::string_view bytes);
-  // Of all that was added; ends the stream.
+  // The digest of everything added. Call it once.
   std::string Finish();
 
  private:

@@ -7,8 +7,8 @@
 
 namespace enfilade {
 
-// INVALID_ARGUMENT saying what is wrong unless the matrix is finite, symmetric and positive semi-definite, each to one
-// part in 10^9 of its largest element.
+// Checks that the matrix is finite, symmetric and positive semi-definite, to one part in 10^9 of its largest element.
+// INVALID_ARGUMENT names the property that fails.
 absl::Status ValidateCovariance(const Eigen::Matrix3d& covariance);
 
 }  // namespace enfilade

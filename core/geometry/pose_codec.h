@@ -8,6 +8,7 @@
 
 namespace enfilade {
 
+// x, y, yaw.
 inline void PutPose(BinaryWriter& writer, const Pose2& pose) {
   writer.Put(pose.x);
   writer.Put(pose.y);
@@ -22,6 +23,7 @@ inline Pose2 GetPose(BinaryReader& reader) {
   return pose;
 }
 
+// Nine elements in column order.
 inline void PutMatrix(BinaryWriter& writer, const Eigen::Matrix3d& matrix) {
   for (int i = 0; i < 9; ++i) writer.Put(matrix.data()[i]);
 }

@@ -14,8 +14,8 @@ absl::Status Validate(const RangeCriterion& criterion) {
   if (!(criterion.side_limit > 0.0) || criterion.half_width < 0 || criterion.sides_needed < 1 ||
       criterion.sides_needed > 4) {
     return InvalidArgument(
-        "range criterion: {} m, {} beams, {} sides: expected a positive distance, no negative half "
-        "width and 1 to 4 sides",
+        "range criterion: {} m, {} beams, {} sides: expected a positive distance, a half width of at "
+        "least 0 and 1 to 4 sides",
         criterion.side_limit, criterion.half_width, criterion.sides_needed);
   }
   return absl::OkStatus();
@@ -34,7 +34,7 @@ absl::StatusOr<RangeChoice> ChooseByRange(const LaserScan& scan, const RangeCrit
   for (const double side : {choice.front, choice.back, choice.left, choice.right}) {
     if (side > criterion.side_limit) ++choice.far_sides;
   }
-  choice.surroundings = choice.far_sides >= criterion.sides_needed ? Environment::kOutdoor : Environment::kIndoor;
+  choice.environment = choice.far_sides >= criterion.sides_needed ? Environment::kOutdoor : Environment::kIndoor;
   return choice;
 }
 

@@ -12,14 +12,14 @@ namespace enfilade::sensor {
 
 // One planar scan. Beam i points along angle_min + i * angle_increment, counter-clockwise, in the laser's frame.
 //
-// A range in [range_min, range_max) is a hit at that distance. At or beyond range_max, +infinity included, it means
-// "no return": space free up to range_max. NaN, negative, and below range_min mean "nothing known" (REP 117's -inf is
-// among them). Ranges are single precision, as scanners deliver them; everything computed from them is double.
+// A range in [range_min, range_max) is a hit at that distance. A range of range_max or more, +infinity included, means
+// "no return": space is free up to range_max. NaN, negative ranges (REP 117's -inf) and ranges below range_min mean
+// "unknown". Ranges are single precision, as scanners deliver them; everything computed from them is double.
 struct LaserScan {
   TimeNs time = 0;               // of the first beam
   double angle_min = 0.0;        // rad
   double angle_increment = 0.0;  // rad; negative for a scanner that turns clockwise
-  double time_increment = 0.0;   // s between beams; 0 where unknown
+  double time_increment = 0.0;   // s between beams; 0 if unknown
   float range_min = 0.0F;        // m
   float range_max = 0.0F;        // m
   Pose2 T_robot_laser;           // where the scanner is mounted
@@ -53,8 +53,7 @@ std::vector<Eigen::Vector2d> HitPoints(const LaserScan& scan, double max_range);
 constexpr std::size_t kMaxBeams = 100'000;
 
 // INVALID_ARGUMENT naming the field: no beams, more than kMaxBeams, non-finite or zero angles, range_max <= range_min,
-// negative or non-finite limits, an implausible time (before 1 or after 2200 where absolute), a non-finite mount.
-// Ranges themselves may hold anything (see above).
+// negative or non-finite limits, a non-finite mount. The ranges themselves may have any value (see above).
 absl::Status Validate(const LaserScan& scan);
 
 }  // namespace enfilade::sensor

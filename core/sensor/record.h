@@ -16,7 +16,7 @@
 
 namespace enfilade::sensor {
 
-// The robot's pose by its wheels, in the odometry frame: drifting, continuous.
+// The robot's pose from its wheel odometry, in the odometry frame: continuous, drifting.
 struct Odometry {
   TimeNs time = 0;
   Pose2 T_odom_robot;
@@ -24,7 +24,7 @@ struct Odometry {
   friend bool operator==(const Odometry&, const Odometry&) = default;
 };
 
-// Content-addressed bytes: sent and stored once per site, apart from the record that refers to them.
+// A reference to content-addressed bytes, which are sent and stored once per site, apart from the record.
 struct BlobRef {
   std::string sha256;  // 32 raw bytes
   std::int64_t size = 0;
@@ -57,31 +57,31 @@ struct PointCloud {
   friend bool operator==(const PointCloud&, const PointCloud&) = default;
 };
 
-// What a robot has found about a door (core/doors): seen ahead and not driven through, or driven through. Images and
-// clouds that the session recorded about `door_time` (and up to `time`) are the evidence.
+// A door that a robot detected (core/doors): seen ahead but not driven through, or driven through. The evidence is the
+// images and clouds that the session recorded between about `door_time` and `time`.
 struct DoorReport {
   enum class Kind : std::uint8_t {
     kCandidate = 1,  // the door lies ahead of the robot at `door_time`
     kPassage = 2,    // the robot has left the session's map: the session's last door, and its end
   };
 
-  TimeNs time = 0;  // when it was settled
+  TimeNs time = 0;  // when the report was made
   Kind kind = Kind::kCandidate;
   graph::LinkPointKind place = graph::LinkPointKind::kDoor;
   TimeNs door_time = 0;  // when the robot was at T_odom_door
-  Pose2 T_odom_door;     // the robot's pose at the door, looking along the way through
+  Pose2 T_odom_door;     // the robot's pose at the door, facing through it
   double width = 0.0;    // m; 0: unknown
-  // Of kPassage: what the robot finds behind the door, for a new map.
-  std::optional<Environment> entered_surroundings;
-  std::optional<std::int32_t> entered_level;  // unset: the same as before
-  bool by_hand = false;                       // a person's word, not the detector's
-  std::string reason;                         // for people
+  // kPassage only: the environment behind the door, for a new map.
+  std::optional<Environment> entered_environment;
+  std::optional<std::int32_t> entered_level;  // unset: unchanged
+  bool by_hand = false;                       // reported by a person, not the detector
+  std::string reason;                         // human-readable
 
   friend bool operator==(const DoorReport&, const DoorReport&) = default;
 };
 
-// Stands in the log where the robot keeps a record back that the server refused, so that the sequence stays without
-// holes and the loss is on record.
+// Takes the place of a record that the server refused and the robot withholds, so that the log's sequence has no holes
+// and the loss is recorded.
 struct Withheld {
   std::string reason;
 
@@ -98,7 +98,7 @@ struct Record {
   friend bool operator==(const Record&, const Record&) = default;
 };
 
-// What is stored beside the payload to select by; the numbers are in the database and in spools: never reuse one.
+// Stored beside the payload, to select by. The numbers are in the database and in spools: never reuse one.
 enum class RecordKind : std::int16_t {
   kLaserScan = 1,
   kOdometry = 2,
@@ -116,10 +116,10 @@ inline TimeNs TimeOf(const Record& record) { return TimeOf(record.payload); }
 const BlobRef* FindBlob(const RecordPayload& payload);
 inline const BlobRef* FindBlob(const Record& record) { return FindBlob(record.payload); }
 
-// INVALID_ARGUMENT naming the field: a non-finite pose, a blob reference of the wrong size, and all that
-// Validate(LaserScan) refuses.
+// INVALID_ARGUMENT naming the field: a time before 1970 or after 2200, a non-finite pose, a blob reference of the wrong
+// size, and everything that Validate(LaserScan) refuses.
 absl::Status Validate(const RecordPayload& payload);
-// Likewise, and a sequence below 1.
+// Also refuses a sequence below 1.
 absl::Status Validate(const Record& record);
 
 }  // namespace enfilade::sensor

@@ -51,7 +51,7 @@ struct PayloadWriter {
     writer.Put(report.door_time);
     PutPose(writer, report.T_odom_door);
     writer.Put(report.width);
-    writer.Put(report.entered_surroundings.value_or(Environment{}));
+    writer.Put(report.entered_environment.value_or(Environment{}));
     writer.Put(report.entered_level.has_value());
     writer.Put(report.entered_level.value_or(0));
     writer.Put(report.by_hand);
@@ -111,7 +111,7 @@ DoorReport ReadDoorReport(BinaryReader& reader) {
   report.door_time = reader.Get<TimeNs>();
   report.T_odom_door = GetPose(reader);
   report.width = reader.Get<double>();
-  if (const auto entered = reader.Get<Environment>(); entered != Environment{}) report.entered_surroundings = entered;
+  if (const auto entered = reader.Get<Environment>(); entered != Environment{}) report.entered_environment = entered;
   const auto has_level = reader.Get<bool>();
   const auto level = reader.Get<std::int32_t>();
   if (has_level) report.entered_level = level;

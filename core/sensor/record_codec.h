@@ -10,8 +10,8 @@
 namespace enfilade::sensor {
 
 // The bytes of a payload in spools and in the record log: little-endian, a version byte first, exact (every double,
-// float and nanosecond comes back bit for bit). Stored data outlives programs: a new layout gets a new version byte
-// and the old ones stay readable.
+// float and nanosecond is restored bit for bit). Stored data outlives programs: a new layout gets a new version byte
+// and old layouts stay readable.
 std::string EncodePayload(const Record& record);
 
 // Appends to `out`, for callers that build large buffers.

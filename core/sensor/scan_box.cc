@@ -13,7 +13,7 @@ bool IsFullTurn(const LaserScan& scan) {
   return span > 2.0 * M_PI - 1.5 * std::abs(scan.angle_increment);
 }
 
-// Sums over the first k beams, so that any window's mean takes two look-ups.
+// Sums over the first k beams, so the mean of any window takes two look-ups.
 struct Sums {
   std::vector<double> ranges{0.0};
   std::vector<int> hits{0};

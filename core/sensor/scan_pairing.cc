@@ -13,7 +13,7 @@ namespace enfilade::sensor {
 namespace {
 
 constexpr std::uint8_t kPairingVersion = 1;
-// Odometry older than this against the newest is of no use to a scan that is still to come.
+// Odometry that is older than the newest by more than this cannot serve a future scan.
 constexpr DurationNs kHistoryNs = 60 * kNsPerSecond;
 
 DurationNs WindowNs(const ScanPairingOptions& options) {
@@ -38,7 +38,7 @@ void ScanPairing::Add(const Odometry& odometry, std::vector<PairedScan>& settled
     return;
   }
   odometry_.push_back(odometry);
-  // A robot that sends no scans must not make the queue grow without end.
+  // Bounds the queue for a robot that sends no scans.
   while (waiting_.empty() && odometry_.size() > 1 && odometry_[1].time < odometry.time - kHistoryNs) {
     odometry_.pop_front();
   }
@@ -47,7 +47,7 @@ void ScanPairing::Add(const Odometry& odometry, std::vector<PairedScan>& settled
 
 void ScanPairing::Flush(std::vector<PairedScan>& settled) { Settle(true, settled); }
 
-// Settles scans from the oldest on while the odometry that is still to come cannot change their pose.
+// Settles scans, oldest first, while future odometry cannot change their pose.
 void ScanPairing::Settle(bool flush, std::vector<PairedScan>& settled) {
   while (!waiting_.empty()) {
     Waiting& oldest = waiting_.front();
@@ -62,8 +62,8 @@ void ScanPairing::Settle(bool flush, std::vector<PairedScan>& settled) {
   }
 }
 
-// Whether odometry at or after `time` and within the window is still to be expected: none has come yet, and the
-// newest scan is not past the window either.
+// Whether odometry at or after `time` and within the window may still arrive: none has arrived yet, and the newest scan
+// is not past the window.
 bool ScanPairing::NextOdometryMayImprove(TimeNs time) const {
   if (!odometry_.empty() && odometry_.back().time >= time) return false;
   return latest_scan_ <= time + WindowNs(options_);

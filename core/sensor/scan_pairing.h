@@ -13,7 +13,7 @@
 
 namespace enfilade::sensor {
 
-// A scan with the odometry pose at its time, where odometry near enough in time exists.
+// A scan with the odometry pose at its time, if there is odometry close enough in time.
 struct PairedScan {
   std::int64_t sequence = 0;  // of the scan's record in its session's log
   LaserScan scan;
@@ -21,10 +21,10 @@ struct PairedScan {
 };
 
 struct ScanPairingOptions {
-  // A scan is paired when the nearest odometry is at most this far from it in time (seed 002's filter: robots publish
-  // scans and odometry at different rates and instants). Between two neighbours the pose is interpolated.
+  // A scan is paired if the nearest odometry is at most this far from it in time: robots publish scans and odometry at
+  // different rates and instants. Between two neighbours the pose is interpolated.
   double window_s = 0.5;
-  // A scan whose next odometry never comes is held back while at most this many scans wait behind it.
+  // A scan waits for later odometry while at most this many scans are waiting.
   std::size_t max_waiting_scans = 64;
 };
 
@@ -34,8 +34,8 @@ struct ScanPairingCounts {
   std::int64_t time_reversed = 0;  // scans or odometry older than their predecessor of the same kind: dropped
 };
 
-// Pairs scans and odometry of one session by time. Records go in in log order; each call appends the scans whose pose
-// is settled, in the scans' order. Pure state: the same records in the same order give the same pairs, also across
+// Pairs scans and odometry of one session by time. Add records in log order; each call appends the scans whose pose is
+// settled, in the scans' order. Deterministic: the same records in the same order give the same pairs, also across
 // Serialize / Restore.
 class ScanPairing {
  public:
@@ -43,7 +43,7 @@ class ScanPairing {
 
   void Add(std::int64_t sequence, LaserScan scan, std::vector<PairedScan>& settled);
   void Add(const Odometry& odometry, std::vector<PairedScan>& settled);
-  // Settles all that waits: nothing more will come.
+  // Settles all waiting scans: no more records will follow.
   void Flush(std::vector<PairedScan>& settled);
 
   const ScanPairingCounts& counts() const { return counts_; }

@@ -11,17 +11,17 @@
 
 namespace enfilade::sensor {
 
-// How a session's robot came into the map. All unset: the map begins with the session, at the robot's first pose.
+// How a session's robot entered the map. All unset: the map starts with the session, at the robot's first pose.
 struct SessionEntry {
-  // Out of this session, which ends with a passage (DoorReport): the verdict on it says which map was entered, and
-  // where. Until then the session has no map.
+  // The session that the robot left through a door (DoorReport::Kind::kPassage). The verdict on that passage gives the
+  // map and the pose in it; until then the session has no map.
   std::optional<SessionId> previous;
-  // Where the robot is in a map that is there already, when odometry says T_odom_robot (unset: at the first scan).
+  // The robot's pose in an existing map when its odometry reads T_odom_robot (unset: at the first scan).
   std::optional<PoseWithCovariance> T_map_robot;
   std::optional<Pose2> T_odom_robot;
 };
 
-// The bytes in spools; empty where all is unset.
+// The bytes in spools; empty if all fields are unset.
 std::string Encode(const SessionEntry& entry);
 // DATA_LOSS on bytes that Encode did not write.
 absl::StatusOr<SessionEntry> DecodeSessionEntry(std::string_view bytes);

@@ -112,7 +112,7 @@ absl::StatusOr<SimilarityChoice> ChooseBySimilarity(std::span<const DepthFrame> 
     last = std::move(next);
   }
   choice.mean = sum / choice.pairs;
-  choice.surroundings = choice.mean < criterion.threshold ? Environment::kOutdoor : Environment::kIndoor;
+  choice.environment = choice.mean < criterion.threshold ? Environment::kOutdoor : Environment::kIndoor;
   return choice;
 }
 

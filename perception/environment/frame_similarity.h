@@ -38,7 +38,7 @@ struct SimilarityCriterion {
 absl::Status Validate(const SimilarityCriterion& criterion);
 
 struct SimilarityChoice {
-  Environment surroundings = Environment::kIndoor;
+  Environment environment = Environment::kIndoor;
   double mean = 0.0;  // over consecutive pairs; +infinity where all were equal by PSNR
   int pairs = 0;
 };

@@ -43,12 +43,12 @@ std::optional<Environment> EnvironmentOf(const std::string& word) {
 absl::StatusOr<std::map<std::string, Environment>> ParseMapping(std::string_view text) {
   std::map<std::string, Environment> mapping;
   for (const Line& line : LinesOf(text)) {
-    const std::optional<Environment> surroundings = EnvironmentOf(line.second);
-    if (!surroundings) {
+    const std::optional<Environment> environment = EnvironmentOf(line.second);
+    if (!environment) {
       return InvalidArgument("mapping, line {}: \"{} {}\": expected a class and 1 (indoor) or 2 (outdoor)", line.number,
                              line.first, line.second);
     }
-    if (!mapping.emplace(line.first, *surroundings).second) {
+    if (!mapping.emplace(line.first, *environment).second) {
       return InvalidArgument("mapping, line {}: the class {} stands there twice", line.number, line.first);
     }
   }
@@ -58,15 +58,15 @@ absl::StatusOr<std::map<std::string, Environment>> ParseMapping(std::string_view
 }  // namespace
 
 absl::StatusOr<std::vector<SceneClass>> ParseSceneClasses(std::string_view labels, std::string_view mapping) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto surroundings, ParseMapping(mapping));
+  ENFILADE_ASSIGN_OR_RETURN(const auto environments, ParseMapping(mapping));
   std::vector<SceneClass> classes;
   std::set<std::string> known;
   for (const Line& line : LinesOf(labels)) {
     if (!known.insert(line.first).second) {
       return InvalidArgument("labels, line {}: the class {} stands there twice", line.number, line.first);
     }
-    const auto found = surroundings.find(line.first);
-    if (found == surroundings.end()) {
+    const auto found = environments.find(line.first);
+    if (found == environments.end()) {
       return InvalidArgument("labels, line {}: the class {} is not in the mapping to indoor and outdoor", line.number,
                              line.first);
     }

@@ -13,7 +13,7 @@ namespace enfilade::perception {
 // One output of a scene classifier.
 struct SceneClass {
   std::string name;
-  Environment surroundings = Environment::kIndoor;
+  Environment environment = Environment::kIndoor;
 };
 
 // Labels: one line per class in the order of the network's outputs, as Places365's categories_places365.txt: a name

@@ -113,13 +113,13 @@ absl::StatusOr<SceneVerdict> SceneClassifier::Classify(const ColorFrame& frame) 
     const std::vector<double> shares = Softmax(scores);
     SceneVerdict verdict;
     for (std::size_t i = 0; i < shares.size(); ++i) {
-      if (classes_[i].surroundings == Environment::kOutdoor) verdict.outdoor_probability += shares[i];
+      if (classes_[i].environment == Environment::kOutdoor) verdict.outdoor_probability += shares[i];
       if (shares[i] > verdict.best_probability) {
         verdict.best_probability = shares[i];
         verdict.best_class = classes_[i].name;
       }
     }
-    verdict.surroundings = verdict.outdoor_probability > 0.5 ? Environment::kOutdoor : Environment::kIndoor;
+    verdict.environment = verdict.outdoor_probability > 0.5 ? Environment::kOutdoor : Environment::kIndoor;
     return verdict;
   });
 }

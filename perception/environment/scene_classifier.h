@@ -22,7 +22,7 @@ struct SceneClassifierFiles {
 };
 
 struct SceneVerdict {
-  Environment surroundings = Environment::kIndoor;
+  Environment environment = Environment::kIndoor;
   double outdoor_probability = 0.0;  // sum over the outdoor classes
   std::string best_class;
   double best_probability = 0.0;

@@ -46,7 +46,7 @@ struct PayloadToProto {
     *door.mutable_pose_odom_door() = enfilade::convert::ToProto(report.T_odom_door);
     door.set_width_m(report.width);
     door.set_entered_surroundings(
-        static_cast<v1::DoorReport::Surroundings>(report.entered_surroundings.value_or(Environment{})));
+        static_cast<v1::DoorReport::Surroundings>(report.entered_environment.value_or(Environment{})));
     if (report.entered_level) door.set_entered_level(*report.entered_level);
     door.set_by_hand(report.by_hand);
     door.set_reason(report.reason);
@@ -124,7 +124,7 @@ absl::StatusOr<sensor::DoorReport> DoorReportFromProto(const v1::DoorReport& in)
   report.T_odom_door = FromProto(in.pose_odom_door());
   report.width = in.width_m();
   if (in.entered_surroundings() != v1::DoorReport::SURROUNDINGS_UNSPECIFIED) {
-    ENFILADE_ASSIGN_OR_RETURN(report.entered_surroundings,
+    ENFILADE_ASSIGN_OR_RETURN(report.entered_environment,
                               FromEnum<Environment>("door_report.entered_surroundings", in.entered_surroundings(),
                                                     v1::DoorReport::Surroundings_IsValid));
   }

@@ -44,8 +44,8 @@ absl::StatusOr<std::vector<SpoolSession>> ReadSessions(SqliteDatabase& database,
     session.finished = query.Int(9) != 0;
     session.closed = query.Int(10) != 0;
     ENFILADE_ASSIGN_OR_RETURN(session.entry, sensor::DecodeSessionEntry(query.Blob(11)));
-    if (const std::int64_t surroundings = query.Int(12); surroundings != 0) {
-      session.surroundings = static_cast<Environment>(surroundings);
+    if (const std::int64_t environment = query.Int(12); environment != 0) {
+      session.environment = static_cast<Environment>(environment);
     }
   }
 }
@@ -116,7 +116,7 @@ absl::Status Spool::CreateSession(const SpoolSession& session) {
   const std::string entry = sensor::Encode(session.entry);
   insert.BindText(1, session.id.value()).BindText(2, session.site.value()).BindText(3, session.robot.value());
   insert.BindText(4, session.map).BindText(5, session.request_id).BindText(6, session.source);
-  insert.BindBlob(7, entry).Bind(8, static_cast<std::int64_t>(session.surroundings.value_or(Environment{})));
+  insert.BindBlob(7, entry).Bind(8, static_cast<std::int64_t>(session.environment.value_or(Environment{})));
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());
   const std::int64_t key = insert.Int(0);
   ENFILADE_RETURN_IF_ERROR(insert.Step().status());  // to its end: this commits

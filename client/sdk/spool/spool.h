@@ -37,7 +37,7 @@ struct SpoolSession {
   RobotId robot;
   std::string map;  // by display name or id; empty: only recorded, or the map follows from entry.previous
   sensor::SessionEntry entry;
-  std::optional<Environment> surroundings;  // of a map that is made for it; unset: not known
+  std::optional<Environment> environment;  // of a map that is made for it; unset: not known
   std::string request_id;  // of CreateSession: the same after a restart, so that the session is created once
   std::string source;      // what is recorded (a log's hash, a driver's name): the owner's, to tell whether to go on
   // Set by the spool.

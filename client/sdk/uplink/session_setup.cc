@@ -31,9 +31,9 @@ absl::StatusOr<v1::Map> CreateMap(const Connection& connection, const SpoolSessi
   request.set_parent(NameOf(session.site));
   if (IsValidResourceId(session.map)) request.set_map_id(session.map);
   request.mutable_map()->set_display_name(session.map);
-  if (session.surroundings == Environment::kOutdoor) {
+  if (session.environment == Environment::kOutdoor) {
     request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_OUTDOOR);
-  } else if (session.surroundings == Environment::kIndoor) {
+  } else if (session.environment == Environment::kIndoor) {
     request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
   }
   const auto created = connection.Call(&v1::MapService::Stub::CreateMap, request);

@@ -69,9 +69,9 @@ storage::NewMap MapBehind(const std::optional<storage::Map>& from, const sensor:
     map.environment = from->environment;
   }
   if (report != nullptr && report->entered_level) map.level = *report->entered_level;
-  if (report != nullptr && report->entered_surroundings) {
+  if (report != nullptr && report->entered_environment) {
     map.environment =
-        *report->entered_surroundings == Environment::kOutdoor ? Environment::kOutdoor : Environment::kIndoor;
+        *report->entered_environment == Environment::kOutdoor ? Environment::kOutdoor : Environment::kIndoor;
   }
   map.slam_profile = map.environment == Environment::kOutdoor ? options.outdoor_profile : options.indoor_profile;
   return map;

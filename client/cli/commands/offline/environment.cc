@@ -74,7 +74,7 @@ absl::StatusOr<Material> Gather(const std::vector<std::string>& inputs) {
 }
 
 struct Verdict {
-  Environment surroundings = Environment::kIndoor;
+  Environment environment = Environment::kIndoor;
   nlohmann::json details;
   std::string text;
 };
@@ -87,13 +87,13 @@ absl::StatusOr<Verdict> ByRange(const Material& material, const sensor::RangeCri
   std::int64_t judged = 0;
   for (const sensor::LaserScan& scan : material.scans) {
     ENFILADE_ASSIGN_OR_RETURN(const sensor::RangeChoice choice, sensor::ChooseByRange(scan, criterion));
-    if (!choice.surroundings) continue;
+    if (!choice.environment) continue;
     if (!first) first = choice;
     ++judged;
-    if (choice.surroundings == Environment::kOutdoor) ++outdoor;
+    if (choice.environment == Environment::kOutdoor) ++outdoor;
   }
   if (!first) return InvalidArgument("criterion range: none of {} scans has a hit", material.scans.size());
-  Verdict verdict{*first->surroundings, {}, {}};
+  Verdict verdict{*first->environment, {}, {}};
   verdict.details = {{"front", first->front},  {"back", first->back},           {"left", first->left},
                      {"right", first->right},  {"far_sides", first->far_sides}, {"scans", material.scans.size()},
                      {"scans_judged", judged}, {"scans_outdoor", outdoor}};
@@ -115,7 +115,7 @@ absl::StatusOr<Verdict> BySimilarity(const Material& material, const perception:
   }
   ENFILADE_ASSIGN_OR_RETURN(const perception::SimilarityChoice choice,
                             perception::ChooseBySimilarity(frames, criterion));
-  Verdict verdict{choice.surroundings, {}, {}};
+  Verdict verdict{choice.environment, {}, {}};
   verdict.details = {{"mean", choice.mean}, {"pairs", choice.pairs}, {"threshold", criterion.threshold}};
   verdict.text = fmt::format("mean of {} pairs of depth images: {:.4f}; below {} is outdoor\n", choice.pairs,
                              choice.mean, criterion.threshold);
@@ -141,7 +141,7 @@ absl::StatusOr<Verdict> ByScene(const Material& material, const perception::Scen
                                 scene.best_probability);
   }
   const double mean = outdoor / static_cast<double>(material.color_files.size());
-  verdict.surroundings = mean > 0.5 ? Environment::kOutdoor : Environment::kIndoor;
+  verdict.environment = mean > 0.5 ? Environment::kOutdoor : Environment::kIndoor;
   verdict.details["outdoor_probability"] = mean;
   return verdict;
 }
@@ -149,8 +149,8 @@ absl::StatusOr<Verdict> ByScene(const Material& material, const perception::Scen
 absl::StatusOr<Verdict> Judge(const EnvironmentCommandOptions& options, const std::string& criterion,
                               const Material& material) {
   if (criterion == "range") {
-    if (options.preset == "original-yaml") return ByRange(material, sensor::RangeCriterion::OriginalYaml());
-    if (options.preset == "original-code") return ByRange(material, sensor::RangeCriterion::OriginalCode());
+    if (options.preset == "original-yaml") return ByRange(material, sensor::RangeCriterion::MapManagerYaml());
+    if (options.preset == "original-code") return ByRange(material, sensor::RangeCriterion::MapManagerCode());
     return ByRange(material, options.range);
   }
   if (criterion == "scene") return ByScene(material, options.classifier);
@@ -169,10 +169,10 @@ absl::Status RunEnvironment(const Globals& globals, const EnvironmentCommandOpti
   if (globals.json) {
     nlohmann::json document = verdict.details;
     document["criterion"] = criterion;
-    document["environment"] = ToString(verdict.surroundings);
+    document["environment"] = ToString(verdict.environment);
     PrintJson(std::cout, document);
   } else if (!globals.quiet) {
-    std::cout << fmt::format("{} (by {})\n{}", ToString(verdict.surroundings), criterion, verdict.text);
+    std::cout << fmt::format("{} (by {})\n{}", ToString(verdict.environment), criterion, verdict.text);
   }
   return absl::OkStatus();
 }

@@ -163,7 +163,7 @@ TEST_F(AgentTest, SplitsTheCampusIntoSessionsAtItsDoors) {
     const auto& report = std::get<sensor::DoorReport>(records.back().payload);
     EXPECT_EQ(report.kind, sensor::DoorReport::Kind::kPassage);
     EXPECT_NEAR(ToSeconds(report.door_time - truth[i].time), 0.0, 1.0) << truth[i].door;
-    EXPECT_EQ(report.entered_surroundings,
+    EXPECT_EQ(report.entered_environment,
               truth[i].to == "M1" || truth[i].to == "M3" ? Environment::kOutdoor : Environment::kIndoor)
         << truth[i].door;
     EXPECT_GE(CountOf(records, sensor::RecordKind::kImage), 8) << truth[i].door;

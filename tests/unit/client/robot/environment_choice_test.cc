@@ -51,14 +51,14 @@ EnvironmentChoice Made(int criterion) {
 
 TEST(EnvironmentChoice, ByRange) {
   EnvironmentChoice choice = Made(0);
-  EXPECT_EQ(choice.Choose(0).surroundings, std::nullopt);
+  EXPECT_EQ(choice.Choose(0).environment, std::nullopt);
   EXPECT_THAT(choice.Choose(0).reason, HasSubstr("no scan"));
   choice.Add(RoundScan(5.0F));
-  EXPECT_EQ(choice.Choose(0).surroundings, Environment::kIndoor);
+  EXPECT_EQ(choice.Choose(0).environment, Environment::kIndoor);
   choice.Add(RoundScan(40.0F));
-  EXPECT_EQ(choice.Choose(0).surroundings, Environment::kOutdoor);
+  EXPECT_EQ(choice.Choose(0).environment, Environment::kOutdoor);
   choice.Add(RoundScan(100.0F));
-  EXPECT_EQ(choice.Choose(0).surroundings, std::nullopt) << "no hit";
+  EXPECT_EQ(choice.Choose(0).environment, std::nullopt) << "no hit";
 }
 
 TEST(EnvironmentChoice, BySimilarityOfDepthImages) {
@@ -69,8 +69,8 @@ TEST(EnvironmentChoice, BySimilarityOfDepthImages) {
       still.Add(DepthAt(i, 0));
       restless.Add(DepthAt(i, 4 * i));
     }
-    EXPECT_EQ(still.Choose(0).surroundings, Environment::kIndoor) << still.Choose(0).reason;
-    EXPECT_EQ(restless.Choose(0).surroundings, Environment::kOutdoor) << restless.Choose(0).reason;
+    EXPECT_EQ(still.Choose(0).environment, Environment::kIndoor) << still.Choose(0).reason;
+    EXPECT_EQ(restless.Choose(0).environment, Environment::kOutdoor) << restless.Choose(0).reason;
   }
 }
 
@@ -78,7 +78,7 @@ TEST(EnvironmentChoice, LooksOnlyAtWhatCameSinceTheDoor) {
   EnvironmentChoice choice = Made(1);
   for (int i = 0; i < 4; ++i) choice.Add(DepthAt(i, 4 * i));
   for (int i = 4; i < 8; ++i) choice.Add(DepthAt(i, 0));
-  EXPECT_EQ(choice.Choose(4 * kNsPerSecond).surroundings, Environment::kIndoor);
+  EXPECT_EQ(choice.Choose(4 * kNsPerSecond).environment, Environment::kIndoor);
 }
 
 TEST(EnvironmentChoice, FallsBackOnTheRangeAndSaysSo) {
@@ -87,7 +87,7 @@ TEST(EnvironmentChoice, FallsBackOnTheRangeAndSaysSo) {
   choice.Add(DepthAt(1.0, 0));
   choice.Add(DepthAt(2.0, 0, sensor::Camera::kRear));
   const EnvironmentChoice::Verdict verdict = choice.Choose(0);
-  EXPECT_EQ(verdict.surroundings, Environment::kOutdoor);
+  EXPECT_EQ(verdict.environment, Environment::kOutdoor);
   EXPECT_THAT(verdict.reason, HasSubstr("config_criterion 1 cannot tell"));
 }
 

@@ -69,7 +69,7 @@ TEST_F(SpoolFile, BringsTheFirstLayoutUpToThisOne) {
   ASSERT_TRUE(session.has_value());
   EXPECT_EQ(session->last_sequence, 3);
   EXPECT_EQ(session->entry.previous, std::nullopt);
-  EXPECT_EQ(session->surroundings, std::nullopt);
+  EXPECT_EQ(session->environment, std::nullopt);
 }
 
 TEST_F(SpoolFile, BringsTheSecondLayoutUpToThisOne) {
@@ -77,7 +77,7 @@ TEST_F(SpoolFile, BringsTheSecondLayoutUpToThisOne) {
   Execute("ALTER TABLE sessions DROP COLUMN surroundings; PRAGMA user_version = 2");
   ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
   ASSERT_TRUE(spool->FindSession(kRun).has_value());
-  EXPECT_EQ(spool->FindSession(kRun)->surroundings, std::nullopt);
+  EXPECT_EQ(spool->FindSession(kRun)->environment, std::nullopt);
 }
 
 TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
@@ -87,7 +87,7 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   on_an_old_map.entry.T_map_robot = PoseWithCovariance{{1.0, 2.0, 0.5}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
   on_an_old_map.entry.T_odom_robot = Pose2{-1.0, 0.0, 3.0};
   SpoolSession in_a_yard = SampleSession("run-4");
-  in_a_yard.surroundings = Environment::kOutdoor;
+  in_a_yard.environment = Environment::kOutdoor;
   {
     ASSERT_OK_AND_ASSIGN(const auto spool, Spool::Open(path()));
     ASSERT_OK(spool->CreateSession(after_a_door));
@@ -101,8 +101,8 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   EXPECT_EQ(entry.T_map_robot->pose, on_an_old_map.entry.T_map_robot->pose);
   EXPECT_EQ(entry.T_map_robot->covariance, on_an_old_map.entry.T_map_robot->covariance);
   EXPECT_EQ(entry.T_odom_robot, on_an_old_map.entry.T_odom_robot);
-  EXPECT_EQ(spool->FindSession(in_a_yard.id)->surroundings, Environment::kOutdoor);
-  EXPECT_EQ(spool->FindSession(on_an_old_map.id)->surroundings, std::nullopt);
+  EXPECT_EQ(spool->FindSession(in_a_yard.id)->environment, Environment::kOutdoor);
+  EXPECT_EQ(spool->FindSession(on_an_old_map.id)->environment, std::nullopt);
 }
 
 TEST_F(SpoolFile, TellsOfDamage) {

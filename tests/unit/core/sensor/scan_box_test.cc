@@ -75,18 +75,18 @@ TEST(FilteredBoxTest, SurroundsTheRoomInTheFrameAskedFor) {
 
 TEST(ChooseByRangeTest, AsksForTwoFarSides) {
   const auto choose = [](const LaserScan& scan) { return ChooseByRange(scan).value(); };
-  EXPECT_EQ(choose(InRectangle(5.0, 5.0, 4.0, 4.0)).surroundings, Environment::kIndoor);
+  EXPECT_EQ(choose(InRectangle(5.0, 5.0, 4.0, 4.0)).environment, Environment::kIndoor);
   EXPECT_EQ(choose(InRectangle(40.0, 3.0, 3.0, 3.0)).far_sides, 1);
-  EXPECT_EQ(choose(InRectangle(40.0, 40.0, 30.0, 30.0)).surroundings, Environment::kOutdoor);
+  EXPECT_EQ(choose(InRectangle(40.0, 40.0, 30.0, 30.0)).environment, Environment::kOutdoor);
   const RangeChoice nothing = choose(Scan(std::vector<float>(720, kInf), -M_PI, M_PI / 360.0));
-  EXPECT_EQ(nothing.surroundings, std::nullopt);
+  EXPECT_EQ(nothing.environment, std::nullopt);
 }
 
 // 12 m around: beyond the limit of the code's defaults, within that of params.yaml.
 TEST(ChooseByRangeTest, KnowsBothPresetsOfTheOriginal) {
   const LaserScan scan = InRectangle(12.0, 12.0, 12.0, 12.0);
-  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalYaml())->surroundings, Environment::kIndoor);
-  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::OriginalCode())->surroundings, Environment::kOutdoor);
+  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::MapManagerYaml())->environment, Environment::kIndoor);
+  EXPECT_EQ(ChooseByRange(scan, RangeCriterion::MapManagerCode())->environment, Environment::kOutdoor);
   EXPECT_CODE(ChooseByRange(scan, {.side_limit = -1.0}), absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(ChooseByRange(LaserScan{}), absl::StatusCode::kInvalidArgument);
 }

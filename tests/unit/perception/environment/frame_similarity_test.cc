@@ -67,7 +67,7 @@ TEST(PeakSignalToNoiseTest, IsInfiniteForEqualImages) {
   const std::vector<DepthFrame> standing(5, Depth(1, 0.0));
   const SimilarityCriterion criterion{.measure = SimilarityMeasure::kPsnr, .threshold = 20.0};
   ASSERT_OK_AND_ASSIGN(const SimilarityChoice choice, ChooseBySimilarity(standing, criterion));
-  EXPECT_EQ(choice.surroundings, Environment::kIndoor);
+  EXPECT_EQ(choice.environment, Environment::kIndoor);
 }
 
 TEST(FrameSimilarityTest, RefusesImagesOfDifferentSizes) {
@@ -91,9 +91,9 @@ TEST(ChooseBySimilarityTest, TakesUnlikeDepthImagesForOutdoors) {
   }
   ASSERT_OK_AND_ASSIGN(const SimilarityChoice indoor, ChooseBySimilarity(steady));
   ASSERT_OK_AND_ASSIGN(const SimilarityChoice outdoor, ChooseBySimilarity(unsteady));
-  EXPECT_EQ(indoor.surroundings, Environment::kIndoor);
+  EXPECT_EQ(indoor.environment, Environment::kIndoor);
   EXPECT_EQ(indoor.pairs, 9);  // of the 10 frames asked for
-  EXPECT_EQ(outdoor.surroundings, Environment::kOutdoor);
+  EXPECT_EQ(outdoor.environment, Environment::kOutdoor);
   EXPECT_LT(outdoor.mean, 0.4);
 }
 

@@ -34,10 +34,10 @@ std::vector<SceneClass> Classes() { return ParseSceneClasses(kLabels, kMapping).
 TEST(SceneClassifierTest, RunsAnOnnxNetworkOnTheImagesColors) {
   ASSERT_OK_AND_ASSIGN(SceneClassifier classifier, SceneClassifier::Make(ColorModel(), Classes()));
   ASSERT_OK_AND_ASSIGN(const SceneVerdict office, classifier.Classify(OneColor(640, 480, 255, 0, 0)));
-  EXPECT_EQ(office.surroundings, Environment::kIndoor);
+  EXPECT_EQ(office.environment, Environment::kIndoor);
   EXPECT_EQ(office.best_class, "/o/office");
   ASSERT_OK_AND_ASSIGN(const SceneVerdict sky, classifier.Classify(OneColor(50, 400, 0, 0, 255)));
-  EXPECT_EQ(sky.surroundings, Environment::kOutdoor);
+  EXPECT_EQ(sky.environment, Environment::kOutdoor);
   EXPECT_EQ(sky.best_class, "/s/sky");
 }
 
