@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# Enfilade. `make help` lists what there is; CMakePresets.json has the builds.
+# Enfilade. `make help` lists the targets; CMakePresets.json defines the builds.
 PRESET ?= release
 BIN := build/$(PRESET)/bin
 JOBS ?= $(shell nproc)
-# Further lists of deploy/packages that a target needs.
+# More lists of deploy/packages that a target needs.
 PACKAGES ?=
 SEEDS ?= 20
 ROBOTS ?= r1
@@ -14,7 +14,7 @@ VERDICTS ?= no
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
 
-demo: programs ## map a recorded drive (LOG=FILE) and a simulated campus with a private server and database in ./var
+demo: programs ## map a recorded drive (LOG=FILE) and a simulated campus, with a private server and database in ./var
 	@deploy/demo $(BIN) $(LOG)
 
 stop: ## stop what `make demo` started
@@ -35,39 +35,39 @@ configure: bootstrap
 bootstrap: ## install the Debian packages that are missing
 	@mkdir -p build && deploy/bootstrap $(PACKAGES)
 
-campus: configure ## automatic mapping of CAMPUS=figure1 over SEEDS=20 seeds of noise, by ROBOTS=r1,r2 at once: a table
+campus: configure ## measure automatic mapping of CAMPUS=figure1 over SEEDS=20 noise seeds by ROBOTS=r1,r2
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server campus_seeds
 	@$(BIN)/campus_seeds --campus $(CAMPUS) --seeds $(SEEDS) --robots $(ROBOTS) --verdicts $(VERDICTS)
 
-bench: ## run the benchmarks; JSON in build/bench
+bench: ## run the benchmarks; they write JSON to build/bench
 	@$(MAKE) build PACKAGES=analysis
 	@tests/bench/run $(BIN) build/bench
 
-asan: ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
+asan: ## run the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@$(MAKE) test PRESET=asan
 
-tsan: ## the tests under ThreadSanitizer
+tsan: ## run the tests under ThreadSanitizer
 	@$(MAKE) test PRESET=tsan
 
-coverage: ## the tests with line coverage of core and storage
+coverage: ## run the tests and report the line coverage of core and storage
 	@$(MAKE) test PRESET=coverage PACKAGES=analysis
 	@gcovr --root . --object-directory build/coverage --filter core/ --filter storage/ --exclude-throw-branches --print-summary --output build/coverage/report.txt
-	@echo "whole report: build/coverage/report.txt"
+	@echo "full report: build/coverage/report.txt"
 
-tidy: ## build with clang, its thread-safety analysis and clang-tidy
+tidy: ## check the product with clang, its thread-safety analysis and clang-tidy
 	@$(MAKE) build PRESET=tidy PACKAGES=analysis
 
-format: ## clang-format in place
+format: ## format all sources in place
 	@git ls-files '*.h' '*.cc' | xargs clang-format -i
 
-lint: bootstrap ## what the tests check without building: layers, licence, rooms, format, scripts, API
+lint: bootstrap ## check layers, licence, file and folder sizes, format, scripts and API, without building
 	@tests/lint/run
 
-structure: ## how large folders, files and functions are, and the tests' share
+structure: ## print the sizes of folders, files and functions, and the ratio of tests to product
 	@deploy/bootstrap analysis >/dev/null && deploy/structure
 
-api-baseline: ## record the API as released: what `buf breaking` compares with
+api-baseline: ## record the API as released, for `buf breaking` to compare with
 	@cd proto && ../deploy/buf build -o baseline.binpb
 
-clean: ## remove what was built (not ./var)
+clean: ## remove the builds (not ./var)
 	@rm -rf build

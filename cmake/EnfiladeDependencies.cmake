@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# All from the distribution's packages; deploy/bootstrap installs them.
+# All of them are Debian packages, which deploy/bootstrap installs.
 find_package(Threads REQUIRED)
 find_package(Protobuf REQUIRED)
 find_package(gRPC CONFIG REQUIRED)

@@ -2,7 +2,7 @@
 include(GoogleTest)
 
 # enfilade_library(core_grid SOURCES a.cc b.cc DEPS enfilade::core_geometry PRIVATE_DEPS PNG::PNG)
-# One static library for one folder, known to others as enfilade::<name>. Without SOURCES it is header-only.
+# Defines the static library of one folder, with the alias enfilade::<name>. Without SOURCES it is header-only.
 function(enfilade_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS;PRIVATE_DEPS")
   set(target enfilade_${name})
@@ -19,14 +19,14 @@ function(enfilade_library name)
   add_library(enfilade::${name} ALIAS ${target})
 endfunction()
 
-# Most of the time to compile a source is spent in the headers that it shares with its neighbours (gRPC, Eigen,
-# GoogleTest), so the sources of a target are compiled many at a time. They share a namespace then: helpers in a target
-# need names of their own. The presets dev and tidy compile each source by itself, which finds includes that are missing.
+# Most of the compile time of a source goes into headers that its neighbours include, too (gRPC, Eigen, GoogleTest), so the
+# sources of a target are compiled up to 16 at a time. Their anonymous namespaces become one: helper functions need names
+# that are unique in their target. The preset dev compiles each source by itself, which finds missing includes.
 function(enfilade_compile_together target)
   set_target_properties(${target} PROPERTIES
     UNITY_BUILD ${ENFILADE_COMPILE_TOGETHER} UNITY_BUILD_MODE BATCH UNITY_BUILD_BATCH_SIZE 16)
   if(ENFILADE_COMPILE_TOGETHER AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    # GCC takes a source that is included for a header.
+    # GCC treats an included source as a header.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()
@@ -41,8 +41,8 @@ function(enfilade_program name)
 endfunction()
 
 # enfilade_test(core_grid_test SOURCES a_test.cc DEPS enfilade::core_grid [WHOLE] [LABELS db])
-# A GoogleTest program; each of its cases becomes one ctest case. WHOLE: the program is one ctest case
-# (for tests that share an expensive set-up, such as a database cluster).
+# Defines a GoogleTest program. Each of its cases becomes a ctest case. With WHOLE, the program is one ctest case (for tests
+# that share an expensive set-up, such as a database cluster).
 function(enfilade_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "WHOLE" "TIMEOUT" "SOURCES;DEPS;LABELS")
   add_executable(${name} ${arg_SOURCES})
@@ -53,7 +53,7 @@ function(enfilade_test name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  if(ENFILADE_SANITIZE)  # everything takes five to fifteen times as long
+  if(ENFILADE_SANITIZE)  # tests take five to fifteen times as long
     math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 10")
   endif()
   if(arg_WHOLE)
