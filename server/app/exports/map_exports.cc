@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr char kDirectoryPrefix[] = "enfilade-exports-";
 
-// Folders of servers that were killed before they could tidy up.
+// Removes the folders of servers that were killed.
 void RemoveAbandoned(const fs::path& parent) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(parent, error)) {
@@ -43,11 +43,8 @@ absl::Status WithDiskHint(const absl::Status& status) {
   return ResourceExhausted("{}: free space, or set transfers.cache_directory", std::string(status.message()));
 }
 
-// No file is left behind after an error.
-absl::Status WriteExport(const fs::path& path, const std::string& bytes) {
-  const absl::Status status = io::WriteFile(path, bytes);
-  if (!status.ok()) unlink(path.c_str());
-  return WithDiskHint(status);
+void RemoveFiles(const std::vector<fs::path>& paths) {
+  for (const fs::path& path : paths) unlink(path.c_str());
 }
 
 }  // namespace
@@ -58,7 +55,7 @@ absl::Status ReadOnlyFile::Read(std::int64_t offset, std::size_t size, char* out
   while (size > 0) {
     const ssize_t n = pread(descriptor_, out, size, offset);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return DataLoss("a rendered map file ends {} bytes too early", size);
+    if (n <= 0) return DataLoss("a rendered map file is {} bytes too short", size);
     out += n;
     offset += n;
     size -= static_cast<std::size_t>(n);
@@ -76,7 +73,7 @@ absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptio
   const fs::path directory = parent / (kDirectoryPrefix + std::to_string(getpid()));
   if (!error) fs::create_directories(directory, error);
   if (error) {
-    return FailedPrecondition("transfers.cache_directory: cannot make {}: {}", directory.string(), error.message());
+    return FailedPrecondition("transfers.cache_directory: cannot create {}: {}", directory.string(), error.message());
   }
   fs::permissions(directory, fs::perms::owner_all, error);
   return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, directory));
@@ -95,26 +92,15 @@ absl::StatusOr<ExportedMap> MapExports::Get(const storage::CallContext& context,
                                             grid::MapFileFormat format) {
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map map, maps_.Get(context, name.site, name.map));
   if (name.revision == 0 && map.current_revision == 0) {
-    return FailedPrecondition("map \"{}\" has no revision yet: map something into it, or import one", map.display_name);
+    return FailedPrecondition("map \"{}\" has no revision yet: map a session into it, or import one", map.display_name);
   }
   ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
                             revisions_.Get(context, name.site, name.map, name.revision));
   const std::string key = fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format),
                                       grid::SafeStem(map.display_name));
-  const auto find = [&]() -> std::optional<ExportedMap> {
-    MutexLock lock(mutex_);
-    for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-      if (entry->key != key) continue;
-      entries_.splice(entries_.begin(), entries_, entry);
-      ExportedMap found = entries_.front().map;
-      found.revision = revision;
-      return found;
-    }
-    return std::nullopt;
-  };
-  if (auto found = find()) return *std::move(found);
+  if (auto found = Find(key, revision)) return *std::move(found);
   MutexLock render_lock(render_mutex_);
-  if (auto found = find()) return *std::move(found);  // rendered while this call waited
+  if (auto found = Find(key, revision)) return *std::move(found);  // another call has rendered it
   ENFILADE_ASSIGN_OR_RETURN(Entry entry, Render(context, revision, map.display_name, format));
   entry.key = key;
   ExportedMap rendered = entry.map;
@@ -123,6 +109,18 @@ absl::StatusOr<ExportedMap> MapExports::Get(const storage::CallContext& context,
   entries_.push_front(std::move(entry));
   Evict();
   return rendered;
+}
+
+std::optional<ExportedMap> MapExports::Find(const std::string& key, const storage::MapRevision& revision) {
+  MutexLock lock(mutex_);
+  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+    if (entry->key != key) continue;
+    entries_.splice(entries_.begin(), entries_, entry);
+    ExportedMap found = entries_.front().map;
+    found.revision = revision;
+    return found;
+  }
+  return std::nullopt;
 }
 
 absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext& context,
@@ -136,22 +134,30 @@ absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext&
   Entry entry;
   entry.map.revision = revision;
   for (const grid::MapFile& file : files) {
-    const fs::path path = directory_ / std::to_string(next_file_++);
-    ENFILADE_RETURN_IF_ERROR(WriteExport(path, file.bytes));
-    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) return io::FileError(path, "cannot be opened", errno);
-    entry.paths.push_back(path);
-    entry.bytes += static_cast<std::int64_t>(file.bytes.size());
-    entry.map.files.push_back({file.name, static_cast<std::int64_t>(file.bytes.size()), Sha256(file.bytes),
-                               std::make_shared<const ReadOnlyFile>(descriptor)});
+    const absl::Status status = Add(file, entry);
+    if (status.ok()) continue;
+    RemoveFiles(entry.paths);
+    return status;
   }
   return entry;
 }
 
-// The newest entry stays, however large it is.
+absl::Status MapExports::Add(const grid::MapFile& file, Entry& entry) {
+  const fs::path path = directory_ / std::to_string(next_file_++);
+  entry.paths.push_back(path);
+  ENFILADE_RETURN_IF_ERROR(WithDiskHint(io::WriteFile(path, file.bytes)));
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return io::FileError(path, "cannot be opened", errno);
+  const auto size = static_cast<std::int64_t>(file.bytes.size());
+  entry.bytes += size;
+  entry.map.files.push_back({file.name, size, Sha256(file.bytes), std::make_shared<const ReadOnlyFile>(descriptor)});
+  return absl::OkStatus();
+}
+
+// Keeps the newest entry, however large it is.
 void MapExports::Evict() {
   while (bytes_ > options_.cache_bytes && entries_.size() > 1) {
-    for (const fs::path& path : entries_.back().paths) unlink(path.c_str());
+    RemoveFiles(entries_.back().paths);
     bytes_ -= entries_.back().bytes;
     entries_.pop_back();
   }

@@ -6,6 +6,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@
 
 namespace enfilade::server {
 
-// An open file that is read from any thread. Removing its name does not disturb readers.
+// An open file. Readers are not affected when the file is unlinked. Thread-safe.
 class ReadOnlyFile {
  public:
   explicit ReadOnlyFile(int descriptor) : descriptor_(descriptor) {}
@@ -28,7 +29,7 @@ class ReadOnlyFile {
   ReadOnlyFile(const ReadOnlyFile&) = delete;
   ReadOnlyFile& operator=(const ReadOnlyFile&) = delete;
 
-  // Exactly `size` bytes from `offset` into `out`. DATA_LOSS where the file has fewer.
+  // Reads exactly `size` bytes from `offset` into `out`. DATA_LOSS if the file is too short.
   absl::Status Read(std::int64_t offset, std::size_t size, char* out) const;
 
  private:
@@ -47,18 +48,18 @@ struct ExportedMap {
   std::vector<ExportedFile> files;
 };
 
-// Revisions rendered as files, kept on disk for the next download: rendering a large map takes longer than sending it.
-// One is rendered at a time, so that many requests do not add up their memory. Thread-safe.
+// Renders revisions as files and caches them on disk for the next download: rendering a large map takes longer than
+// sending it. Renders one revision at a time to bound the memory of concurrent requests. Thread-safe.
 class MapExports {
  public:
-  // RESOURCE_EXHAUSTED or PERMISSION_DENIED naming the folder where it cannot be written to.
+  // FAILED_PRECONDITION naming the folder if it cannot be created. Removes the folders of killed servers.
   static absl::StatusOr<std::unique_ptr<MapExports>> Create(const ServerOptions::Transfers& options,
                                                             const storage::MapStore& maps,
                                                             const storage::RevisionStore& revisions);
-  // Removes what it has made.
+  // Removes the cache.
   ~MapExports();
 
-  // NOT_FOUND; FAILED_PRECONDITION where the map has no revision yet; RESOURCE_EXHAUSTED where the disk is full.
+  // NOT_FOUND; FAILED_PRECONDITION if the map has no revision yet; RESOURCE_EXHAUSTED if the disk is full.
   absl::StatusOr<ExportedMap> Get(const storage::CallContext& context, const convert::RevisionName& name,
                                   grid::MapFileFormat format);
 
@@ -72,8 +73,12 @@ class MapExports {
 
   MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps,
              const storage::RevisionStore& revisions, std::filesystem::path directory);
+  // Moves the entry to the front; the result has `revision`, which may be another one with the same content.
+  std::optional<ExportedMap> Find(const std::string& key, const storage::MapRevision& revision);
   absl::StatusOr<Entry> Render(const storage::CallContext& context, const storage::MapRevision& revision,
-                               const std::string& display_name, grid::MapFileFormat format);
+                               const std::string& display_name, grid::MapFileFormat format)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(render_mutex_);
+  absl::Status Add(const grid::MapFile& file, Entry& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(render_mutex_);
   void Evict() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ServerOptions::Transfers options_;
@@ -83,7 +88,7 @@ class MapExports {
 
   Mutex render_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   Mutex mutex_;
-  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // the latest used first
+  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // most recently used first
   std::int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   std::int64_t next_file_ ABSL_GUARDED_BY(render_mutex_) = 0;
 };
