@@ -21,6 +21,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kMaxQueuedCalls = 1000;
+constexpr auto kReadinessTimeout = std::chrono::seconds(3);
 
 storage::postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
   storage::postgres::PoolOptions pool;
@@ -32,7 +33,7 @@ storage::postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& opti
 
 }  // namespace
 
-// Members are destroyed from the last to the first: whoever is used by others comes before them.
+// Members are destroyed in reverse order: each is declared after what it uses.
 class Server::Impl {
  public:
   Impl(const ServerOptions& given, const slam::SlamProfiles& slam, std::unique_ptr<storage::postgres::Pool> given_pool,
@@ -49,8 +50,10 @@ class Server::Impl {
     ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    // Looks at the database once before the first call can come.
-    readiness = std::make_unique<Readiness>(*pool, [this](const Readiness::State& state) { SetReady(state); });
+    // Checks the database once before the first call can come.
+    readiness = std::make_unique<Readiness>(
+        [this] { return storage::CheckSchema(storage::CallContext::WithTimeout(kReadinessTimeout), *pool); },
+        [this](const Readiness::State& state) { SetReady(state); });
     services = std::make_unique<Services>(Services{options,       std::chrono::steady_clock::now(),
                                                    executor,      *metrics,
                                                    *readiness,    sites,
@@ -67,8 +70,17 @@ class Server::Impl {
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
-    maintenance = std::make_unique<MaintenanceLoop>(options.retention, *pool, *readiness, *metrics);
+    maintenance_loop = std::make_unique<MaintenanceLoop>(
+        MaintenanceLoop::Options{.interval = std::chrono::duration<double>(options.retention.interval_s),
+                                 .is_ready = [this] { return readiness->state().ready; },
+                                 .on_tick = [this] { UpdatePoolMetrics(); }},
+        MaintenanceJobs(maintenance));
     return absl::OkStatus();
+  }
+
+  void UpdatePoolMetrics() {
+    const storage::postgres::Pool::Stats stats = pool->stats();
+    metrics->SetDatabaseConnections(stats.open, stats.busy, stats.waiting);
   }
 
   absl::Status Listen() {
@@ -76,9 +88,9 @@ class Server::Impl {
     int port = 0;
     builder.AddListeningPort(options.listen.address, grpc::InsecureServerCredentials(), &port);
     builder.SetMaxReceiveMessageSize(static_cast<int>(options.listen.max_message_bytes));
-    // A second server on the same port must fail instead of taking half of the calls.
+    // A second server on the same port must fail instead of receiving half of the calls.
     builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-    // Robots that vanish without a word are noticed; those that ping to keep their connection are welcome.
+    // Detects robots that vanish without closing their connection, and allows their keep-alive pings.
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30'000);
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
@@ -86,7 +98,7 @@ class Server::Impl {
     api->RegisterWith(builder);
     grpc = builder.BuildAndStart();
     if (!grpc || (port == 0 && options.listen.address.rfind("unix:", 0) != 0)) {
-      return Unavailable("cannot listen at {}: is the port taken? Choose another listen.address",
+      return Unavailable("cannot listen at {}: is the port in use? Choose another listen.address",
                          options.listen.address);
     }
     address = options.listen.address;
@@ -119,7 +131,7 @@ class Server::Impl {
     grpc->Shutdown(deadline);
     grpc->Wait();
     grpc.reset();
-    executor.Stop();  // a call that has been answered may still be on its way out of its handler
+    executor.Stop();  // an answered call may still be returning from its handler
   }
 
   const ServerOptions options;
@@ -141,6 +153,7 @@ class Server::Impl {
   const storage::DoorVerdictStore door_verdicts{*pool};
   const storage::SiteLeaseStore site_leases{*pool};
   const storage::FeatureStore features{*pool};
+  const storage::Maintenance maintenance{*pool};
   WakeSignal doors_wake;
   Executor executor;
   Mapping mapping;
@@ -162,7 +175,7 @@ class Server::Impl {
   std::unique_ptr<Readiness> readiness;
   std::unique_ptr<Services> services;
   std::unique_ptr<Api> api;
-  std::unique_ptr<MaintenanceLoop> maintenance;
+  std::unique_ptr<MaintenanceLoop> maintenance_loop;
   std::string address;
   std::unique_ptr<grpc::Server> grpc;
 };

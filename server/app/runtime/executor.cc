@@ -27,7 +27,7 @@ bool Executor::Post(std::function<void()> task) {
     if (tasks_.size() >= max_queued_) return false;
     tasks_.push_back(std::move(task));
   }
-  changed_.NotifyOne();  // not under the lock, which whoever is woken takes first
+  changed_.NotifyOne();  // without the lock, which the woken thread takes first
   return true;
 }
 

@@ -12,22 +12,22 @@
 
 namespace enfilade::server {
 
-// A fixed number of threads for work that waits (the database, files), so that gRPC's own threads never do. The queue
-// is bounded: a server that cannot keep up says so instead of growing.
+// A fixed number of threads for blocking work (the database, files), so that gRPC's own threads never block. The queue
+// is bounded: an overloaded server refuses work instead of growing. Thread-safe.
 class Executor {
  public:
   Executor(int threads, std::size_t max_queued);
-  // Stops.
+  // Calls Stop.
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  // Runs what is queued and waits until that is done; nothing may be posted any more. May be repeated.
+  // Waits until all queued tasks have run. Nothing may be posted after it returns; repeated calls are no-ops.
   void Stop();
 
-  // False, and the task is not run, where the queue is full.
+  // Returns false, and drops the task, if the queue is full.
   [[nodiscard]] bool Post(std::function<void()> task);
-  // Queues also beyond the bound: for the next step of a call that has already begun.
+  // Queues the task even if the queue is full: for the next step of a call that has been accepted.
   void PostNext(std::function<void()> task);
 
  private:

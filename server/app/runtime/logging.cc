@@ -14,7 +14,7 @@
 namespace enfilade::server {
 namespace {
 
-// The message as a JSON string, whatever it holds.
+// The message as a JSON string; invalid UTF-8 is replaced.
 class JsonMessage final : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {

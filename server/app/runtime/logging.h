@@ -5,8 +5,8 @@
 
 namespace enfilade::server {
 
-// Sets spdlog's default logger to the options' level and format (JSON: one object per line with time, level, message)
-// on standard error, and sends gRPC's own messages there.
+// Makes spdlog's default logger write to standard error with the options' level and format (JSON: one object per line
+// with time, level, thread and message), and redirects gRPC's own log to it.
 void SetUpLogging(const ServerOptions::Log& options);
 
 }  // namespace enfilade::server

@@ -1,24 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/runtime/maintenance_loop.h"
 
-#include <functional>
+#include <utility>
 
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
 namespace {
 
-constexpr auto kSweepTimeout = std::chrono::seconds(30);
-constexpr auto kFiguresInterval = std::chrono::seconds(1);
-// A robot may send a blob and come back with the record that refers to it only after an outage.
+constexpr auto kPortionTimeout = std::chrono::seconds(30);
+// After an outage, a robot may send the record that refers to a blob long after the blob.
 constexpr auto kBlobGrace = std::chrono::hours(24);
-constexpr std::int64_t kRowsPerPortion = 5000;
 
 }  // namespace
 
-MaintenanceLoop::MaintenanceLoop(const ServerOptions::Retention& options, storage::postgres::Pool& pool,
-                                 const Readiness& readiness, Metrics& metrics)
-    : options_(options), pool_(pool), readiness_(readiness), metrics_(metrics), maintenance_(pool) {
+std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance) {
+  return {
+      {"rows of deleted sessions",
+       [&maintenance](const storage::CallContext& context, std::int64_t limit) {
+         return maintenance.PurgeDeletedSessions(context, limit);
+       }},
+      {"records past their retention",
+       [&maintenance](const storage::CallContext& context, std::int64_t limit) {
+         return maintenance.DeleteExpiredRecords(context, limit);
+       }},
+      {"unused blobs",
+       [&maintenance](const storage::CallContext& context, std::int64_t limit) {
+         return maintenance.CollectBlobs(context, kBlobGrace, limit);
+       }},
+  };
+}
+
+MaintenanceLoop::MaintenanceLoop(Options options, std::vector<MaintenanceJob> jobs)
+    : options_(std::move(options)), jobs_(std::move(jobs)) {
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -28,49 +42,28 @@ MaintenanceLoop::~MaintenanceLoop() {
 }
 
 void MaintenanceLoop::Run() {
-  std::chrono::duration<double> since_clean_up{0.0};
-  while (!stop_.WaitFor(kFiguresInterval)) {
-    const storage::postgres::Pool::Stats stats = pool_.stats();
-    metrics_.SetDatabaseConnections(stats.open, stats.busy, stats.waiting);
-    since_clean_up += kFiguresInterval;
-    if (since_clean_up.count() < options_.interval_s || !readiness_.state().ready) continue;
-    since_clean_up = since_clean_up.zero();
-    CleanUp();
+  std::chrono::duration<double> since_last_round{0.0};
+  while (!stop_.WaitFor(options_.tick)) {
+    options_.on_tick();
+    since_last_round += options_.tick;
+    if (since_last_round < options_.interval || !options_.is_ready()) continue;
+    since_last_round = since_last_round.zero();
+    for (const MaintenanceJob& job : jobs_) RunJob(job);
   }
 }
 
-void MaintenanceLoop::CleanUp() {
-  struct Job {
-    const char* what;
-    std::function<absl::StatusOr<std::int64_t>(const storage::CallContext&)> run;
-  };
-  const Job jobs[] = {
-      {"rows of deleted sessions",
-       [this](const storage::CallContext& context) {
-         return maintenance_.PurgeDeletedSessions(context, kRowsPerPortion);
-       }},
-      {"records past their retention",
-       [this](const storage::CallContext& context) {
-         return maintenance_.DeleteExpiredRecords(context, kRowsPerPortion);
-       }},
-      {"unused blobs",
-       [this](const storage::CallContext& context) {
-         return maintenance_.CollectBlobs(context, kBlobGrace, kRowsPerPortion);
-       }},
-  };
-  for (const Job& job : jobs) {
-    std::int64_t deleted = 0;
-    while (!stop_.is_set()) {
-      const auto portion = job.run(storage::CallContext::WithTimeout(kSweepTimeout));
-      if (!portion.ok()) {
-        spdlog::warn("maintenance: {}: {}", job.what, portion.status().ToString());
-        break;
-      }
-      deleted += *portion;
-      if (*portion < kRowsPerPortion) break;
+void MaintenanceLoop::RunJob(const MaintenanceJob& job) {
+  std::int64_t deleted = 0;
+  while (!stop_.is_set()) {
+    const auto portion = job.delete_portion(storage::CallContext::WithTimeout(kPortionTimeout), kPortionRows);
+    if (!portion.ok()) {
+      spdlog::warn("maintenance: {}: {}", job.deletes, portion.status().ToString());
+      break;
     }
-    if (deleted > 0) spdlog::info("maintenance: deleted {} {}", deleted, job.what);
+    deleted += *portion;
+    if (*portion < kPortionRows) break;
   }
+  if (deleted > 0) spdlog::info("maintenance: deleted {} {}", deleted, job.deletes);
 }
 
 }  // namespace enfilade::server

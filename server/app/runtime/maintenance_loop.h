@@ -1,36 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
 #include <thread>
+#include <vector>
 
-#include "server/app/runtime/metrics.h"
-#include "server/app/runtime/readiness.h"
+#include "absl/status/statusor.h"
 #include "server/app/runtime/stop_signal.h"
-#include "server/config/server_options.h"
+#include "storage/call_context.h"
 #include "storage/maintenance.h"
-#include "storage/postgres/driver/pool.h"
 
 namespace enfilade::server {
 
-// Every now and then: deletes records past their site's retention, rows of deleted sessions and blobs that nothing
-// refers to, in small portions, and brings the pool's figures up to date. Does nothing while the server is not ready.
+// One kind of clean-up, done in portions so that no transaction is long.
+struct MaintenanceJob {
+  std::string deletes;  // what it deletes, for the log: "unused blobs"
+  // Deletes at most `limit` rows and returns how many.
+  std::function<absl::StatusOr<std::int64_t>(const storage::CallContext& context, std::int64_t limit)> delete_portion;
+};
+
+// Records past their site's retention, rows of deleted sessions, and unreferenced blobs. `maintenance` must outlive
+// the jobs.
+std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance);
+
+// Runs jobs periodically on a thread of its own: each until a portion is not full. A job that fails is logged and tried
+// again in the next round.
 class MaintenanceLoop {
  public:
-  MaintenanceLoop(const ServerOptions::Retention& options, storage::postgres::Pool& pool, const Readiness& readiness,
-                  Metrics& metrics);
+  static constexpr std::int64_t kPortionRows = 5000;
+
+  // `is_ready`: rounds are skipped while it returns false. `on_tick` is called every `tick`.
+  struct Options {
+    std::chrono::duration<double> interval{300.0};
+    std::chrono::milliseconds tick{1000};
+    std::function<bool()> is_ready;
+    std::function<void()> on_tick;
+  };
+
+  MaintenanceLoop(Options options, std::vector<MaintenanceJob> jobs);
+  // Waits for the portion at work.
   ~MaintenanceLoop();
   MaintenanceLoop(const MaintenanceLoop&) = delete;
   MaintenanceLoop& operator=(const MaintenanceLoop&) = delete;
 
  private:
   void Run();
-  void CleanUp();
+  void RunJob(const MaintenanceJob& job);
 
-  const ServerOptions::Retention options_;
-  storage::postgres::Pool& pool_;
-  const Readiness& readiness_;
-  Metrics& metrics_;
-  const storage::Maintenance maintenance_;
+  const Options options_;
+  const std::vector<MaintenanceJob> jobs_;
   StopSignal stop_;
   std::thread thread_;
 };

@@ -34,7 +34,7 @@ class Metrics::Impl {
     return prometheus::BuildGauge().Name(name).Help(help).Register(*registry).Add({});
   }
 
-  // What one RPC with one outcome counts into. The registry finds it by its labels, which takes several microseconds.
+  // The time series of one RPC and outcome. Kept, because finding them by label takes several microseconds.
   struct CallSeries {
     prometheus::Counter* calls;
     prometheus::Histogram* seconds;
@@ -57,15 +57,16 @@ class Metrics::Impl {
   prometheus::Counter& duplicates = Counter("enfilade_records_duplicate_total", "Records sent again").Add({});
   prometheus::Counter& refused = Counter("enfilade_batches_refused_total", "Batches refused").Add({});
   prometheus::Gauge& buffered = Gauge("enfilade_ingest_buffered_bytes", "Received and not yet stored");
-  prometheus::Gauge& streams = Gauge("enfilade_streams_open", "Streams of records open");
-  Counters& scans = Counter("enfilade_scans_mapped_total", "Scans by whether they have a place in the trajectory");
+  prometheus::Gauge& streams = Gauge("enfilade_streams_open", "Open record streams");
+  Counters& scans = Counter("enfilade_scans_mapped_total", "Scans by whether they were used in the trajectory");
   prometheus::Counter& scans_used = scans.Add({{"used", "true"}});
   prometheus::Counter& scans_not_used = scans.Add({{"used", "false"}});
   prometheus::Gauge& mapping = Gauge("enfilade_sessions_mapping", "Sessions being mapped by this process");
-  prometheus::Gauge& ready = Gauge("enfilade_ready", "1 where the server takes work");
+  prometheus::Gauge& ready = Gauge("enfilade_ready", "1 if the server accepts work");
   prometheus::Gauge& connections_open = Gauge("enfilade_database_connections_open", "Connections of the pool");
   prometheus::Gauge& connections_busy = Gauge("enfilade_database_connections_busy", "Connections in use");
-  prometheus::Gauge& connections_waiting = Gauge("enfilade_database_connections_waiting", "Callers that wait for one");
+  prometheus::Gauge& connections_waiting =
+      Gauge("enfilade_database_connections_waiting", "Callers waiting for a connection");
   Mutex mutex;
   std::map<std::pair<std::string_view, absl::StatusCode>, CallSeries> call_series ABSL_GUARDED_BY(mutex);
   std::unique_ptr<prometheus::Exposer> exposer;
@@ -81,7 +82,7 @@ absl::StatusOr<std::unique_ptr<Metrics>> Metrics::Create(const std::string& addr
       impl->exposer = std::make_unique<prometheus::Exposer>(address, 1);
       impl->exposer->RegisterCollectable(impl->registry);
     } catch (const std::exception& error) {
-      return Unavailable("metrics cannot be served at {} ({}): choose another metrics.address, or \"\" for none",
+      return Unavailable("cannot serve metrics at {} ({}): choose another metrics.address, or \"\" to disable them",
                          address, error.what());
     }
   }

@@ -11,18 +11,19 @@
 
 namespace enfilade::server {
 
-// What the server counts, for Prometheus. Thread-safe.
+// The server's metrics, in Prometheus' format. Thread-safe.
 class Metrics {
  public:
-  // Serves http://`address`/metrics; counts only where `address` is empty. UNAVAILABLE where the port is taken.
+  // Serves http://`address`/metrics; with an empty address metrics are only collected. UNAVAILABLE if the port is
+  // taken.
   static absl::StatusOr<std::unique_ptr<Metrics>> Create(const std::string& address);
   ~Metrics();
 
-  // `name` must outlive this.
+  // `name` must outlive the metrics.
   void CountCall(const char* name, absl::StatusCode code, std::chrono::steady_clock::duration took);
   void CountRecordsStored(std::int64_t inserted, std::int64_t duplicates);
   void CountBatchRefused();
-  void AddIngestBuffered(std::int64_t bytes);  // negative when it leaves
+  void AddIngestBuffered(std::int64_t bytes);  // negative when written
   void AddStreamsOpen(int streams);
   void CountScansMapped(std::int64_t used, std::int64_t not_used);
   void AddSessionsMapping(int sessions);

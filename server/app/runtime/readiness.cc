@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/runtime/readiness.h"
 
-#include <chrono>
 #include <utility>
 
 #include "core/base/error.h"
-#include "storage/postgres/driver/pool.h"
 
 namespace enfilade::server {
 namespace {
-
-constexpr auto kInterval = std::chrono::seconds(1);
-constexpr auto kPingTimeout = std::chrono::seconds(3);
 
 Readiness::State StateFrom(const absl::StatusOr<storage::SchemaState>& schema) {
   if (!schema.ok()) {
@@ -37,14 +32,15 @@ Readiness::State StateFrom(const absl::StatusOr<storage::SchemaState>& schema) {
 
 }  // namespace
 
-Readiness::Readiness(storage::postgres::Pool& pool, std::function<void(const State&)> on_change)
-    : pool_(pool), on_change_(std::move(on_change)) {
+Readiness::Readiness(CheckSchema check_schema, std::function<void(const State&)> on_change,
+                     std::chrono::milliseconds interval)
+    : check_schema_(std::move(check_schema)), on_change_(std::move(on_change)), interval_(interval) {
+  State first = StateFrom(check_schema_());
   {
     MutexLock lock(mutex_);
-    state_.ready = true;  // so that the first look counts as a change where it fails
+    state_ = first;
   }
-  Look();
-  if (state().ready) on_change_(state());
+  on_change_(first);
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -64,14 +60,14 @@ void Readiness::Drain() {
     MutexLock lock(mutex_);
     draining_ = true;
     state_.ready = false;
-    state_.reason = "the server is about to end";
+    state_.reason = "the server is shutting down";
     drained = state_;
   }
   on_change_(drained);
 }
 
-void Readiness::Look() {
-  State found = StateFrom(storage::CheckSchema(storage::CallContext::WithTimeout(kPingTimeout), pool_));
+void Readiness::Check() {
+  const State found = StateFrom(check_schema_());
   bool changed = false;
   {
     MutexLock lock(mutex_);
@@ -83,7 +79,7 @@ void Readiness::Look() {
 }
 
 void Readiness::Run() {
-  while (!stop_.WaitFor(kInterval)) Look();
+  while (!stop_.WaitFor(interval_)) Check();
 }
 
 }  // namespace enfilade::server

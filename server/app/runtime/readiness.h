@@ -1,44 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
+#include <chrono>
 #include <functional>
 #include <string>
 #include <thread>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
 #include "core/base/mutex.h"
 #include "server/app/runtime/stop_signal.h"
 #include "storage/schema.h"
 
 namespace enfilade::server {
 
-// Whether this server can take work: the database answers and its migrations are at this program's head. Looks every
-// second.
+// Whether this server can accept work: the database answers, and its schema is the one that this program was built for.
+// Checked periodically. Thread-safe.
 class Readiness {
  public:
   struct State {
     bool ready = false;
-    std::string reason;  // why not, for people
+    std::string reason;  // why it is not ready, for people
     storage::SchemaState schema;
   };
+  // Reads the schema's state from the database.
+  using CheckSchema = std::function<absl::StatusOr<storage::SchemaState>()>;
 
-  // `on_change` is called with every change of `ready`, first from the constructor, then from the looking thread.
-  Readiness(storage::postgres::Pool& pool, std::function<void(const State&)> on_change);
+  // Checks once before it returns. `on_change` is called with the first state, from the constructor, and then whenever
+  // `ready` changes, from the checking thread or from Drain.
+  Readiness(CheckSchema check_schema, std::function<void(const State&)> on_change,
+            std::chrono::milliseconds interval = std::chrono::seconds(1));
   ~Readiness();
   Readiness(const Readiness&) = delete;
   Readiness& operator=(const Readiness&) = delete;
 
   State state() const;
-  // Not ready from now on, for good: the server is about to end.
+  // Permanently not ready: the server is shutting down.
   void Drain();
 
  private:
-  void Look();
+  void Check();
   void Run();
 
-  storage::postgres::Pool& pool_;
+  const CheckSchema check_schema_;
   const std::function<void(const State&)> on_change_;
+  const std::chrono::milliseconds interval_;
   mutable Mutex mutex_;
   State state_ ABSL_GUARDED_BY(mutex_);
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;

@@ -7,7 +7,7 @@
 
 namespace enfilade::server {
 
-// Tells a thread that works now and then to stop. Thread-safe.
+// Asks a periodic thread to stop. Thread-safe.
 class StopSignal {
  public:
   void Set() {
@@ -19,7 +19,7 @@ class StopSignal {
     MutexLock lock(mutex_);
     return set_;
   }
-  // Waits for `time` at most. True where it is set.
+  // Waits until the signal is set, at most for `time`. Returns whether it is set.
   bool WaitFor(std::chrono::steady_clock::duration time) {
     const auto deadline = std::chrono::steady_clock::now() + time;
     MutexLock lock(mutex_);

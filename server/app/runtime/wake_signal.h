@@ -9,27 +9,27 @@
 
 namespace enfilade::server {
 
-// Tells a thread that there may be work before its next look around. Thread-safe.
+// Wakes a polling thread before its next poll. A wake-up that comes while the thread is busy is not lost. Thread-safe.
 class WakeSignal {
  public:
   void Wake() {
     MutexLock lock(mutex_);
-    woken_ = true;
+    wake_requested_ = true;
     changed_.NotifyAll();
   }
-  // Until woken, or for `time` at most.
+  // Waits until Wake has been called since the last wait, at most for `time`.
   void WaitFor(std::chrono::steady_clock::duration time) {
     const auto deadline = std::chrono::steady_clock::now() + time;
     MutexLock lock(mutex_);
-    while (!woken_ && changed_.WaitUntil(mutex_, deadline)) {
+    while (!wake_requested_ && changed_.WaitUntil(mutex_, deadline)) {
     }
-    woken_ = false;
+    wake_requested_ = false;
   }
 
  private:
   Mutex mutex_;
   CondVar changed_;
-  bool woken_ ABSL_GUARDED_BY(mutex_) = false;
+  bool wake_requested_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace enfilade::server
