@@ -10,20 +10,20 @@
 
 namespace enfilade::server {
 
-// The whole server: everything built, wired together and listening.
+// The whole server: constructs the services, connects them and listens.
 class Server {
  public:
-  // The database need not be reachable yet: then health says NOT_SERVING until it is. UNAVAILABLE where an address is
-  // taken, saying which; INVALID_ARGUMENT for options.
+  // The database need not be reachable yet: health is NOT_SERVING until it is. UNAVAILABLE naming an address that is in
+  // use; INVALID_ARGUMENT for invalid options.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options, const slam::SlamProfiles& slam);
-  // Shuts down at once, if Shutdown was not called.
+  // Calls Shutdown.
   ~Server();
 
-  // Where it listens: with the port that was chosen for port 0.
+  // The listening address; with port 0 in the options, the port that was chosen.
   const std::string& address() const;
 
-  // Health off; streams are answered and ended; unary calls finish; mapping stores its checkpoints. Returns when all is
-  // done, after the grace time at the latest, when what is left is cut off.
+  // Sets health to NOT_SERVING, answers and ends streams, finishes unary calls, and stores mapping's checkpoints.
+  // Returns when all is done; after the grace time, remaining calls are cancelled.
   void Shutdown();
 
  private:

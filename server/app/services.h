@@ -30,7 +30,7 @@
 
 namespace enfilade::server {
 
-// All that the RPCs see of the server. Everything in it is thread-safe and outlives every call.
+// What the RPCs see of the server. All members are thread-safe and outlive every call.
 struct Services {
   const ServerOptions& options;
   std::chrono::steady_clock::time_point start_time;

@@ -10,14 +10,14 @@
 
 namespace enfilade::server {
 
-// Sites whose graphs may have changed since somebody looked. Thread-safe.
+// The set of sites whose graphs have changed since the last Take. Thread-safe.
 class ChangedSites {
  public:
   void Add(const SiteId& site) {
     MutexLock lock(mutex_);
     sites_.insert(site);
   }
-  // All of them; they are then no longer changed.
+  // Returns the set and clears it.
   std::set<SiteId> Take() {
     MutexLock lock(mutex_);
     return std::exchange(sites_, {});

@@ -16,17 +16,17 @@
 namespace enfilade::server {
 namespace {
 
-// Of solving what may change meanwhile; then nobody else may change it.
-constexpr int kFreeAttempts = 3;
-// Changes come in bunches: a closure is a link point, its evidence, and often the next one.
+// Attempts without locking the graph.
+constexpr int kOptimisticAttempts = 3;
+// Changes come in bursts: a closure changes a link point and its evidence, and often causes the next closure.
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
 constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
-constexpr auto kHeldPoll = std::chrono::milliseconds(50);
-// Solutions that differ by less are the same, m and rad.
-constexpr double kSame = 1e-6;
+constexpr auto kLeasePollInterval = std::chrono::milliseconds(50);
+// Solutions that differ by less are equal, m and rad.
+constexpr double kPoseTolerance = 1e-6;
 
-// Of all that an optimisation depends on.
+// A digest of everything that an optimisation depends on.
 std::string DigestOf(const graph::GraphSnapshot& graph) {
   std::string bytes;
   BinaryWriter writer(bytes);
@@ -45,20 +45,20 @@ std::string DigestOf(const graph::GraphSnapshot& graph) {
 }
 
 bool IsSame(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
-  // Nothing to tell where only the root is placed.
+  // A solution that only places the root adds nothing.
   if (graph.solution() == nullptr) return solution.map_poses.size() <= 1 && solution.switched_off.empty();
   if (graph.solution()->map_poses.size() != solution.map_poses.size()) return false;
   for (const auto& [map, pose] : solution.map_poses) {
     const auto found = graph.solution()->map_poses.find(map);
     if (found == graph.solution()->map_poses.end()) return false;
     const Pose2 d = Between(found->second.pose, pose.pose);
-    if (d.translation().norm() > kSame || std::abs(d.yaw) > kSame) return false;
+    if (d.translation().norm() > kPoseTolerance || std::abs(d.yaw) > kPoseTolerance) return false;
     if (!found->second.covariance.isApprox(pose.covariance, 1e-6) && !pose.covariance.isZero()) return false;
   }
   return graph::ChangesOf(graph, solution, 0).link_points.empty();
 }
 
-// As it will be: link points' places follow from the new solution.
+// Includes the link points' places that follow from the new map poses.
 absl::StatusOr<storage::GraphSolution> StoredSolution(const graph::GraphSnapshot& graph,
                                                       const graph::SolvedGraph& solution) {
   ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot solved,
@@ -96,15 +96,15 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const storage::CallConte
       (void)leases_.Release(context, *lease);
       return optimized;
     }
-    if (std::chrono::steady_clock::now() + kHeldPoll >= context.deadline) {
-      return Aborted("another process is at work on site {}: try again", site.value());
+    if (std::chrono::steady_clock::now() + kLeasePollInterval >= context.deadline) {
+      return Aborted("another process is optimising site {} or judging its doors: try again", site.value());
     }
-    if (stop_.WaitFor(kHeldPoll)) return absl::UnavailableError("the server is about to end: come again");
+    if (stop_.WaitFor(kLeasePollInterval)) return absl::UnavailableError("the server is shutting down: try again");
   }
 }
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::CallContext& context, const SiteId& site) {
-  for (int attempt = 0; attempt < kFreeAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kOptimisticAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
     ENFILADE_ASSIGN_OR_RETURN(graph::SolvedGraph solution, graph::OptimizeGraph(graph->graph()));
     const absl::StatusOr<std::int64_t> version = Store(store_, context, site, graph->graph(), solution);
@@ -112,10 +112,10 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::Call
     if (version.ok()) return OptimizedGraph{*version, std::move(solution)};
     if (!absl::IsAborted(version.status())) return version.status();
   }
-  return SolveAtRest(context, site);
+  return SolveLocked(context, site);
 }
 
-absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAtRest(const storage::CallContext& context, const SiteId& site) {
+absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveLocked(const storage::CallContext& context, const SiteId& site) {
   ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> known, graphs_.Get(context, site));
   OptimizedGraph optimized;
   const auto solve = [&](const storage::GraphChanges& changes) -> absl::StatusOr<storage::GraphSolution> {
@@ -136,7 +136,8 @@ void GraphOptimizer::Run() {
       if (stop_.is_set()) return;
       const absl::Status status = OptimizeIfDue(site);
       if (status.ok() || absl::IsNotFound(status)) continue;
-      if (!absl::IsAborted(status)) spdlog::warn("optimising the graph of {}: {}", site.value(), status.ToString());
+      if (!absl::IsAborted(status))
+        spdlog::warn("cannot optimise the graph of {}: {}", site.value(), status.ToString());
       changed_.Add(site);
     }
   }
@@ -150,7 +151,7 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   std::string& solved = solved_[site];
   if (solved == digest) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
-  if (!lease) return Aborted("another one is at work on site {}", site.value());
+  if (!lease) return Aborted("another process is optimising site {} or judging its doors", site.value());
   absl::Status optimized = OptimizeChanged(context, site, *graph);
   if (absl::IsAborted(optimized)) optimized = SolveAndStore(context, site).status();
   (void)leases_.Release(context, *lease);

@@ -19,15 +19,14 @@
 namespace enfilade::server {
 
 struct OptimizedGraph {
-  std::int64_t version = 0;  // that it made
+  std::int64_t version = 0;  // of the graph with the solution
   graph::SolvedGraph solution;
 };
 
-// Solves sites' graphs: on request, and by itself some time after what is measured in them has changed. Whoever solves
-// holds the site's lease, as whoever judges its doors, so that of any number of processes one does it; a solution is
-// stored only where the graph is still at the version that it was made from, whoever edits it meanwhile. Where it is
-// edited without a pause, editors wait for one solution at last; readers never do: they keep what they have meanwhile.
-// Thread-safe.
+// Optimises sites' graphs: on request, and automatically soon after their measurements have changed. The site's lease,
+// shared with the closure of doors, ensures that only one process optimises a site at a time. A solution is stored only
+// if the graph is still at the version that it was computed from; if that fails repeatedly because the graph is edited
+// without a pause, the last attempt locks the graph, and editors wait for it. Readers never wait. Thread-safe.
 class GraphOptimizer {
  public:
   GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases, SiteGraphs& graphs,
@@ -36,20 +35,20 @@ class GraphOptimizer {
   GraphOptimizer(const GraphOptimizer&) = delete;
   GraphOptimizer& operator=(const GraphOptimizer&) = delete;
 
-  // Now, whether anything has changed or not; waits for whoever holds the site. FAILED_PRECONDITION where the site has
-  // no maps; ABORTED where another one holds the site until the deadline; NOT_FOUND.
+  // Optimises immediately, even if nothing has changed. Waits for the site's lease. FAILED_PRECONDITION if the site has
+  // no maps; ABORTED if another holder keeps the lease until the deadline; NOT_FOUND.
   absl::StatusOr<OptimizedGraph> Optimize(const storage::CallContext& context, const SiteId& site);
 
-  // Begins what the destructor waits for.
+  // Asks the worker to stop, without waiting; the destructor waits.
   void Stop();
 
  private:
   void Run();
-  // Where its solution is not what the graph says now. ABORTED where another one holds the site.
+  // No-op if the graph's measurements are those that were last solved. ABORTED if another holder has the lease.
   absl::Status OptimizeIfDue(const SiteId& site);
-  // Both with the site's lease in hand.
+  // The next three: the caller holds the site's lease.
   absl::StatusOr<OptimizedGraph> SolveAndStore(const storage::CallContext& context, const SiteId& site);
-  absl::StatusOr<OptimizedGraph> SolveAtRest(const storage::CallContext& context, const SiteId& site);
+  absl::StatusOr<OptimizedGraph> SolveLocked(const storage::CallContext& context, const SiteId& site);
   absl::Status OptimizeChanged(const storage::CallContext& context, const SiteId& site, const SiteGraph& graph);
 
   const storage::GraphStore& store_;
@@ -57,7 +56,7 @@ class GraphOptimizer {
   SiteGraphs& graphs_;
   ChangedSites& changed_;
   StopSignal stop_;
-  // Of what was measured when the site was last found solved; the worker's own.
+  // The digest of the measurements that were last solved. Used by the worker only.
   std::unordered_map<SiteId, std::string> solved_;
   const std::string owner_;
   std::thread worker_;

@@ -20,7 +20,7 @@ graph::SnapshotChanges ToSnapshotChanges(const storage::GraphChanges& changes) {
   out.removed_link_points = changes.removed_link_points;
   for (const storage::StoredLinkPoint& link_point : changes.link_points) out.link_points.push_back(link_point.point);
   for (const MapId& map : changes.removed_maps) {
-    if (!present.contains(map)) out.removed_maps.push_back(map);  // else removed and made again
+    if (!present.contains(map)) out.removed_maps.push_back(map);  // otherwise deleted and created again
   }
   return out;
 }
@@ -30,7 +30,7 @@ std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storag
   graph::SolvedGraph solved{.graph_version = version, .root = root};
   for (const storage::MapPose& pose : poses) solved.map_poses[pose.map] = pose.T_world_map;
   const auto found = solved.map_poses.find(root);
-  // Of another root's world.
+  // Poses in the world frame of another root.
   if (found == solved.map_poses.end() || found->second.pose != Pose2{} || !found->second.covariance.isZero()) {
     return nullptr;
   }

@@ -13,32 +13,31 @@
 
 namespace enfilade::server {
 
-// A site's graph at one version with what answers are made from. Immutable: shared by all who read it.
+// A site's graph at one version, with the values derived from it. Immutable and shared.
 struct SiteGraph {
   explicit SiteGraph(graph::GraphSnapshot snapshot) : poses(std::move(snapshot)) {}
 
   const graph::GraphSnapshot& graph() const { return poses.graph(); }
 
   graph::WorldPoses poses;
-  std::int64_t solution_version = 0;  // that the last optimisation made; 0: none, or none that holds for this root
+  std::int64_t solution_version = 0;  // made by the last optimisation; 0: none, or none for this root
   std::vector<storage::ControlPoint> control_points;
-  std::optional<geo::GeoreferenceFit> georeference;  // unset: too few control points, or they do not fit the graph
+  std::optional<geo::GeoreferenceFit> georeference;  // unset: too few control points, or they do not fit
 };
 
-// What the store tells of changes, for the snapshot.
+// Converts changes from the store for graph::Apply.
 graph::SnapshotChanges ToSnapshotChanges(const storage::GraphChanges& changes);
 
-// The last optimisation at or before the present version, as the snapshot wants it; null where there is none, or none
-// of the present root.
+// Converts the map poses of optimisation `version` for graph::Apply. Null if they are for another root than `root`.
 std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storage::MapPose>& poses,
                                                         std::int64_t version, const MapId& root);
 
-// The control points in the world frame, fitted. FAILED_PRECONDITION where a map is not joined to the root; else as
-// FitGeoreference.
+// Fits a georeference to the control points. FAILED_PRECONDITION if a map is not joined to the root; otherwise as
+// geo::FitGeoreference.
 absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& poses,
                                                       const std::vector<storage::ControlPoint>& points);
 
-// What the optimisation found, for the store.
+// Converts the result of an optimisation for the store.
 storage::GraphSolution ToStored(const graph::WorldPoses& solved, const graph::SolvedGraph& solution);
 
 }  // namespace enfilade::server

@@ -12,9 +12,9 @@ namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kKeptVersions = 8;
-constexpr auto kAwaitTime = std::chrono::milliseconds(500);
-constexpr auto kReadTime = std::chrono::seconds(30);
-constexpr auto kReconnectTime = std::chrono::seconds(1);
+constexpr auto kListenTimeout = std::chrono::milliseconds(500);
+constexpr auto kReadTimeout = std::chrono::seconds(30);
+constexpr auto kReconnectInterval = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -40,7 +40,7 @@ std::shared_ptr<SiteGraphs::Entry> SiteGraphs::FindOrMake(const SiteId& site) {
 std::shared_ptr<const SiteGraph> SiteGraphs::FindCurrent(const SiteId& site) const {
   MutexLock lock(mutex_);
   const auto found = entries_.find(site);
-  if (found == entries_.end() || !hearing_) return nullptr;
+  if (found == entries_.end() || !listening_) return nullptr;
   const Entry& entry = *found->second;
   return entry.changes_read >= entry.changes_needed ? entry.current : nullptr;
 }
@@ -61,8 +61,8 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::BringUpToDate(const
     MutexLock lock(mutex_);
     old = entry->current;
     changes = entry->changes;
-    // Somebody else has read while this one waited for its turn.
-    if (hearing_ && entry->changes_read == changes) return old;
+    // Another thread has read the changes while this one waited.
+    if (listening_ && entry->changes_read == changes) return old;
   }
   absl::StatusOr<std::shared_ptr<const SiteGraph>> read = Read(context, site, old);
   {
@@ -90,11 +90,10 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const st
   for (const std::shared_ptr<const SiteGraph>& kept : entry->recent) {
     if (kept->graph().version() == version) return kept;
   }
-  return NotFound("the graph of site {} is at version {}, and version {} is none of the last {} that this server keeps",
+  return NotFound("the graph of site {} is at version {}; version {} is not one of the last {} that this server keeps",
                   site.value(), current->graph().version(), version, entry->recent.size());
 }
 
-// `old` itself where nothing changed.
 absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage::CallContext& context,
                                                                   const SiteId& site,
                                                                   const std::shared_ptr<const SiteGraph>& old) const {
@@ -102,11 +101,11 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage:
   ENFILADE_ASSIGN_OR_RETURN(const storage::GraphChanges changes, store_.ReadChanges(context, site, since));
   if (old != nullptr && changes.version == since) return old;
   graph::SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
-  const bool anew = changes.complete || old == nullptr;
-  const std::int64_t known = anew ? 0 : old->solution_version;
-  // Those up to `since` have been looked at before.
+  const bool complete = changes.complete || old == nullptr;
+  const std::int64_t known = complete ? 0 : old->solution_version;
+  // Optimisations up to `since` have been considered before.
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t optimized,
-                            store_.FindLastOptimization(context, site, anew ? 0 : std::max(known, since)));
+                            store_.FindLastOptimization(context, site, complete ? 0 : std::max(known, since)));
   std::int64_t solution_version = known;
   if (optimized > known) {
     const auto poses = store_.GetMapPoses(context, site, optimized);
@@ -115,7 +114,7 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage:
     if (snapshot_changes.solution != nullptr) solution_version = optimized;
   }
   ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot,
-                            graph::Apply(anew ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
+                            graph::Apply(complete ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
   auto graph = std::make_shared<SiteGraph>(std::move(snapshot));
   const graph::SolvedGraph* solution = graph->graph().solution();
   graph->solution_version = solution != nullptr && solution->root == graph->graph().root() ? solution_version : 0;
@@ -146,33 +145,33 @@ void SiteGraphs::Listen() {
   while (!stop_.is_set()) {
     auto listener = storage::GraphListener::Open(pool_, storage::CallContext::WithTimeout(std::chrono::seconds(5)));
     if (!listener.ok()) {
-      stop_.WaitFor(kReconnectTime);
+      stop_.WaitFor(kReconnectInterval);
       continue;
     }
-    // What changed while nobody listened.
+    // Changes before the listener was opened were not reported.
     MarkAllChanged();
     {
       MutexLock lock(mutex_);
-      hearing_ = true;
+      listening_ = true;
     }
-    Hear(**listener);
+    ProcessChanges(**listener);
     MutexLock lock(mutex_);
-    hearing_ = false;
+    listening_ = false;
   }
 }
 
-void SiteGraphs::Hear(storage::GraphListener& listener) {
+void SiteGraphs::ProcessChanges(storage::GraphListener& listener) {
   while (!stop_.is_set()) {
-    const auto changes = listener.Await(storage::CallContext::WithTimeout(kAwaitTime));
+    const auto changes = listener.Await(storage::CallContext::WithTimeout(kListenTimeout));
     if (!changes.ok()) {
-      spdlog::warn("cannot hear of changed graphs: {}", changes.status().ToString());
+      spdlog::warn("lost the connection that reports changed graphs: {}", changes.status().ToString());
       return;
     }
-    for (const storage::GraphListener::Change& change : *changes) HearOf(change);
+    for (const storage::GraphListener::Change& change : *changes) OnGraphChanged(change);
   }
 }
 
-void SiteGraphs::HearOf(const storage::GraphListener::Change& change) {
+void SiteGraphs::OnGraphChanged(const storage::GraphListener::Change& change) {
   {
     MutexLock lock(mutex_);
     const auto found = entries_.find(change.site);
@@ -182,11 +181,11 @@ void SiteGraphs::HearOf(const storage::GraphListener::Change& change) {
       ++found->second->changes;
     }
   }
-  // Sites that nobody asks for are read as well: their graphs are to be optimised.
-  const auto read = BringUpToDate(storage::CallContext::WithTimeout(kReadTime), change.site);
+  // Sites without readers are read as well: their graphs must be optimised.
+  const auto read = BringUpToDate(storage::CallContext::WithTimeout(kReadTimeout), change.site);
   if (read.ok() || absl::IsNotFound(read.status())) return;
-  spdlog::warn("reading the graph of {}: {}", change.site.value(), read.status().ToString());
-  MarkChanged(change.site);  // who asks next tries again
+  spdlog::warn("cannot read the graph of {}: {}", change.site.value(), read.status().ToString());
+  MarkChanged(change.site);  // the next Get tries again
 }
 
 }  // namespace enfilade::server

@@ -19,60 +19,62 @@
 
 namespace enfilade::server {
 
-// The sites' graphs, each kept in memory from when it is first asked for. The database says when one changes (LISTEN),
-// and a thread brings it up to date by what changed; who asks meanwhile is answered from the version before and does
-// not wait. While the database cannot be heard every question looks. Thread-safe.
+// The sites' graphs, each cached from its first use. The store notifies a thread of changed graphs (GraphListener),
+// which then reads their changes; meanwhile readers get the version before and do not wait. While the store cannot
+// notify, every Get checks the database. Thread-safe.
 class SiteGraphs {
  public:
-  // Adds to `changed` each site whose graph is read anew, or heard of.
+  // Adds each site to `changed` whenever a new version of its graph has been read.
   SiteGraphs(storage::postgres::Pool& pool, const storage::GraphStore& store, ChangedSites& changed);
   ~SiteGraphs();
   SiteGraphs(const SiteGraphs&) = delete;
   SiteGraphs& operator=(const SiteGraphs&) = delete;
 
-  // As far as this process has heard. NOT_FOUND where there is no such site. May wait for the database.
+  // The current version as far as this process knows. NOT_FOUND if there is no such site. May wait for the database.
   absl::StatusOr<std::shared_ptr<const SiteGraph>> Get(const storage::CallContext& context, const SiteId& site);
-  // The same without ever waiting: null where the database would have to be asked.
+  // As Get, but null if it would have to wait for the database.
   std::shared_ptr<const SiteGraph> FindCurrent(const SiteId& site) const;
-  // An earlier version: NOT_FOUND where it is none of the last few that this process has seen.
+  // `version` 0: as Get. NOT_FOUND unless it is one of the last few versions that this process has read.
   absl::StatusOr<std::shared_ptr<const SiteGraph>> GetVersion(const storage::CallContext& context, const SiteId& site,
                                                               std::int64_t version);
-  // The caller has changed the site: whoever asks from now on is answered with it.
+  // The caller has changed the site's graph: later calls of Get return a version with the change.
   void MarkChanged(const SiteId& site);
 
-  // Begins what the destructor waits for; streams of answers should end.
+  // Asks the listening thread to stop, without waiting; the destructor waits.
   void Stop();
+  // True after Stop: streams of answers should end.
   bool stopping() const { return stop_.is_set(); }
 
  private:
   struct Entry {
-    Mutex reading;  // one thread at a time reads changes
+    Mutex reading;  // held while a thread reads changes
     std::shared_ptr<const SiteGraph> current;
-    std::deque<std::shared_ptr<const SiteGraph>> recent;  // the latest first
-    std::uint64_t changes = 1;                            // heard of
-    std::uint64_t changes_read = 0;                       // of them, those that `current` has
-    std::uint64_t changes_needed = 1;                     // those that an answer must have
+    std::deque<std::shared_ptr<const SiteGraph>> recent;  // most recent first
+    std::uint64_t changes = 1;                            // number of known changes
+    std::uint64_t changes_read = 0;                       // number of them that `current` includes
+    std::uint64_t changes_needed = 1;                     // number of them that an answer must include
   };
 
   std::shared_ptr<Entry> FindOrMake(const SiteId& site);
-  // Reads what has changed, unless somebody just did.
+  // Reads the changes, unless another thread has just read them.
   absl::StatusOr<std::shared_ptr<const SiteGraph>> BringUpToDate(const storage::CallContext& context,
                                                                  const SiteId& site);
+  // The current version: `old` itself if nothing has changed since.
   absl::StatusOr<std::shared_ptr<const SiteGraph>> Read(const storage::CallContext& context, const SiteId& site,
                                                         const std::shared_ptr<const SiteGraph>& old) const;
   void Listen();
-  // Until the connection is lost or the process stops.
-  void Hear(storage::GraphListener& listener);
-  void HearOf(const storage::GraphListener::Change& change);
+  // Until the connection is lost or Stop.
+  void ProcessChanges(storage::GraphListener& listener);
+  void OnGraphChanged(const storage::GraphListener::Change& change);
   void MarkAllChanged();
 
   storage::postgres::Pool& pool_;
   const storage::GraphStore& store_;
   ChangedSites& changed_;
   mutable Mutex mutex_;
-  // Entries' fields but `reading` are guarded by `mutex_`, too.
+  // `mutex_` also guards the entries' fields, except `reading`.
   std::unordered_map<SiteId, std::shared_ptr<Entry>> entries_ ABSL_GUARDED_BY(mutex_);
-  bool hearing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool listening_ ABSL_GUARDED_BY(mutex_) = false;
   StopSignal stop_;
   std::thread listener_;
 };

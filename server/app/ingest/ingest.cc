@@ -12,19 +12,19 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kWriteTimeout = std::chrono::seconds(30);
-// Streams whose batches share a transaction: more make each wait longer for its acknowledgement.
+// Streams that share a transaction: more of them delay each acknowledgement.
 constexpr std::size_t kMaxStreamsPerTransaction = 32;
 
 }  // namespace
 
-// All fields but the constant ones belong to Ingest's mutex.
+// Ingest's mutex guards all non-constant fields that have no mutex of their own.
 class Ingest::Stream {
  public:
   Stream(convert::SessionName name, std::function<void(const IngestEvent&)> callback)
       : session(std::move(name)), on_event(std::move(callback)) {}
 
-  // Calls are serialised here: a stream's events come from its writer, and RoomAgain from any.
-  void Tell(const IngestEvent& event) {
+  // Serialised: RoomAgain may come from another thread than the stream's writer.
+  void Notify(const IngestEvent& event) {
     MutexLock lock(event_mutex);
     if (!closed) on_event(event);
   }
@@ -41,12 +41,12 @@ class Ingest::Stream {
   std::deque<Entry> entries;
   std::int64_t bytes = 0;  // of the entries and of what is being written
   bool writing = false;
-  bool paused = false;  // has been told to wait
-  bool failed = false;  // what still comes is dropped: the client sends it again
-  bool told_drained = false;
+  bool paused = false;  // Offer returned false
+  bool failed = false;  // later items are dropped: the client sends them again
+  bool drain_notified = false;
 };
 
-// What one writer does for one stream in one round: refusals to be passed on, then one blob or several batches.
+// What one writer does for one stream in one round: one blob, or several batches and refusals in their order.
 struct Ingest::Work {
   std::shared_ptr<Stream> stream;
   std::vector<Stream::Entry> entries;
@@ -129,7 +129,7 @@ void Ingest::Run() {
   }
 }
 
-// The next items of the streams that wait longest, up to one transaction's worth.
+// The next items of the streams that have waited longest, up to the size of one transaction.
 std::vector<Ingest::Work> Ingest::TakeWork() {
   std::vector<Work> work;
   std::int64_t bytes = 0;
@@ -156,7 +156,7 @@ void Ingest::Write(std::vector<Work>& work) {
   WriteBlobs(work);
   WriteBatches(work);
   for (Work& one : work) {
-    for (const IngestEvent& event : one.events) one.stream->Tell(event);
+    for (const IngestEvent& event : one.events) one.stream->Notify(event);
   }
 }
 
@@ -173,18 +173,14 @@ void Ingest::WriteBlobs(std::vector<Work>& work) {
 }
 
 void Ingest::WriteBatches(std::vector<Work>& work) {
-  struct Origin {
-    Work* work;
-    std::int64_t first_sequence;
-  };
   std::vector<storage::RecordBatch> batches;
-  std::vector<Origin> origins;
+  std::vector<Work*> origins;  // of each batch
   for (Work& one : work) {
     if (one.stream->failed) continue;
     for (const Stream::Entry& entry : one.entries) {
       if (const auto* batch = std::get_if<IngestBatch>(&entry.item)) {
         batches.push_back({one.stream->session.site, one.stream->session.session, batch->records, {}});
-        origins.push_back({&one, batch->records.front().sequence});
+        origins.push_back(&one);
       } else if (const auto* refusal = std::get_if<Refusal>(&entry.item)) {
         one.events.push_back(*refusal);
         metrics_.CountBatchRefused();
@@ -194,29 +190,35 @@ void Ingest::WriteBatches(std::vector<Work>& work) {
   if (batches.empty()) return;
 
   const auto results = records_.AppendGroup(storage::CallContext::WithTimeout(kWriteTimeout), batches);
-  bool news = false;
+  bool any_inserted = false;
   for (std::size_t i = 0; i < batches.size(); ++i) {
-    const absl::Status& status = results[i].status();
-    if (status.ok()) {
-      const storage::AppendResult& result = *results[i];
-      metrics_.CountRecordsStored(result.inserted, result.duplicates);
-      news = news || result.inserted > 0;
-      origins[i].work->events.push_back(Stored{result.acknowledged_sequence});
-    } else if (const std::int64_t sequence = storage::RefusedSequenceOf(status); sequence > 0) {
-      const auto reason =
-          absl::IsAlreadyExists(status) ? Refusal::Reason::kConflictingRecord : Refusal::Reason::kInvalidRecord;
-      origins[i].work->events.push_back(
-          Refusal{origins[i].first_sequence, sequence, reason, std::string(status.message())});
-      metrics_.CountBatchRefused();
-    } else {
-      origins[i].work->events.push_back(Failed{status});
-      spdlog::warn("ingest: a batch of session {} was not stored: {}", batches[i].session.value(), status.ToString());
-    }
+    any_inserted = ReportResult(results[i], batches[i], *origins[i]) || any_inserted;
   }
-  if (news) on_stored_();
+  if (any_inserted) on_stored_();
 }
 
-// Gives the streams back: to the queue where more has come meanwhile, and tells those that may go on.
+// Returns whether new records were stored.
+bool Ingest::ReportResult(const absl::StatusOr<storage::AppendResult>& result, const storage::RecordBatch& batch,
+                          Work& work) {
+  if (result.ok()) {
+    metrics_.CountRecordsStored(result->inserted, result->duplicates);
+    work.events.push_back(Stored{result->acknowledged_sequence});
+    return result->inserted > 0;
+  }
+  const absl::Status& status = result.status();
+  if (const std::int64_t sequence = storage::RefusedSequenceOf(status); sequence > 0) {
+    const auto reason =
+        absl::IsAlreadyExists(status) ? Refusal::Reason::kConflictingRecord : Refusal::Reason::kInvalidRecord;
+    work.events.push_back(Refusal{batch.records.front().sequence, sequence, reason, std::string(status.message())});
+    metrics_.CountBatchRefused();
+  } else {
+    work.events.push_back(Failed{status});
+    spdlog::warn("ingest: a batch of session {} was not stored: {}", batch.session.value(), status.ToString());
+  }
+  return false;
+}
+
+// Releases the streams: queues those that have new items, and notifies those that may continue.
 void Ingest::Return(const std::vector<Work>& work) {
   std::vector<std::shared_ptr<Stream>> drained;
   std::vector<std::shared_ptr<Stream>> with_room;
@@ -235,8 +237,8 @@ void Ingest::Return(const std::vector<Work>& work) {
       stream.writing = false;
       if (!stream.entries.empty()) {
         MakeReady(one.stream);
-      } else if (draining_ && !stream.told_drained) {
-        stream.told_drained = true;
+      } else if (draining_ && !stream.drain_notified) {
+        stream.drain_notified = true;
         drained.push_back(one.stream);
       }
     }
@@ -244,8 +246,8 @@ void Ingest::Return(const std::vector<Work>& work) {
     with_room = StreamsWithRoomAgain();
   }
   metrics_.AddIngestBuffered(-written);
-  for (const auto& stream : with_room) stream->Tell(RoomAgain{});
-  for (const auto& stream : drained) stream->Tell(Drained{});
+  for (const auto& stream : with_room) stream->Notify(RoomAgain{});
+  for (const auto& stream : drained) stream->Notify(Drained{});
 }
 
 std::vector<std::shared_ptr<Ingest::Stream>> Ingest::StreamsWithRoomAgain() {

@@ -24,17 +24,17 @@
 
 namespace enfilade::server {
 
-// A batch that is not stored, none of it.
+// A batch of which nothing is stored.
 struct Refusal {
   enum class Reason { kInvalidRecord, kConflictingRecord, kInvalidBatch };
 
   std::int64_t first_sequence = 0;
-  std::int64_t sequence = 0;  // of the record at fault; 0 where it is the batch as a whole
+  std::int64_t sequence = 0;  // of the invalid record; 0: the batch as a whole is invalid
   Reason reason = Reason::kInvalidBatch;
   std::string message;
 };
 
-// What a stream hands in, to be dealt with in this order.
+// The input of a stream, processed in order.
 struct IngestBatch {
   std::vector<sensor::Record> records;
 };
@@ -44,24 +44,24 @@ struct IngestBlob {
 };
 using IngestItem = std::variant<IngestBatch, IngestBlob, Refusal>;
 
-// What becomes of it.
+// The results.
 struct Stored {
   std::int64_t acknowledged_sequence = 0;
 };
 struct Failed {
-  absl::Status status;  // the stream cannot go on
+  absl::Status status;  // the stream cannot continue
 };
-struct RoomAgain {};  // after Offer has said that there is none
-struct Drained {};    // the server is about to end: nothing is left to be stored, nothing more is taken
+struct RoomAgain {};  // the stream may continue after Offer returned false
+struct Drained {};    // the server is shutting down: everything offered is stored, and nothing more is accepted
 using IngestEvent = std::variant<Stored, Refusal, Failed, RoomAgain, Drained>;
 
-// Takes the batches of many streams and stores them with few transactions: while one is being written the next ones
-// gather. Bounded: a stream that is ahead of the database is told to wait. Thread-safe.
+// Collects the batches of many streams and stores them in few transactions: while one transaction is written, the
+// batches for the next one accumulate. Bounded: a stream that is ahead of the database must wait. Thread-safe.
 class Ingest {
  public:
   class Stream;
 
-  // `on_stored` is called after every commit that brought new records (mapping has something to do).
+  // `on_stored` is called after every commit with new records, which are then ready to be mapped.
   Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records, const storage::BlobStore& blobs,
          Metrics& metrics, std::function<void()> on_stored);
   // All streams must be closed.
@@ -69,15 +69,15 @@ class Ingest {
   Ingest(const Ingest&) = delete;
   Ingest& operator=(const Ingest&) = delete;
 
-  // `on_event` is called from writer threads, one call at a time per stream, and must not block.
+  // `on_event` is called from writer threads, one call at a time per stream. It must not block.
   std::shared_ptr<Stream> Open(const convert::SessionName& session, std::function<void(const IngestEvent&)> on_event);
-  // False: no more until RoomAgain (the item itself is taken).
+  // Accepts the item in any case. If it returns false, the caller must wait for RoomAgain before the next item.
   bool Offer(const std::shared_ptr<Stream>& stream, IngestItem item, std::size_t bytes);
-  // No event comes after it returns, but for those that are under way in other threads. What has been offered is
-  // still stored.
+  // No event is delivered after it returns, except one that another thread is just delivering. Items that were offered
+  // before are still stored.
   void Close(const std::shared_ptr<Stream>& stream);
 
-  // Every open stream, and every one that will be opened, gets Drained once its items are stored.
+  // Every open stream, and every stream opened later, receives Drained when all its items are stored.
   void Drain();
 
  private:
@@ -89,6 +89,7 @@ class Ingest {
   void Write(std::vector<Work>& work);
   void WriteBlobs(std::vector<Work>& work);
   void WriteBatches(std::vector<Work>& work);
+  bool ReportResult(const absl::StatusOr<storage::AppendResult>& result, const storage::RecordBatch& batch, Work& work);
   void Return(const std::vector<Work>& work);
   std::vector<std::shared_ptr<Stream>> StreamsWithRoomAgain() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -101,7 +102,7 @@ class Ingest {
   Mutex mutex_;
   CondVar changed_;  // ready_ or stopping_
   std::set<std::shared_ptr<Stream>> streams_ ABSL_GUARDED_BY(mutex_);
-  std::deque<std::shared_ptr<Stream>> ready_ ABSL_GUARDED_BY(mutex_);  // have items and no writer
+  std::deque<std::shared_ptr<Stream>> ready_ ABSL_GUARDED_BY(mutex_);  // have items, but no writer
   std::int64_t total_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

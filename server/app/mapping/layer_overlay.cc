@@ -12,29 +12,29 @@
 namespace enfilade::server {
 namespace {
 
-absl::StatusOr<grid::OccupancyGrid> LaidOverOrTooFar(const grid::OccupancyGrid& under,
-                                                     const grid::OccupancyGrid& over) {
+absl::StatusOr<grid::OccupancyGrid> Overlay(const grid::OccupancyGrid& under, const grid::OccupancyGrid& over) {
   absl::StatusOr<grid::OccupancyGrid> grid = grid::LaidOver(under, over);
   if (grid.ok()) return grid;
-  return FailedPrecondition("the map's layers do not fit into one raster: {}", std::string(grid.status().message()));
+  return FailedPrecondition("the map's layers are too far apart for one raster: {}",
+                            std::string(grid.status().message()));
 }
 
 }  // namespace
 
-absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Lay(const storage::CallContext& context,
-                                                      const storage::LayersBeside& beside,
-                                                      const grid::OccupancyGrid& own) {
+absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Compose(const storage::CallContext& context,
+                                                          const storage::LayersBeside& beside,
+                                                          const grid::OccupancyGrid& own) {
   const double resolution = own.geometry.resolution;
   std::map<std::string, grid::OccupancyGrid> used;
   grid::OccupancyGrid grid;
   for (const storage::MapLayer& layer : beside.below) {
     ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
-    ENFILADE_ASSIGN_OR_RETURN(grid, LaidOverOrTooFar(grid, *other));
+    ENFILADE_ASSIGN_OR_RETURN(grid, Overlay(grid, *other));
   }
-  ENFILADE_ASSIGN_OR_RETURN(grid, LaidOverOrTooFar(grid, own));
+  ENFILADE_ASSIGN_OR_RETURN(grid, Overlay(grid, own));
   for (const storage::MapLayer& layer : beside.above) {
     ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
-    ENFILADE_ASSIGN_OR_RETURN(grid, LaidOverOrTooFar(grid, *other));
+    ENFILADE_ASSIGN_OR_RETURN(grid, Overlay(grid, *other));
   }
   grids_ = std::move(used);
   return grid;

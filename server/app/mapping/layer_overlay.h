@@ -13,14 +13,15 @@
 
 namespace enfilade::server {
 
-// Lays a session's raster between the other layers of its map. Keeps what it has read of them until they change.
+// Overlays the layers of a map, with one session's raster among them. Caches the other layers until they change.
 class LayerOverlay {
  public:
   LayerOverlay(const storage::BlobStore& blobs, SiteId site) : blobs_(blobs), site_(std::move(site)) {}
 
-  // `own` lies on the lattice of its resolution. FAILED_PRECONDITION where layers lie too far apart for one raster.
-  absl::StatusOr<grid::OccupancyGrid> Lay(const storage::CallContext& context, const storage::LayersBeside& beside,
-                                          const grid::OccupancyGrid& own);
+  // `own` is the session's raster, on the lattice of its resolution. FAILED_PRECONDITION if the layers are too far
+  // apart for one raster.
+  absl::StatusOr<grid::OccupancyGrid> Compose(const storage::CallContext& context, const storage::LayersBeside& beside,
+                                              const grid::OccupancyGrid& own);
 
  private:
   absl::StatusOr<const grid::OccupancyGrid*> Read(const storage::CallContext& context, const storage::MapLayer& layer,
@@ -28,7 +29,7 @@ class LayerOverlay {
 
   const storage::BlobStore& blobs_;
   const SiteId site_;
-  std::map<std::string, grid::OccupancyGrid> grids_;  // by what they were read from
+  std::map<std::string, grid::OccupancyGrid> grids_;  // of the last call, by ContentHash
 };
 
 }  // namespace enfilade::server

@@ -16,10 +16,10 @@ namespace {
 
 constexpr auto kWorkTimeout = std::chrono::seconds(30);
 constexpr auto kTurn = std::chrono::seconds(3);
-// Turns this short come no faster than this, so that a robot's records are stored in the map by the dozen.
-constexpr auto kShortestTurn = std::chrono::milliseconds(100);
-// Other replicas' records do not wake this process: it looks for them this often.
-constexpr auto kWorkPoll = std::chrono::seconds(1);
+// The shortest time between the starts of two turns, so that records of a live robot are mapped in batches.
+constexpr auto kMinTurnInterval = std::chrono::milliseconds(100);
+// Records that other processes store do not wake this one: it polls for them.
+constexpr auto kPollInterval = std::chrono::seconds(1);
 constexpr std::size_t kMaxParked = 4;
 
 std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
@@ -43,12 +43,12 @@ struct Mapping::Turn {
 };
 
 Mapping::Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam,
-                 const SessionMappingStores& stores, Metrics& metrics, std::function<void()> mapped)
+                 const SessionMappingStores& stores, Metrics& metrics, std::function<void()> on_session_ended)
     : options_(options),
       stores_(stores),
       session_options_(SessionOptions(options, slam)),
       metrics_(metrics),
-      mapped_(std::move(mapped)),
+      on_session_ended_(std::move(on_session_ended)),
       owner_(NewUuid()) {
   for (int i = 0; i < options.workers; ++i) workers_.emplace_back([this, i] { Work(i); });
   lease_keeper_ = std::thread([this] { KeepLeases(); });
@@ -61,23 +61,11 @@ Mapping::~Mapping() {
   lease_keeper_.join();
 }
 
-void Mapping::Wake() {
-  MutexLock lock(mutex_);
-  woken_ = true;
-  changed_.NotifyAll();
-}
+void Mapping::Wake() { wake_.Wake(); }
 
 void Mapping::Stop() {
   stop_.Set();
   Wake();
-}
-
-void Mapping::WaitForRecords() {
-  const auto deadline = std::chrono::steady_clock::now() + kWorkPoll;
-  MutexLock lock(mutex_);
-  while (!woken_ && changed_.WaitUntil(mutex_, deadline)) {
-  }
-  woken_ = false;
 }
 
 void Mapping::Work(int worker) {
@@ -85,9 +73,9 @@ void Mapping::Work(int worker) {
   while (!stop_.is_set()) {
     const auto begin = std::chrono::steady_clock::now();
     if (!TakeTurn(owner)) {
-      WaitForRecords();
+      wake_.WaitFor(kPollInterval);
     } else {
-      stop_.WaitFor(kShortestTurn - (std::chrono::steady_clock::now() - begin));
+      stop_.WaitFor(kMinTurnInterval - (std::chrono::steady_clock::now() - begin));
     }
   }
 }
@@ -95,7 +83,7 @@ void Mapping::Work(int worker) {
 bool Mapping::TakeTurn(const std::string& owner) {
   const auto leased =
       stores_.mappings.Acquire(storage::CallContext::WithTimeout(kWorkTimeout), owner, LeaseTime(options_));
-  if (!leased.ok() || !*leased) return false;  // readiness tells of an unreachable database
+  if (!leased.ok() || !*leased) return false;  // Readiness reports an unreachable database
   const auto turn = std::make_shared<Turn>();
   turn->lease = (*leased)->lease;
   {
@@ -128,15 +116,15 @@ void Mapping::MapSession(const storage::LeasedSession& leased, Turn& turn) {
   if (status.ok()) {
     Park(leased.lease, std::move(mapping));
   } else if (failed) {
-    // Will not get better by trying again.
-    spdlog::error("mapping: session {} fails: {}", session, status.ToString());
+    // Retrying would not help.
+    spdlog::error("mapping: session {} failed: {}", session, status.ToString());
     status = SessionMapping::Fail(stores_, leased, status);
   } else {
-    spdlog::warn("mapping: session {} goes on from its checkpoint later: {}", session, status.ToString());
+    spdlog::warn("mapping: session {} will be resumed from its checkpoint: {}", session, status.ToString());
   }
-  // Where the database is away the lease just ends in time.
+  // If the database is unreachable, the lease expires.
   (void)stores_.mappings.Release(storage::CallContext::WithTimeout(kWorkTimeout), leased.lease);
-  if (ended && mapped_) mapped_();
+  if (ended && on_session_ended_) on_session_ended_();
 }
 
 absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn) {
@@ -156,16 +144,16 @@ absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, Sessi
   return mapping.Store(lease);
 }
 
-// A parked mapping is good only where nobody else had the session since.
+// A parked mapping can be reused only if no other worker has had the session since.
 std::unique_ptr<SessionMapping> Mapping::Unpark(const storage::LeasedSession& leased) {
   MutexLock lock(mutex_);
   for (auto parked = parked_.begin(); parked != parked_.end(); ++parked) {
     if (parked->lease.site != leased.lease.site || parked->lease.session != leased.lease.session) continue;
     std::unique_ptr<SessionMapping> mapping = std::move(parked->mapping);
-    const bool untouched =
+    const bool is_current =
         leased.lease.token == parked->lease.token + 1 && leased.session.mapped_sequence == mapping->stored_sequence();
     parked_.erase(parked);
-    return untouched ? std::move(mapping) : nullptr;
+    return is_current ? std::move(mapping) : nullptr;
   }
   return nullptr;
 }

@@ -15,27 +15,28 @@
 #include "server/app/mapping/session_mapping.h"
 #include "server/app/runtime/metrics.h"
 #include "server/app/runtime/stop_signal.h"
+#include "server/app/runtime/wake_signal.h"
 #include "server/config/server_options.h"
 #include "storage/mapping_store.h"
 
 namespace enfilade::server {
 
-// Maps the sessions of all sites, whichever waits longest, each by one worker of one process at a time: a worker holds
-// the session's lease, stores results and checkpoint together, and stops when the lease is lost. After a while the
-// next session has its turn.
+// Maps the sessions of all sites. Each worker repeatedly takes the session that has waited longest, maps it for one
+// turn of a few seconds, and releases it. A worker holds the session's lease, so that only one worker of one process
+// maps it; it stores results and checkpoint together, and stops when the lease is lost. Thread-safe.
 class Mapping {
  public:
-  // `mapped` is called whenever a session has come to its end.
+  // `on_session_ended` is called whenever a session is mapped or has failed.
   Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam, const SessionMappingStores& stores,
-          Metrics& metrics, std::function<void()> mapped = {});
-  // Stores what is mapped and gives the leases back.
+          Metrics& metrics, std::function<void()> on_session_ended = {});
+  // Stores the checkpoints and releases the leases.
   ~Mapping();
   Mapping(const Mapping&) = delete;
   Mapping& operator=(const Mapping&) = delete;
 
-  // New records may have come.
+  // Call when new records may have arrived.
   void Wake();
-  // Begins what the destructor waits for.
+  // Asks the workers to stop, without waiting; the destructor waits.
   void Stop();
 
  private:
@@ -43,11 +44,10 @@ class Mapping {
 
   void Work(int worker);
   void KeepLeases();
-  // False where there was nothing to do.
+  // Returns false if there was nothing to do.
   bool TakeTurn(const std::string& owner);
   void MapSession(const storage::LeasedSession& leased, Turn& turn);
   absl::Status MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn);
-  void WaitForRecords();
   std::unique_ptr<SessionMapping> Unpark(const storage::LeasedSession& leased);
   void Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
 
@@ -55,20 +55,19 @@ class Mapping {
   const SessionMappingStores stores_;
   const SessionMappingOptions session_options_;
   Metrics& metrics_;
-  const std::function<void()> mapped_;
+  const std::function<void()> on_session_ended_;
   const std::string owner_;
 
-  // A mapping that had its turn and may soon have another: spares reading all of it back from the database.
+  // A mapping between two turns, kept to avoid loading it from the database again.
   struct Parked {
     storage::SessionLease lease;
     std::unique_ptr<SessionMapping> mapping;
   };
 
   StopSignal stop_;
+  WakeSignal wake_;
   Mutex mutex_;
-  CondVar changed_;  // woken_
-  bool woken_ ABSL_GUARDED_BY(mutex_) = false;
-  std::list<Parked> parked_ ABSL_GUARDED_BY(mutex_);  // the latest first
+  std::list<Parked> parked_ ABSL_GUARDED_BY(mutex_);  // most recent first
   std::list<std::shared_ptr<Turn>> turns_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::thread> workers_;
   StopSignal workers_done_;

@@ -31,7 +31,7 @@ std::string ContentHash(const std::string& header, const std::vector<storage::Ti
 absl::StatusOr<grid::OccupancyGrid> OnMapLattice(const grid::MapRaster& raster, double resolution) {
   absl::StatusOr<grid::OccupancyGrid> grid = grid::OnLattice(grid::ToOccupancyGrid(raster), resolution);
   if (grid.ok()) return grid;
-  return FailedPrecondition("the map's raster cannot be laid on cells of {} m: {}", resolution,
+  return FailedPrecondition("the map's raster cannot be resampled to cells of {} m: {}", resolution,
                             std::string(grid.status().message()));
 }
 

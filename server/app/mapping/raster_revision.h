@@ -14,25 +14,27 @@
 
 namespace enfilade::server {
 
-// A raster in the pieces in which it is stored.
+// A raster split into tiles, as it is stored.
 struct RasterRevision {
   storage::NewRevision revision;
-  std::vector<storage::Tile> tiles;  // with their bytes; those of `revision.tiles`
+  std::vector<storage::Tile> tiles;  // those of `revision.tiles`, with their bytes
 };
 
+// INVALID_ARGUMENT if the raster is invalid.
 absl::StatusOr<RasterRevision> ToRevision(const grid::MapRaster& raster);
 
-// Of the header and of every tile with its place: equal hashes, equal rasters.
+// The SHA-256 of the header and of every tile with its place: rasters with equal hashes are equal.
 std::string ContentHash(const std::string& header, const std::vector<storage::TileRef>& tiles);
 
-// What a raster says of occupancy, on the lattice of the map's frame. FAILED_PRECONDITION where it would be too large.
+// The raster's occupancy on the lattice of the map's frame, with cells of `resolution` m. FAILED_PRECONDITION if the
+// result would be too large.
 absl::StatusOr<grid::OccupancyGrid> OnMapLattice(const grid::MapRaster& raster, double resolution);
 
-// Stores the tiles' bytes in portions, but for those that are in `known` (by SHA-256).
+// Stores the tiles' bytes in portions, except those in `known` (by SHA-256).
 absl::Status PutTiles(const storage::CallContext& context, const storage::BlobStore& blobs, const SiteId& site,
                       const RasterRevision& raster, const std::set<std::string>& known);
 
-// The raster of a stored revision. DATA_LOSS where its pieces do not fit.
+// Reads the raster of a stored revision. DATA_LOSS if its tiles do not match its header.
 absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::RevisionStore& revisions,
                                            const storage::MapRevision& revision);
 

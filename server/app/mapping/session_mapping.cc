@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto kMappingTimeout = std::chrono::seconds(60);
 constexpr std::int64_t kRecordPortionBytes = 128 << 10;
-// Of laying layers together, while other sessions of the same map change theirs.
+// Limits how often a revision is composed again because other sessions of the map changed their layers.
 constexpr int kMaxAttempts = 100;
 
 storage::CallContext MappingContext() { return storage::CallContext::WithTimeout(kMappingTimeout); }
@@ -33,13 +33,13 @@ absl::StatusOr<slam::SlamOptions> SlamOptionsOf(const SessionMappingStores& stor
                                                 const storage::Session& session) {
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map map, stores.maps.Get(MappingContext(), session.site, *session.map));
   if (const slam::SlamOptions* own = profiles.Find(map.slam_profile)) return *own;
-  const char* fitting =
+  const char* fallback =
       map.environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor;
   if (!map.slam_profile.empty()) {
-    spdlog::warn("mapping: map {}: this server has no SLAM profile \"{}\", and takes \"{}\"", map.id.value(),
-                 map.slam_profile, fitting);
+    spdlog::warn("mapping: map {}: this server has no SLAM profile \"{}\"; using \"{}\"", map.id.value(),
+                 map.slam_profile, fallback);
   }
-  return *profiles.Find(fitting);
+  return *profiles.Find(fallback);
 }
 
 absl::StatusOr<slam::LogMapper> Begin(const SessionMappingStores& stores, const sensor::ScanPairingOptions& pairing,
@@ -86,7 +86,7 @@ absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const Sessi
 absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const storage::SessionLease& lease) {
   absl::StatusOr<std::vector<sensor::Record>> records =
       stores_.records.Read(MappingContext(), site_, session_, mapped_sequence_ + 1, kRecordPortionBytes);
-  // A mapped session whose records are gone by retention may still have its graph solved again.
+  // The records of a completely mapped session may be deleted by retention.
   const bool records_are_gone = absl::IsFailedPrecondition(records.status());
   if (!records.ok() && !records_are_gone) return records.status();
   if (records_are_gone || records->empty()) return AtEndOfLog(lease);
@@ -105,8 +105,9 @@ absl::StatusOr<SessionMapping::Progress> SessionMapping::AtEndOfLog(const storag
   ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, stores_.sessions.Get(MappingContext(), site_, session_));
   if (session.state == storage::SessionState::kRecording) return Progress::kWaiting;
   if (mapped_sequence_ < session.acknowledged_sequence) {
-    if (!session.records_deleted) return Progress::kWorked;  // more came just before the end
-    return FailedPrecondition("the records from {} on were deleted before they were mapped", mapped_sequence_ + 1);
+    if (!session.records_deleted) return Progress::kWorked;  // more records came just before the end
+    return FailedPrecondition("the records from sequence {} on were deleted before they were mapped",
+                              mapped_sequence_ + 1);
   }
   mapper_.Finish();
   ENFILADE_RETURN_IF_ERROR(Commit(lease, /*with_revision=*/true, storage::SessionState::kMapped));
@@ -145,7 +146,7 @@ absl::Status SessionMapping::Commit(const storage::SessionLease& lease, bool wit
   return absl::OkStatus();
 }
 
-// Where another session of the map is faster, its layer is laid together with this one's anew.
+// If another session changes its layer meanwhile, composes the revision again.
 absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, const grid::OccupancyGrid& own,
                                             storage::MappingStep& step) {
   ENFILADE_ASSIGN_OR_RETURN(RasterRevision layer, ToRevision(grid::FromOccupancyGrid(own)));
@@ -159,7 +160,7 @@ absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, 
     RasterRevision whole;
     whole.revision = layer.revision;
     if (!beside.below.empty() || !beside.above.empty()) {
-      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay_.Lay(MappingContext(), beside, own));
+      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay_.Compose(MappingContext(), beside, own));
       ENFILADE_ASSIGN_OR_RETURN(whole, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
       std::set<std::string> known = stored_tiles_;
       known.insert(tiles.begin(), tiles.end());
@@ -181,13 +182,13 @@ absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, 
   return status;
 }
 
-// Not a part of the step: without it the robot's pose is only older.
+// Not part of the commit: if it fails, the stored pose is only older.
 void SessionMapping::StorePose() const {
   const std::optional<slam::PresentPose> pose = mapper_.FindPresentPose();
   if (!pose || pose->lost) return;
   const absl::Status status =
       stores_.robot_poses.Report(MappingContext(), {site_, robot_, map_, session_, pose->T_map_robot, pose->time, 0});
-  if (!status.ok()) spdlog::warn("mapping: the pose of robot {} is not stored: {}", robot_.value(), status.ToString());
+  if (!status.ok()) spdlog::warn("mapping: the pose of robot {} was not stored: {}", robot_.value(), status.ToString());
 }
 
 absl::Status SessionMapping::Fail(const SessionMappingStores& stores, const storage::LeasedSession& leased,

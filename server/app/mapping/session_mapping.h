@@ -35,36 +35,37 @@ struct SessionMappingStores {
 
 struct SessionMappingOptions {
   sensor::ScanPairingOptions pairing;
-  slam::SlamProfiles slam;  // a map without a profile of its own has that of its environment
+  slam::SlamProfiles slam;  // a map without a profile uses the one of its environment
   std::chrono::duration<double> checkpoint_interval{5.0};
   std::chrono::duration<double> revision_interval{20.0};
 };
 
-// One session on its way from log to map: reads records, maps them, and stores results together with the checkpoint.
-// What is published is the session's own raster laid between the other layers of its map. A session that enters a map
-// that is there already goes on in it (Mapper, ExistingMap). After each step the robot's present pose is stored, too,
-// unless it is lost or has reported a later one. Belongs to the thread that holds the session's lease.
+// Maps one session: reads its records in order, maps them, and stores results together with the checkpoint. The
+// published revision is the session's raster between the other layers of its map. A session that enters an existing map
+// continues in it (Mapper, ExistingMap). Each commit also stores the robot's present pose, unless the robot is lost or
+// has reported a later pose. Not thread-safe; used by the thread that holds the session's lease.
 class SessionMapping {
  public:
-  // From the stored checkpoint, or from the beginning; there, where the session has an entry pose, with the map's
-  // current revision as the old map. `session` has a map. DATA_LOSS where the stored state does not fit this program.
+  // Resumes from the stored checkpoint, or starts at the beginning of the log: if the session has an entry pose, with
+  // the map's current revision as the existing map. `session` must have a map. DATA_LOSS if the stored state does not
+  // fit this program.
   static absl::StatusOr<std::unique_ptr<SessionMapping>> Load(const SessionMappingStores& stores,
                                                               const SessionMappingOptions& options,
                                                               const storage::Session& session);
 
   enum class Progress {
     kWorked,   // there may be more to do
-    kWaiting,  // all that there is has been mapped; more may come
-    kEnded,    // the session is mapped, and stored so
+    kWaiting,  // all stored records are mapped; more may come
+    kEnded,    // the session is completely mapped, and stored as such
   };
 
-  // Maps the next portion of the log; stores when a checkpoint is due. ABORTED where the lease is lost. After any error
-  // the object is of no more use: what it had not stored is mapped again from the checkpoint.
+  // Maps the next portion of the log, and commits if a checkpoint is due. ABORTED if the lease is lost. After any
+  // error, discard the object: the next one resumes from the checkpoint.
   absl::StatusOr<Progress> Step(const storage::SessionLease& lease);
-  // Stores what is not yet.
+  // Commits what is not stored yet.
   absl::Status Store(const storage::SessionLease& lease);
 
-  // Ends the session's mapping with `error`; its records and what is mapped stay.
+  // Marks the session as failed with `error`. Its records and results stay.
   static absl::Status Fail(const SessionMappingStores& stores, const storage::LeasedSession& leased,
                            const absl::Status& error);
 
@@ -94,7 +95,7 @@ class SessionMapping {
   std::int64_t mapped_sequence_ = 0;
   std::int64_t stored_sequence_ = 0;
   bool ended_ = false;
-  std::set<std::string> stored_tiles_;  // of the last revision and layer made here, by SHA-256
+  std::set<std::string> stored_tiles_;  // SHA-256 of the tiles of the last revision and layer
   std::chrono::steady_clock::time_point last_commit_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point last_revision_ = std::chrono::steady_clock::now();
 };
