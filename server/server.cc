@@ -16,6 +16,16 @@
 #include "server/rpc/api.h"
 #include "spdlog/spdlog.h"
 #include "storage/postgres/driver/pool.h"
+#include "storage/postgres/graph/graph_store.h"
+#include "storage/postgres/graph/link_point_store.h"
+#include "storage/postgres/graph/robot_pose_store.h"
+#include "storage/postgres/graph/site_lease_store.h"
+#include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/maps/map_store.h"
+#include "storage/postgres/maps/revision_store.h"
+#include "storage/postgres/sessions/mapping_store.h"
+#include "storage/postgres/sessions/record_store.h"
+#include "storage/postgres/sessions/session_store.h"
 
 namespace enfilade::server {
 namespace {
@@ -139,19 +149,19 @@ class Server::Impl {
   const std::unique_ptr<Metrics> metrics;
   const storage::SiteStore sites{*pool};
   const storage::RobotStore robots{*pool};
-  const storage::MapStore maps{*pool};
-  const storage::RevisionStore revisions{*pool};
-  const storage::SessionStore sessions{*pool};
-  const storage::RecordStore records{*pool};
-  const storage::BlobStore blobs{*pool};
-  const storage::MappingStore mappings{*pool};
+  const storage::postgres::MapStore maps{*pool};
+  const storage::postgres::RevisionStore revisions{*pool};
+  const storage::postgres::SessionStore sessions{*pool};
+  const storage::postgres::RecordStore records{*pool};
+  const storage::postgres::BlobStore blobs{*pool};
+  const storage::postgres::MappingStore mappings{*pool};
   const storage::LoopClosureStore closures{*pool};
-  const storage::GraphStore graph_store{*pool};
-  const storage::LinkPointStore link_points{*pool};
-  const storage::RobotPoseStore robot_poses{*pool};
+  const storage::postgres::GraphStore graph_store{*pool};
+  const storage::postgres::LinkPointStore link_points{*pool};
+  const storage::postgres::RobotPoseStore robot_poses{*pool};
   const storage::AuditStore audit{*pool};
   const storage::DoorVerdictStore door_verdicts{*pool};
-  const storage::SiteLeaseStore site_leases{*pool};
+  const storage::postgres::SiteLeaseStore site_leases{*pool};
   const storage::FeatureStore features{*pool};
   const storage::Maintenance maintenance{*pool};
   WakeSignal doors_wake;
@@ -159,7 +169,7 @@ class Server::Impl {
   Mapping mapping;
   Ingest ingest;
   ChangedSites changed_sites;
-  SiteGraphs graphs{*pool, graph_store, changed_sites};
+  SiteGraphs graphs{graph_store, changed_sites};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};
   MapEntries map_entries{sessions, maps, door_verdicts};
   DoorClosures door_closures{

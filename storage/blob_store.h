@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -14,9 +12,6 @@
 #include "storage/call_context.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
 
 // Bytes to be stored under their digest. The views must live until the call returns.
 struct BlobView {
@@ -24,29 +19,21 @@ struct BlobView {
   std::string_view data;    // 1 byte to kMaxBlobBytes
 };
 
-// Content-addressed bytes of a site: sent twice, stored once. What nothing refers to is collected by Maintenance
-// after a grace time that starts anew whenever the same bytes are put again. Thread-safe; errors common to all stores:
+// INVALID_ARGUMENT if a digest is not that of its data, or a size is out of range.
+absl::Status ValidateBlobs(absl::Span<const BlobView> blobs);
+
+// Content-addressed bytes of a site: the same bytes are stored once. Maintenance collects blobs without references
+// after a grace period, which starts again whenever the same bytes are put. Thread-safe; errors common to all stores:
 // see SiteStore.
 class BlobStore {
  public:
-  explicit BlobStore(postgres::Pool& pool) : pool_(pool) {}
+  virtual ~BlobStore() = default;
 
-  // Idempotent, all or nothing. INVALID_ARGUMENT where a digest is not that of its data, or the size is out of range;
-  // NOT_FOUND where the site is missing.
-  absl::Status Put(const CallContext& context, const SiteId& site, absl::Span<const BlobView> blobs) const;
+  // Stores all or nothing. Idempotent. INVALID_ARGUMENT as in ValidateBlobs; NOT_FOUND if the site does not exist.
+  virtual absl::Status Put(const CallContext& context, const SiteId& site, absl::Span<const BlobView> blobs) const = 0;
   // NOT_FOUND.
-  absl::StatusOr<std::string> Get(const CallContext& context, const SiteId& site, std::string_view sha256) const;
-  // `size` bytes from `offset`, fewer at the end. NOT_FOUND; OUT_OF_RANGE where `offset` is beyond the end.
-  absl::StatusOr<std::string> GetRange(const CallContext& context, const SiteId& site, std::string_view sha256,
-                                       std::int64_t offset, std::int64_t size) const;
-  // The blob with its size. NOT_FOUND.
-  absl::StatusOr<sensor::BlobRef> Stat(const CallContext& context, const SiteId& site, std::string_view sha256) const;
-  // Those of `sha256s` that the site does not have, each once.
-  absl::StatusOr<std::vector<std::string>> Missing(const CallContext& context, const SiteId& site,
-                                                   absl::Span<const std::string> sha256s) const;
-
- private:
-  postgres::Pool& pool_;
+  virtual absl::StatusOr<std::string> Get(const CallContext& context, const SiteId& site,
+                                          std::string_view sha256) const = 0;
 };
 
 }  // namespace enfilade::storage

@@ -20,9 +20,6 @@
 #include "storage/map_store.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
 
 // Why a site's graph has a new version. The numbers are in the database: never reuse one.
 enum class GraphCause : std::int16_t {
@@ -51,11 +48,11 @@ struct GraphMap {
   std::int64_t graph_version = 0;                 // of the site when any of this last changed
 };
 
-// What became of a site's graph since a version, or all of it.
+// The changes of a site's graph since a version, or the whole graph.
 struct GraphChanges {
   std::int64_t version = 0;  // 0: the site has no map
-  bool complete = false;     // all of the graph: forget what you had
-  MapId root;                // carries the world frame; empty where there is no map
+  bool complete = false;     // the whole graph: discard any earlier copy
+  MapId root;                // carries the world frame; empty if the site has no map
   // First remove, then add or replace.
   std::vector<MapId> removed_maps;
   std::vector<LinkPointId> removed_link_points;
@@ -68,11 +65,12 @@ struct LinkPointPose {
   PoseWithCovariance T_world_place;
 };
 
-// What an optimisation found. Whatever is not named keeps its place.
+// The result of an optimisation. Maps and link points that are not listed keep their poses.
 struct GraphSolution {
   std::vector<MapPose> maps;
   std::vector<LinkPointPose> link_points;
-  // All that the chi-square gate has switched off; those switched off before and not named here are used again.
+  // All link points that the chi-square gate has switched off. Those that were switched off before and are not listed
+  // are used again.
   std::vector<LinkPointId> switched_off;
   double chi2_before = 0.0;
   double chi2_after = 0.0;
@@ -82,8 +80,8 @@ struct GraphSolution {
 struct GraphVersion {
   std::int64_t version = 0;
   GraphCause cause = GraphCause::kMapAdded;
-  std::string resource;  // what was changed: maps/{map}, linkPoints/{link_point}; empty for the whole
-  std::string actor;     // who, as the caller said
+  std::string resource;  // the changed resource: maps/{map}, linkPoints/{link_point}; empty for the whole graph
+  std::string actor;     // CallContext::actor of the call that changed it
   TimeNs create_time = 0;
   // Of optimisations only.
   struct Optimization {
@@ -96,7 +94,7 @@ struct GraphVersion {
   std::optional<Optimization> optimization;
 };
 
-// A place whose coordinates are known on the globe, too.
+// A place in a map with known coordinates on the globe.
 struct ControlPoint {
   MapId map;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // m, in the map's frame
@@ -104,70 +102,68 @@ struct ControlPoint {
   double longitude = 0.0;
 };
 
-// The graph of a site's maps and link points as a whole. Thread-safe; errors common to all stores: see SiteStore.
-class GraphStore {
- public:
-  explicit GraphStore(postgres::Pool& pool) : pool_(pool) {}
-
-  // 0 where the site has no map, or does not exist.
-  absl::StatusOr<std::int64_t> GetVersion(const CallContext& context, const SiteId& site) const;
-  // All of one version, however many write meanwhile. `since` 0, or a version that the site does not have yet (it was
-  // deleted and made again): the whole graph. NOT_FOUND where the site does not exist.
-  absl::StatusOr<GraphChanges> ReadChanges(const CallContext& context, const SiteId& site, std::int64_t since) const;
-  // Stores `solution` as a new version, which is returned. ABORTED where the graph is no longer at `version`.
-  absl::StatusOr<std::int64_t> Apply(const CallContext& context, const SiteId& site, std::int64_t version,
-                                     const GraphSolution& solution) const;
-  // Solves the graph while nobody else changes it, for one that hardly ever rests: `solve` is given what has changed
-  // since version `since`, as ReadChanges tells it, and its solution is stored as a new version, which is returned. Who
-  // would change the graph waits meanwhile, so that `solve` should not take long; who reads it does not. An error of
-  // `solve` is returned, and nothing is stored.
-  absl::StatusOr<std::int64_t> SolveHeld(
-      const CallContext& context, const SiteId& site, std::int64_t since,
-      const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const;
-  // The newest first, those before `before` (0: from the newest).
-  absl::StatusOr<std::vector<GraphVersion>> ListVersions(const CallContext& context, const SiteId& site,
-                                                         std::int64_t before, int limit) const;
-  // The last version after `since` that an optimisation made; 0 where there is none.
-  absl::StatusOr<std::int64_t> FindLastOptimization(const CallContext& context, const SiteId& site,
-                                                    std::int64_t since) const;
-  // As an optimisation stored them, by map. NOT_FOUND where `version` is no optimisation of the last
-  // kKeptOptimizations.
-  absl::StatusOr<std::vector<MapPose>> GetMapPoses(const CallContext& context, const SiteId& site,
-                                                   std::int64_t version) const;
-  static constexpr int kKeptOptimizations = 50;
-  // Present places of those maps that have one; of all maps where `maps` is empty.
-  absl::StatusOr<std::vector<MapPose>> GetPlaces(const CallContext& context, const SiteId& site,
-                                                 const std::vector<MapId>& maps) const;
-
-  // Replaces all control points of the site and raises its graph version, which is returned. NOT_FOUND where a map is
-  // missing.
-  absl::StatusOr<std::int64_t> SetControlPoints(const CallContext& context, const SiteId& site,
-                                                const std::vector<ControlPoint>& points) const;
-  absl::StatusOr<std::vector<ControlPoint>> GetControlPoints(const CallContext& context, const SiteId& site) const;
-
- private:
-  postgres::Pool& pool_;
-};
-
-// Hears of new graph versions as they are committed. Holds one connection of the pool. Not thread-safe.
+// Receives new graph versions of all sites as they are committed. Not thread-safe.
 class GraphListener {
  public:
-  // UNAVAILABLE where the database cannot be reached. What changed before it returns is not heard.
-  static absl::StatusOr<std::unique_ptr<GraphListener>> Open(postgres::Pool& pool, const CallContext& context);
-  ~GraphListener();
-
   struct Change {
     SiteId site;
     std::int64_t version = 0;
   };
-  // Waits until something changes or the context's deadline passes (no changes, no error). UNAVAILABLE where the
-  // connection is lost: open another, and look at every version again.
-  absl::StatusOr<std::vector<Change>> Await(const CallContext& context);
 
- private:
-  struct Impl;
-  explicit GraphListener(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  virtual ~GraphListener() = default;
+
+  // Waits for a change or the context's deadline (no changes, no error). UNAVAILABLE if the connection is lost: open
+  // another listener and check every version again.
+  virtual absl::StatusOr<std::vector<Change>> Await(const CallContext& context) = 0;
+};
+
+// The graph of a site's maps and link points as a whole. Thread-safe; errors common to all stores: see SiteStore.
+class GraphStore {
+ public:
+  static constexpr int kKeptOptimizations = 50;
+
+  virtual ~GraphStore() = default;
+
+  // 0 if the site has no map, or does not exist.
+  virtual absl::StatusOr<std::int64_t> GetVersion(const CallContext& context, const SiteId& site) const = 0;
+  // A consistent view of one version, also while others write. The whole graph if `since` is 0 or a version that the
+  // site has not reached (it was deleted and created again). NOT_FOUND if the site does not exist.
+  virtual absl::StatusOr<GraphChanges> ReadChanges(const CallContext& context, const SiteId& site,
+                                                   std::int64_t since) const = 0;
+  // Stores `solution` and returns the new version. ABORTED if the graph is no longer at `version`; NOT_FOUND if the
+  // site has no graph.
+  virtual absl::StatusOr<std::int64_t> Apply(const CallContext& context, const SiteId& site, std::int64_t version,
+                                             const GraphSolution& solution) const = 0;
+  // Locks the graph, calls `solve` with the changes since `since` (as ReadChanges returns them), stores its solution
+  // and returns the new version. For a graph that is edited too often for Apply to succeed. Writers of the graph wait
+  // meanwhile, readers do not; keep `solve` short. If `solve` fails, nothing is stored and its error is returned.
+  virtual absl::StatusOr<std::int64_t> SolveHeld(
+      const CallContext& context, const SiteId& site, std::int64_t since,
+      const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const = 0;
+  // Versions below `before` (0: all), newest first.
+  virtual absl::StatusOr<std::vector<GraphVersion>> ListVersions(const CallContext& context, const SiteId& site,
+                                                                 std::int64_t before, int limit) const = 0;
+  // The last version after `since` that an optimisation made; 0 if there is none.
+  virtual absl::StatusOr<std::int64_t> FindLastOptimization(const CallContext& context, const SiteId& site,
+                                                            std::int64_t since) const = 0;
+  // The poses that an optimisation stored, by map. NOT_FOUND unless `version` is one of the last kKeptOptimizations
+  // optimisations.
+  virtual absl::StatusOr<std::vector<MapPose>> GetMapPoses(const CallContext& context, const SiteId& site,
+                                                           std::int64_t version) const = 0;
+  // The current poses of those of `maps` that have one; of all maps if `maps` is empty.
+  virtual absl::StatusOr<std::vector<MapPose>> GetPlaces(const CallContext& context, const SiteId& site,
+                                                         const std::vector<MapId>& maps) const = 0;
+
+  // Replaces all control points of the site and returns the new graph version. NOT_FOUND if the site or a map does not
+  // exist; INVALID_ARGUMENT if a coordinate is out of range.
+  virtual absl::StatusOr<std::int64_t> SetControlPoints(const CallContext& context, const SiteId& site,
+                                                        const std::vector<ControlPoint>& points) const = 0;
+  virtual absl::StatusOr<std::vector<ControlPoint>> GetControlPoints(const CallContext& context,
+                                                                     const SiteId& site) const = 0;
+
+  // Receives every version that is committed after this returns. UNAVAILABLE if the database cannot be reached. The
+  // listener holds a connection until it is destroyed, which must be before the store is.
+  virtual absl::StatusOr<std::unique_ptr<GraphListener>> Listen(const CallContext& context) const = 0;
 };
 
 }  // namespace enfilade::storage

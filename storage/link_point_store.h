@@ -20,9 +20,6 @@
 #include "storage/map_store.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
 
 // What a map showed of a place. The numbers are in the database: never reuse one.
 enum class EvidenceKind : std::int16_t { kFrontImage = 1, kRearImage = 2, kCloud = 3 };
@@ -34,95 +31,115 @@ struct Evidence {
   std::int16_t encoding = 0;  // ImageEncoding or CloudEncoding, by `kind`
   sensor::BlobRef content;
   TimeNs time = 0;  // when it was recorded
-  // Where the robot was in `map` then; unset: not known, as near to the place as anybody knows.
+  // The robot's pose in `map` at that time; unset: unknown, taken as the anchor.
   std::optional<Pose2> T_map_robot = {};
 };
 
 struct StoredLinkPoint {
   SiteId site;
   graph::LinkPoint point;                  // `graph_version` is set by the store
-  std::optional<Environment> environment;  // unset: not known
+  std::optional<Environment> environment;  // unset: unknown
   bool forced = false;                     // may stand beside one that joins the same maps at the same place
   // Set by the store.
-  std::optional<PoseWithCovariance> T_world_place;  // unset: no link points lead there from the root map so far
+  std::optional<PoseWithCovariance> T_world_place;  // unset: no link points lead there from the root map
   std::int64_t etag = 0;
   TimeNs create_time = 0;
   TimeNs update_time = 0;
 };
 
+// A place seen from one more map.
+struct NewAnchor {
+  LinkPointId link_point;
+  std::int64_t etag = 0;  // of the link point; 0: any
+  graph::Anchor anchor;
+  bool force = false;  // accept a redundant link point
+};
+
+// All conditions that are set must hold.
 struct LinkPointFilter {
   std::optional<MapId> map = std::nullopt;  // with an anchor in it
   std::optional<graph::LinkPointKind> kind = std::nullopt;
-  std::optional<graph::PassageState> state = std::nullopt;  // as stored, expired or not
+  std::optional<graph::PassageState> state = std::nullopt;  // as stored, even if expired
   std::optional<graph::LinkPointUse> use = std::nullopt;
   std::optional<bool> candidate = std::nullopt;
   std::optional<std::string> tag = std::nullopt;  // exactly
 };
 
-// Where to look, in the world frame.
+// An area in the world frame.
 struct LinkPointCircle {
   Eigen::Vector2d center;  // m
-  double radius = 0.0;     // m; infinite for the nearest ones wherever they are
+  double radius = 0.0;     // m; infinity: the nearest ones at any distance
 };
 struct LinkPointQuery {
   std::variant<LinkPointCircle, std::vector<Eigen::Vector2d>> area;  // or a simple polygon
-  std::optional<int> level;                                          // unset: on all
+  std::optional<int> level;                                          // unset: all levels
   std::optional<bool> candidate;                                     // unset: candidates and link points
-  bool with_unused = false;                                          // suspended and switched off ones too
-  int limit = 1000;                                                  // the nearest first; of a polygon the first by id
+  bool with_unused = false;                                          // includes suspended and switched off ones
+  int limit = 1000;                                                  // circle: nearest first; polygon: by id
 };
 
 struct FoundLinkPoints {
   std::vector<StoredLinkPoint> link_points;
-  std::int64_t graph_version = 0;  // that they are of
+  std::int64_t graph_version = 0;  // of the site when they were read
 };
 
-// Link points, candidates and what was seen of them. Every change raises the site's graph version, and changes of one
-// site follow one another. Thread-safe; errors common to all stores: see SiteStore.
+// INVALID_ARGUMENT naming the anchor: no anchor at all, a map that comes twice, a pose that is not finite, an invalid
+// covariance.
+absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors);
+// INVALID_ARGUMENT: as ValidateAnchors, and a direction without an anchor.
+absl::Status ValidateLinkPoint(const StoredLinkPoint& link_point);
+// INVALID_ARGUMENT: an area that is not finite, a negative radius, fewer than three corners.
+absl::Status ValidateQuery(const LinkPointQuery& query);
+
+// Link points, candidates and their evidence. Every change raises the site's graph version; changes of one site are
+// made one after another. Thread-safe; errors common to all stores: see SiteStore.
 class LinkPointStore {
  public:
-  explicit LinkPointStore(postgres::Pool& pool) : pool_(pool) {}
+  virtual ~LinkPointStore() = default;
 
-  // One anchor makes a candidate. NOT_FOUND naming the site or map that is missing; ALREADY_EXISTS where the id is
-  // taken, or where it is redundant (see migrations/deploy/link_points.sql), naming the other one; INVALID_ARGUMENT
-  // naming the anchor that is not finite, whose covariance is none, or whose map comes twice. `request_id` as in
-  // SiteStore.
-  absl::StatusOr<StoredLinkPoint> Create(const CallContext& context, const StoredLinkPoint& link_point,
-                                         const std::string& request_id) const;
-  // The place seen from one more map: a candidate becomes a link point. ABORTED on a stale `etag` (0: any); NOT_FOUND;
-  // ALREADY_EXISTS where it has an anchor in that map, or is redundant then and not `force`.
-  absl::StatusOr<StoredLinkPoint> AddAnchor(const CallContext& context, const SiteId& site, const LinkPointId& id,
-                                            std::int64_t etag, const graph::Anchor& anchor, bool force) const;
-  absl::StatusOr<StoredLinkPoint> Get(const CallContext& context, const SiteId& site, const LinkPointId& id) const;
+  // With one anchor it is a candidate. NOT_FOUND naming the missing site or map; ALREADY_EXISTS if the id is taken, or
+  // the link point is redundant (graph::FindRedundant), naming the other one; INVALID_ARGUMENT naming the anchor that
+  // is not finite, has an invalid covariance, or repeats a map. `request_id` as in SiteStore.
+  virtual absl::StatusOr<StoredLinkPoint> Create(const CallContext& context, const StoredLinkPoint& link_point,
+                                                 const std::string& request_id) const = 0;
+  // Promotes a candidate to a link point. ABORTED on a stale etag; NOT_FOUND; ALREADY_EXISTS if it has an anchor in
+  // that map, or becomes redundant without `force`.
+  virtual absl::StatusOr<StoredLinkPoint> AddAnchor(const CallContext& context, const SiteId& site,
+                                                    const NewAnchor& added) const = 0;
+  // NOT_FOUND.
+  virtual absl::StatusOr<StoredLinkPoint> Get(const CallContext& context, const SiteId& site,
+                                              const LinkPointId& id) const = 0;
   // By id.
-  absl::StatusOr<std::vector<StoredLinkPoint>> List(const CallContext& context, const SiteId& site,
-                                                    const LinkPointFilter& filter, const PageRequest& page) const;
-  // Writes all but use and what the store sets; anchors that are gone take their evidence along. ABORTED on a stale
+  virtual absl::StatusOr<std::vector<StoredLinkPoint>> List(const CallContext& context, const SiteId& site,
+                                                            const LinkPointFilter& filter,
+                                                            const PageRequest& page) const = 0;
+  // Writes all fields but `use` and those set by the store. Removing an anchor removes its evidence. ABORTED on a stale
   // `etag`, NOT_FOUND, ALREADY_EXISTS as in Create.
-  absl::StatusOr<StoredLinkPoint> Update(const CallContext& context, const StoredLinkPoint& link_point) const;
-  // A suspended one takes no part in chains, routes and the optimisation. ABORTED on a stale `etag` (0: any);
-  // ALREADY_EXISTS where one was made in the place of the suspended one; NOT_FOUND.
-  absl::StatusOr<StoredLinkPoint> SetSuspended(const CallContext& context, const SiteId& site, const LinkPointId& id,
-                                               std::int64_t etag, bool suspended) const;
-  // With its evidence. ABORTED on a stale `etag` (0: any); NOT_FOUND.
-  absl::Status Delete(const CallContext& context, const SiteId& site, const LinkPointId& id, std::int64_t etag) const;
+  virtual absl::StatusOr<StoredLinkPoint> Update(const CallContext& context,
+                                                 const StoredLinkPoint& link_point) const = 0;
+  // A suspended link point takes no part in chains, routes and the optimisation. ABORTED on a stale `etag` (0: any);
+  // ALREADY_EXISTS if one was made in the place of the suspended one; NOT_FOUND.
+  virtual absl::StatusOr<StoredLinkPoint> SetSuspended(const CallContext& context, const SiteId& site,
+                                                       const LinkPointId& id, std::int64_t etag,
+                                                       bool suspended) const = 0;
+  // Deletes its evidence, too. ABORTED on a stale `etag` (0: any); NOT_FOUND.
+  virtual absl::Status Delete(const CallContext& context, const SiteId& site, const LinkPointId& id,
+                              std::int64_t etag) const = 0;
 
-  // One indexed query. Distances are those of the positions as the graph was last solved.
-  absl::StatusOr<FoundLinkPoints> Find(const CallContext& context, const SiteId& site,
-                                       const LinkPointQuery& query) const;
-  // Those that have no place in the world yet, by id.
-  absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplaced(const CallContext& context, const SiteId& site,
-                                                            int limit) const;
+  // One indexed query. Distances are to the positions that the last solution of the graph gave. INVALID_ARGUMENT as
+  // in ValidateQuery.
+  virtual absl::StatusOr<FoundLinkPoints> Find(const CallContext& context, const SiteId& site,
+                                               const LinkPointQuery& query) const = 0;
+  // Those without a pose in the world frame, by id.
+  virtual absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplaced(const CallContext& context, const SiteId& site,
+                                                                    int limit) const = 0;
 
-  // Takes the place of what the anchor had of this kind. The blob must be stored: INVALID_ARGUMENT otherwise;
-  // NOT_FOUND where the link point has no anchor in that map.
-  absl::Status PutEvidence(const CallContext& context, const SiteId& site, const Evidence& evidence) const;
-  // Of those link points, by link point, map and kind; of one kind the nearest to the door's moment first.
-  absl::StatusOr<std::vector<Evidence>> ListEvidence(const CallContext& context, const SiteId& site,
-                                                     const std::vector<LinkPointId>& link_points) const;
-
- private:
-  postgres::Pool& pool_;
+  // Replaces the anchor's evidence of this kind. The blob must be stored: INVALID_ARGUMENT otherwise; NOT_FOUND if the
+  // link point has no anchor in that map.
+  virtual absl::Status PutEvidence(const CallContext& context, const SiteId& site, const Evidence& evidence) const = 0;
+  // Of `link_points`, by link point, map and kind; within a kind by distance in time from the passage of the door.
+  virtual absl::StatusOr<std::vector<Evidence>> ListEvidence(const CallContext& context, const SiteId& site,
+                                                             const std::vector<LinkPointId>& link_points) const = 0;
 };
 
 }  // namespace enfilade::storage

@@ -14,14 +14,10 @@
 #include "storage/call_context.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
-
 // The numbers of these enums are in the database: never reuse one.
 enum class MapState : std::int16_t {
   kEmpty = 1,    // no revision yet
-  kMapping = 2,  // more revisions of the same session will come
+  kMapping = 2,  // the session of the current revision is still being mapped
   kReady = 3,
 };
 
@@ -32,8 +28,8 @@ struct Map {
   int level = 0;             // the floor
   Environment environment = Environment::kIndoor;
   std::string slam_profile;
-  std::vector<Eigen::Vector2d>
-      outline;  // m, map frame; a simple polygon without the repeated last corner; may be empty
+  // m, map frame: a simple polygon without the repeated last corner; may be empty.
+  std::vector<Eigen::Vector2d> outline;
   // Set by the store.
   MapState state = MapState::kEmpty;
   std::int64_t current_revision = 0;  // 0: none
@@ -42,39 +38,42 @@ struct Map {
   TimeNs update_time = 0;
 };
 
-// An axis-aligned rectangle in a map's frame, m.
-struct Rectangle {
-  Eigen::Vector2d min;
-  Eigen::Vector2d max;
+// INVALID_ARGUMENT if a corner is not finite or there are one or two. That the sides do not cross is up to the store.
+absl::Status ValidateOutline(const Map& map);
+
+// What refers to a map, by id.
+struct MapUse {
+  std::vector<std::string> sessions;
+  std::vector<std::string> link_points;
 };
+// FAILED_PRECONDITION naming what refers to it.
+absl::Status ValidateUnused(const SiteId& site, const MapId& map, const MapUse& use);
 
 // Every change raises the version of the site's graph. Thread-safe; errors common to all stores: see SiteStore.
 class MapStore {
  public:
-  explicit MapStore(postgres::Pool& pool) : pool_(pool) {}
+  virtual ~MapStore() = default;
 
-  // ALREADY_EXISTS where id or display name are taken (the message says which); NOT_FOUND where the site is missing.
-  // `request_id` as in SiteStore.
-  absl::StatusOr<Map> Create(const CallContext& context, const Map& map, const std::string& request_id) const;
-  absl::StatusOr<Map> Get(const CallContext& context, const SiteId& site, const MapId& map) const;
-  // NOT_FOUND where no map of the site has that name.
-  absl::StatusOr<Map> GetByDisplayName(const CallContext& context, const SiteId& site,
-                                       const std::string& display_name) const;
-  absl::StatusOr<std::vector<Map>> List(const CallContext& context, const SiteId& site, const PageRequest& page) const;
-  // The maps of one level whose outline meets `rectangle`, by id; indexed.
-  absl::StatusOr<std::vector<Map>> FindByOutline(const CallContext& context, const SiteId& site, int level,
-                                                 const Rectangle& rectangle) const;
-  // Writes display name, level, environment, profile and outline. ABORTED on a stale `map.etag`, NOT_FOUND,
-  // ALREADY_EXISTS where the display name is taken. A new revision leaves the etag as it is.
-  absl::StatusOr<Map> Update(const CallContext& context, const Map& map) const;
-  // With its revisions. FAILED_PRECONDITION naming the sessions that map into it and the link points that join it,
-  // unless `force`, which deletes them; a link point that joins two other maps only loses its anchor here.
+  // ALREADY_EXISTS naming whether the id or the display name is taken; NOT_FOUND if the site does not exist;
+  // INVALID_ARGUMENT if the outline is not a simple polygon. `request_id` as in SiteStore.
+  virtual absl::StatusOr<Map> Create(const CallContext& context, const Map& map,
+                                     const std::string& request_id) const = 0;
+  // NOT_FOUND.
+  virtual absl::StatusOr<Map> Get(const CallContext& context, const SiteId& site, const MapId& map) const = 0;
+  // NOT_FOUND if no map of the site has that name.
+  virtual absl::StatusOr<Map> GetByDisplayName(const CallContext& context, const SiteId& site,
+                                               const std::string& display_name) const = 0;
+  // By id.
+  virtual absl::StatusOr<std::vector<Map>> List(const CallContext& context, const SiteId& site,
+                                                const PageRequest& page) const = 0;
+  // Writes display name, level, environment, profile and outline. ABORTED on a stale `map.etag`; NOT_FOUND;
+  // ALREADY_EXISTS if the display name is taken; INVALID_ARGUMENT as in Create. A new revision keeps the etag.
+  virtual absl::StatusOr<Map> Update(const CallContext& context, const Map& map) const = 0;
+  // Deletes its revisions, too. FAILED_PRECONDITION naming the sessions that map into it and the link points that join
+  // it, unless `force`, which deletes them; a link point that joins two other maps only loses its anchor here.
   // ABORTED on a stale `etag` (0: any); NOT_FOUND.
-  absl::Status Delete(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
-                      bool force) const;
-
- private:
-  postgres::Pool& pool_;
+  virtual absl::Status Delete(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
+                              bool force) const = 0;
 };
 
 }  // namespace enfilade::storage

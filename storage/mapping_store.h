@@ -19,12 +19,9 @@
 #include "storage/session_store.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
 
-// The right to map one session. Of two holders the one with the lower token has lost it: all that it still writes is
-// refused.
+// The right to map one session. The token grows with every holder and fences the earlier ones: what they write under
+// their lease is refused.
 struct SessionLease {
   SiteId site;
   SessionId session;
@@ -37,17 +34,29 @@ struct LeasedSession {
   Session session;
 };
 
-// What a mapping worker has to store at once. The referred values must live until the call returns.
+// What a mapping worker stores in one transaction. The referenced values must live until the call returns.
 struct MappingStep {
   const slam::SlamDelta& delta;
-  std::string_view checkpoint;              // pairing's and mapper's state after the delta
+  std::string_view checkpoint;              // state of the scan pairing and the mapper after the delta
   MappingCounts counts;                     // of all steps so far
   std::int64_t mapped_sequence = 0;         // all records up to it are in the map or in the checkpoint
-  const NewRevision* revision = nullptr;    // a new revision of the session's map, where due
+  const NewRevision* revision = nullptr;    // a new revision of the session's map, if due
   absl::Span<const BlobView> blobs;         // its blobs that may not be stored yet
   std::optional<SessionState> final_state;  // kMapped or kFailed ends the session's mapping
   std::string error;                        // with kFailed
 };
+
+// How far a session is when a step is stored.
+struct MappingProgress {
+  SessionState state = SessionState::kRecording;
+  std::int64_t mapped_sequence = 0;
+};
+// INVALID_ARGUMENT if the step goes back or its final state is not final; FAILED_PRECONDITION if it ends the mapping of
+// a session that may still get records.
+absl::Status ValidateStep(const SessionLease& lease, const MappingProgress& progress, const MappingStep& step);
+
+// ABORTED: another holder has taken over.
+absl::Status LeaseLost(const SessionLease& lease);
 
 struct StoredMapping {
   slam::SlamMap map;
@@ -56,50 +65,51 @@ struct StoredMapping {
 };
 
 struct Trajectory {
-  std::int64_t mapped_sequence = 0;      // the log up to which it was made from
+  std::int64_t mapped_sequence = 0;      // the last record that it was made from
   std::vector<slam::StampedPose> poses;  // in the order of the log
 };
 
-// Thread-safe; errors common to all stores: see SiteStore. Leases run on the database's clock.
+// Leases on sessions, and what mapping makes of them. Leases expire by the database's clock. Thread-safe; errors common
+// to all stores: see SiteStore.
 class MappingStore {
  public:
-  explicit MappingStore(postgres::Pool& pool) : pool_(pool) {}
+  virtual ~MappingStore() = default;
 
-  // A session of any site that has records to be mapped (or is finished and only has to be closed) and that nobody
-  // holds: the one that waits longest. Unset where there is none.
-  absl::StatusOr<std::optional<LeasedSession>> Acquire(const CallContext& context, const std::string& owner,
-                                                       std::chrono::milliseconds ttl) const;
-  // Holds for `ttl` from now. ABORTED where another holder has taken over or the session is deleted.
-  absl::Status Renew(const CallContext& context, const SessionLease& lease, std::chrono::milliseconds ttl) const;
-  // Others may acquire at once. Releasing a lost lease is no error.
-  absl::Status Release(const CallContext& context, const SessionLease& lease) const;
+  // A session of any site that nobody holds and that has records to map, or is finished and has to be closed: the one
+  // that has waited longest. Unset if there is none.
+  virtual absl::StatusOr<std::optional<LeasedSession>> Acquire(const CallContext& context, const std::string& owner,
+                                                               std::chrono::milliseconds ttl) const = 0;
+  // Extends the lease to `ttl` from now. ABORTED if another holder has taken over or the session is deleted.
+  virtual absl::Status Renew(const CallContext& context, const SessionLease& lease,
+                             std::chrono::milliseconds ttl) const = 0;
+  // Makes the lease available. Releasing a lost lease is no error.
+  virtual absl::Status Release(const CallContext& context, const SessionLease& lease) const = 0;
 
-  // One transaction: the delta's rows, the checkpoint, the revision (its number is returned, 0 without one) and the
-  // session's final state. ABORTED where the lease is lost: the worker must stop; or, with AreLayersChanged, where
-  // other layers of the map have changed since step.revision was laid together: then nothing is stored.
-  // INVALID_ARGUMENT where mapped_sequence goes backwards. A retry after UNAVAILABLE is safe: a step whose
-  // mapped_sequence and checkpoint are stored already under this token changes nothing.
-  absl::StatusOr<std::int64_t> Commit(const CallContext& context, const SessionLease& lease,
-                                      const MappingStep& step) const;
+  // Stores the delta's rows, the checkpoint, the revision and the session's final state in one transaction. Returns the
+  // revision's number, 0 without one. ABORTED if the lease is lost: the worker must stop. ABORTED with AreLayersChanged
+  // if other layers of the map have changed since step.revision was made from them. FAILED_PRECONDITION if kMapped is
+  // set before the session is finished, or a tile's blob or a row that the delta refers to is missing. INVALID_ARGUMENT
+  // if mapped_sequence decreases. On any error nothing is stored. A retry after UNAVAILABLE is safe: storing the same
+  // step again changes nothing.
+  virtual absl::StatusOr<std::int64_t> Commit(const CallContext& context, const SessionLease& lease,
+                                              const MappingStep& step) const = 0;
 
-  // All that the steps so far have stored, with submap contents; unset before the first.
-  absl::StatusOr<std::optional<StoredMapping>> Load(const CallContext& context, const SiteId& site,
-                                                    const SessionId& session) const;
+  // The sum of all steps so far, with submap contents; unset before the first.
+  virtual absl::StatusOr<std::optional<StoredMapping>> Load(const CallContext& context, const SiteId& site,
+                                                            const SessionId& session) const = 0;
 
-  // All poses by the present estimate, of one moment. Empty before the first step; NOT_FOUND where the session is
-  // missing.
-  absl::StatusOr<Trajectory> ReadTrajectory(const CallContext& context, const SiteId& site,
-                                            const SessionId& session) const;
+  // All poses by the current estimate, consistent with one step. Empty before the first step; NOT_FOUND if the session
+  // does not exist.
+  virtual absl::StatusOr<Trajectory> ReadTrajectory(const CallContext& context, const SiteId& site,
+                                                    const SessionId& session) const = 0;
 
-  // By id, as they are now. Empty before the first step, and where the session is missing.
-  absl::StatusOr<std::vector<slam::SlamNode>> ListKeyframes(const CallContext& context, const SiteId& site,
-                                                            const SessionId& session) const;
-  // The keyframe nearest in time; unset where there is none.
-  absl::StatusOr<std::optional<PoseWithCovariance>> FindKeyframe(const CallContext& context, const SiteId& site,
-                                                                 const SessionId& session, TimeNs time) const;
-
- private:
-  postgres::Pool& pool_;
+  // The current keyframes, by id. Empty before the first step, and if the session does not exist.
+  virtual absl::StatusOr<std::vector<slam::SlamNode>> ListKeyframes(const CallContext& context, const SiteId& site,
+                                                                    const SessionId& session) const = 0;
+  // T_map_robot of the keyframe nearest in time; unset if there is none.
+  virtual absl::StatusOr<std::optional<PoseWithCovariance>> FindKeyframe(const CallContext& context, const SiteId& site,
+                                                                         const SessionId& session,
+                                                                         TimeNs time) const = 0;
 };
 
 }  // namespace enfilade::storage

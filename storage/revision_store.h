@@ -17,13 +17,9 @@
 #include "storage/call_context.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
-
 enum class RevisionSource : std::int16_t { kMapping = 1, kImport = 2 };
 
-// Rows first, so that tiles come in the order of the raster.
+// Ordered by row, then column, as the raster is.
 struct TileKey {
   int row = 0;
   int column = 0;
@@ -42,41 +38,43 @@ struct Tile {
   std::string data;
 };
 
-// A raster in the pieces in which it is stored.
+// A raster as it is stored: a header and tiles.
 struct StoredRaster {
   std::string header;  // opaque to storage, at most 1 MiB: whatever else is needed to read the tiles
   std::vector<TileRef> tiles;
 };
 
-// A raster of a map that is to become a revision.
+// A raster of a map that becomes its next revision.
 struct NewRevision {
   RevisionSource source = RevisionSource::kMapping;
   std::optional<SessionId> session;  // that it was made from
   grid::GridGeometry geometry;
   std::string raster_header;   // opaque to storage, at most 1 MiB: whatever else is needed to read the tiles
   std::string content_sha256;  // 32 raw bytes, of the whole content as the caller defines it
-  std::vector<TileRef> tiles;  // the whole raster; each blob is stored already or goes along with the call
-  // With a session: its own layer, where the revision is more than that, and LayersBeside::version of the others that
-  // were laid together with it (unset: not checked).
+  std::vector<TileRef> tiles;  // of the whole raster; each blob is already stored or part of the call
+  // With a session: the session's own layer if the revision contains other layers, too, and LayersBeside::version of
+  // those layers (unset: not checked).
   std::optional<StoredRaster> layer;
   std::optional<std::int64_t> layers_version;
 };
 
-// A map's revision is made of layers, one over the other: at the bottom what was imported, then what each session has
-// seen, in the order in which the sessions came. An import is the whole map: it takes the place of all layers.
+// A map's revision consists of layers, overlaid from the bottom: what was imported, then what each session has seen, in
+// the order of the sessions' first revisions. An import is the whole map: it replaces all layers.
 struct MapLayer {
   std::optional<SessionId> session;  // unset: imported
   StoredRaster raster;
 };
 
-// The layers of a map without one session's, from the bottom to the top.
+// The layers of a map except one session's, from the bottom to the top.
 struct LayersBeside {
-  std::int64_t version = 0;     // greater with every change of any layer, the session's, too
-  std::vector<MapLayer> below;  // where the session has no layer yet: all
+  std::int64_t version = 0;     // increases with every change of any layer, including the session's
+  std::vector<MapLayer> below;  // all if the session has no layer yet
   std::vector<MapLayer> above;
 };
 
-// Of an error: the map's layers are others than those that the revision was laid together from. Read them again.
+// ABORTED, with AreLayersChanged.
+absl::Status LayersChanged(const SiteId& site, const MapId& map);
+// Whether the error says that the map's layers have changed since the revision was made from them. Read them again.
 bool AreLayersChanged(const absl::Status& status);
 
 // Immutable.
@@ -94,38 +92,32 @@ struct MapRevision {
   TimeNs create_time = 0;
 };
 
-// Thread-safe; errors common to all stores: see SiteStore.
+// The rasters of maps. Thread-safe; errors common to all stores: see SiteStore.
 class RevisionStore {
  public:
-  explicit RevisionStore(postgres::Pool& pool) : pool_(pool) {}
+  virtual ~RevisionStore() = default;
 
-  // Makes the map's next revision, current from then on. Large rasters put their blobs beforehand, in portions.
-  // FAILED_PRECONDITION naming a blob that is missing; INVALID_ARGUMENT where a tile is given twice; NOT_FOUND where
-  // the map is missing. A retry makes no second revision: where the map's current revision has the same source,
-  // session, header and content, that one comes back. Its session's layer is stored with it; an import becomes the only
-  // layer. ABORTED, with AreLayersChanged, where the layers are no longer those of `layers_version`.
-  absl::StatusOr<MapRevision> Add(const CallContext& context, const SiteId& site, const MapId& map,
-                                  const NewRevision& revision, absl::Span<const BlobView> blobs) const;
+  // Makes the map's next revision and its current one. Of a large raster, put the blobs beforehand, in portions.
+  // FAILED_PRECONDITION naming a blob that is missing; INVALID_ARGUMENT if a tile is given twice; NOT_FOUND if the map
+  // does not exist. A retry makes no second revision: if the map's current revision has the same source, session,
+  // header and content, it is returned. Stores its session's layer, too; an import becomes the only layer. ABORTED,
+  // with AreLayersChanged, if the layers are no longer those of `layers_version`.
+  virtual absl::StatusOr<MapRevision> Add(const CallContext& context, const SiteId& site, const MapId& map,
+                                          const NewRevision& revision, absl::Span<const BlobView> blobs) const = 0;
   // The current revision for number 0. NOT_FOUND.
-  absl::StatusOr<MapRevision> Get(const CallContext& context, const SiteId& site, const MapId& map,
-                                  std::int64_t number) const;
-  // The newest first; those below `before` (0: all). NOT_FOUND where the map is.
-  absl::StatusOr<std::vector<MapRevision>> List(const CallContext& context, const SiteId& site, const MapId& map,
-                                                std::int64_t before, int limit) const;
-  // For laying a session's raster between the others'. No layers where the map has none or is missing.
-  absl::StatusOr<LayersBeside> ReadLayersBeside(const CallContext& context, const SiteId& site, const MapId& map,
-                                                const SessionId& session) const;
-  // The manifest in the order of TileKey; `number` as MapRevision has it. NOT_FOUND.
-  absl::StatusOr<std::vector<TileRef>> ListTiles(const CallContext& context, const SiteId& site, const MapId& map,
-                                                 std::int64_t number) const;
-  // The next tiles behind `after` (unset: from the first) in the order of TileKey, of about `max_bytes` together, at
-  // least one; empty at the end or where there is no such revision. No connection is held between calls.
-  absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const SiteId& site, const MapId& map,
-                                              std::int64_t number, std::optional<TileKey> after,
-                                              std::int64_t max_bytes) const;
-
- private:
-  postgres::Pool& pool_;
+  virtual absl::StatusOr<MapRevision> Get(const CallContext& context, const SiteId& site, const MapId& map,
+                                          std::int64_t number) const = 0;
+  // Those below `before` (0: all), newest first. NOT_FOUND if the map does not exist.
+  virtual absl::StatusOr<std::vector<MapRevision>> List(const CallContext& context, const SiteId& site,
+                                                        const MapId& map, std::int64_t before, int limit) const = 0;
+  // For rendering a session's raster together with those of the others. No layers if the map has none or does not
+  // exist.
+  virtual absl::StatusOr<LayersBeside> ReadLayersBeside(const CallContext& context, const SiteId& site,
+                                                        const MapId& map, const SessionId& session) const = 0;
+  // The next tiles of `revision` after `after` (unset: from the first) in the order of TileKey: at least one, about
+  // `max_bytes` in total. Empty at the end, or if there is no such revision. Holds no connection between calls.
+  virtual absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,
+                                                      std::optional<TileKey> after, std::int64_t max_bytes) const = 0;
 };
 
 }  // namespace enfilade::storage

@@ -13,11 +13,8 @@
 #include "storage/call_context.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
 
-// Where a robot says it is.
+// A robot's pose in a map, as the robot or the mapping of its session reports it.
 struct RobotPose {
   SiteId site;
   RobotId robot;
@@ -25,25 +22,22 @@ struct RobotPose {
   std::optional<SessionId> session;  // that it was reported in
   PoseWithCovariance T_map_robot;    // m, rad
   TimeNs time = 0;                   // by the robot's clock
-  std::int64_t version = 0;          // set by the store: another one with every report
+  std::int64_t version = 0;          // set by the store: a new value with every report
 };
 
 // The last reported pose of each robot. Thread-safe; errors common to all stores: see SiteStore.
 class RobotPoseStore {
  public:
-  explicit RobotPoseStore(postgres::Pool& pool) : pool_(pool) {}
+  virtual ~RobotPoseStore() = default;
 
-  // The newest by its time wins: an older one than the stored changes nothing. One of the same time replaces it only
-  // where both are of the same session, which has then estimated that moment anew. NOT_FOUND naming the robot or map
-  // that is missing; INVALID_ARGUMENT where a number is not finite.
-  absl::Status Report(const CallContext& context, const RobotPose& pose) const;
-  // NOT_FOUND where the robot has reported none.
-  absl::StatusOr<RobotPose> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const;
-  // Of all robots of the site that have reported one, by robot.
-  absl::StatusOr<std::vector<RobotPose>> List(const CallContext& context, const SiteId& site) const;
-
- private:
-  postgres::Pool& pool_;
+  // Keeps the pose with the latest time: an earlier one is ignored. One of the same time replaces the stored pose only
+  // if both are of the same session, which has then estimated that moment again. NOT_FOUND naming the robot or map
+  // that is missing; INVALID_ARGUMENT if a number is not finite or the covariance is invalid.
+  virtual absl::Status Report(const CallContext& context, const RobotPose& pose) const = 0;
+  // NOT_FOUND if the robot has reported no pose.
+  virtual absl::StatusOr<RobotPose> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const = 0;
+  // Of all robots of the site that have reported a pose, by robot.
+  virtual absl::StatusOr<std::vector<RobotPose>> List(const CallContext& context, const SiteId& site) const = 0;
 };
 
 }  // namespace enfilade::storage

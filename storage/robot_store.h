@@ -33,8 +33,6 @@ class RobotStore {
 
   // ALREADY_EXISTS; NOT_FOUND where the site is missing. `request_id` as in SiteStore.
   absl::StatusOr<Robot> Create(const CallContext& context, const Robot& robot, const std::string& request_id) const;
-  // The robot of that id, made with `robot`'s values where there is none.
-  absl::StatusOr<Robot> Ensure(const CallContext& context, const Robot& robot) const;
   absl::StatusOr<Robot> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const;
   absl::StatusOr<std::vector<Robot>> List(const CallContext& context, const SiteId& site,
                                           const PageRequest& page) const;

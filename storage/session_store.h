@@ -14,15 +14,11 @@
 #include "storage/call_context.h"
 
 namespace enfilade::storage {
-namespace postgres {
-class Pool;
-}
-
 // The numbers are in the database: never reuse one.
 enum class SessionState : std::int16_t {
   kRecording = 1,
   kFinished = 2,  // no more records will come; the rest is being mapped
-  kMapped = 3,    // all is mapped, or there is no map to make
+  kMapped = 3,    // all records are mapped, or the session has no map
   kFailed = 4,    // mapping failed: see Session::error
 };
 
@@ -37,7 +33,7 @@ struct RecordCounts {
   friend bool operator==(const RecordCounts&, const RecordCounts&) = default;
 };
 
-// What became of the scans, as the mapping worker counts it.
+// How the mapping worker has used the scans.
 struct MappingCounts {
   std::int64_t paired = 0;
   std::int64_t unpaired = 0;
@@ -53,12 +49,12 @@ struct Session {
   SiteId site;
   SessionId id;
   RobotId robot;
-  std::optional<MapId> map;  // unset: only recorded, or entry.previous is not judged yet
+  std::optional<MapId> map;  // unset: only recorded, or the passage out of entry.previous is not judged yet
   sensor::SessionEntry entry;
   // Set by the store.
   SessionState state = SessionState::kRecording;
   std::int64_t acknowledged_sequence = 0;  // all records up to it are stored
-  std::int64_t highest_sequence = 0;       // greater where there are holes
+  std::int64_t highest_sequence = 0;       // greater if there are holes
   std::int64_t mapped_sequence = 0;        // all records up to it are in the map
   RecordCounts record_counts;
   MappingCounts mapping_counts;
@@ -77,38 +73,38 @@ struct SessionFilter {
   std::optional<SessionState> state;
 };
 
-// A place in the list of sessions, which goes from the newest to the oldest.
+// A position in the list of sessions, newest first.
 struct SessionPosition {
   TimeNs create_time = 0;
   SessionId id;
 };
 
-// A session's log is written by RecordStore, its map by MappingStore. Thread-safe; errors common to all stores: see
-// SiteStore.
+// RecordStore writes a session's log, MappingStore its map. Thread-safe; errors common to all stores: see SiteStore.
 class SessionStore {
  public:
-  explicit SessionStore(postgres::Pool& pool) : pool_(pool) {}
+  virtual ~SessionStore() = default;
 
   // Uses site, id, robot, map and entry. NOT_FOUND naming the site, robot, map or previous session that is missing;
-  // ALREADY_EXISTS where the id is taken, also by a deleted session. `request_id` as in SiteStore.
-  absl::StatusOr<Session> Create(const CallContext& context, const Session& session,
-                                 const std::string& request_id) const;
+  // ALREADY_EXISTS if the id is taken, also by a deleted session; INVALID_ARGUMENT if the entry pose's covariance is
+  // invalid. `request_id` as in SiteStore.
+  virtual absl::StatusOr<Session> Create(const CallContext& context, const Session& session,
+                                         const std::string& request_id) const = 0;
   // NOT_FOUND, also for deleted sessions.
-  absl::StatusOr<Session> Get(const CallContext& context, const SiteId& site, const SessionId& session) const;
-  // Without the deleted ones, the newest first, behind `after` (unset: from the first).
-  absl::StatusOr<std::vector<Session>> List(const CallContext& context, const SiteId& site, const SessionFilter& filter,
-                                            int limit, const std::optional<SessionPosition>& after) const;
-  // No more records will come: the state becomes kFinished, or kMapped where there is no map to make.
-  // FAILED_PRECONDITION where the log has holes or does not end at `last_sequence` (0: nothing was recorded). Finishing
-  // twice is no error. NOT_FOUND.
-  absl::StatusOr<Session> Finish(const CallContext& context, const SiteId& site, const SessionId& session,
-                                 std::int64_t last_sequence) const;
-  // At once for all readers and writers; the lease on it is lost. The rows go later, by Maintenance; the id stays
-  // known, so that late data are refused. Revisions made from it stay. NOT_FOUND, also the second time.
-  absl::Status Delete(const CallContext& context, const SiteId& site, const SessionId& session) const;
-
- private:
-  postgres::Pool& pool_;
+  virtual absl::StatusOr<Session> Get(const CallContext& context, const SiteId& site,
+                                      const SessionId& session) const = 0;
+  // Without the deleted ones, newest first, those after `after` (unset: from the first).
+  virtual absl::StatusOr<std::vector<Session>> List(const CallContext& context, const SiteId& site,
+                                                    const SessionFilter& filter, int limit,
+                                                    const std::optional<SessionPosition>& after) const = 0;
+  // No more records will come: the state becomes kFinished, or kMapped if there is nothing to map. FAILED_PRECONDITION
+  // if the log has holes or does not end at `last_sequence` (0: nothing was recorded). Finishing twice is no error.
+  // NOT_FOUND.
+  virtual absl::StatusOr<Session> Finish(const CallContext& context, const SiteId& site, const SessionId& session,
+                                         std::int64_t last_sequence) const = 0;
+  // Takes effect immediately for all readers and writers; the lease on the session is lost. Maintenance removes the
+  // rows later. The id stays reserved so that late records are refused. Revisions made from the session stay.
+  // NOT_FOUND, also the second time.
+  virtual absl::Status Delete(const CallContext& context, const SiteId& site, const SessionId& session) const = 0;
 };
 
 }  // namespace enfilade::storage

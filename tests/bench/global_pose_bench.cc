@@ -11,9 +11,9 @@
 #include "fmt/format.h"
 #include "grpcpp/grpcpp.h"
 #include "nlohmann/json.hpp"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
 #include "storage/postgres/driver/pool.h"
+#include "storage/postgres/graph/link_point_store.h"
+#include "storage/postgres/maps/map_store.h"
 #include "tests/bench/support/bare_echo.h"
 #include "tests/bench/support/bench_system.h"
 #include "tests/bench/support/load_generator.h"
@@ -38,14 +38,14 @@ void MakeRooms(storage::postgres::Pool& pool) {
     map.site = SiteId("bench");
     map.id = MapId(fmt::format("room-{}", i));
     map.display_name = map.id.value();
-    Must(enfilade::storage::MapStore(pool).Create(Soon(), map, "").status());
+    Must(enfilade::storage::postgres::MapStore(pool).Create(Soon(), map, "").status());
     if (i == 0) continue;
     enfilade::storage::StoredLinkPoint door;
     door.site = map.site;
     door.point.id = LinkPointId(fmt::format("door-{}", i));
     door.point.anchors = {{MapId(fmt::format("room-{}", i - 1)), {5, 0, 0}, enfilade::graph::DefaultAnchorCovariance()},
                           {map.id, {}, enfilade::graph::DefaultAnchorCovariance()}};
-    Must(enfilade::storage::LinkPointStore(pool).Create(Soon(), door, "").status());
+    Must(enfilade::storage::postgres::LinkPointStore(pool).Create(Soon(), door, "").status());
   }
 }
 

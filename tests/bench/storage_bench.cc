@@ -11,13 +11,14 @@
 #include "core/base/sha256.h"
 #include "core/sensor/record_codec.h"
 #include "fmt/format.h"
-#include "storage/map_store.h"
 #include "storage/postgres/driver/copy_buffer.h"
 #include "storage/postgres/driver/transaction.h"
-#include "storage/record_store.h"
-#include "storage/revision_store.h"
+#include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/maps/map_store.h"
+#include "storage/postgres/maps/revision_store.h"
+#include "storage/postgres/sessions/record_store.h"
+#include "storage/postgres/sessions/session_store.h"
 #include "storage/robot_store.h"
-#include "storage/session_store.h"
 #include "storage/site_store.h"
 #include "tests/support/database.h"
 
@@ -41,8 +42,8 @@ struct Fixture {
   testing::TestDatabase database;
   std::unique_ptr<storage::postgres::Pool> pool =
       OrDie(storage::postgres::Pool::Create({.url = database.url(), .max_connections = 16}));
-  storage::SessionStore sessions{*pool};
-  storage::RecordStore records{*pool};
+  storage::postgres::SessionStore sessions{*pool};
+  storage::postgres::RecordStore records{*pool};
   int session_count = 0;
 
   Fixture() {
@@ -204,9 +205,9 @@ void BM_ReadTiles(benchmark::State& state) {
   static int maps = 0;  // this function is called several times
   map.id = MapId(fmt::format("map{}", ++maps));
   map.display_name = map.id.value();
-  OrDie(storage::MapStore(*fixture.pool).Create(Soon(), map, ""));
-  const storage::BlobStore blobs(*fixture.pool);
-  const storage::RevisionStore revisions(*fixture.pool);
+  OrDie(storage::postgres::MapStore(*fixture.pool).Create(Soon(), map, ""));
+  const storage::postgres::BlobStore blobs(*fixture.pool);
+  const storage::postgres::RevisionStore revisions(*fixture.pool);
   storage::NewRevision revision;
   revision.source = storage::RevisionSource::kImport;
   revision.content_sha256 = std::string(32, 'c');
@@ -219,12 +220,12 @@ void BM_ReadTiles(benchmark::State& state) {
     if (!blobs.Put(Soon(), kSite, absl::MakeConstSpan(&view, 1)).ok()) state.SkipWithError("put failed");
     revision.tiles.push_back({{i / 64, i % 64}, digest});
   }
-  OrDie(revisions.Add(Soon(), kSite, map.id, revision, {}));
+  const storage::MapRevision added = OrDie(revisions.Add(Soon(), kSite, map.id, revision, {}));
   std::int64_t bytes = 0;
   for (auto _ : state) {
     std::optional<storage::TileKey> after;
     while (true) {
-      const auto tiles = OrDie(revisions.ReadTiles(Soon(), kSite, map.id, 1, after, state.range(0)));
+      const auto tiles = OrDie(revisions.ReadTiles(Soon(), added, after, state.range(0)));
       if (tiles.empty()) break;
       for (const storage::Tile& tile : tiles) bytes += static_cast<std::int64_t>(tile.data.size());
       after = tiles.back().key;

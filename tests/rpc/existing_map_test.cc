@@ -8,8 +8,10 @@
 #include "proto/convert/geometry.h"
 #include "proto/convert/record.h"
 #include "server/app/mapping/raster_revision.h"
-#include "storage/mapping_store.h"
-#include "storage/robot_pose_store.h"
+#include "storage/postgres/graph/robot_pose_store.h"
+#include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/maps/revision_store.h"
+#include "storage/postgres/sessions/mapping_store.h"
 #include "tests/rpc/server_test.h"
 #include "tests/support/pose_matchers.h"
 
@@ -114,7 +116,7 @@ class ExistingMapTest : public ServerTest {
   }
 
   std::vector<slam::StampedPose> Trajectory(const std::string& session) {
-    const auto mapping = storage::MappingStore(*pool_).ReadTrajectory(Soon(), site_, IdOf(session));
+    const auto mapping = storage::postgres::MappingStore(*pool_).ReadTrajectory(Soon(), site_, IdOf(session));
     EXPECT_OK(mapping);
     return mapping.ok() ? mapping->poses : std::vector<slam::StampedPose>();
   }
@@ -131,7 +133,7 @@ class ExistingMapTest : public ServerTest {
 
   const SiteId site_{"s"};
   const MapId map_{"m"};
-  storage::RevisionStore revisions_{*pool_};
+  storage::postgres::RevisionStore revisions_{*pool_};
 };
 
 // The share of the occupied cells of `wanted` that have an occupied cell of `grid` within 0.1 m.
@@ -184,7 +186,8 @@ TEST_F(ExistingMapTest, ASecondSessionGoesOnWhereTheFirstOneEnded) {
   EXPECT_GT(ShareOfWallsIn(OneSession().grid, published), 0.98) << "no walls beside the true ones";
   EXPECT_LT(ShareOfWallsIn(after_first, published), 0.98) << "the second part has seen more";
 
-  ASSERT_OK_AND_ASSIGN(const storage::RobotPose pose, storage::RobotPoseStore(*pool_).Get(Soon(), site_, RobotId("r")));
+  ASSERT_OK_AND_ASSIGN(const storage::RobotPose pose,
+                       storage::postgres::RobotPoseStore(*pool_).Get(Soon(), site_, RobotId("r")));
   EXPECT_EQ(pose.map, map_);
   EXPECT_EQ(pose.session, IdOf(second));
   EXPECT_EQ(pose.time, trajectory.back().time);
@@ -249,7 +252,7 @@ TEST_F(ExistingMapTest, ASessionOnAnImportedMapKeepsWhatItDoesNotSee) {
   ASSERT_OK_AND_ASSIGN(imported, grid::LaidOver(imported, wall));
   ASSERT_OK_AND_ASSIGN(server::RasterRevision raster, ToRevision(grid::FromOccupancyGrid(imported)));
   raster.revision.source = storage::RevisionSource::kImport;
-  ASSERT_OK(PutTiles(Soon(), storage::BlobStore(*pool_), site_, raster, {}));
+  ASSERT_OK(PutTiles(Soon(), storage::postgres::BlobStore(*pool_), site_, raster, {}));
   ASSERT_OK(revisions_.Add(Soon(), site_, map_, raster.revision, {}));
 
   const std::string session = CreateSessionAt(first_part.trajectory.back().T_map_robot);

@@ -8,10 +8,10 @@
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "fmt/format.h"
 #include "proto/convert/geometry.h"
-#include "storage/graph_store.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
-#include "storage/robot_pose_store.h"
+#include "storage/postgres/graph/graph_store.h"
+#include "storage/postgres/graph/link_point_store.h"
+#include "storage/postgres/graph/robot_pose_store.h"
+#include "storage/postgres/maps/map_store.h"
 #include "tests/rpc/server_test.h"
 
 namespace enfilade::testing {
@@ -100,10 +100,10 @@ class GraphTest : public ServerTest {
   }
 
   const SiteId site_{"s"};
-  const storage::MapStore maps_{*pool_};
-  const storage::LinkPointStore link_points_{*pool_};
-  const storage::GraphStore graph_store_{*pool_};
-  const storage::RobotPoseStore robot_poses_{*pool_};
+  const storage::postgres::MapStore maps_{*pool_};
+  const storage::postgres::LinkPointStore link_points_{*pool_};
+  const storage::postgres::GraphStore graph_store_{*pool_};
+  const storage::postgres::RobotPoseStore robot_poses_{*pool_};
 };
 
 }  // namespace enfilade::testing

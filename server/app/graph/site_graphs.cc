@@ -18,8 +18,7 @@ constexpr auto kReconnectInterval = std::chrono::seconds(1);
 
 }  // namespace
 
-SiteGraphs::SiteGraphs(storage::postgres::Pool& pool, const storage::GraphStore& store, ChangedSites& changed)
-    : pool_(pool), store_(store), changed_(changed) {
+SiteGraphs::SiteGraphs(const storage::GraphStore& store, ChangedSites& changed) : store_(store), changed_(changed) {
   listener_ = std::thread([this] { Listen(); });
 }
 
@@ -143,7 +142,7 @@ void SiteGraphs::MarkAllChanged() {
 
 void SiteGraphs::Listen() {
   while (!stop_.is_set()) {
-    auto listener = storage::GraphListener::Open(pool_, storage::CallContext::WithTimeout(std::chrono::seconds(5)));
+    auto listener = store_.Listen(storage::CallContext::WithTimeout(std::chrono::seconds(5)));
     if (!listener.ok()) {
       stop_.WaitFor(kReconnectInterval);
       continue;

@@ -25,7 +25,7 @@ namespace enfilade::server {
 class SiteGraphs {
  public:
   // Adds each site to `changed` whenever a new version of its graph has been read.
-  SiteGraphs(storage::postgres::Pool& pool, const storage::GraphStore& store, ChangedSites& changed);
+  SiteGraphs(const storage::GraphStore& store, ChangedSites& changed);
   ~SiteGraphs();
   SiteGraphs(const SiteGraphs&) = delete;
   SiteGraphs& operator=(const SiteGraphs&) = delete;
@@ -68,7 +68,6 @@ class SiteGraphs {
   void OnGraphChanged(const storage::GraphListener::Change& change);
   void MarkAllChanged();
 
-  storage::postgres::Pool& pool_;
   const storage::GraphStore& store_;
   ChangedSites& changed_;
   mutable Mutex mutex_;

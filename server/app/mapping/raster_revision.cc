@@ -72,9 +72,8 @@ absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, 
   ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(revision.raster_header));
   std::optional<storage::TileKey> last;
   while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(
-        const std::vector<storage::Tile> tiles,
-        revisions.ReadTiles(context, revision.site, revision.map, revision.number, last, kTilePortionBytes));
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::Tile> tiles,
+                              revisions.ReadTiles(context, revision, last, kTilePortionBytes));
     if (tiles.empty()) return std::move(assembler).Finish();
     for (const storage::Tile& tile : tiles) {
       ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, tile.data));

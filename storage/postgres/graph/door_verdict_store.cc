@@ -5,8 +5,9 @@
 #include "core/sensor/record_codec.h"
 #include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_changes.h"
+#include "storage/postgres/graph/link_point_evidence.h"
 #include "storage/postgres/graph/link_point_rows.h"
 #include "storage/postgres/graph/placement.h"
 #include "storage/postgres/sessions/session_row.h"
@@ -163,7 +164,7 @@ absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, cons
   }
   if (change.new_link_point) {
     const LinkPointId& id = change.new_link_point->point.id;
-    ENFILADE_RETURN_IF_ERROR(postgres::ValidateLinkPoint(*change.new_link_point));
+    ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(*change.new_link_point));
     ENFILADE_ASSIGN_OR_RETURN(
         const std::int64_t version,
         postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointAdded, postgres::ResourceOf(id)));
@@ -172,7 +173,7 @@ absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, cons
   }
   if (change.link_point) {
     const LinkPointId& id = change.link_point->point.id;
-    ENFILADE_RETURN_IF_ERROR(postgres::ValidateLinkPoint(*change.link_point));
+    ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(*change.link_point));
     ENFILADE_ASSIGN_OR_RETURN(
         const std::int64_t version,
         postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, postgres::ResourceOf(id)));

@@ -1,28 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/graph/graph_changes.h"
+
+#include <optional>
 #include <span>
 #include <string>
 
 #include "core/base/environment.h"
 #include "core/base/resource_name.h"
-#include "storage/graph_store.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/driver/wkb.h"
-#include "storage/postgres/graph/graph_change.h"
 #include "storage/postgres/graph/link_point_rows.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
 
 constexpr Statement kSelectGraph{"reading the graph's version",
                                  "SELECT coalesce(g.graph_version, 0), g.root_map_id FROM enfilade.sites s"
                                  " LEFT JOIN enfilade.site_graphs g USING (site_id) WHERE site_id = $1"};
-constexpr Statement kHoldGraph{"holding the graph's version",
-                               "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR SHARE"};
+constexpr Statement kShareGraph{"locking the graph's version",
+                                "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR SHARE"};
 constexpr Statement kSelectMaps{
     "reading the graph's maps",
     "SELECT m.map_id, m.display_name, m.level, m.environment, ST_AsBinary(m.outline, 'NDR'), g.x IS NOT NULL,"
@@ -33,7 +29,7 @@ constexpr Statement kSelectLinkPoints{
     "reading the graph's link points",
     "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
     " WHERE p.site_id = $1 AND p.changed_version > $2 ORDER BY p.link_point_id, a.ordinal"};
-constexpr Statement kSelectRemovals{"reading what is gone from the graph",
+constexpr Statement kSelectRemovals{"reading removals from the graph",
                                     "SELECT kind, id FROM enfilade.graph_removals"
                                     " WHERE site_id = $1 AND removed_version > $2 ORDER BY kind, id"};
 constexpr int kAttempts = 3;
@@ -53,22 +49,22 @@ GraphMapRow ReadGraphMapRow(Row& row) {
   const bool placed = row.Bool();
   PoseWithCovariance place;
   place.pose = {row.Double(), row.Double(), row.Double()};
-  place.covariance = postgres::ReadCovariance(row);
+  place.covariance = ReadCovariance(row);
   if (placed) out.map.T_world_map = place;
   out.map.graph_version = row.Int64();
   return out;
 }
 
-absl::Status Read(const postgres::Result& maps, const postgres::Result& link_points, const postgres::Result& removals,
-                  GraphChanges& changes) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<GraphMapRow> rows, storage::postgres::ReadRows(maps, ReadGraphMapRow));
+absl::Status ReadRowsInto(const Result& maps, const Result& link_points, const Result& removals,
+                          GraphChanges& changes) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<GraphMapRow> rows, ReadRows(maps, ReadGraphMapRow));
   for (GraphMapRow& row : rows) {
     if (!row.outline.empty()) {
-      ENFILADE_ASSIGN_OR_RETURN(row.map.outline, postgres::DecodePolygon(row.outline));
+      ENFILADE_ASSIGN_OR_RETURN(row.map.outline, DecodePolygon(row.outline));
     }
     changes.maps.push_back(std::move(row.map));
   }
-  ENFILADE_ASSIGN_OR_RETURN(changes.link_points, postgres::ReadLinkPoints(link_points));
+  ENFILADE_ASSIGN_OR_RETURN(changes.link_points, ReadLinkPoints(link_points));
   if (changes.complete) return absl::OkStatus();
   for (int i = 0; i < removals.rows(); ++i) {
     Row row(removals, i);
@@ -92,13 +88,13 @@ void QueueChanges(Transaction& transaction, const SiteId& site, std::int64_t sin
   transaction.Queue(kSelectGraph, Params(site));
 }
 
-// Of what QueueChanges has queued. Each statement sees what was committed before it: all of one version where the
-// version is the same before and after; nothing where it is not.
-absl::StatusOr<std::optional<GraphChanges>> ReadQueued(std::span<const postgres::Result> results, const SiteId& site,
+// Of what QueueChanges has queued. Each statement sees what was committed before it. If the version is the same before
+// and after the other statements, all of them saw that version; unset otherwise.
+absl::StatusOr<std::optional<GraphChanges>> ReadQueued(std::span<const Result> results, const SiteId& site,
                                                        std::int64_t since) {
   GraphChanges changes;
   std::int64_t after = 0;
-  for (const postgres::Result* result : {&results[4], &results[0]}) {
+  for (const Result* result : {&results[4], &results[0]}) {
     if (result->rows() == 0) return NotFound("{} does not exist", NameOf(site));
     Row row(*result, 0);
     changes.version = row.Int64();
@@ -108,39 +104,38 @@ absl::StatusOr<std::optional<GraphChanges>> ReadQueued(std::span<const postgres:
   }
   if (after != changes.version) return std::nullopt;
   changes.complete = since == 0;
-  ENFILADE_RETURN_IF_ERROR(Read(results[1], results[2], results[3], changes));
+  ENFILADE_RETURN_IF_ERROR(ReadRowsInto(results[1], results[2], results[3], changes));
   return changes;
 }
 
-absl::StatusOr<std::optional<GraphChanges>> TryRead(postgres::Pool& pool, const CallContext& context,
-                                                    const SiteId& site, std::int64_t since, bool hold) {
+absl::StatusOr<std::optional<GraphChanges>> TryRead(Pool& pool, const CallContext& context, const SiteId& site,
+                                                    std::int64_t since, bool lock) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  if (hold) transaction.Queue(kHoldGraph, Params(site));
+  if (lock) transaction.Queue(kShareGraph, Params(site));
   QueueChanges(transaction, site, since);
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  return ReadQueued(std::span(results).subspan(hold ? 1 : 0), site, since);
+  return ReadQueued(std::span(results).subspan(lock ? 1 : 0), site, since);
 }
 
 }  // namespace
 
-absl::StatusOr<GraphChanges> GraphStore::ReadChanges(const CallContext& context, const SiteId& site,
-                                                     std::int64_t since) const {
+absl::StatusOr<GraphChanges> ReadGraphChanges(Pool& pool, const CallContext& context, const SiteId& site,
+                                              std::int64_t since) {
   for (int attempt = 1; attempt <= kAttempts; ++attempt) {
-    ENFILADE_ASSIGN_OR_RETURN(auto changes, TryRead(pool_, context, site, since, attempt == kAttempts));
-    if (changes && changes->version < since) return ReadChanges(context, site, 0);
+    ENFILADE_ASSIGN_OR_RETURN(auto changes, TryRead(pool, context, site, since, attempt == kAttempts));
+    if (changes && changes->version < since) return ReadGraphChanges(pool, context, site, 0);
     if (changes) return *std::move(changes);
   }
-  return Aborted("{} was deleted and made again meanwhile: repeat the call", NameOf(site));
+  return Aborted("{} was deleted and created again during the call: try again", NameOf(site));
 }
 
-absl::StatusOr<GraphChanges> postgres::ReadHeldGraph(storage::postgres::Transaction& transaction, const SiteId& site,
-                                                     std::int64_t since) {
+absl::StatusOr<GraphChanges> ReadLockedGraph(Transaction& transaction, const SiteId& site, std::int64_t since) {
   QueueChanges(transaction, site, since);
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
   ENFILADE_ASSIGN_OR_RETURN(auto changes, ReadQueued(results, site, since));
-  if (!changes) return Internal("the graph of {} changed while it was held", NameOf(site));
-  if (changes->version < since) return storage::postgres::ReadHeldGraph(transaction, site, 0);
+  if (!changes) return Internal("the graph of {} changed while it was locked", NameOf(site));
+  if (changes->version < since) return ReadLockedGraph(transaction, site, 0);
   return *std::move(changes);
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

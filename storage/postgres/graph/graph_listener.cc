@@ -1,35 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/graph/graph_listener.h"
+
 #include <charconv>
+#include <string>
 
-#include "storage/graph_store.h"
+#include "core/base/status_macros.h"
 #include "storage/postgres/driver/connection.h"
-#include "storage/postgres/driver/pool.h"
-#include "storage/postgres/driver/rows.h"
+#include "storage/postgres/driver/params.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
 
-constexpr postgres::Statement kListen{"listening for changes of graphs", "LISTEN enfilade_graph"};
+constexpr Statement kListen{"listening for changes of graphs", "LISTEN enfilade_graph"};
 
 }  // namespace
 
-struct GraphListener::Impl {
-  postgres::Pool::Lease lease;
-};
-
-GraphListener::GraphListener(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-// Nobody else should be given a connection that listens.
-GraphListener::~GraphListener() { impl_->lease->Retire(); }
-
-absl::StatusOr<std::unique_ptr<GraphListener>> GraphListener::Open(postgres::Pool& pool, const CallContext& context) {
-  ENFILADE_ASSIGN_OR_RETURN(postgres::Pool::Lease lease, pool.Acquire(context));
-  lease->Queue(kListen, postgres::Params());
+absl::StatusOr<std::unique_ptr<storage::GraphListener>> GraphListener::Open(Pool& pool, const CallContext& context) {
+  ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
+  lease->Queue(kListen, Params());
   ENFILADE_RETURN_IF_ERROR(lease->Flush(context.deadline).status());
-  return std::unique_ptr<GraphListener>(new GraphListener(std::make_unique<Impl>(Impl{std::move(lease)})));
+  return std::unique_ptr<storage::GraphListener>(new GraphListener(std::move(lease)));
 }
 
+// The pool must not hand out a connection that listens.
+GraphListener::~GraphListener() { lease_->Retire(); }
+
 absl::StatusOr<std::vector<GraphListener::Change>> GraphListener::Await(const CallContext& context) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto payloads, impl_->lease->AwaitNotifications(context.deadline));
+  ENFILADE_ASSIGN_OR_RETURN(const auto payloads, lease_->AwaitNotifications(context.deadline));
   std::vector<Change> changes;
   for (const std::string& payload : payloads) {
     const std::size_t space = payload.find(' ');
@@ -41,4 +38,4 @@ absl::StatusOr<std::vector<GraphListener::Change>> GraphListener::Await(const Ca
   return changes;
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/graph_store.h"
+#include "storage/postgres/graph/graph_store.h"
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/graph_changes.h"
+#include "storage/postgres/graph/graph_listener.h"
+#include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_rows.h"
 #include "storage/postgres/graph/placement.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
 
 constexpr Statement kUseLinkPoints{"switching link points",
                                    "UPDATE enfilade.link_points SET changed_version = $2,"
@@ -41,13 +37,13 @@ constexpr Statement kListVersions{
 constexpr Statement kLastOptimization{
     "looking for the last optimisation",
     "SELECT coalesce(max(version), 0) FROM enfilade.graph_versions WHERE site_id = $1 AND version > $2 AND cause = $3"};
-constexpr Statement kSelectPoses{"reading maps' poses",
-                                 "SELECT map_id, x, y, yaw, covariance FROM enfilade.map_poses"
-                                 " WHERE site_id = $1 AND version = $2 ORDER BY map_id"};
-constexpr Statement kSelectPlaces{"reading maps' places",
-                                  "SELECT map_id, x, y, yaw, covariance FROM enfilade.graph_maps"
-                                  " WHERE site_id = $1 AND (cardinality($2::text[]) = 0 OR map_id = ANY ($2))"
-                                  " AND x IS NOT NULL ORDER BY map_id"};
+constexpr Statement kSelectMapPoses{"reading maps' poses",
+                                    "SELECT map_id, x, y, yaw, covariance FROM enfilade.map_poses"
+                                    " WHERE site_id = $1 AND version = $2 ORDER BY map_id"};
+constexpr Statement kSelectMapPlaces{"reading maps' places",
+                                     "SELECT map_id, x, y, yaw, covariance FROM enfilade.graph_maps"
+                                     " WHERE site_id = $1 AND (cardinality($2::text[]) = 0 OR map_id = ANY ($2))"
+                                     " AND x IS NOT NULL ORDER BY map_id"};
 constexpr Statement kDropControlPoints{"removing control points",
                                        "DELETE FROM enfilade.control_points WHERE site_id = $1"};
 constexpr Statement kPutControlPoints{
@@ -64,7 +60,7 @@ MapPose ReadMapPose(Row& row) {
   MapPose pose;
   pose.map = MapId(std::string(row.Text()));
   pose.T_world_map.pose = {row.Double(), row.Double(), row.Double()};
-  pose.T_world_map.covariance = postgres::ReadCovariance(row);
+  pose.T_world_map.covariance = ReadCovariance(row);
   return pose;
 }
 
@@ -87,17 +83,17 @@ GraphVersion ReadVersion(Row& row) {
 }
 
 absl::StatusOr<std::int64_t> LockExistingGraph(Transaction& transaction, const SiteId& site) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, postgres::LockGraph(transaction, site));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, LockGraph(transaction, site));
   if (version == 0) return NotFound("the graph of {} does not exist", NameOf(site));
   return version;
 }
 
-// Of a graph that `transaction` holds.
+// Of a graph that `transaction` has locked.
 absl::StatusOr<std::int64_t> StoreAndCommit(Transaction& transaction, const SiteId& site,
                                             const GraphSolution& solution) {
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t raised,
-                            postgres::RaiseGraphVersion(transaction, site, GraphCause::kOptimized, ""));
-  postgres::QueuePlaces(transaction, site, raised, solution.maps, solution.link_points);
+                            RaiseGraphVersion(transaction, site, GraphCause::kOptimized, ""));
+  QueuePlaces(transaction, site, raised, solution.maps, solution.link_points);
   std::vector<std::string_view> switched_off, maps;
   for (const LinkPointId& id : solution.switched_off) switched_off.push_back(id.value());
   for (const MapPose& pose : solution.maps) maps.push_back(pose.map.value());
@@ -113,9 +109,13 @@ absl::StatusOr<std::int64_t> StoreAndCommit(Transaction& transaction, const Site
 }  // namespace
 
 absl::StatusOr<std::int64_t> GraphStore::GetVersion(const CallContext& context, const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto result, storage::postgres::ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
-  return postgres::ReadGraphVersion(result);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectGraphVersion, Params(site)));
+  return ReadGraphVersion(result);
+}
+
+absl::StatusOr<GraphChanges> GraphStore::ReadChanges(const CallContext& context, const SiteId& site,
+                                                     std::int64_t since) const {
+  return ReadGraphChanges(pool_, context, site, since);
 }
 
 absl::StatusOr<std::int64_t> GraphStore::Apply(const CallContext& context, const SiteId& site, std::int64_t version,
@@ -134,47 +134,43 @@ absl::StatusOr<std::int64_t> GraphStore::SolveHeld(
     const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_RETURN_IF_ERROR(LockExistingGraph(transaction, site).status());
-  ENFILADE_ASSIGN_OR_RETURN(const GraphChanges changes, postgres::ReadHeldGraph(transaction, site, since));
+  ENFILADE_ASSIGN_OR_RETURN(const GraphChanges changes, ReadLockedGraph(transaction, site, since));
   ENFILADE_ASSIGN_OR_RETURN(const GraphSolution solution, solve(changes));
   return StoreAndCommit(transaction, site, solution);
 }
 
 absl::StatusOr<std::vector<GraphVersion>> GraphStore::ListVersions(const CallContext& context, const SiteId& site,
                                                                    std::int64_t before, int limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto result,
-      storage::postgres::ExecuteAlone(pool_, context, kListVersions, Params(site, before, std::int64_t{limit})));
-  return storage::postgres::ReadRows(result, ReadVersion);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kListVersions, Params(site, before, std::int64_t{limit})));
+  return ReadRows(result, ReadVersion);
 }
 
 absl::StatusOr<std::int64_t> GraphStore::FindLastOptimization(const CallContext& context, const SiteId& site,
                                                               std::int64_t since) const {
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto result,
-      storage::postgres::ExecuteAlone(pool_, context, kLastOptimization,
-                                      Params(site, since, static_cast<std::int16_t>(GraphCause::kOptimized))));
-  return storage::postgres::ReadOne(
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kLastOptimization,
+                                         Params(site, since, static_cast<std::int16_t>(GraphCause::kOptimized))));
+  return ReadOne(
       result, [](Row& row) { return row.Int64(); }, NameOf(site));
 }
 
 absl::StatusOr<std::vector<MapPose>> GraphStore::GetMapPoses(const CallContext& context, const SiteId& site,
                                                              std::int64_t version) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kSelectPoses, Params(site, version)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectMapPoses, Params(site, version)));
   if (result.rows() == 0) {
-    return NotFound("version {} of the graph of {} is none of its last {} optimisations", version, NameOf(site),
+    return NotFound("version {} of the graph of {} is not one of its last {} optimisations", version, NameOf(site),
                     kKeptOptimizations);
   }
-  return storage::postgres::ReadRows(result, ReadMapPose);
+  return ReadRows(result, ReadMapPose);
 }
 
 absl::StatusOr<std::vector<MapPose>> GraphStore::GetPlaces(const CallContext& context, const SiteId& site,
                                                            const std::vector<MapId>& maps) const {
   std::vector<std::string_view> ids;
   for (const MapId& map : maps) ids.push_back(map.value());
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kSelectPlaces, Params(site, ids)));
-  return storage::postgres::ReadRows(result, ReadMapPose);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectMapPlaces, Params(site, ids)));
+  return ReadRows(result, ReadMapPose);
 }
 
 absl::StatusOr<std::int64_t> GraphStore::SetControlPoints(const CallContext& context, const SiteId& site,
@@ -190,11 +186,11 @@ absl::StatusOr<std::int64_t> GraphStore::SetControlPoints(const CallContext& con
   }
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            postgres::RaiseGraphVersion(transaction, site, GraphCause::kGeoreferenced, ""));
+                            RaiseGraphVersion(transaction, site, GraphCause::kGeoreferenced, ""));
   transaction.Queue(kDropControlPoints, Params(site));
   if (!points.empty()) transaction.Queue(kPutControlPoints, Params(site, maps, x, y, latitudes, longitudes));
   const absl::Status committed = transaction.Commit();
-  if (postgres::SqlStateOf(committed) == "23503") {
+  if (SqlStateOf(committed) == "23503") {
     return NotFound("a map of the control points does not exist in {}", NameOf(site));
   }
   ENFILADE_RETURN_IF_ERROR(WithContext(committed, NameOf(site)));
@@ -203,9 +199,8 @@ absl::StatusOr<std::int64_t> GraphStore::SetControlPoints(const CallContext& con
 
 absl::StatusOr<std::vector<ControlPoint>> GraphStore::GetControlPoints(const CallContext& context,
                                                                        const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kSelectControlPoints, Params(site)));
-  return storage::postgres::ReadRows(result, [](Row& row) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectControlPoints, Params(site)));
+  return ReadRows(result, [](Row& row) {
     ControlPoint point;
     point.map = MapId(std::string(row.Text()));
     point.position = {row.Double(), row.Double()};
@@ -215,4 +210,8 @@ absl::StatusOr<std::vector<ControlPoint>> GraphStore::GetControlPoints(const Cal
   });
 }
 
-}  // namespace enfilade::storage
+absl::StatusOr<std::unique_ptr<storage::GraphListener>> GraphStore::Listen(const CallContext& context) const {
+  return GraphListener::Open(pool_, context);
+}
+
+}  // namespace enfilade::storage::postgres

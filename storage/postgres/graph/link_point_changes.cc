@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/graph/link_point_changes.h"
 
-#include <algorithm>
 #include <optional>
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_rows.h"
 
 namespace enfilade::storage::postgres {
@@ -25,7 +24,7 @@ constexpr Statement kUpdateLinkPoint{"updating the link point",
 constexpr Statement kDeleteLinkPoint{"deleting the link point",
                                      "DELETE FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = $2"
                                      " AND $3 IN (0, etag) RETURNING etag"};
-// One statement for all, so that the check for redundancy sees all.
+// One statement for all anchors: the trigger that checks redundancy sees all of them.
 constexpr Statement kPutAnchors{
     "storing the anchors",
     "INSERT INTO enfilade.link_point_anchors AS a"
@@ -43,19 +42,6 @@ constexpr Statement kDropAnchors{"removing anchors",
                                  " WHERE site_id = $1 AND link_point_id = $2 AND NOT map_id = ANY ($3)"};
 constexpr Statement kExists{"looking for the link point",
                             "SELECT true FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = $2"};
-constexpr Statement kDropEvidence{"replacing evidence",
-                                  "DELETE FROM enfilade.link_point_evidence"
-                                  " WHERE site_id = $1 AND link_point_id = $2 AND map_id = $3 AND kind = $4"};
-// It is numbered behind what is there of its kind.
-constexpr Statement kPutEvidence{
-    "storing the evidence",
-    "INSERT INTO enfilade.link_point_evidence"
-    " (site_id, link_point_id, map_id, kind, ordinal, encoding, sha256, time_ns, x, y, yaw)"
-    " SELECT $1, $2, $3, $4, (SELECT coalesce(max(ordinal), 0) + 1 FROM enfilade.link_point_evidence"
-    "   WHERE site_id = $1 AND link_point_id = $2 AND map_id = $3 AND kind = $4), $5, $6, $7, $8, $9, $10"
-    " ON CONFLICT (site_id, link_point_id, map_id, kind, ordinal) DO UPDATE SET encoding = excluded.encoding,"
-    " sha256 = excluded.sha256, time_ns = excluded.time_ns, x = excluded.x, y = excluded.y, yaw = excluded.yaw"};
-
 std::optional<std::string_view> DirectionOf(const graph::LinkPoint& point) {
   return NullIfEmpty(point.direction.value());
 }
@@ -70,15 +56,6 @@ std::optional<Timestamp> ValidUntilOf(const graph::LinkPoint& point) {
 }
 
 }  // namespace
-
-absl::Status ValidateLinkPoint(const StoredLinkPoint& link_point) {
-  ENFILADE_RETURN_IF_ERROR(ValidateAnchors(link_point.point.anchors));
-  const MapId& direction = link_point.point.direction;
-  if (!direction.empty() && !link_point.point.FindAnchor(direction)) {
-    return InvalidArgument("direction is the map \"{}\": the link point has no anchor in it", direction.value());
-  }
-  return absl::OkStatus();
-}
 
 absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point, std::int64_t version,
                              const std::string& request_id) {
@@ -101,7 +78,7 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
              std::int32_t{point.difficulty}, EnvironmentOf(link_point), static_cast<std::int16_t>(point.state),
              ValidUntilOf(point), link_point.forced, version));
   if (!updated.ok()) return ExplainLinkPoint(updated.status(), site, point);
-  if (updated->rows() == 0) return WhyUntouched(transaction, site, point.id);
+  if (updated->rows() == 0) return WhyUnchanged(transaction, site, point.id);
   std::vector<std::string_view> maps;
   for (const graph::Anchor& anchor : point.anchors) maps.push_back(anchor.map.value());
   transaction.Queue(kDropAnchors, Params(site, point.id, maps));
@@ -111,7 +88,7 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
 
 absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag) {
   ENFILADE_ASSIGN_OR_RETURN(const auto deleted, transaction.Execute(kDeleteLinkPoint, Params(site, id, etag)));
-  if (deleted.rows() == 0) return WhyUntouched(transaction, site, id);
+  if (deleted.rows() == 0) return WhyUnchanged(transaction, site, id);
   QueueRemoval(transaction, site, id);
   return absl::OkStatus();
 }
@@ -138,7 +115,7 @@ absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, co
   if (constraint == "link_points_redundant") {
     std::string message(status.message());
     message = message.substr(message.find(": ") + 2);
-    return AlreadyExists("{}: {}. Use force where there are two indeed", name,
+    return AlreadyExists("{}: {}. Use force if there really are two", name,
                          message.substr(0, message.rfind(" (SQLSTATE")));
   }
   if (constraint == "link_points_pkey") return AlreadyExists("{} exists already", name);
@@ -150,30 +127,10 @@ absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, co
   return WithContext(status, name);
 }
 
-absl::Status WhyUntouched(Transaction& transaction, const SiteId& site, const LinkPointId& id) {
+absl::Status WhyUnchanged(Transaction& transaction, const SiteId& site, const LinkPointId& id) {
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kExists, Params(site, id)));
   if (found.rows() == 0) return NotFound("{} does not exist", NameOf(site, id));
   return StaleEtag(NameOf(site, id));
-}
-
-void QueueEvidence(Transaction& transaction, const SiteId& site, const std::vector<Evidence>& evidence) {
-  for (std::size_t i = 0; i < evidence.size(); ++i) {
-    const Evidence& item = evidence[i];
-    const auto kind = static_cast<std::int16_t>(item.kind);
-    const bool is_first =
-        std::none_of(evidence.begin(), evidence.begin() + static_cast<std::ptrdiff_t>(i), [&](const Evidence& before) {
-          return before.link_point == item.link_point && before.map == item.map && before.kind == item.kind;
-        });
-    if (is_first) transaction.Queue(kDropEvidence, Params(site, item.link_point, item.map, kind));
-    std::optional<double> x, y, yaw;
-    if (item.T_map_robot) {
-      x = item.T_map_robot->x;
-      y = item.T_map_robot->y;
-      yaw = item.T_map_robot->yaw;
-    }
-    transaction.Queue(kPutEvidence, Params(site, item.link_point, item.map, kind, item.encoding,
-                                           Bytes{item.content.sha256}, item.time, x, y, yaw));
-  }
 }
 
 }  // namespace enfilade::storage::postgres

@@ -1,21 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/graph/link_point_evidence.h"
+
+#include <algorithm>
+#include <optional>
+
 #include "core/base/resource_name.h"
 #include "core/base/sha256.h"
-#include "storage/link_point_store.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/graph/link_point_changes.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
 
-using postgres::Bytes;
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
-
-// FOR KEY SHARE: it is not collected meanwhile.
+constexpr Statement kDropEvidence{"replacing evidence",
+                                  "DELETE FROM enfilade.link_point_evidence"
+                                  " WHERE site_id = $1 AND link_point_id = $2 AND map_id = $3 AND kind = $4"};
+// Its number follows those of its kind.
+constexpr Statement kPutEvidence{
+    "storing the evidence",
+    "INSERT INTO enfilade.link_point_evidence"
+    " (site_id, link_point_id, map_id, kind, ordinal, encoding, sha256, time_ns, x, y, yaw)"
+    " SELECT $1, $2, $3, $4, (SELECT coalesce(max(ordinal), 0) + 1 FROM enfilade.link_point_evidence"
+    "   WHERE site_id = $1 AND link_point_id = $2 AND map_id = $3 AND kind = $4), $5, $6, $7, $8, $9, $10"
+    " ON CONFLICT (site_id, link_point_id, map_id, kind, ordinal) DO UPDATE SET encoding = excluded.encoding,"
+    " sha256 = excluded.sha256, time_ns = excluded.time_ns, x = excluded.x, y = excluded.y, yaw = excluded.yaw"};
+// FOR KEY SHARE: Maintenance cannot collect it before the commit.
 constexpr Statement kLockBlob{"looking for the blob",
                               "SELECT size FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2 FOR KEY SHARE"};
 constexpr Statement kListEvidence{"listing the evidence",
@@ -44,31 +52,49 @@ Evidence ReadEvidence(Row& row) {
 
 }  // namespace
 
-absl::Status LinkPointStore::PutEvidence(const CallContext& context, const SiteId& site,
-                                         const Evidence& evidence) const {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+void QueueEvidence(Transaction& transaction, const SiteId& site, const std::vector<Evidence>& evidence) {
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    const Evidence& item = evidence[i];
+    const auto kind = static_cast<std::int16_t>(item.kind);
+    const bool is_first =
+        std::none_of(evidence.begin(), evidence.begin() + static_cast<std::ptrdiff_t>(i), [&](const Evidence& before) {
+          return before.link_point == item.link_point && before.map == item.map && before.kind == item.kind;
+        });
+    if (is_first) transaction.Queue(kDropEvidence, Params(site, item.link_point, item.map, kind));
+    std::optional<double> x, y, yaw;
+    if (item.T_map_robot) {
+      x = item.T_map_robot->x;
+      y = item.T_map_robot->y;
+      yaw = item.T_map_robot->yaw;
+    }
+    transaction.Queue(kPutEvidence, Params(site, item.link_point, item.map, kind, item.encoding,
+                                           Bytes{item.content.sha256}, item.time, x, y, yaw));
+  }
+}
+
+absl::Status PutEvidence(Pool& pool, const CallContext& context, const SiteId& site, const Evidence& evidence) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
   ENFILADE_ASSIGN_OR_RETURN(const auto blob,
                             transaction.Execute(kLockBlob, Params(site, Bytes{evidence.content.sha256})));
   if (blob.rows() == 0) {
     return InvalidArgument("the blob {} is not stored in {}: send it first", ToHex(evidence.content.sha256),
                            NameOf(site));
   }
-  postgres::QueueEvidence(transaction, site, {evidence});
+  QueueEvidence(transaction, site, {evidence});
   const absl::Status committed = transaction.Commit();
-  if (postgres::SqlStateOf(committed) == "23503") {
+  if (SqlStateOf(committed) == "23503") {
     return NotFound("{} has no anchor in the map \"{}\"", NameOf(site, evidence.link_point), evidence.map.value());
   }
   return WithContext(committed, NameOf(site, evidence.link_point));
 }
 
-absl::StatusOr<std::vector<Evidence>> LinkPointStore::ListEvidence(const CallContext& context, const SiteId& site,
-                                                                   const std::vector<LinkPointId>& link_points) const {
+absl::StatusOr<std::vector<Evidence>> ListEvidence(Pool& pool, const CallContext& context, const SiteId& site,
+                                                   const std::vector<LinkPointId>& link_points) {
   if (link_points.empty()) return std::vector<Evidence>();
   std::vector<std::string_view> ids;
   for (const LinkPointId& id : link_points) ids.push_back(id.value());
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kListEvidence, Params(site, ids)));
-  return storage::postgres::ReadRows(result, ReadEvidence);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, kListEvidence, Params(site, ids)));
+  return ReadRows(result, ReadEvidence);
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

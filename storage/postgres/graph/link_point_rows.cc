@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/graph/link_point_rows.h"
 
-#include <Eigen/Eigenvalues>
-#include <set>
-
 #include "core/base/environment.h"
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
@@ -86,33 +83,6 @@ Eigen::Matrix3d ReadCovariance(Row& row) {
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> covariance;
   if (!row.DoublesInto(absl::MakeSpan(covariance.data(), 9))) covariance.setZero();
   return covariance;
-}
-
-absl::Status ValidateCovariance(const std::string& field, const Eigen::Matrix3d& covariance) {
-  if (!covariance.allFinite()) return InvalidArgument("{} is not finite", field);
-  const double scale = std::max(covariance.cwiseAbs().maxCoeff(), 1e-12);
-  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) {
-    return InvalidArgument("{} is not symmetric", field);
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  if (solver.eigenvalues()(0) < -1e-9 * scale) {
-    return InvalidArgument("{} is not positive semi-definite: an eigenvalue is {}", field, solver.eigenvalues()(0));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors) {
-  if (anchors.empty()) return InvalidArgument("anchors are missing: a link point has one at least");
-  std::set<MapId> maps;
-  for (std::size_t i = 0; i < anchors.size(); ++i) {
-    const graph::Anchor& anchor = anchors[i];
-    if (!maps.insert(anchor.map).second) {
-      return InvalidArgument("anchors[{}]: the map \"{}\" has an anchor already", i, anchor.map.value());
-    }
-    if (!IsFinite(anchor.T_map_place)) return InvalidArgument("anchors[{}].pose is not finite", i);
-    ENFILADE_RETURN_IF_ERROR(ValidateCovariance(fmt::format("anchors[{}].covariance", i), anchor.covariance));
-  }
-  return absl::OkStatus();
 }
 
 }  // namespace enfilade::storage::postgres

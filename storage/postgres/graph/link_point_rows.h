@@ -10,8 +10,8 @@
 
 namespace enfilade::storage::postgres {
 
-// A link point's columns (table p) with those of one of its anchors (table a): what ReadLinkPoints reads. Rows of one
-// link point follow one another.
+// The columns that ReadLinkPoints reads: those of a link point (table p) and of one of its anchors (table a). The rows
+// of a link point are adjacent.
 #define ENFILADE_LINK_POINT_COLUMNS                                                                            \
   "p.site_id, p.link_point_id, p.kind, p.tag, p.direction_map_id, p.difficulty, p.environment, p.state,"       \
   " p.valid_until, p.\"use\", p.forced, p.position IS NOT NULL, coalesce(ST_X(p.position), 0),"                \
@@ -21,18 +21,12 @@ namespace enfilade::storage::postgres {
   " JOIN enfilade.link_point_anchors a ON a.site_id = p.site_id AND a.link_point_id = p.link_point_id"
 
 absl::StatusOr<std::vector<StoredLinkPoint>> ReadLinkPoints(const Result& result);
-// The only one of `result`; NOT_FOUND where there is none.
+// The only one of `result`, or NOT_FOUND.
 absl::StatusOr<StoredLinkPoint> ReadLinkPoint(const Result& result, const SiteId& site, const LinkPointId& id);
 
 // 3x3, row by row.
 std::vector<double> ToRow(const Eigen::Matrix3d& covariance);
-// The next column, row by row; zeros where it has not nine numbers.
+// The next column, row by row; zeros unless it has nine numbers.
 Eigen::Matrix3d ReadCovariance(Row& row);
-
-// INVALID_ARGUMENT naming `field`: not finite, not symmetric, or not positive semi-definite.
-absl::Status ValidateCovariance(const std::string& field, const Eigen::Matrix3d& covariance);
-// INVALID_ARGUMENT naming the anchor: none at all, a map that comes twice, a pose that is not finite, a covariance that
-// is none.
-absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors);
 
 }  // namespace enfilade::storage::postgres

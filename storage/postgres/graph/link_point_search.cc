@@ -4,21 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "storage/link_point_store.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/driver/wkb.h"
-#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/graph_versions.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::Bytes;
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
 
 #define ENFILADE_FIND_IN_POLYGON(level)                                                               \
   "WITH found AS MATERIALIZED (SELECT * FROM enfilade.link_points WHERE site_id = $1"                 \
@@ -36,26 +28,19 @@ constexpr Statement kListUnplaced{"listing link points without a place",
                                   "   ORDER BY link_point_id LIMIT $2) p" ENFILADE_JOIN_ANCHORS
                                   " ORDER BY p.link_point_id, a.ordinal"};
 // A parameter that is NULL filters nothing.
-constexpr Statement kListLinkPoints{
-    "listing link points",
-    "SELECT " ENFILADE_LINK_POINT_COLUMNS
-    " FROM (SELECT * FROM enfilade.link_points l WHERE site_id = $1 AND link_point_id > $2"
-    "   AND ($3::text IS NULL OR EXISTS (SELECT FROM enfilade.link_point_anchors f"
-    "     WHERE f.site_id = $1 AND f.link_point_id = l.link_point_id AND f.map_id = $3))"
-    "   AND ($4::smallint IS NULL OR kind = $4) AND ($5::smallint IS NULL OR state = $5)"
-    "   AND ($6::smallint IS NULL OR \"use\" = $6) AND ($7::boolean IS NULL OR (anchor_count = 1) = $7)"
-    "   AND ($8::text IS NULL OR tag = $8)"
-    "   ORDER BY link_point_id LIMIT $9) p" ENFILADE_JOIN_ANCHORS " ORDER BY p.link_point_id, a.ordinal"};
-constexpr Statement kListInMap{
-    "listing a map's link points",
-    "SELECT " ENFILADE_LINK_POINT_COLUMNS
-    " FROM (SELECT l.* FROM enfilade.link_points l JOIN enfilade.link_point_anchors f"
-    "     ON f.site_id = l.site_id AND f.link_point_id = l.link_point_id"
-    "   WHERE l.site_id = $1 AND l.link_point_id > $2 AND f.map_id = $3"
-    "   AND ($4::smallint IS NULL OR l.kind = $4) AND ($5::smallint IS NULL OR l.state = $5)"
-    "   AND ($6::smallint IS NULL OR l.\"use\" = $6) AND ($7::boolean IS NULL OR (l.anchor_count = 1) = $7)"
-    "   AND ($8::text IS NULL OR l.tag = $8)"
-    "   ORDER BY l.link_point_id LIMIT $9) p" ENFILADE_JOIN_ANCHORS " ORDER BY p.link_point_id, a.ordinal"};
+#define ENFILADE_LIST_LINK_POINTS(in_map)                                                                  \
+  "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM (SELECT l.* FROM enfilade.link_points l" in_map             \
+  "   WHERE l.site_id = $1 AND l.link_point_id > $2"                                                       \
+  "   AND ($3::smallint IS NULL OR l.kind = $3) AND ($4::smallint IS NULL OR l.state = $4)"                \
+  "   AND ($5::smallint IS NULL OR l.\"use\" = $5) AND ($6::boolean IS NULL OR (l.anchor_count = 1) = $6)" \
+  "   AND ($7::text IS NULL OR l.tag = $7)"                                                                \
+  "   ORDER BY l.link_point_id LIMIT $8) p" ENFILADE_JOIN_ANCHORS " ORDER BY p.link_point_id, a.ordinal"
+
+constexpr Statement kListAll{"listing link points", ENFILADE_LIST_LINK_POINTS("")};
+// A statement of its own: with the map as one more optional filter its index would not be used.
+constexpr Statement kListInMap{"listing a map's link points",
+                               ENFILADE_LIST_LINK_POINTS(" JOIN enfilade.link_point_anchors f ON f.site_id = l.site_id"
+                                                         " AND f.link_point_id = l.link_point_id AND f.map_id = $9")};
 
 template <typename Enum>
 std::optional<std::int16_t> NumberOf(const std::optional<Enum>& value) {
@@ -63,7 +48,7 @@ std::optional<std::int16_t> NumberOf(const std::optional<Enum>& value) {
   return static_cast<std::int16_t>(*value);
 }
 
-// What all searches share.
+// The parameters that all searches share.
 struct Subset {
   explicit Subset(const LinkPointQuery& query)
       : min_anchors(query.candidate == false ? 2 : 1),
@@ -77,50 +62,43 @@ struct Subset {
   std::int64_t limit;
 };
 
-absl::StatusOr<postgres::Result> FindInCircle(postgres::Pool& pool, const CallContext& context, const SiteId& site,
-                                              const LinkPointQuery& query, const LinkPointCircle& circle) {
-  if (!circle.center.allFinite()) return InvalidArgument("the center is not finite");
-  if (!(circle.radius >= 0.0)) return InvalidArgument("the radius is {}: expected 0 or more", circle.radius);
+absl::StatusOr<Result> FindInCircle(Pool& pool, const CallContext& context, const SiteId& site,
+                                    const LinkPointQuery& query, const LinkPointCircle& circle) {
   const Subset subset(query);
   Params params(site, subset.min_anchors, subset.max_anchors, subset.max_use, subset.limit, circle.center.x(),
                 circle.center.y());
   const bool nearest = std::isinf(circle.radius);
   if (!nearest) params.Add(circle.radius);
   if (query.level) params.Add(std::int32_t{*query.level});
-  const Statement& statement = nearest ? (query.level ? postgres::kFindNearestOnLevel : postgres::kFindNearest)
-                                       : (query.level ? postgres::kFindWithinOnLevel : postgres::kFindWithin);
-  return storage::postgres::ExecuteAlone(pool, context, statement, params);
+  const Statement& statement =
+      nearest ? (query.level ? kFindNearestOnLevel : kFindNearest) : (query.level ? kFindWithinOnLevel : kFindWithin);
+  return ExecuteAlone(pool, context, statement, params);
 }
 
-absl::StatusOr<postgres::Result> FindInPolygon(postgres::Pool& pool, const CallContext& context, const SiteId& site,
-                                               const LinkPointQuery& query,
-                                               const std::vector<Eigen::Vector2d>& polygon) {
-  if (polygon.size() < 3) return InvalidArgument("the polygon has {} corners: at least 3 are needed", polygon.size());
-  for (const Eigen::Vector2d& corner : polygon) {
-    if (!corner.allFinite()) return InvalidArgument("the polygon has a corner that is not finite");
-  }
+absl::StatusOr<Result> FindInPolygon(Pool& pool, const CallContext& context, const SiteId& site,
+                                     const LinkPointQuery& query, const std::vector<Eigen::Vector2d>& polygon) {
   const Subset subset(query);
-  const std::string wkb = postgres::EncodePolygon(polygon);
+  const std::string wkb = EncodePolygon(polygon);
   Params params(site, subset.min_anchors, subset.max_anchors, subset.max_use, subset.limit, Bytes{wkb});
   if (query.level) params.Add(std::int32_t{*query.level});
-  return storage::postgres::ExecuteAlone(pool, context, query.level ? kFindInPolygonOnLevel : kFindInPolygon, params);
+  return ExecuteAlone(pool, context, query.level ? kFindInPolygonOnLevel : kFindInPolygon, params);
 }
 
 }  // namespace
 
-absl::StatusOr<FoundLinkPoints> LinkPointStore::Find(const CallContext& context, const SiteId& site,
-                                                     const LinkPointQuery& query) const {
+absl::StatusOr<FoundLinkPoints> FindLinkPoints(Pool& pool, const CallContext& context, const SiteId& site,
+                                               const LinkPointQuery& query) {
+  ENFILADE_RETURN_IF_ERROR(ValidateQuery(query));
   const auto* circle = std::get_if<LinkPointCircle>(&query.area);
   ENFILADE_ASSIGN_OR_RETURN(
-      const postgres::Result result,
-      circle ? FindInCircle(pool_, context, site, query, *circle)
-             : FindInPolygon(pool_, context, site, query, std::get<std::vector<Eigen::Vector2d>>(query.area)));
+      const Result result,
+      circle ? FindInCircle(pool, context, site, query, *circle)
+             : FindInPolygon(pool, context, site, query, std::get<std::vector<Eigen::Vector2d>>(query.area)));
   FoundLinkPoints found;
-  ENFILADE_ASSIGN_OR_RETURN(found.link_points, postgres::ReadLinkPoints(result));
+  ENFILADE_ASSIGN_OR_RETURN(found.link_points, ReadLinkPoints(result));
   if (result.rows() == 0) {
-    ENFILADE_ASSIGN_OR_RETURN(
-        const auto graph, storage::postgres::ExecuteAlone(pool_, context, postgres::kSelectGraphVersion, Params(site)));
-    ENFILADE_ASSIGN_OR_RETURN(found.graph_version, postgres::ReadGraphVersion(graph));
+    ENFILADE_ASSIGN_OR_RETURN(const auto graph, ExecuteAlone(pool, context, kSelectGraphVersion, Params(site)));
+    ENFILADE_ASSIGN_OR_RETURN(found.graph_version, ReadGraphVersion(graph));
   } else {
     Row last(result, 0, result.columns() - 1);
     found.graph_version = last.Int64();
@@ -129,22 +107,20 @@ absl::StatusOr<FoundLinkPoints> LinkPointStore::Find(const CallContext& context,
   return found;
 }
 
-absl::StatusOr<std::vector<StoredLinkPoint>> LinkPointStore::ListUnplaced(const CallContext& context,
-                                                                          const SiteId& site, int limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kListUnplaced,
-                                                                               Params(site, std::int64_t{limit})));
-  return postgres::ReadLinkPoints(result);
-}
-
-absl::StatusOr<std::vector<StoredLinkPoint>> LinkPointStore::List(const CallContext& context, const SiteId& site,
-                                                                  const LinkPointFilter& filter,
-                                                                  const PageRequest& page) const {
+absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplacedLinkPoints(Pool& pool, const CallContext& context,
+                                                                    const SiteId& site, int limit) {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(
-                                pool_, context, filter.map ? kListInMap : kListLinkPoints,
-                                Params(site, page.after, filter.map, NumberOf(filter.kind), NumberOf(filter.state),
-                                       NumberOf(filter.use), filter.candidate, filter.tag, std::int64_t{page.limit})));
-  return postgres::ReadLinkPoints(result);
+                            ExecuteAlone(pool, context, kListUnplaced, Params(site, std::int64_t{limit})));
+  return ReadLinkPoints(result);
 }
 
-}  // namespace enfilade::storage
+absl::StatusOr<std::vector<StoredLinkPoint>> ListLinkPoints(Pool& pool, const CallContext& context, const SiteId& site,
+                                                            const LinkPointFilter& filter, const PageRequest& page) {
+  Params params(site, page.after, NumberOf(filter.kind), NumberOf(filter.state), NumberOf(filter.use), filter.candidate,
+                filter.tag, std::int64_t{page.limit});
+  if (filter.map) params.Add(*filter.map);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, filter.map ? kListInMap : kListAll, params));
+  return ReadLinkPoints(result);
+}
+
+}  // namespace enfilade::storage::postgres

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "storage/link_point_store.h"
 #include "storage/postgres/driver/connection.h"
+#include "storage/postgres/driver/pool.h"
 #include "storage/postgres/graph/link_point_rows.h"
 
 namespace enfilade::storage::postgres {
 
-// The statements of LinkPointStore::Find, apart so that the benchmark can give the same to pgbench. The inner query is
-// the indexed search; the joined anchors come with those that it found, and the graph's version with each row.
+// The statements of FindLinkPoints are public so that the benchmark can give the same ones to pgbench. The inner query
+// is the indexed search; the outer one adds the anchors and the graph's version to its rows.
 #define ENFILADE_GRAPH_VERSION ", (SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1)"
 #define ENFILADE_FIND_LINK_POINTS(area, level)                                                        \
   "WITH found AS MATERIALIZED (SELECT * FROM enfilade.link_points WHERE site_id = $1" area level      \
@@ -25,5 +30,13 @@ constexpr Statement kFindNearestOnLevel{
     ENFILADE_FIND_LINK_POINTS(" AND position IS NOT NULL", " AND levels @> $8::integer")};
 constexpr Statement kFindNearest{"looking for the nearest link points",
                                  ENFILADE_FIND_LINK_POINTS(" AND position IS NOT NULL", "")};
+
+// As the methods of LinkPointStore.
+absl::StatusOr<FoundLinkPoints> FindLinkPoints(Pool& pool, const CallContext& context, const SiteId& site,
+                                               const LinkPointQuery& query);
+absl::StatusOr<std::vector<StoredLinkPoint>> ListLinkPoints(Pool& pool, const CallContext& context, const SiteId& site,
+                                                            const LinkPointFilter& filter, const PageRequest& page);
+absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplacedLinkPoints(Pool& pool, const CallContext& context,
+                                                                    const SiteId& site, int limit);
 
 }  // namespace enfilade::storage::postgres

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/robot_pose_store.h"
+#include "storage/postgres/graph/robot_pose_store.h"
 
 #include "core/base/resource_name.h"
+#include "core/geometry/covariance.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/link_point_rows.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
 
 constexpr Statement kReport{
     "storing the robot's pose",
@@ -37,7 +33,7 @@ RobotPose ReadRobotPose(Row& row) {
   pose.map = MapId(std::string(row.Text()));
   if (const auto session = row.OptionalText()) pose.session = SessionId(std::string(*session));
   pose.T_map_robot.pose = {row.Double(), row.Double(), row.Double()};
-  pose.T_map_robot.covariance = postgres::ReadCovariance(row);
+  pose.T_map_robot.covariance = ReadCovariance(row);
   pose.time = row.Int64();
   pose.version = row.Int64();
   return pose;
@@ -48,12 +44,11 @@ RobotPose ReadRobotPose(Row& row) {
 absl::Status RobotPoseStore::Report(const CallContext& context, const RobotPose& pose) const {
   const Pose2& T_map_robot = pose.T_map_robot.pose;
   if (!IsFinite(T_map_robot)) return InvalidArgument("the pose is not finite");
-  ENFILADE_RETURN_IF_ERROR(postgres::ValidateCovariance("covariance", pose.T_map_robot.covariance));
-  const auto stored = storage::postgres::ExecuteAlone(
-      pool_, context, kReport,
-      Params(pose.site, pose.robot, pose.map, pose.session, T_map_robot.x, T_map_robot.y, T_map_robot.yaw, pose.time,
-             postgres::ToRow(pose.T_map_robot.covariance)));
-  const std::string constraint = postgres::ConstraintOf(stored.status());
+  ENFILADE_RETURN_IF_ERROR(ValidateCovariance(pose.T_map_robot.covariance));
+  const auto stored = ExecuteAlone(pool_, context, kReport,
+                                   Params(pose.site, pose.robot, pose.map, pose.session, T_map_robot.x, T_map_robot.y,
+                                          T_map_robot.yaw, pose.time, ToRow(pose.T_map_robot.covariance)));
+  const std::string constraint = ConstraintOf(stored.status());
   if (constraint == "robot_poses_site_id_map_id_fkey")
     return NotFound("{} does not exist", NameOf(pose.site, pose.map));
   if (constraint == "robot_poses_site_id_robot_id_fkey") {
@@ -64,15 +59,13 @@ absl::Status RobotPoseStore::Report(const CallContext& context, const RobotPose&
 
 absl::StatusOr<RobotPose> RobotPoseStore::Get(const CallContext& context, const SiteId& site,
                                               const RobotId& robot) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kSelectRobotPose, Params(site, robot)));
-  return storage::postgres::ReadOne(result, ReadRobotPose, "a pose of " + NameOf(site, robot));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectRobotPose, Params(site, robot)));
+  return ReadOne(result, ReadRobotPose, "a pose of " + NameOf(site, robot));
 }
 
 absl::StatusOr<std::vector<RobotPose>> RobotPoseStore::List(const CallContext& context, const SiteId& site) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kListRobotPoses, Params(site)));
-  return storage::postgres::ReadRows(result, ReadRobotPose);
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListRobotPoses, Params(site)));
+  return ReadRows(result, ReadRobotPose);
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/site_lease_store.h"
+#include "storage/postgres/graph/site_lease_store.h"
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
 
 constexpr Statement kTakeSiteLease{
     "taking the site's lease",
@@ -22,7 +17,7 @@ constexpr Statement kRenewSiteLease{"renewing the site's lease",
                                     "UPDATE enfilade.site_leases"
                                     " SET expires_at = clock_timestamp() + $4 * interval '1 millisecond'"
                                     " WHERE site_id = $1 AND owner = $2 AND token = $3"};
-constexpr Statement kReleaseSiteLease{"giving the site's lease back",
+constexpr Statement kReleaseSiteLease{"releasing the site's lease",
                                       "UPDATE enfilade.site_leases SET owner = '', expires_at = clock_timestamp()"
                                       " WHERE site_id = $1 AND owner = $2 AND token = $3"};
 
@@ -31,30 +26,26 @@ constexpr Statement kReleaseSiteLease{"giving the site's lease back",
 absl::StatusOr<std::optional<SiteLease>> SiteLeaseStore::Acquire(const CallContext& context, const SiteId& site,
                                                                  const std::string& owner,
                                                                  std::chrono::milliseconds ttl) const {
-  const auto taken =
-      storage::postgres::ExecuteAlone(pool_, context, kTakeSiteLease, Params(site, owner, std::int64_t{ttl.count()}));
-  if (postgres::SqlStateOf(taken.status()) == "23503") return NotFound("{} does not exist", NameOf(site));
+  const auto taken = ExecuteAlone(pool_, context, kTakeSiteLease, Params(site, owner, std::int64_t{ttl.count()}));
+  if (SqlStateOf(taken.status()) == "23503") return NotFound("{} does not exist", NameOf(site));
   ENFILADE_RETURN_IF_ERROR(taken.status());
   if (taken->rows() == 0) return std::nullopt;
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t token, storage::postgres::ReadOne(
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t token, ReadOne(
                                                           *taken, [](Row& row) { return row.Int64(); }, "the lease"));
   return SiteLease{site, owner, token};
 }
 
 absl::Status SiteLeaseStore::Renew(const CallContext& context, const SiteLease& lease,
                                    std::chrono::milliseconds ttl) const {
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto renewed,
-      storage::postgres::ExecuteAlone(pool_, context, kRenewSiteLease,
-                                      Params(lease.site, lease.owner, lease.token, std::int64_t{ttl.count()})));
+  ENFILADE_ASSIGN_OR_RETURN(const auto renewed,
+                            ExecuteAlone(pool_, context, kRenewSiteLease,
+                                         Params(lease.site, lease.owner, lease.token, std::int64_t{ttl.count()})));
   if (renewed.affected() > 0) return absl::OkStatus();
   return Aborted("{} has lost the lease on {}", lease.owner, NameOf(lease.site));
 }
 
 absl::Status SiteLeaseStore::Release(const CallContext& context, const SiteLease& lease) const {
-  return storage::postgres::ExecuteAlone(pool_, context, kReleaseSiteLease,
-                                         Params(lease.site, lease.owner, lease.token))
-      .status();
+  return ExecuteAlone(pool_, context, kReleaseSiteLease, Params(lease.site, lease.owner, lease.token)).status();
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

@@ -5,42 +5,33 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
 
-constexpr char kChangedPayload[] = "enfilade/layers-changed";
-
-using postgres::Bytes;
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
-
-constexpr Statement kSelectVersion{
+constexpr Statement kSelectLayersVersion{
     "reading the version of the map's layers",
     "SELECT coalesce(max(version), 0) FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
-constexpr Statement kDeleteLayer{"deleting the map's layers",
-                                 "DELETE FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kDeleteLayers{"deleting the map's layers",
+                                  "DELETE FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
 constexpr Statement kInsertImport{"storing the map's layer",
                                   "INSERT INTO enfilade.map_layers (site_id, map_id, position, revision)"
                                   " VALUES ($1, $2, 1, $3)"};
-constexpr Statement kUpsert{
+constexpr Statement kUpsertLayer{
     "storing the session's layer",
     "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header)"
     " SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, $5 FROM enfilade.map_layers"
     " WHERE site_id = $1 AND map_id = $2"
     " ON CONFLICT (site_id, map_id, session_id) WHERE session_id IS NOT NULL DO UPDATE SET"
     " revision = excluded.revision, raster_header = excluded.raster_header, version = nextval('enfilade.etags')"};
-// Only what has changed is written.
-constexpr Statement kDeleteTiles{
+// Writes only what has changed.
+constexpr Statement kDeleteLayerTiles{
     "deleting the layer's tiles",
     "DELETE FROM enfilade.map_layer_tiles t USING enfilade.map_layers l"
     " WHERE (l.site_id, l.map_id, l.session_id) = ($1, $2, $3)"
     " AND (t.site_id, t.map_id, t.position) = (l.site_id, l.map_id, l.position)"
     " AND NOT EXISTS (SELECT FROM unnest($4::integer[], $5::integer[]) u (tile_row, tile_column)"
     "   WHERE (u.tile_row, u.tile_column) = (t.tile_row, t.tile_column))"};
-constexpr Statement kUpsertTiles{
+constexpr Statement kUpsertLayerTiles{
     "storing the layer's tiles",
     "INSERT INTO enfilade.map_layer_tiles AS t (site_id, map_id, position, tile_row, tile_column, sha256)"
     " SELECT l.site_id, l.map_id, l.position, u.* FROM enfilade.map_layers l,"
@@ -55,7 +46,7 @@ constexpr Statement kSelectLayers{
     " FROM enfilade.map_layers l LEFT JOIN enfilade.map_revisions r"
     " ON (r.site_id, r.map_id, r.revision) = (l.site_id, l.map_id, l.revision)"
     " WHERE l.site_id = $1 AND l.map_id = $2 ORDER BY l.position"};
-constexpr Statement kSelectTiles{
+constexpr Statement kSelectLayerTiles{
     "reading the tiles of the map's layers",
     "SELECT l.position, t.tile_row, t.tile_column, t.sha256 FROM enfilade.map_layers l"
     " JOIN enfilade.map_revision_tiles t ON (t.site_id, t.map_id, t.revision) = (l.site_id, l.map_id, l.revision)"
@@ -95,22 +86,20 @@ TileRow ReadTile(Row& row) {
 
 }  // namespace
 
-bool AreLayersChanged(const absl::Status& status) { return status.GetPayload(kChangedPayload).has_value(); }
-
-absl::StatusOr<LayersBeside> RevisionStore::ReadLayersBeside(const CallContext& context, const SiteId& site,
-                                                             const MapId& map, const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kSelectLayers, Params(site, map));
-  transaction.Queue(kSelectTiles, Params(site, map, session));
+absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
+                                        const SessionId& session) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  transaction.Queue(kSelectLayers, Params(key.site, key.map));
+  transaction.Queue(kSelectLayerTiles, Params(key.site, key.map, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<LayerRow> layers, storage::postgres::ReadRows(results[0], ReadLayer));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<TileRow> tiles, storage::postgres::ReadRows(results[1], ReadTile));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<LayerRow> layers, ReadRows(results[0], ReadLayer));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<TileRow> tiles, ReadRows(results[1], ReadTile));
   LayersBeside beside;
   bool above = false;
   auto tile = tiles.begin();
   for (LayerRow& row : layers) {
     beside.version = std::max(beside.version, row.version);
-    // Tiles of a layer that came or went between the two statements: the version is old then, too.
+    // Skips tiles of a layer that changed between the two statements: the version is stale then, too.
     while (tile != tiles.end() && tile->position < row.position) ++tile;
     for (; tile != tiles.end() && tile->position == row.position; ++tile) {
       row.layer.raster.tiles.push_back(std::move(tile->tile));
@@ -124,49 +113,39 @@ absl::StatusOr<LayersBeside> RevisionStore::ReadLayersBeside(const CallContext& 
   return beside;
 }
 
-namespace postgres {
-
-absl::Status CheckLayers(storage::postgres::Transaction& transaction, const SiteId& site, const MapId& map,
-                         const NewRevision& revision) {
+absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision) {
   if (!revision.layers_version) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const storage::postgres::Result result,
-                            transaction.Execute(kSelectVersion, storage::postgres::Params(site, map)));
-  ENFILADE_ASSIGN_OR_RETURN(
-      const std::int64_t version,
-      storage::postgres::ReadOne(
-          result, [](storage::postgres::Row& row) { return row.Int64(); }, "the layers' version"));
-  if (version == *revision.layers_version) return absl::OkStatus();
-  absl::Status status = Aborted("the layers of {} have changed since they were read", NameOf(site, map));
-  status.SetPayload(kChangedPayload, absl::Cord("1"));
-  return status;
+  ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectLayersVersion, Params(key.site, key.map)));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            ReadOne(
+                                result, [](Row& row) { return row.Int64(); }, "the layers' version"));
+  return version == *revision.layers_version ? absl::OkStatus() : LayersChanged(key.site, key.map);
 }
 
-void QueueLayer(storage::postgres::Transaction& transaction, const SiteId& site, const MapId& map,
-                const NewRevision& revision, std::int64_t number) {
+void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
+  const auto& [site, map] = key;
   if (!revision.session) {
-    transaction.Queue(kDeleteLayer, storage::postgres::Params(site, map));
-    transaction.Queue(kInsertImport, storage::postgres::Params(site, map, number));
+    transaction.Queue(kDeleteLayers, Params(site, map));
+    transaction.Queue(kInsertImport, Params(site, map, number));
     return;
   }
   std::optional<std::int64_t> whole;
-  std::optional<storage::postgres::Bytes> header;
+  std::optional<Bytes> header;
   std::vector<std::int32_t> rows, columns;
-  std::vector<storage::postgres::Bytes> digests;
+  std::vector<Bytes> digests;
   if (revision.layer) {
-    header = storage::postgres::Bytes{revision.layer->header};
+    header = Bytes{revision.layer->header};
     for (const TileRef& tile : revision.layer->tiles) {
       rows.push_back(tile.key.row);
       columns.push_back(tile.key.column);
-      digests.push_back(storage::postgres::Bytes{tile.sha256});
+      digests.push_back(Bytes{tile.sha256});
     }
   } else {
     whole = number;
   }
-  transaction.Queue(kUpsert, storage::postgres::Params(site, map, revision.session, whole, header));
-  transaction.Queue(kDeleteTiles, storage::postgres::Params(site, map, revision.session, rows, columns));
-  if (!rows.empty())
-    transaction.Queue(kUpsertTiles, storage::postgres::Params(site, map, revision.session, rows, columns, digests));
+  transaction.Queue(kUpsertLayer, Params(site, map, revision.session, whole, header));
+  transaction.Queue(kDeleteLayerTiles, Params(site, map, revision.session, rows, columns));
+  if (!rows.empty()) transaction.Queue(kUpsertLayerTiles, Params(site, map, revision.session, rows, columns, digests));
 }
 
-}  // namespace postgres
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

@@ -4,18 +4,23 @@
 #include <cstdint>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "storage/postgres/driver/transaction.h"
+#include "storage/postgres/maps/map_key.h"
 #include "storage/revision_store.h"
 
 namespace enfilade::storage::postgres {
 
-// Within a transaction that has locked the map's row. Where the revision was laid together from layers that have
-// changed since: ABORTED, see AreLayersChanged.
-absl::Status CheckLayers(Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision);
+// As RevisionStore::ReadLayersBeside.
+absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
+                                        const SessionId& session);
 
-// Queues what makes the revision `number` the map's only layer (an import), or stores its session's layer.
-void QueueLayer(Transaction& transaction, const SiteId& site, const MapId& map, const NewRevision& revision,
-                std::int64_t number);
+// Within a transaction that has locked the map's row. LayersChanged if the revision was made from layers that have
+// changed since.
+absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision);
+
+// Makes the revision `number` the map's only layer (an import), or stores its session's layer. Queued only.
+void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number);
 
 }  // namespace enfilade::storage::postgres

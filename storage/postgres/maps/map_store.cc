@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/map_store.h"
-
-#include <cmath>
+#include "storage/postgres/maps/map_store.h"
 
 #include "core/base/environment.h"
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/driver/wkb.h"
-#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/sessions/session_deletion.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
 
 #define ENFILADE_MAP_COLUMNS                                                                             \
   "site_id, map_id, display_name, level, environment, slam_profile, ST_AsBinary(outline, 'NDR'), state," \
@@ -38,10 +30,6 @@ constexpr Statement kSelectByDisplayName{"looking for the map",
 constexpr Statement kListMaps{"listing maps", "SELECT " ENFILADE_MAP_COLUMNS
                                               " FROM enfilade.maps WHERE site_id = $1 AND map_id > $2"
                                               " ORDER BY map_id LIMIT $3"};
-constexpr Statement kFindByOutline{"looking for maps by outline",
-                                   "SELECT " ENFILADE_MAP_COLUMNS
-                                   " FROM enfilade.maps WHERE site_id = $1 AND level = $2"
-                                   " AND ST_Intersects(outline, ST_MakeEnvelope($3, $4, $5, $6)) ORDER BY map_id"};
 constexpr Statement kUpdateMap{"updating the map",
                                "UPDATE enfilade.maps SET display_name = $4, level = $5, environment = $6,"
                                " slam_profile = $7, outline = ST_GeomFromWKB($8, 0),"
@@ -58,7 +46,7 @@ constexpr Statement kFindLinkPoints{
 constexpr Statement kMarkChanged{"marking the map as changed",
                                  "UPDATE enfilade.graph_maps SET changed_version = $3"
                                  " WHERE site_id = $1 AND map_id = $2"};
-// What joins no two maps without it goes with it.
+// Link points that join fewer than two maps without it are deleted with it.
 constexpr Statement kFindOrphans{"looking for link points that go with the map",
                                  "SELECT link_point_id FROM enfilade.link_points"
                                  " WHERE site_id = $1 AND link_point_id = ANY ($2) AND anchor_count <= 2"};
@@ -70,14 +58,14 @@ constexpr Statement kLeaveMap{"changing the link points that are left",
                               "UPDATE enfilade.link_points SET changed_version = $3,"
                               " direction_map_id = nullif(direction_map_id, $4), etag = nextval('enfilade.etags'),"
                               " update_time = now() WHERE site_id = $1 AND link_point_id = ANY ($2)"};
-// The world frame stays where it is, carried by the oldest of the other maps that have a place in it.
+// Keeps the world frame: the oldest of the other maps with a pose in it becomes the root.
 constexpr Statement kLeaveRoot{
     "choosing another root map",
     "UPDATE enfilade.site_graphs SET root_map_id = (SELECT m.map_id FROM enfilade.maps m"
     "   JOIN enfilade.graph_maps g ON g.site_id = m.site_id AND g.map_id = m.map_id"
     "   WHERE m.site_id = $1 AND m.map_id <> $2 ORDER BY g.x IS NULL, m.create_time, m.map_id LIMIT 1)"
     " WHERE site_id = $1 AND root_map_id = $2"};
-// A root that has no place yet begins a world frame of its own.
+// A root without a pose starts a new world frame.
 constexpr Statement kPlaceRoot{
     "placing the root map",
     "UPDATE enfilade.graph_maps m SET x = 0, y = 0, yaw = 0, covariance = array_fill(0::double precision, '{9}'),"
@@ -111,19 +99,19 @@ MapRow ReadMapRow(Row& row) {
 
 absl::StatusOr<Map> Decode(MapRow row) {
   if (row.outline.empty()) return std::move(row.map);
-  auto outline = postgres::DecodePolygon(row.outline);
+  auto outline = DecodePolygon(row.outline);
   if (!outline.ok()) return WithContext(outline.status(), NameOf(row.map.site, row.map.id));
   row.map.outline = *std::move(outline);
   return std::move(row.map);
 }
 
-absl::StatusOr<Map> ReadMap(const postgres::Result& result, const std::string& name) {
-  ENFILADE_ASSIGN_OR_RETURN(MapRow row, storage::postgres::ReadOne(result, ReadMapRow, name));
+absl::StatusOr<Map> ReadMap(const Result& result, const std::string& name) {
+  ENFILADE_ASSIGN_OR_RETURN(MapRow row, ReadOne(result, ReadMapRow, name));
   return Decode(std::move(row));
 }
 
-absl::StatusOr<std::vector<Map>> ReadMaps(const postgres::Result& result) {
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<MapRow> rows, storage::postgres::ReadRows(result, ReadMapRow));
+absl::StatusOr<std::vector<Map>> ReadMaps(const Result& result) {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<MapRow> rows, ReadRows(result, ReadMapRow));
   std::vector<Map> maps;
   for (MapRow& row : rows) {
     ENFILADE_ASSIGN_OR_RETURN(Map map, Decode(std::move(row)));
@@ -132,24 +120,13 @@ absl::StatusOr<std::vector<Map>> ReadMaps(const postgres::Result& result) {
   return maps;
 }
 
-// PostGIS takes infinite coordinates, and its geometry functions then fail in their own ways.
-absl::Status ValidateOutline(const Map& map) {
-  for (const Eigen::Vector2d& corner : map.outline) {
-    if (!corner.allFinite()) return InvalidArgument("outline has a corner that is not finite");
-  }
-  if (!map.outline.empty() && map.outline.size() < 3) {
-    return InvalidArgument("outline has {} corners: at least 3 are needed", map.outline.size());
-  }
-  return absl::OkStatus();
-}
-
-std::optional<postgres::Bytes> BytesOrNull(const std::string& bytes) {
+std::optional<Bytes> BytesOrNull(const std::string& bytes) {
   if (bytes.empty()) return std::nullopt;
-  return postgres::Bytes{bytes};
+  return Bytes{bytes};
 }
 
 absl::Status Explain(const absl::Status& status, const Map& map) {
-  const std::string constraint = postgres::ConstraintOf(status);
+  const std::string constraint = ConstraintOf(status);
   if (constraint == "maps_site_id_display_name_key") {
     return AlreadyExists("{} has a map with the display name \"{}\" already", NameOf(map.site), map.display_name);
   }
@@ -157,28 +134,8 @@ absl::Status Explain(const absl::Status& status, const Map& map) {
     return InvalidArgument("outline is not a simple polygon: its sides must not cross or touch one another");
   }
   if (absl::IsAlreadyExists(status)) return AlreadyExists("{} exists already", NameOf(map.site, map.id));
-  if (postgres::SqlStateOf(status) == "23503") return NotFound("{} does not exist", NameOf(map.site));
+  if (SqlStateOf(status) == "23503") return NotFound("{} does not exist", NameOf(map.site));
   return WithContext(status, NameOf(map.site, map.id));
-}
-
-std::string Listing(const std::vector<std::string>& ids) {
-  constexpr std::size_t kShown = 5;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(ids.size(), kShown); ++i) text += (i > 0 ? ", " : "") + ids[i];
-  if (ids.size() > kShown) text += fmt::format(" and {} more", ids.size() - kShown);
-  return text;
-}
-
-absl::Status RefuseWhereNeeded(const std::string& map, const std::vector<std::string>& sessions,
-                               const std::vector<std::string>& link_points) {
-  std::string needed;
-  if (!sessions.empty()) needed = fmt::format("{} sessions map into it: {}", sessions.size(), Listing(sessions));
-  if (!link_points.empty()) {
-    if (!needed.empty()) needed += "; ";
-    needed += fmt::format("{} link points join it: {}", link_points.size(), Listing(link_points));
-  }
-  if (needed.empty()) return absl::OkStatus();
-  return FailedPrecondition("{}: {}. Delete them first, or use force", map, needed);
 }
 
 absl::Status TakeFromGraph(Transaction& transaction, const SiteId& site, const MapId& map, std::int64_t version,
@@ -186,15 +143,15 @@ absl::Status TakeFromGraph(Transaction& transaction, const SiteId& site, const M
   const std::vector<std::string_view> ids(link_points.begin(), link_points.end());
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kFindOrphans, Params(site, ids)));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> orphans,
-                            storage::postgres::ReadRows(found, [](Row& row) { return std::string(row.Text()); }));
-  for (const std::string& orphan : orphans) postgres::QueueRemoval(transaction, site, LinkPointId(orphan));
+                            ReadRows(found, [](Row& row) { return std::string(row.Text()); }));
+  for (const std::string& orphan : orphans) QueueRemoval(transaction, site, LinkPointId(orphan));
   const std::vector<std::string_view> orphan_ids(orphans.begin(), orphans.end());
   transaction.Queue(kDeleteOrphans, Params(site, orphan_ids));
   transaction.Queue(kDeleteAnchors, Params(site, map));
   transaction.Queue(kLeaveMap, Params(site, ids, version, map));
   transaction.Queue(kLeaveRoot, Params(site, map));
   transaction.Queue(kPlaceRoot, Params(site));
-  postgres::QueueRemoval(transaction, site, map);
+  QueueRemoval(transaction, site, map);
   return absl::OkStatus();
 }
 
@@ -202,59 +159,49 @@ absl::Status TakeFromGraph(Transaction& transaction, const SiteId& site, const M
 
 absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map, const std::string& request_id) const {
   ENFILADE_RETURN_IF_ERROR(ValidateOutline(map));
-  const std::string outline = postgres::EncodePolygon(map.outline);
+  const std::string outline = EncodePolygon(map.outline);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  postgres::QueueGraphLock(transaction, map.site);
+  QueueGraphLock(transaction, map.site);
   transaction.Queue(kInsertMap, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
                                        static_cast<std::int16_t>(map.environment), map.slam_profile,
-                                       BytesOrNull(outline), postgres::NullIfEmpty(request_id)));
+                                       BytesOrNull(outline), NullIfEmpty(request_id)));
   const auto inserted = transaction.FlushAndCommit();
   if (inserted.ok()) return ReadMap(inserted->back(), NameOf(map.site, map.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, storage::postgres::ExecuteAlone(pool_, context, kFindMapRequest,
-                                                                                  Params(map.site, request_id)));
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
+                              ExecuteAlone(pool_, context, kFindMapRequest, Params(map.site, request_id)));
     if (earlier.rows() > 0) return ReadMap(earlier, NameOf(map.site, map.id));
   }
   return Explain(inserted.status(), map);
 }
 
 absl::StatusOr<Map> MapStore::Get(const CallContext& context, const SiteId& site, const MapId& map) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kSelectMap, Params(site, map)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectMap, Params(site, map)));
   return ReadMap(result, NameOf(site, map));
 }
 
 absl::StatusOr<Map> MapStore::GetByDisplayName(const CallContext& context, const SiteId& site,
                                                const std::string& display_name) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectByDisplayName,
-                                                                               Params(site, display_name)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kSelectByDisplayName, Params(site, display_name)));
   return ReadMap(result, fmt::format("a map \"{}\" in {}", display_name, NameOf(site)));
 }
 
 absl::StatusOr<std::vector<Map>> MapStore::List(const CallContext& context, const SiteId& site,
                                                 const PageRequest& page) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(
-                                                   pool_, context, kListMaps,
-                                                   Params(site, page.after, static_cast<std::int64_t>(page.limit))));
-  return ReadMaps(result);
-}
-
-absl::StatusOr<std::vector<Map>> MapStore::FindByOutline(const CallContext& context, const SiteId& site, int level,
-                                                         const Rectangle& rectangle) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, storage::postgres::ExecuteAlone(
-                                                   pool_, context, kFindByOutline,
-                                                   Params(site, std::int32_t{level}, rectangle.min.x(),
-                                                          rectangle.min.y(), rectangle.max.x(), rectangle.max.y())));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto result,
+      ExecuteAlone(pool_, context, kListMaps, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
   return ReadMaps(result);
 }
 
 absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map) const {
   ENFILADE_RETURN_IF_ERROR(ValidateOutline(map));
-  const std::string outline = postgres::EncodePolygon(map.outline);
+  const std::string outline = EncodePolygon(map.outline);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_ASSIGN_OR_RETURN(
       const std::int64_t version,
-      postgres::RaiseGraphVersion(transaction, map.site, GraphCause::kMapChanged, "maps/" + map.id.value()));
+      RaiseGraphVersion(transaction, map.site, GraphCause::kMapChanged, "maps/" + map.id.value()));
   const auto updated = transaction.Execute(
       kUpdateMap, Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
                          static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
@@ -262,7 +209,7 @@ absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map)
   if (updated->rows() == 0) {
     ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelectMap, Params(map.site, map.id)));
     ENFILADE_RETURN_IF_ERROR(ReadMap(stored, NameOf(map.site, map.id)).status());
-    return postgres::StaleEtag(NameOf(map.site, map.id));
+    return StaleEtag(NameOf(map.site, map.id));
   }
   transaction.Queue(kMarkChanged, Params(map.site, map.id, version));
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(map.site, map.id)));
@@ -271,34 +218,33 @@ absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map)
 
 absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
                               bool force) const {
-  const auto ids_of = [](const postgres::Result& result) {
-    return storage::postgres::ReadRows(result, [](Row& row) { return std::string(row.Text()); });
+  const auto ids_of = [](const Result& result) {
+    return ReadRows(result, [](Row& row) { return std::string(row.Text()); });
   };
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  ENFILADE_ASSIGN_OR_RETURN(
-      const std::int64_t version,
-      postgres::RaiseGraphVersion(transaction, site, GraphCause::kMapRemoved, "maps/" + map.value()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            RaiseGraphVersion(transaction, site, GraphCause::kMapRemoved, "maps/" + map.value()));
   transaction.Queue(kFindSessions, Params(site, map));
   transaction.Queue(kFindLinkPoints, Params(site, map));
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Flush());
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> sessions, ids_of(found[0]));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> link_points, ids_of(found[1]));
   const std::vector<std::string_view> session_views(sessions.begin(), sessions.end());
-  if (force) transaction.Queue(postgres::kRevokeLeases, Params(site, session_views));
+  if (force) transaction.Queue(kRevokeLeases, Params(site, session_views));
   ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockMap, Params(site, map)));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
-                            storage::postgres::ReadOne(
+                            ReadOne(
                                 locked, [](Row& row) { return row.Int64(); }, NameOf(site, map)));
-  if (etag != 0 && etag != stored_etag) return postgres::StaleEtag(NameOf(site, map));
-  if (!force) ENFILADE_RETURN_IF_ERROR(RefuseWhereNeeded(NameOf(site, map), sessions, link_points));
+  if (etag != 0 && etag != stored_etag) return StaleEtag(NameOf(site, map));
+  if (!force) ENFILADE_RETURN_IF_ERROR(ValidateUnused(site, map, {sessions, link_points}));
   ENFILADE_RETURN_IF_ERROR(TakeFromGraph(transaction, site, map, version, link_points));
-  transaction.Queue(postgres::kMarkSessionsDeleted, Params(site, session_views));
+  transaction.Queue(kMarkSessionsDeleted, Params(site, session_views));
   transaction.Queue(kDeleteMap, Params(site, map));
   const absl::Status committed = transaction.Commit();
-  if (postgres::SqlStateOf(committed) == "23503") {
-    return Aborted("{} got another session meanwhile: repeat the deletion", NameOf(site, map));
+  if (SqlStateOf(committed) == "23503") {
+    return Aborted("{} got another session during the deletion: try again", NameOf(site, map));
   }
   return WithContext(committed, NameOf(site, map));
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

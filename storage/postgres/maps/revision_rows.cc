@@ -3,14 +3,14 @@
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/maps/blob_rows.h"
+#include "storage/postgres/maps/blob_store.h"
 #include "storage/postgres/maps/layer_rows.h"
 
 namespace enfilade::storage::postgres {
 namespace {
 
-// NO KEY: robots' new sessions, which refer to the map, do not wait.
-constexpr Statement kLockMap{
+// NO KEY: new sessions, which refer to the map, are not blocked.
+constexpr Statement kLockMapForRevision{
     "locking the map",
     "SELECT m.current_revision, coalesce(r.source = $3 AND r.session_id IS NOT DISTINCT FROM $4"
     " AND r.content_sha256 = $5 AND r.raster_header = $6, false)"
@@ -32,40 +32,44 @@ constexpr Statement kSetRevisionState{"updating the map",
                                       "UPDATE enfilade.maps SET current_revision = $3, state = $4"
                                       " WHERE site_id = $1 AND map_id = $2"};
 
+void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
+  std::vector<std::int32_t> rows, columns;
+  std::vector<Bytes> digests;
+  for (const TileRef& tile : revision.tiles) {
+    rows.push_back(tile.key.row);
+    columns.push_back(tile.key.column);
+    digests.push_back(Bytes{tile.sha256});
+  }
+  const grid::GridGeometry& grid = revision.geometry;
+  transaction.Queue(kInsertRevision, Params(key.site, key.map, number, static_cast<std::int16_t>(revision.source),
+                                            revision.session, grid.resolution, grid.T_map_grid.x, grid.T_map_grid.y,
+                                            grid.T_map_grid.yaw, std::int32_t{grid.width}, std::int32_t{grid.height},
+                                            Bytes{revision.raster_header}, Bytes{revision.content_sha256}, digests));
+  transaction.Queue(kInsertTiles, Params(key.site, key.map, number, rows, columns, digests));
+}
+
 }  // namespace
 
-absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const SiteId& site, const MapId& map,
-                                         const NewRevision& revision, absl::Span<const BlobView> blobs,
-                                         MapState state) {
+absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
+                                         absl::Span<const BlobView> blobs, MapState state) {
+  const auto& [site, map] = key;
   const auto source = static_cast<std::int16_t>(revision.source);
   ENFILADE_ASSIGN_OR_RETURN(
       const Result locked,
-      transaction.Execute(kLockMap, Params(site, map, source, revision.session, Bytes{revision.content_sha256},
-                                           Bytes{revision.raster_header})));
+      transaction.Execute(kLockMapForRevision, Params(site, map, source, revision.session,
+                                                      Bytes{revision.content_sha256}, Bytes{revision.raster_header})));
   if (locked.rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
   Row row(locked, 0);
   std::int64_t number = row.Int64();
   const bool stored = row.Bool();
   ENFILADE_RETURN_IF_ERROR(row.status());
-  ENFILADE_RETURN_IF_ERROR(CheckLayers(transaction, site, map, revision));
+  ENFILADE_RETURN_IF_ERROR(CheckLayers(transaction, key, revision));
   QueueBlobs(transaction, site, blobs);
   if (!stored) {
     ++number;
-    std::vector<std::int32_t> rows, columns;
-    std::vector<Bytes> digests;
-    for (const TileRef& tile : revision.tiles) {
-      rows.push_back(tile.key.row);
-      columns.push_back(tile.key.column);
-      digests.push_back(Bytes{tile.sha256});
-    }
-    const grid::GridGeometry& grid = revision.geometry;
-    transaction.Queue(kInsertRevision, Params(site, map, number, source, revision.session, grid.resolution,
-                                              grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw,
-                                              std::int32_t{grid.width}, std::int32_t{grid.height},
-                                              Bytes{revision.raster_header}, Bytes{revision.content_sha256}, digests));
-    transaction.Queue(kInsertTiles, Params(site, map, number, rows, columns, digests));
+    QueueRevision(transaction, key, revision, number);
   }
-  QueueLayer(transaction, site, map, revision, number);
+  QueueLayer(transaction, key, revision, number);
   transaction.Queue(kSetRevisionState, Params(site, map, number, static_cast<std::int16_t>(state)));
   return number;
 }

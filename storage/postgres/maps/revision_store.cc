@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/revision_store.h"
+#include "storage/postgres/maps/revision_store.h"
 
 #include <limits>
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/maps/blob_rows.h"
+#include "storage/postgres/maps/layer_rows.h"
 #include "storage/postgres/maps/revision_rows.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
 
 #define ENFILADE_REVISION_COLUMNS                                                                             \
   "site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height," \
@@ -32,11 +26,7 @@ constexpr Statement kListRevisions{"listing revisions",
                                    "SELECT " ENFILADE_REVISION_COLUMNS
                                    " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision < $3"
                                    " ORDER BY revision DESC LIMIT $4"};
-constexpr Statement kListTiles{"listing tiles",
-                               "SELECT tile_row, tile_column, sha256 FROM enfilade.map_revision_tiles"
-                               " WHERE site_id = $1 AND map_id = $2 AND revision = $3"
-                               " ORDER BY tile_row, tile_column"};
-// Takes as many tiles as would fit by their mean size, and of those no more than really fit.
+// Reads as many tiles as fit by their mean size, and returns those that do fit.
 constexpr Statement kReadTiles{
     "reading tiles",
     "SELECT t.tile_row, t.tile_column, t.sha256, b.data FROM ("
@@ -80,21 +70,21 @@ std::string NameOfRevision(const SiteId& site, const MapId& map, std::int64_t nu
 
 absl::StatusOr<MapRevision> RevisionStore::Add(const CallContext& context, const SiteId& site, const MapId& map,
                                                const NewRevision& revision, absl::Span<const BlobView> blobs) const {
-  ENFILADE_RETURN_IF_ERROR(postgres::ValidateBlobs(blobs));
+  ENFILADE_RETURN_IF_ERROR(ValidateBlobs(blobs));
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  const auto number = storage::postgres::AddRevision(transaction, site, map, revision, blobs, MapState::kReady);
-  if (!number.ok()) return postgres::ExplainRevisionError(number.status(), site, map);
+  const auto number = AddRevision(transaction, {site, map}, revision, blobs, MapState::kReady);
+  if (!number.ok()) return ExplainRevisionError(number.status(), site, map);
   transaction.Queue(kSelectRevision, Params(site, map, *number));
   const auto results = transaction.FlushAndCommit();
-  if (!results.ok()) return postgres::ExplainRevisionError(results.status(), site, map);
-  return storage::postgres::ReadOne(results->back(), ReadRevision, NameOfRevision(site, map, *number));
+  if (!results.ok()) return ExplainRevisionError(results.status(), site, map);
+  return ReadOne(results->back(), ReadRevision, NameOfRevision(site, map, *number));
 }
 
 absl::StatusOr<MapRevision> RevisionStore::Get(const CallContext& context, const SiteId& site, const MapId& map,
                                                std::int64_t number) const {
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto result, storage::postgres::ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
-  return storage::postgres::ReadOne(result, ReadRevision, NameOfRevision(site, map, number));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
+  return ReadOne(result, ReadRevision, NameOfRevision(site, map, number));
 }
 
 absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& context, const SiteId& site,
@@ -105,33 +95,23 @@ absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& 
   transaction.Queue(kListRevisions, Params(site, map, below, static_cast<std::int64_t>(limit)));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
-  return storage::postgres::ReadRows(results[1], ReadRevision);
+  return ReadRows(results[1], ReadRevision);
 }
 
-absl::StatusOr<std::vector<TileRef>> RevisionStore::ListTiles(const CallContext& context, const SiteId& site,
-                                                              const MapId& map, std::int64_t number) const {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kSelectRevision, Params(site, map, number));
-  transaction.Queue(kListTiles, Params(site, map, number));
-  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  if (results[0].rows() == 0) return NotFound("{} does not exist", NameOfRevision(site, map, number));
-  return storage::postgres::ReadRows(results[1], [](Row& row) {
-    const std::int32_t tile_row = row.Int32();
-    const std::int32_t tile_column = row.Int32();
-    return TileRef{{tile_row, tile_column}, std::string(row.Bytes())};
-  });
+absl::StatusOr<LayersBeside> RevisionStore::ReadLayersBeside(const CallContext& context, const SiteId& site,
+                                                             const MapId& map, const SessionId& session) const {
+  return ReadLayers(pool_, context, {site, map}, session);
 }
 
-absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& context, const SiteId& site,
-                                                           const MapId& map, std::int64_t number,
+absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& context, const MapRevision& revision,
                                                            std::optional<TileKey> after, std::int64_t max_bytes) const {
   constexpr int kFirst = std::numeric_limits<std::int32_t>::min();
-  const TileKey behind = after.value_or(TileKey{kFirst, kFirst});
+  const TileKey last = after.value_or(TileKey{kFirst, kFirst});
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kReadTiles,
-                                                            Params(site, map, number, std::int32_t{behind.row},
-                                                                   std::int32_t{behind.column}, max_bytes)));
-  return storage::postgres::ReadRows(result, [](Row& row) {
+                            ExecuteAlone(pool_, context, kReadTiles,
+                                         Params(revision.site, revision.map, revision.number, std::int32_t{last.row},
+                                                std::int32_t{last.column}, max_bytes)));
+  return ReadRows(result, [](Row& row) {
     const std::int32_t tile_row = row.Int32();
     const std::int32_t tile_column = row.Int32();
     Tile tile{{tile_row, tile_column}, std::string(row.Bytes()), {}};
@@ -140,4 +120,4 @@ absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& co
   });
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

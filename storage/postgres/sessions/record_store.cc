@@ -1,28 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/record_store.h"
+#include "storage/postgres/sessions/record_store.h"
 
-#include <charconv>
 #include <map>
 
 #include "core/base/resource_name.h"
 #include "core/sensor/record_codec.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/sessions/append.h"
+#include "storage/postgres/sessions/append_to_site.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
 
 constexpr Statement kSelectRetention{
     "reading the session",
     "SELECT records_deleted FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL"};
-// Takes as many rows as would fit by the session's mean size, and of those no more than really fit: so neither many
-// small rows nor a few large ones cost more than they should.
+// Reads as many rows as fit by the session's mean size, and returns those that do fit: it neither reads many rows for
+// nothing nor needs many calls.
 constexpr Statement kRead{
     "reading records",
     "SELECT sequence, kind, payload FROM ("
@@ -35,7 +28,7 @@ constexpr Statement kRead{
     " WHERE bytes_before < $4 ORDER BY sequence"};
 
 constexpr Statement kReadSelected{
-    "reading some records",
+    "reading selected records",
     "SELECT sequence, kind, payload FROM enfilade.session_records WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 AND kind = ANY ($5) AND time_ns BETWEEN $6 AND $7 ORDER BY sequence"};
 
@@ -44,9 +37,7 @@ constexpr Statement kReadEach{
     "SELECT sequence, kind, payload FROM enfilade.session_records WHERE site_id = $1 AND session_id = $2"
     " AND sequence = ANY ($3) ORDER BY sequence"};
 
-constexpr char kRefusedSequencePayload[] = "enfilade/refused_sequence";
-
-absl::StatusOr<std::vector<sensor::Record>> DecodeRecords(const postgres::Result& result, const std::string& session) {
+absl::StatusOr<std::vector<sensor::Record>> DecodeRecords(const Result& result, const std::string& session) {
   std::vector<sensor::Record> records;
   records.reserve(static_cast<std::size_t>(result.rows()));
   for (int i = 0; i < result.rows(); ++i) {
@@ -64,28 +55,6 @@ absl::StatusOr<std::vector<sensor::Record>> DecodeRecords(const postgres::Result
 
 }  // namespace
 
-namespace postgres {
-
-absl::Status RefuseRecord(absl::Status status, std::int64_t sequence) {
-  status.SetPayload(kRefusedSequencePayload, absl::Cord(std::to_string(sequence)));
-  return status;
-}
-
-}  // namespace postgres
-
-std::int64_t RefusedSequenceOf(const absl::Status& status) {
-  const auto payload = status.GetPayload(kRefusedSequencePayload);
-  if (!payload) return 0;
-  const std::string text(*payload);
-  std::int64_t sequence = 0;
-  std::from_chars(text.data(), text.data() + text.size(), sequence);
-  return sequence;
-}
-
-absl::StatusOr<AppendResult> RecordStore::Append(const CallContext& context, const RecordBatch& batch) const {
-  return AppendGroup(context, absl::MakeConstSpan(&batch, 1)).front();
-}
-
 std::vector<absl::StatusOr<AppendResult>> RecordStore::AppendGroup(const CallContext& context,
                                                                    absl::Span<const RecordBatch> batches) const {
   std::map<std::string_view, std::vector<std::size_t>> by_site;
@@ -94,7 +63,7 @@ std::vector<absl::StatusOr<AppendResult>> RecordStore::AppendGroup(const CallCon
   for (const auto& [site, indices] : by_site) {
     std::vector<const RecordBatch*> of_site;
     for (const std::size_t i : indices) of_site.push_back(&batches[i]);
-    auto site_answers = postgres::AppendToSite(pool_, context, of_site.front()->site, of_site);
+    auto site_answers = AppendToSite(pool_, context, of_site.front()->site, of_site);
     for (std::size_t i = 0; i < indices.size(); ++i) answers[indices[i]] = std::move(site_answers[i]);
   }
   return answers;
@@ -108,7 +77,7 @@ absl::StatusOr<std::vector<sensor::Record>> RecordStore::Read(const CallContext&
   transaction.Queue(kSelectRetention, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   ENFILADE_ASSIGN_OR_RETURN(const bool deleted,
-                            storage::postgres::ReadOne(
+                            ReadOne(
                                 results[1], [](Row& row) { return row.Bool(); }, NameOf(site, session)));
   if (deleted) {
     return FailedPrecondition("the records of {} were deleted at the end of the site's retention",
@@ -122,20 +91,19 @@ absl::StatusOr<std::vector<sensor::Record>> RecordStore::ReadSelected(const Call
                                                                       const RecordSelection& selection) const {
   std::vector<std::int16_t> kinds;
   for (const sensor::RecordKind kind : selection.kinds) kinds.push_back(static_cast<std::int16_t>(kind));
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto result,
-      storage::postgres::ExecuteAlone(pool_, context, kReadSelected,
-                                      Params(site, session, selection.first_sequence, selection.last_sequence, kinds,
-                                             selection.from_time, selection.to_time)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kReadSelected,
+                                         Params(site, session, selection.first_sequence, selection.last_sequence, kinds,
+                                                selection.from_time, selection.to_time)));
   return DecodeRecords(result, NameOf(site, session));
 }
 
 absl::StatusOr<std::vector<sensor::Record>> RecordStore::ReadEach(const CallContext& context, const SiteId& site,
                                                                   const SessionId& session,
                                                                   const std::vector<std::int64_t>& sequences) const {
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto result, storage::postgres::ExecuteAlone(pool_, context, kReadEach, Params(site, session, sequences)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            ExecuteAlone(pool_, context, kReadEach, Params(site, session, sequences)));
   return DecodeRecords(result, NameOf(site, session));
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "storage/postgres/driver/connection.h"
+#include <string_view>
+#include <utility>
+
+#include "absl/types/span.h"
 #include "storage/postgres/driver/result.h"
+#include "storage/postgres/driver/transaction.h"
+#include "storage/session_growth.h"
 #include "storage/session_store.h"
 
 namespace enfilade::storage::postgres {
 
-// What ReadSession reads, for sessions `s` with their checkpoint `c`.
+// The columns that ReadSession reads, of sessions `s` with their checkpoint `c`.
 #define ENFILADE_SESSION_COLUMNS                                                                         \
   "s.site_id, s.session_id, s.robot_id, s.map_id, s.state, s.acknowledged_sequence, s.highest_sequence," \
   " coalesce(c.mapped_sequence, 0), s.laser_scans, s.odometry, s.images, s.point_clouds, s.withheld,"    \
@@ -26,5 +31,9 @@ constexpr Statement kSessionExists{
     "SELECT true FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL"};
 
 Session ReadSession(Row& row);
+
+// Queues the change of rows that the transaction has locked.
+void QueueGrowth(Transaction& transaction, const SiteId& site,
+                 absl::Span<const std::pair<std::string_view, const SessionGrowth*>> growths);
 
 }  // namespace enfilade::storage::postgres

@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/session_store.h"
+#include "storage/postgres/sessions/session_store.h"
 
 #include "core/base/resource_name.h"
+#include "core/geometry/covariance.h"
 #include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/graph/link_point_rows.h"
 #include "storage/postgres/sessions/session_deletion.h"
 #include "storage/postgres/sessions/session_row.h"
 
-namespace enfilade::storage {
+namespace enfilade::storage::postgres {
 namespace {
-
-using postgres::ExecuteAlone;
-using postgres::Params;
-using postgres::PoseColumns;
-using postgres::ReadSession;
-using postgres::Row;
-using postgres::Statement;
-using postgres::Transaction;
 
 constexpr Statement kInsertSession{"creating the session",
                                    "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id,"
@@ -39,7 +31,7 @@ constexpr Statement kListSessions{
 constexpr Statement kLockSession{"locking the session",
                                  "SELECT acknowledged_sequence, highest_sequence, finish_time FROM enfilade.sessions"
                                  " WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL FOR NO KEY UPDATE"};
-// Of a session whose mapping has failed the state stays.
+// A session whose mapping has failed keeps its state.
 constexpr Statement kFinish{
     "finishing the session",
     "UPDATE enfilade.sessions SET finish_time = now(), state = CASE WHEN state = 4 THEN 4"
@@ -49,7 +41,7 @@ absl::Status Explain(const absl::Status& status, const Session& session) {
   if (absl::IsAlreadyExists(status)) {
     return AlreadyExists("{} exists already, or was deleted: choose another id", NameOf(session.site, session.id));
   }
-  const std::string constraint = postgres::ConstraintOf(status);
+  const std::string constraint = ConstraintOf(status);
   if (constraint == "sessions_site_id_fkey") return NotFound("{} does not exist", NameOf(session.site));
   if (constraint == "sessions_site_id_robot_id_fkey") {
     return NotFound("{} does not exist", NameOf(session.site, session.robot));
@@ -69,30 +61,27 @@ absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const S
                                              const std::string& request_id) const {
   const sensor::SessionEntry& entry = session.entry;
   if (entry.T_map_robot) {
-    ENFILADE_RETURN_IF_ERROR(
-        postgres::ValidateCovariance("entry.pose_map_robot.covariance", entry.T_map_robot->covariance));
+    ENFILADE_RETURN_IF_ERROR(WithContext(ValidateCovariance(entry.T_map_robot->covariance), "entry.pose_map_robot"));
   }
   const PoseColumns initial(entry.T_map_robot);
   const PoseColumns odom(entry.T_odom_robot);
-  const auto inserted = storage::postgres::ExecuteAlone(
-      pool_, context, kInsertSession,
-      Params(session.site, session.id, session.robot, session.map, postgres::NullIfEmpty(request_id), entry.previous,
-             initial.x, initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw));
+  const auto inserted =
+      ExecuteAlone(pool_, context, kInsertSession,
+                   Params(session.site, session.id, session.robot, session.map, NullIfEmpty(request_id), entry.previous,
+                          initial.x, initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw));
   if (inserted.ok()) return Get(context, session.site, session.id);
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, storage::postgres::ExecuteAlone(pool_, context, kFindSessionRequest,
-                                                                                  Params(session.site, request_id)));
-    if (earlier.rows() > 0)
-      return storage::postgres::ReadOne(earlier, storage::postgres::ReadSession, NameOf(session.site, session.id));
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
+                              ExecuteAlone(pool_, context, kFindSessionRequest, Params(session.site, request_id)));
+    if (earlier.rows() > 0) return ReadOne(earlier, ReadSession, NameOf(session.site, session.id));
   }
   return Explain(inserted.status(), session);
 }
 
 absl::StatusOr<Session> SessionStore::Get(const CallContext& context, const SiteId& site,
                                           const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kSelectSession, Params(site, session)));
-  return storage::postgres::ReadOne(result, storage::postgres::ReadSession, NameOf(site, session));
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectSession, Params(site, session)));
+  return ReadOne(result, ReadSession, NameOf(site, session));
 }
 
 absl::StatusOr<std::vector<Session>> SessionStore::List(const CallContext& context, const SiteId& site,
@@ -103,11 +92,10 @@ absl::StatusOr<std::vector<Session>> SessionStore::List(const CallContext& conte
   std::optional<std::int16_t> state;
   if (filter.state) state = static_cast<std::int16_t>(*filter.state);
   ENFILADE_ASSIGN_OR_RETURN(
-      const auto result,
-      storage::postgres::ExecuteAlone(pool_, context, kListSessions,
-                                      Params(site, postgres::Timestamp{before.create_time}, before.id, filter.robot,
-                                             filter.map, state, static_cast<std::int64_t>(limit))));
-  return storage::postgres::ReadRows(result, storage::postgres::ReadSession);
+      const auto result, ExecuteAlone(pool_, context, kListSessions,
+                                      Params(site, Timestamp{before.create_time}, before.id, filter.robot, filter.map,
+                                             state, static_cast<std::int64_t>(limit))));
+  return ReadRows(result, ReadSession);
 }
 
 absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const SiteId& site, const SessionId& session,
@@ -130,17 +118,16 @@ absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const S
   if (!finished) transaction.Queue(kFinish, Params(site, session));
   transaction.Queue(kSelectSession, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  return storage::postgres::ReadOne(results.back(), storage::postgres::ReadSession, NameOf(site, session));
+  return ReadOne(results.back(), ReadSession, NameOf(site, session));
 }
 
 absl::Status SessionStore::Delete(const CallContext& context, const SiteId& site, const SessionId& session) const {
   const std::vector<std::string_view> sessions = {session.value()};
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(postgres::kRevokeLeases, Params(site, sessions));
-  ENFILADE_ASSIGN_OR_RETURN(const auto deleted,
-                            transaction.Execute(postgres::kMarkSessionsDeleted, Params(site, sessions)));
+  transaction.Queue(kRevokeLeases, Params(site, sessions));
+  ENFILADE_ASSIGN_OR_RETURN(const auto deleted, transaction.Execute(kMarkSessionsDeleted, Params(site, sessions)));
   if (deleted.rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
   return WithContext(transaction.Commit(), NameOf(site, session));
 }
 
-}  // namespace enfilade::storage
+}  // namespace enfilade::storage::postgres

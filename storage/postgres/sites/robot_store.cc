@@ -17,9 +17,6 @@ using postgres::Statement;
 constexpr Statement kInsertRobot{"creating the robot",
                                  "INSERT INTO enfilade.robots (site_id, robot_id, display_name, request_id)"
                                  " VALUES ($1, $2, $3, $4) RETURNING " ENFILADE_ROBOT_COLUMNS};
-constexpr Statement kInsertIfMissing{"creating the robot",
-                                     "INSERT INTO enfilade.robots (site_id, robot_id, display_name)"
-                                     " VALUES ($1, $2, $3) ON CONFLICT (site_id, robot_id) DO NOTHING"};
 constexpr Statement kFindRobotRequest{"looking for an earlier request",
                                       "SELECT " ENFILADE_ROBOT_COLUMNS
                                       " FROM enfilade.robots WHERE site_id = $1 AND request_id = $2"};
@@ -68,13 +65,6 @@ absl::StatusOr<Robot> RobotStore::Create(const CallContext& context, const Robot
     if (earlier.rows() > 0) return storage::postgres::ReadOne(earlier, ReadRobot, NameOf(robot.site, robot.id));
   }
   return Explain(inserted.status(), robot);
-}
-
-absl::StatusOr<Robot> RobotStore::Ensure(const CallContext& context, const Robot& robot) const {
-  const auto inserted = storage::postgres::ExecuteAlone(pool_, context, kInsertIfMissing,
-                                                        Params(robot.site, robot.id, robot.display_name));
-  if (!inserted.ok()) return Explain(inserted.status(), robot);
-  return Get(context, robot.site, robot.id);
 }
 
 absl::StatusOr<Robot> RobotStore::Get(const CallContext& context, const SiteId& site, const RobotId& robot) const {

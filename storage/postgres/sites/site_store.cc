@@ -5,7 +5,7 @@
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/graph_versions.h"
 
 namespace enfilade::storage {
 namespace {

@@ -15,6 +15,16 @@
 #include "server/app/closure/door_closures.h"
 #include "server/app/graph/graph_optimizer.h"
 #include "server/app/mapping/mapping.h"
+#include "storage/postgres/graph/graph_store.h"
+#include "storage/postgres/graph/link_point_store.h"
+#include "storage/postgres/graph/robot_pose_store.h"
+#include "storage/postgres/graph/site_lease_store.h"
+#include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/maps/map_store.h"
+#include "storage/postgres/maps/revision_store.h"
+#include "storage/postgres/sessions/mapping_store.h"
+#include "storage/postgres/sessions/record_store.h"
+#include "storage/postgres/sessions/session_store.h"
 #include "tests/contract/storage/store_test.h"
 #include "tests/support/door_drive.h"
 #include "tests/support/slowdown.h"
@@ -57,23 +67,23 @@ class Workers {
 
  private:
   storage::postgres::Pool& pool_;
-  const storage::SessionStore sessions_{pool_};
-  const storage::RecordStore records_{pool_};
-  const storage::MappingStore mappings_{pool_};
-  const storage::BlobStore blobs_{pool_};
+  const storage::postgres::SessionStore sessions_{pool_};
+  const storage::postgres::RecordStore records_{pool_};
+  const storage::postgres::MappingStore mappings_{pool_};
+  const storage::postgres::BlobStore blobs_{pool_};
   const storage::FeatureStore features_{pool_};
-  const storage::MapStore maps_{pool_};
-  const storage::RevisionStore revisions_{pool_};
-  const storage::RobotPoseStore robot_poses_{pool_};
-  const storage::LinkPointStore link_points_{pool_};
+  const storage::postgres::MapStore maps_{pool_};
+  const storage::postgres::RevisionStore revisions_{pool_};
+  const storage::postgres::RobotPoseStore robot_poses_{pool_};
+  const storage::postgres::LinkPointStore link_points_{pool_};
   const storage::DoorVerdictStore verdicts_{pool_};
-  const storage::SiteLeaseStore leases_{pool_};
-  const storage::GraphStore graph_store_{pool_};
+  const storage::postgres::SiteLeaseStore leases_{pool_};
+  const storage::postgres::GraphStore graph_store_{pool_};
   const std::unique_ptr<server::Metrics> metrics_;
   const closure::DoorClosureOptions options_;
   server::WakeSignal wake_;
   server::ChangedSites changed_;
-  server::SiteGraphs graphs_{pool_, graph_store_, changed_};
+  server::SiteGraphs graphs_{graph_store_, changed_};
   server::GraphOptimizer optimizer_{graph_store_, leases_, graphs_, changed_};
   std::optional<server::Mapping> mapping_;
   std::optional<server::DoorClosures> closures_;

@@ -8,9 +8,6 @@
 namespace enfilade::testing {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
-
 class BlobStoreTest : public StoreTest {};
 
 std::string Noise(std::size_t size) {
@@ -32,8 +29,6 @@ TEST_F(BlobStoreTest, StoresTheSameBytesOnce) {
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "1");
   ASSERT_OK_AND_ASSIGN(const std::string data, blobs_.Get(Soon(), site_, blob.sha256()));
   EXPECT_EQ(data, "content");
-  ASSERT_OK_AND_ASSIGN(const sensor::BlobRef ref, blobs_.Stat(Soon(), site_, blob.sha256()));
-  EXPECT_EQ(ref, blob.ref());
 }
 
 TEST_F(BlobStoreTest, RefusesBytesThatAreNotWhatWasSaid) {
@@ -45,28 +40,13 @@ TEST_F(BlobStoreTest, RefusesBytesThatAreNotWhatWasSaid) {
   EXPECT_CODE(blobs_.Put(Soon(), SiteId("nowhere"), {good.view()}), absl::StatusCode::kNotFound);
 }
 
-TEST_F(BlobStoreTest, TheLargestBlobComesBackWholeAndInParts) {
+TEST_F(BlobStoreTest, TheLargestBlobComesBackWhole) {
   const TestBlob blob(Noise(sensor::kMaxBlobBytes));
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   ASSERT_OK_AND_ASSIGN(const std::string data, blobs_.Get(Soon(), site_, blob.sha256()));
   EXPECT_TRUE(data == blob.data());
-  ASSERT_OK_AND_ASSIGN(const std::string part, blobs_.GetRange(Soon(), site_, blob.sha256(), 33'333'333, 1 << 20));
-  EXPECT_TRUE(part == blob.data().substr(33'333'333, 1 << 20));
-  ASSERT_OK_AND_ASSIGN(const std::string end,
-                       blobs_.GetRange(Soon(), site_, blob.sha256(), sensor::kMaxBlobBytes - 3, 100));
-  EXPECT_EQ(end, blob.data().substr(sensor::kMaxBlobBytes - 3));
   const TestBlob too_large(std::string(sensor::kMaxBlobBytes + 1, 'x'));
   EXPECT_CODE(blobs_.Put(Soon(), site_, {too_large.view()}), absl::StatusCode::kInvalidArgument);
-}
-
-TEST_F(BlobStoreTest, SaysWhereABlobEnds) {
-  const TestBlob blob("0123456789");
-  ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
-  ASSERT_OK_AND_ASSIGN(const std::string end, blobs_.GetRange(Soon(), site_, blob.sha256(), 10, 5));
-  EXPECT_THAT(end, IsEmpty());
-  EXPECT_CODE(blobs_.GetRange(Soon(), site_, blob.sha256(), 11, 5), absl::StatusCode::kOutOfRange);
-  EXPECT_CODE(blobs_.GetRange(Soon(), site_, blob.sha256(), -1, 5), absl::StatusCode::kOutOfRange);
-  EXPECT_CODE(blobs_.GetRange(Soon(), site_, TestBlob("x").sha256(), 0, 5), absl::StatusCode::kNotFound);
 }
 
 TEST_F(BlobStoreTest, BelongsToItsSite) {
@@ -74,9 +54,6 @@ TEST_F(BlobStoreTest, BelongsToItsSite) {
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
   EXPECT_CODE(blobs_.Get(Soon(), SiteId("other"), blob.sha256()), absl::StatusCode::kNotFound);
-  const std::vector<std::string> digests = {blob.sha256(), TestBlob("y").sha256(), TestBlob("y").sha256()};
-  ASSERT_OK_AND_ASSIGN(const auto missing, blobs_.Missing(Soon(), site_, digests));
-  EXPECT_THAT(missing, ElementsAre(TestBlob("y").sha256()));
 }
 
 TEST_F(BlobStoreTest, ManyMayPutTheSameAtOnce) {

@@ -5,7 +5,7 @@
 
 #include "core/base/environment.h"
 #include "storage/feature_store.h"
-#include "storage/site_lease_store.h"
+#include "storage/postgres/graph/site_lease_store.h"
 #include "tests/contract/storage/store_test.h"
 #include "tests/support/pose_matchers.h"
 
@@ -76,7 +76,7 @@ class DoorVerdictStoreTest : public StoreTest {
     return change;
   }
 
-  const storage::SiteLeaseStore leases_{*pool_};
+  const storage::postgres::SiteLeaseStore leases_{*pool_};
   const storage::DoorVerdictStore verdicts_{*pool_};
   SessionId first_;
   SessionId second_;

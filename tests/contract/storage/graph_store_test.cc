@@ -160,7 +160,7 @@ TEST_F(GraphStoreTest, KeepsThePosesOfTheLastOptimisationsOnly) {
 }
 
 TEST_F(GraphStoreTest, ListenersHearOfEveryVersion) {
-  ASSERT_OK_AND_ASSIGN(const auto listener, storage::GraphListener::Open(*pool_, Soon()));
+  ASSERT_OK_AND_ASSIGN(const auto listener, graph_.Listen(Soon()));
   ASSERT_OK_AND_ASSIGN(const auto nothing,
                        listener->Await(storage::CallContext::WithTimeout(std::chrono::milliseconds(1))));
   EXPECT_THAT(nothing, IsEmpty());

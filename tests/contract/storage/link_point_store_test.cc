@@ -98,17 +98,17 @@ TEST_F(LinkPointStoreTest, CreatingIsSafeToRepeat) {
 TEST_F(LinkPointStoreTest, ACandidateIsPromotedByItsSecondAnchor) {
   ASSERT_OK_AND_ASSIGN(const auto candidate, Create("door", {MakeAnchor("hall", 3, 4, 0.5)}));
   EXPECT_TRUE(candidate.point.is_candidate());
-  EXPECT_CODE(
-      link_points_.AddAnchor(Soon(), site_, LinkPointId("door"), candidate.etag + 1, MakeAnchor("lab", 0, 0), false),
-      absl::StatusCode::kAborted);
-  ASSERT_OK_AND_ASSIGN(const auto promoted, link_points_.AddAnchor(Soon(), site_, LinkPointId("door"), candidate.etag,
-                                                                   MakeAnchor("lab", 1, 2), false));
+  EXPECT_CODE(link_points_.AddAnchor(Soon(), site_, {LinkPointId("door"), candidate.etag + 1, MakeAnchor("lab", 0, 0)}),
+              absl::StatusCode::kAborted);
+  ASSERT_OK_AND_ASSIGN(
+      const auto promoted,
+      link_points_.AddAnchor(Soon(), site_, {LinkPointId("door"), candidate.etag, MakeAnchor("lab", 1, 2)}));
   EXPECT_FALSE(promoted.point.is_candidate());
   ASSERT_THAT(promoted.point.anchors, SizeIs(2));
   EXPECT_EQ(promoted.point.anchors[1].map, MapId("lab"));
-  EXPECT_STATUS(link_points_.AddAnchor(Soon(), site_, LinkPointId("door"), 0, MakeAnchor("lab", 1, 2), false),
+  EXPECT_STATUS(link_points_.AddAnchor(Soon(), site_, {LinkPointId("door"), 0, MakeAnchor("lab", 1, 2)}),
                 absl::StatusCode::kAlreadyExists, HasSubstr("\"lab\""));
-  EXPECT_CODE(link_points_.AddAnchor(Soon(), site_, LinkPointId("gate"), 0, MakeAnchor("lab", 1, 2), false),
+  EXPECT_CODE(link_points_.AddAnchor(Soon(), site_, {LinkPointId("gate"), 0, MakeAnchor("lab", 1, 2)}),
               absl::StatusCode::kNotFound);
 }
 
@@ -139,9 +139,9 @@ TEST_F(LinkPointStoreTest, RefusesWhatIsRedundantUnlessForced) {
 TEST_F(LinkPointStoreTest, PromotionIsCheckedForRedundancyToo) {
   ASSERT_OK(Create("door", {MakeAnchor("hall", 10, 0), MakeAnchor("lab", 0, 0)}));
   ASSERT_OK(Create("candidate", {MakeAnchor("hall", 10, 0)}));
-  EXPECT_CODE(link_points_.AddAnchor(Soon(), site_, LinkPointId("candidate"), 0, MakeAnchor("lab", 0, 0), false),
+  EXPECT_CODE(link_points_.AddAnchor(Soon(), site_, {LinkPointId("candidate"), 0, MakeAnchor("lab", 0, 0)}),
               absl::StatusCode::kAlreadyExists);
-  EXPECT_OK(link_points_.AddAnchor(Soon(), site_, LinkPointId("candidate"), 0, MakeAnchor("lab", 0, 0), true));
+  EXPECT_OK(link_points_.AddAnchor(Soon(), site_, {LinkPointId("candidate"), 0, MakeAnchor("lab", 0, 0), true}));
 }
 
 TEST_F(LinkPointStoreTest, WhatReplacesASuspendedOneStandsBesideItAndKeepsItOut) {

@@ -2,7 +2,6 @@
 #include "storage/map_store.h"
 
 #include <limits>
-#include <thread>
 
 #include "core/base/environment.h"
 #include "tests/contract/storage/store_test.h"
@@ -10,7 +9,6 @@
 namespace enfilade::testing {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -24,13 +22,6 @@ class MapStoreTest : public StoreTest {
     const auto map = maps_.Get(Soon(), site_, MapId(id));
     EXPECT_OK(map);
     return *map;
-  }
-  std::vector<std::string> Find(int level, const storage::Rectangle& rectangle) {
-    const auto maps = maps_.FindByOutline(Soon(), site_, level, rectangle);
-    EXPECT_OK(maps);
-    std::vector<std::string> ids;
-    for (const storage::Map& map : *maps) ids.push_back(map.id.value());
-    return ids;
   }
 };
 
@@ -95,45 +86,6 @@ TEST_F(MapStoreTest, UpdatesOnlyUnderTheStoredEtag) {
   EXPECT_STATUS(maps_.Update(Soon(), map), absl::StatusCode::kAlreadyExists, HasSubstr("\"Lab\""));
   map.id = MapId("nowhere");
   EXPECT_CODE(maps_.Update(Soon(), map), absl::StatusCode::kNotFound);
-}
-
-TEST_F(MapStoreTest, FindsMapsByOutlineOnOneLevelOfOneSite) {
-  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
-  const auto create = [&](const SiteId& site, const std::string& id, int level, double x) {
-    storage::Map map = MakeMap(site, MapId(id), id);
-    map.level = level;
-    map.outline = Square(x, 0, 1);
-    ASSERT_OK(maps_.Create(Soon(), map, ""));
-  };
-  create(site_, "near", 0, 0);
-  create(site_, "far", 0, 100);
-  create(site_, "above", 1, 0);
-  create(SiteId("other"), "near", 0, 0);
-  EXPECT_THAT(Find(0, {{0.5, 0.5}, {2, 2}}), ElementsAre("near"));
-  EXPECT_THAT(Find(0, {{-1, -1}, {200, 2}}), ElementsAre("far", "near"));
-  EXPECT_THAT(Find(1, {{-1, -1}, {200, 2}}), ElementsAre("above"));
-  EXPECT_THAT(Find(0, {{3, 3}, {4, 4}}), IsEmpty());
-}
-
-TEST_F(MapStoreTest, TheOutlinesIndexServesTheSearch) {
-  database_.Sql(
-      "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, outline)"
-      " SELECT 'campus', 'm' || i, 'm' || i, i % 5, 1, ST_MakeEnvelope(i, 0, i + 1, 1)"
-      " FROM generate_series(1, 20000) i");
-  database_.Sql("ANALYZE enfilade.maps");
-  const std::vector<std::string> plan = database_.Sql(
-      "EXPLAIN SELECT map_id FROM enfilade.maps WHERE site_id = 'campus' AND level = 2"
-      " AND ST_Intersects(outline, ST_MakeEnvelope(10, 0, 20, 1)) ORDER BY map_id");
-  EXPECT_THAT(plan, ::testing::Contains(HasSubstr("maps_outline_idx"))) << ::testing::PrintToString(plan);
-  EXPECT_THAT(Find(2, {{10, 0}, {20, 1}}), ElementsAre("m12", "m17"));
-  // And the store's own statement took it: a connection's counts are published when it ends.
-  pool_.reset();
-  std::string scans = "0";
-  for (int i = 0; i < 500 && scans == "0"; ++i) {
-    scans = database_.SqlValue("SELECT idx_scan FROM pg_stat_user_indexes WHERE indexrelname = 'maps_outline_idx'");
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_EQ(scans, "1");
 }
 
 TEST_F(MapStoreTest, IsKeptWhileSessionsMapIntoIt) {

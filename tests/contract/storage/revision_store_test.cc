@@ -66,7 +66,7 @@ TEST_F(RevisionStoreTest, GivesBackWhatWasStoredAndMakesItCurrent) {
   ASSERT_OK_AND_ASSIGN(const storage::Map map, maps_.Get(Soon(), site_, map_));
   EXPECT_EQ(map.current_revision, 1);
   EXPECT_EQ(map.state, storage::MapState::kReady);
-  ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ListTiles(Soon(), site_, map_, 1));
+  ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), current, std::nullopt, 1 << 20));
   ASSERT_THAT(tiles, SizeIs(6));
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(tiles[i].key, (storage::TileKey{static_cast<int>(i) / 3, static_cast<int>(i) % 3}));
@@ -75,12 +75,12 @@ TEST_F(RevisionStoreTest, GivesBackWhatWasStoredAndMakesItCurrent) {
 
 TEST_F(RevisionStoreTest, ReadsTilesInPortionsInTheOrderOfTheRaster) {
   const Raster raster = MakeRaster(7, 5, "one", 1000);
-  ASSERT_OK(Add(raster));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision added, Add(raster));
   std::vector<storage::Tile> all;
   std::optional<storage::TileKey> after;
   int portions = 0;
   while (true) {
-    ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), site_, map_, 1, after, 3500));
+    ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), added, after, 3500));
     if (tiles.empty()) break;
     EXPECT_THAT(tiles, SizeIs(::testing::Le(4U)));
     all.insert(all.end(), tiles.begin(), tiles.end());
@@ -94,7 +94,7 @@ TEST_F(RevisionStoreTest, ReadsTilesInPortionsInTheOrderOfTheRaster) {
     EXPECT_THAT(all[i].data, ::testing::StartsWith("one" + std::to_string(i / 5) + "," + std::to_string(i % 5) + ";"));
     EXPECT_EQ(TestBlob(all[i].data).sha256(), all[i].sha256);
   }
-  ASSERT_OK_AND_ASSIGN(const auto one, revisions_.ReadTiles(Soon(), site_, map_, 1, std::nullopt, 1));
+  ASSERT_OK_AND_ASSIGN(const auto one, revisions_.ReadTiles(Soon(), added, std::nullopt, 1));
   EXPECT_THAT(one, SizeIs(1));
 }
 
@@ -141,12 +141,10 @@ TEST_F(RevisionStoreTest, StoresNothingWhereATileIsMissingOrGivenTwice) {
 }
 
 TEST_F(RevisionStoreTest, AnEmptyRasterHasNoTiles) {
-  ASSERT_OK(Add(MakeRaster(0, 0, "none")));
-  ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), site_, map_, 1, std::nullopt, 1000));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision added, Add(MakeRaster(0, 0, "none")));
+  EXPECT_EQ(added.tile_count, 0);
+  ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), added, std::nullopt, 1000));
   EXPECT_THAT(tiles, IsEmpty());
-  ASSERT_OK_AND_ASSIGN(const auto manifest, revisions_.ListTiles(Soon(), site_, map_, 1));
-  EXPECT_THAT(manifest, IsEmpty());
-  EXPECT_CODE(revisions_.ListTiles(Soon(), site_, map_, 2), absl::StatusCode::kNotFound);
 }
 
 TEST_F(RevisionStoreTest, NumbersAreGivenOnceToManyWriters) {

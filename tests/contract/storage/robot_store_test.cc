@@ -34,15 +34,6 @@ TEST_F(RobotStoreTest, SaysWhetherTheSiteIsMissingOrTheRobotIsThere) {
                 HasSubstr("sites/campus/robots/r1"));
 }
 
-TEST_F(RobotStoreTest, EnsuringKeepsTheRobotThatIsThere) {
-  ASSERT_OK_AND_ASSIGN(const storage::Robot kept, robots_.Ensure(Soon(), MakeRobot(site_, robot_, "another name")));
-  EXPECT_EQ(kept.display_name, "Robot 1");
-  ASSERT_OK_AND_ASSIGN(const storage::Robot made, robots_.Ensure(Soon(), MakeRobot(site_, RobotId("r9"), "Robot 9")));
-  EXPECT_EQ(made.display_name, "Robot 9");
-  ASSERT_OK_AND_ASSIGN(const auto page, robots_.List(Soon(), site_, {10, "r1"}));
-  EXPECT_THAT(page, SizeIs(1));
-}
-
 TEST_F(RobotStoreTest, IsKeptWhileItHasSessions) {
   const SessionId session = NewSession("s1");
   EXPECT_STATUS(robots_.Delete(Soon(), site_, robot_, 0), absl::StatusCode::kFailedPrecondition,

@@ -5,16 +5,16 @@
 #include <string_view>
 
 #include "storage/audit_store.h"
-#include "storage/blob_store.h"
-#include "storage/graph_store.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
-#include "storage/mapping_store.h"
-#include "storage/record_store.h"
-#include "storage/revision_store.h"
-#include "storage/robot_pose_store.h"
+#include "storage/postgres/graph/graph_store.h"
+#include "storage/postgres/graph/link_point_store.h"
+#include "storage/postgres/graph/robot_pose_store.h"
+#include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/maps/map_store.h"
+#include "storage/postgres/maps/revision_store.h"
+#include "storage/postgres/sessions/mapping_store.h"
+#include "storage/postgres/sessions/record_store.h"
+#include "storage/postgres/sessions/session_store.h"
 #include "storage/robot_store.h"
-#include "storage/session_store.h"
 #include "storage/site_store.h"
 #include "tests/support/database.h"
 #include "tests/support/status_assertions.h"
@@ -36,15 +36,15 @@ class StoreTest : public DatabaseTest {
   const MapId map_{"hall"};
   storage::SiteStore sites_{*pool_};
   storage::RobotStore robots_{*pool_};
-  storage::MapStore maps_{*pool_};
-  storage::RevisionStore revisions_{*pool_};
-  storage::SessionStore sessions_{*pool_};
-  storage::RecordStore records_{*pool_};
-  storage::BlobStore blobs_{*pool_};
-  storage::MappingStore mapping_{*pool_};
-  storage::LinkPointStore link_points_{*pool_};
-  storage::GraphStore graph_{*pool_};
-  storage::RobotPoseStore robot_poses_{*pool_};
+  storage::postgres::MapStore maps_{*pool_};
+  storage::postgres::RevisionStore revisions_{*pool_};
+  storage::postgres::SessionStore sessions_{*pool_};
+  storage::postgres::RecordStore records_{*pool_};
+  storage::postgres::BlobStore blobs_{*pool_};
+  storage::postgres::MappingStore mapping_{*pool_};
+  storage::postgres::LinkPointStore link_points_{*pool_};
+  storage::postgres::GraphStore graph_{*pool_};
+  storage::postgres::RobotPoseStore robot_poses_{*pool_};
   storage::AuditStore audit_{*pool_};
 };
 

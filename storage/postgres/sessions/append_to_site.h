@@ -16,7 +16,4 @@ namespace enfilade::storage::postgres {
 std::vector<absl::StatusOr<AppendResult>> AppendToSite(Pool& pool, const CallContext& context, const SiteId& site,
                                                        absl::Span<const RecordBatch* const> batches);
 
-// `status` with the record at fault: see RefusedSequenceOf.
-absl::Status RefuseRecord(absl::Status status, std::int64_t sequence);
-
 }  // namespace enfilade::storage::postgres

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/postgres/sessions/append.h"
+#include "storage/postgres/sessions/append_to_site.h"
 
 #include <algorithm>
 #include <map>
@@ -10,14 +10,15 @@
 #include "core/sensor/record_codec.h"
 #include "storage/postgres/driver/copy_buffer.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/maps/blob_rows.h"
-#include "storage/postgres/sessions/session_growth.h"
+#include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/sessions/session_row.h"
+#include "storage/session_growth.h"
 
 namespace enfilade::storage::postgres {
 namespace {
 
 // In the order of their ids, so that two writers never wait for each other. NO KEY: mapping, whose rows refer to the
-// session, goes on meanwhile.
+// session, is not blocked.
 constexpr Statement kLockSessions{
     "locking sessions",
     "SELECT session_id, delete_time IS NOT NULL, finish_time IS NOT NULL, records_deleted, acknowledged_sequence,"
@@ -35,14 +36,14 @@ constexpr Statement kCopyRecords{
 constexpr Statement kInsertBlobRefs{"storing records' blobs",
                                     "INSERT INTO enfilade.session_record_blobs (site_id, session_id, sequence, sha256)"
                                     " SELECT $1, u.* FROM unnest($2::text[], $3::bigint[], $4::bytea[]) u"};
-// The end of the run of records without a hole behind $3.
+// The last record of the run without holes after $3.
 constexpr Statement kFindRunEnd{
     "looking for holes",
     "SELECT r.sequence FROM enfilade.session_records r WHERE r.site_id = $1 AND r.session_id = $2 AND r.sequence > $3"
     " AND NOT EXISTS (SELECT FROM enfilade.session_records n WHERE n.site_id = $1 AND n.session_id = $2"
     "   AND n.sequence = r.sequence + 1) ORDER BY r.sequence LIMIT 1"};
 
-// A session while batches are appended to it.
+// The state of a session while batches are appended to it.
 struct Log {
   bool finished = false;
   bool deleted = false;
@@ -52,45 +53,34 @@ struct Log {
   std::vector<const sensor::Record*> accepted;  // in this transaction
 };
 
-absl::Status ValidateBatch(const RecordBatch& batch) {
-  std::int64_t previous = 0;
-  for (const sensor::Record& record : batch.records) {
-    if (record.sequence <= previous) {
-      return RefuseRecord(
-          InvalidArgument("sequence {} comes after {}: sequences start at 1 and increase", record.sequence, previous),
-          record.sequence);
-    }
-    previous = record.sequence;
-  }
-  return ValidateBlobs(batch.blobs);
-}
+using RecordsBySequence = std::map<std::int64_t, const sensor::Record*>;
 
-bool SameContent(const sensor::Record& record, std::int16_t stored_kind, std::string_view stored) {
-  const sensor::RecordKind kind = sensor::KindOf(record);
-  if (static_cast<std::int16_t>(kind) != stored_kind) return false;
-  const std::string payload = sensor::EncodePayload(record);
-  if (payload == stored) return true;
-  // It may have been stored by a program with another layout of the same values.
-  const auto decoded = sensor::DecodePayload(record.sequence, kind, stored);
-  return decoded.ok() && sensor::EncodePayload(*decoded) == payload;
-}
+// What is done with a batch. An error of the transaction is not part of it: that concerns all batches.
+struct BatchDecision {
+  absl::Status refusal;                      // OK: the batch is accepted
+  std::vector<const sensor::Record*> fresh;  // its records that are not stored yet
+};
 
 class SiteAppend {
  public:
   SiteAppend(Transaction& transaction, const SiteId& site) : transaction_(transaction), site_(site) {}
 
+  // These fail with the transaction.
   absl::Status Lock(absl::Span<const RecordBatch* const> batches);
-  // Nested: outside, the transaction's failure; inside, why this batch is refused.
-  absl::StatusOr<absl::StatusOr<AppendResult>> Accept(const RecordBatch& batch);
+  // Queues what is new in the batch for Write, unless the batch is refused.
+  absl::StatusOr<BatchDecision> Accept(const RecordBatch& batch);
   absl::Status Write();
 
   std::int64_t AcknowledgedOf(const SessionId& session) const { return logs_.at(session.value()).growth.acknowledged; }
 
  private:
-  // The records of the batch that are not stored yet; refuses the batch where one differs from the stored one.
-  absl::StatusOr<absl::StatusOr<std::vector<const sensor::Record*>>> SelectNew(const RecordBatch& batch,
-                                                                               const Log& log);
-  absl::StatusOr<absl::Status> CheckBlobs(const RecordBatch& batch, const std::vector<const sensor::Record*>& records);
+  // Refused if a record differs from the stored one.
+  absl::StatusOr<BatchDecision> SelectFresh(const RecordBatch& batch, const Log& log);
+  // Removes the stored records from `doubtful`. Sets `refusal` if one differs from the stored one.
+  absl::Status RemoveStored(const RecordBatch& batch, const Log& log, RecordsBySequence& doubtful,
+                            absl::Status& refusal);
+  // Sets decision.refusal if the blob of a fresh record is missing or has another size.
+  absl::Status CheckBlobs(const RecordBatch& batch, BatchDecision& decision);
   void Take(const RecordBatch& batch, Log& log, const std::vector<const sensor::Record*>& records);
   absl::Status AdvanceAcknowledged();
 
@@ -121,51 +111,56 @@ absl::Status SiteAppend::Lock(absl::Span<const RecordBatch* const> batches) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<absl::StatusOr<AppendResult>> SiteAppend::Accept(const RecordBatch& batch) {
-  using Refused = absl::StatusOr<AppendResult>;
+absl::StatusOr<BatchDecision> SiteAppend::Accept(const RecordBatch& batch) {
+  if (absl::Status valid = ValidateBatch(batch); !valid.ok()) return BatchDecision{std::move(valid), {}};
   const auto found = logs_.find(batch.session.value());
-  if (found == logs_.end()) return Refused(NotFound("{} does not exist", NameOf(site_, batch.session)));
+  if (found == logs_.end()) return BatchDecision{NotFound("{} does not exist", NameOf(site_, batch.session)), {}};
   Log& log = found->second;
-  if (log.deleted) return Refused(FailedPrecondition("{} is deleted", NameOf(site_, batch.session)));
-  ENFILADE_ASSIGN_OR_RETURN(const auto records, SelectNew(batch, log));
-  if (!records.ok()) return Refused(records.status());
-  if (log.finished && !records->empty()) {
-    return Refused(FailedPrecondition("{} is finished and takes no new records: {} is new",
-                                      NameOf(site_, batch.session), records->front()->sequence));
+  if (log.deleted) return BatchDecision{FailedPrecondition("{} is deleted", NameOf(site_, batch.session)), {}};
+  ENFILADE_ASSIGN_OR_RETURN(BatchDecision decision, SelectFresh(batch, log));
+  if (!decision.refusal.ok()) return decision;
+  if (log.finished && !decision.fresh.empty()) {
+    decision.refusal = FailedPrecondition("{} is finished and takes no new records: {} is new",
+                                          NameOf(site_, batch.session), decision.fresh.front()->sequence);
+    return decision;
   }
-  ENFILADE_ASSIGN_OR_RETURN(const absl::Status blobs, CheckBlobs(batch, *records));
-  if (!blobs.ok()) return Refused(blobs);
-  Take(batch, log, *records);
-  AppendResult result;
-  result.inserted = static_cast<std::int64_t>(records->size());
-  result.duplicates = static_cast<std::int64_t>(batch.records.size()) - result.inserted;
-  return Refused(result);
+  ENFILADE_RETURN_IF_ERROR(CheckBlobs(batch, decision));
+  if (decision.refusal.ok()) Take(batch, log, decision.fresh);
+  return decision;
 }
 
-absl::StatusOr<absl::StatusOr<std::vector<const sensor::Record*>>> SiteAppend::SelectNew(const RecordBatch& batch,
-                                                                                         const Log& log) {
-  using Refused = absl::StatusOr<std::vector<const sensor::Record*>>;
-  std::vector<const sensor::Record*> fresh;
-  std::map<std::int64_t, const sensor::Record*> doubtful;
+absl::StatusOr<BatchDecision> SiteAppend::SelectFresh(const RecordBatch& batch, const Log& log) {
+  std::vector<const sensor::Record*> beyond;  // the end of the log
+  RecordsBySequence doubtful;
   for (const sensor::Record& record : batch.records) {
     if (record.sequence > log.growth.highest) {
-      fresh.push_back(&record);
+      beyond.push_back(&record);
     } else if (!log.records_deleted) {
       doubtful[record.sequence] = &record;
     }
   }
-  if (doubtful.empty()) return Refused(std::move(fresh));
+  BatchDecision decision;
+  if (!doubtful.empty()) ENFILADE_RETURN_IF_ERROR(RemoveStored(batch, log, doubtful, decision.refusal));
+  // The rest of them fills holes before the end of the log.
+  for (const auto& [sequence, record] : doubtful) decision.fresh.push_back(record);
+  decision.fresh.insert(decision.fresh.end(), beyond.begin(), beyond.end());
+  return decision;
+}
 
-  const auto conflict = [&](std::int64_t sequence) {
-    return Refused(RefuseRecord(
-        AlreadyExists("record {} of {} is stored with another content", sequence, NameOf(site_, batch.session)),
-        sequence));
+absl::Status SiteAppend::RemoveStored(const RecordBatch& batch, const Log& log, RecordsBySequence& doubtful,
+                                      absl::Status& refusal) {
+  const auto refuse = [&](std::int64_t sequence) {
+    refusal = RefuseRecord(
+        AlreadyExists("record {} of {} is stored with other content", sequence, NameOf(site_, batch.session)),
+        sequence);
+    return absl::OkStatus();
   };
   for (const sensor::Record* accepted : log.accepted) {
     const auto same = doubtful.find(accepted->sequence);
     if (same == doubtful.end()) continue;
-    const auto kind = static_cast<std::int16_t>(sensor::KindOf(*accepted));
-    if (!SameContent(*same->second, kind, sensor::EncodePayload(*accepted))) return conflict(accepted->sequence);
+    if (!HasContent(*same->second, sensor::KindOf(*accepted), sensor::EncodePayload(*accepted))) {
+      return refuse(accepted->sequence);
+    }
     doubtful.erase(same);
   }
   std::vector<std::int64_t> sequences;
@@ -177,25 +172,20 @@ absl::StatusOr<absl::StatusOr<std::vector<const sensor::Record*>>> SiteAppend::S
   for (int i = 0; i < stored.rows(); ++i) {
     Row row(stored, i);
     const std::int64_t sequence = row.Int64();
-    const std::int16_t kind = row.Int16();
+    const auto kind = static_cast<sensor::RecordKind>(row.Int16());
     const std::string_view payload = row.Bytes();
     ENFILADE_RETURN_IF_ERROR(row.status());
-    if (!SameContent(*doubtful.at(sequence), kind, payload)) return conflict(sequence);
+    if (!HasContent(*doubtful.at(sequence), kind, payload)) return refuse(sequence);
     doubtful.erase(sequence);
   }
-  // What is left fills holes, in front of what is beyond the log's end.
-  std::vector<const sensor::Record*> records;
-  for (const auto& [sequence, record] : doubtful) records.push_back(record);
-  records.insert(records.end(), fresh.begin(), fresh.end());
-  return Refused(std::move(records));
+  return absl::OkStatus();
 }
 
-absl::StatusOr<absl::Status> SiteAppend::CheckBlobs(const RecordBatch& batch,
-                                                    const std::vector<const sensor::Record*>& records) {
+absl::Status SiteAppend::CheckBlobs(const RecordBatch& batch, BatchDecision& decision) {
   std::unordered_map<std::string_view, std::int64_t> sizes;
   for (const BlobView& blob : batch.blobs) sizes[blob.sha256] = static_cast<std::int64_t>(blob.data.size());
   std::vector<Bytes> wanted;
-  for (const sensor::Record* record : records) {
+  for (const sensor::Record* record : decision.fresh) {
     const sensor::BlobRef* blob = sensor::FindBlob(*record);
     if (blob && !sizes.contains(blob->sha256)) wanted.push_back(Bytes{blob->sha256});
   }
@@ -209,25 +199,18 @@ absl::StatusOr<absl::Status> SiteAppend::CheckBlobs(const RecordBatch& batch,
       ENFILADE_RETURN_IF_ERROR(row.status());
     }
   }
-  for (const sensor::Record* record : records) {
+  for (const sensor::Record* record : decision.fresh) {
     const sensor::BlobRef* blob = sensor::FindBlob(*record);
     if (!blob) continue;
     const auto size = sizes.find(blob->sha256);
-    if (size == sizes.end()) {
-      return RefuseRecord(InvalidArgument("record {}: its blob {} was not sent", record->sequence, ToHex(blob->sha256)),
-                          record->sequence);
-    }
-    if (size->second != blob->size) {
-      return RefuseRecord(InvalidArgument("record {}: its blob {} has {} bytes, not {} as the record says",
-                                          record->sequence, ToHex(blob->sha256), size->second, blob->size),
-                          record->sequence);
-    }
+    decision.refusal = ValidateBlobSize(*record, *blob, size == sizes.end() ? 0 : size->second);
+    if (!decision.refusal.ok()) break;
   }
-  return absl::Status();
+  return absl::OkStatus();
 }
 
 void SiteAppend::Take(const RecordBatch& batch, Log& log, const std::vector<const sensor::Record*>& records) {
-  constexpr std::size_t kRowBytes = 200;  // all but the ranges, about
+  constexpr std::size_t kRowBytes = 200;  // about what a row has besides the ranges
   for (const sensor::Record* record : records) {
     const auto* scan = std::get_if<sensor::LaserScan>(&record->payload);
     rows_.Reserve(kRowBytes + (scan ? scan->ranges.size() * sizeof(float) : 0));
@@ -266,7 +249,7 @@ absl::Status SiteAppend::Write() {
   return transaction_.Commit();
 }
 
-// Where a hole was filled, how far the log goes without one is in the table only.
+// If a hole was filled, only the table knows where the next one is.
 absl::Status SiteAppend::AdvanceAcknowledged() {
   for (auto& [session, log] : logs_) {
     if (!log.growth.filled_hole) continue;
@@ -283,31 +266,33 @@ absl::Status SiteAppend::AdvanceAcknowledged() {
 
 std::vector<absl::StatusOr<AppendResult>> AppendToSite(Pool& pool, const CallContext& context, const SiteId& site,
                                                        absl::Span<const RecordBatch* const> batches) {
-  std::vector<absl::StatusOr<AppendResult>> answers(batches.size(), AppendResult{});
+  std::vector<absl::StatusOr<AppendResult>> results(batches.size(), AppendResult{});
   const auto run = [&]() -> absl::Status {
     ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
     SiteAppend append(transaction, site);
     ENFILADE_RETURN_IF_ERROR(append.Lock(batches));
     for (std::size_t i = 0; i < batches.size(); ++i) {
-      if (const absl::Status valid = ValidateBatch(*batches[i]); !valid.ok()) {
-        answers[i] = valid;
+      ENFILADE_ASSIGN_OR_RETURN(const BatchDecision decision, append.Accept(*batches[i]));
+      if (!decision.refusal.ok()) {
+        results[i] = decision.refusal;
         continue;
       }
-      ENFILADE_ASSIGN_OR_RETURN(answers[i], append.Accept(*batches[i]));
+      results[i]->inserted = static_cast<std::int64_t>(decision.fresh.size());
+      results[i]->duplicates = static_cast<std::int64_t>(batches[i]->records.size()) - results[i]->inserted;
     }
     ENFILADE_RETURN_IF_ERROR(append.Write());
     for (std::size_t i = 0; i < batches.size(); ++i) {
-      if (answers[i].ok()) answers[i]->acknowledged_sequence = append.AcknowledgedOf(batches[i]->session);
+      if (results[i].ok()) results[i]->acknowledged_sequence = append.AcknowledgedOf(batches[i]->session);
     }
     return absl::OkStatus();
   };
   const absl::Status outcome = run();
   if (!outcome.ok()) {
-    for (auto& answer : answers) {
-      if (answer.ok()) answer = outcome;
+    for (auto& result : results) {
+      if (result.ok()) result = outcome;
     }
   }
-  return answers;
+  return results;
 }
 
 }  // namespace enfilade::storage::postgres

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/postgres/graph/graph_change.h"
+#include "storage/postgres/graph/graph_versions.h"
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
@@ -9,13 +9,13 @@ namespace {
 
 constexpr Statement kLockGraph{"locking the graph",
                                "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR UPDATE"};
-constexpr Statement kRaise{"raising the graph's version",
-                           "INSERT INTO enfilade.site_graphs AS g (site_id, graph_version, cause, resource)"
-                           " VALUES ($1, 1, $2, $3) ON CONFLICT (site_id) DO UPDATE"
-                           " SET graph_version = g.graph_version + 1, cause = $2, resource = $3"
-                           " RETURNING graph_version"};
-constexpr Statement kRemove{
-    "noting what is gone",
+constexpr Statement kRaiseVersion{"raising the graph's version",
+                                  "INSERT INTO enfilade.site_graphs AS g (site_id, graph_version, cause, resource)"
+                                  " VALUES ($1, 1, $2, $3) ON CONFLICT (site_id) DO UPDATE"
+                                  " SET graph_version = g.graph_version + 1, cause = $2, resource = $3"
+                                  " RETURNING graph_version"};
+constexpr Statement kRecordRemoval{
+    "recording a removal",
     "INSERT INTO enfilade.graph_removals (site_id, kind, id, removed_version)"
     " SELECT site_id, $2, $3, graph_version FROM enfilade.site_graphs WHERE site_id = $1"
     " ON CONFLICT (site_id, kind, id) DO UPDATE SET removed_version = excluded.removed_version"};
@@ -39,7 +39,7 @@ absl::StatusOr<std::int64_t> LockGraph(Transaction& transaction, const SiteId& s
 
 absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const SiteId& site, GraphCause cause,
                                                const std::string& resource) {
-  const auto raised = transaction.Execute(kRaise, Params(site, static_cast<std::int16_t>(cause), resource));
+  const auto raised = transaction.Execute(kRaiseVersion, Params(site, static_cast<std::int16_t>(cause), resource));
   if (SqlStateOf(raised.status()) == "23503") return NotFound("{} does not exist", NameOf(site));
   ENFILADE_RETURN_IF_ERROR(raised.status());
   return ReadOne(
@@ -47,11 +47,11 @@ absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const S
 }
 
 void QueueRemoval(Transaction& transaction, const SiteId& site, const MapId& map) {
-  transaction.Queue(kRemove, Params(site, kRemovedMap, map));
+  transaction.Queue(kRecordRemoval, Params(site, kRemovedMap, map));
 }
 
 void QueueRemoval(Transaction& transaction, const SiteId& site, const LinkPointId& link_point) {
-  transaction.Queue(kRemove, Params(site, kRemovedLinkPoint, link_point));
+  transaction.Queue(kRecordRemoval, Params(site, kRemovedLinkPoint, link_point));
 }
 
 }  // namespace enfilade::storage::postgres

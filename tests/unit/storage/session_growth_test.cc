@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/postgres/sessions/session_growth.h"
+#include "storage/session_growth.h"
 
 #include "gtest/gtest.h"
 
-namespace enfilade::storage::postgres {
+namespace enfilade::storage {
 namespace {
 
 sensor::Record RecordAt(std::int64_t sequence, TimeNs time) { return {sequence, sensor::Odometry{time, {}}}; }
@@ -57,4 +57,4 @@ TEST(SessionGrowthTest, TimesAreThoseOfTheRecordsThatHaveOne) {
 }
 
 }  // namespace
-}  // namespace enfilade::storage::postgres
+}  // namespace enfilade::storage

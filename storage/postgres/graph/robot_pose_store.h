@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "storage/postgres/driver/pool.h"
+#include "storage/robot_pose_store.h"
+
+namespace enfilade::storage::postgres {
+
+class RobotPoseStore final : public storage::RobotPoseStore {
+ public:
+  explicit RobotPoseStore(Pool& pool) : pool_(pool) {}
+
+  absl::Status Report(const CallContext& context, const RobotPose& pose) const override;
+  absl::StatusOr<RobotPose> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const override;
+  absl::StatusOr<std::vector<RobotPose>> List(const CallContext& context, const SiteId& site) const override;
+
+ private:
+  Pool& pool_;
+};
+
+}  // namespace enfilade::storage::postgres

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "storage/postgres/driver/pool.h"
+#include "storage/site_lease_store.h"
+
+namespace enfilade::storage::postgres {
+
+class SiteLeaseStore final : public storage::SiteLeaseStore {
+ public:
+  explicit SiteLeaseStore(Pool& pool) : pool_(pool) {}
+
+  absl::StatusOr<std::optional<SiteLease>> Acquire(const CallContext& context, const SiteId& site,
+                                                   const std::string& owner,
+                                                   std::chrono::milliseconds ttl) const override;
+  absl::Status Renew(const CallContext& context, const SiteLease& lease, std::chrono::milliseconds ttl) const override;
+  absl::Status Release(const CallContext& context, const SiteLease& lease) const override;
+
+ private:
+  Pool& pool_;
+};
+
+}  // namespace enfilade::storage::postgres

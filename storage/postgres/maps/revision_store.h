@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "storage/postgres/driver/pool.h"
+#include "storage/revision_store.h"
+
+namespace enfilade::storage::postgres {
+
+class RevisionStore final : public storage::RevisionStore {
+ public:
+  explicit RevisionStore(Pool& pool) : pool_(pool) {}
+
+  absl::StatusOr<MapRevision> Add(const CallContext& context, const SiteId& site, const MapId& map,
+                                  const NewRevision& revision, absl::Span<const BlobView> blobs) const override;
+  absl::StatusOr<MapRevision> Get(const CallContext& context, const SiteId& site, const MapId& map,
+                                  std::int64_t number) const override;
+  absl::StatusOr<std::vector<MapRevision>> List(const CallContext& context, const SiteId& site, const MapId& map,
+                                                std::int64_t before, int limit) const override;
+  absl::StatusOr<LayersBeside> ReadLayersBeside(const CallContext& context, const SiteId& site, const MapId& map,
+                                                const SessionId& session) const override;
+  absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,
+                                              std::optional<TileKey> after, std::int64_t max_bytes) const override;
+
+ private:
+  Pool& pool_;
+};
+
+}  // namespace enfilade::storage::postgres
