@@ -20,7 +20,7 @@ Eigen::Vector2d Mean(const Points& points) {
   return sum;
 }
 
-// The two farthest apart.
+// The largest distance between two points.
 double Extent(const Points& points) {
   double extent = 0.0;
   for (const Eigen::Vector2d& a : points) {
@@ -46,7 +46,7 @@ absl::Status Check(const std::vector<SurveyPoint>& points) {
   return absl::OkStatus();
 }
 
-// Near enough to all points; across the antimeridian too.
+// The mean longitude and latitude; works across the antimeridian.
 LonLat Centre(const std::vector<SurveyPoint>& points) {
   LonLat centre = points.front().place;
   const LonLat first = centre;
@@ -91,11 +91,6 @@ LonLat Georeference::ToLonLat(const Eigen::Vector2d& p_world) const {
                              Eigen::Vector2d(scale_ * (p_world - p_world_0_)));
 }
 
-Eigen::Vector2d Georeference::ToWorld(const LonLat& place) const {
-  const Eigen::Vector2d d = projection_.Forward(place) - east_north_0_;
-  return p_world_0_ + (Pose2{0.0, 0.0, -yaw_} * d) / scale_;
-}
-
 absl::StatusOr<GeoreferenceFit> FitGeoreference(const std::vector<SurveyPoint>& points,
                                                 const GeoreferenceOptions& options) {
   ENFILADE_RETURN_IF_ERROR(Check(points));
@@ -117,12 +112,12 @@ absl::StatusOr<GeoreferenceFit> FitGeoreference(const std::vector<SurveyPoint>& 
   const Correlation correlation = Correlate(world, ground);
   const double best_scale = std::abs(correlation.direct) / correlation.world;
   if (std::abs(correlation.mirrored) > 1.01 * std::abs(correlation.direct)) {
-    return InvalidArgument("the control points fit better in a mirror: axes, or points, seem to be exchanged");
+    return InvalidArgument("the control points fit better mirrored: axes or points seem to be exchanged");
   }
   if (!(std::abs(best_scale - 1.0) <= options.max_scale_error)) {
     return InvalidArgument(
         "the control points are {:.4f} times as far apart on the ground as in the world frame: check"
-        " that none is mixed up, and that longitude and latitude are not exchanged",
+        " that no two are mixed up and that longitude and latitude are not exchanged",
         best_scale);
   }
   GeoreferenceFit fit{.georeference = Georeference(projection, Mean(ground), Mean(world), std::arg(correlation.direct),

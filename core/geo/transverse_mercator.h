@@ -13,11 +13,11 @@ struct LonLat {
   friend bool operator==(const LonLat&, const LonLat&) = default;
 };
 
-// The transverse Mercator projection of the WGS84 ellipsoid about an origin of one's own, scale 1 on its meridian, in
-// metres east and north of the origin: Krueger's series to the sixth order in the third flattening (Karney 2011,
-// Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85, eqs. 7-12, 35, 36). Conformal, so that a
-// site keeps its angles; at 10 km from the meridian lengths are 1.2 mm per km too long. Within some 1000 km of the
-// origin there and back differ by nanometres. The origin must not be a pole.
+// The transverse Mercator projection of the WGS84 ellipsoid about a freely chosen origin, with scale 1 on the origin's
+// meridian, in metres east and north of the origin. GeographicLib computes it by Krueger's series to the sixth order in
+// the third flattening (Karney 2011, Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85).
+// Conformal, so a site keeps its angles; 10 km from the meridian lengths are 1.2 mm per km too long. Within about
+// 1000 km of the origin a round trip is accurate to nanometres. The origin must not be a pole.
 class TransverseMercator {
  public:
   TransverseMercator() : TransverseMercator(LonLat{}) {}

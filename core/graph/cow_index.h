@@ -10,7 +10,7 @@
 
 namespace enfilade::graph {
 
-// A hash map from Key to a number that is not negative, with CowVector's way of sharing.
+// A hash map from Key to non-negative integers that shares memory between copies as CowVector does.
 template <typename Key>
 class CowIndex {
  public:
@@ -18,7 +18,7 @@ class CowIndex {
 
   std::size_t size() const { return size_; }
 
-  // -1 where it is not.
+  // -1 if absent.
   int Find(const Key& key) const {
     for (const auto& [k, value] : buckets_[BucketOf(key)]) {
       if (k == key) return value;
@@ -26,14 +26,14 @@ class CowIndex {
     return -1;
   }
 
-  // `key` must not be there.
+  // `key` must be absent.
   void Insert(const Key& key, int value) {
     if (size_ >= kLoad * buckets_.size()) Grow();
     buckets_.Mutable(BucketOf(key)).emplace_back(key, value);
     ++size_;
   }
 
-  // `key` must be there.
+  // `key` must be present.
   void Erase(const Key& key) {
     Bucket& bucket = buckets_.Mutable(BucketOf(key));
     for (auto& entry : bucket) {

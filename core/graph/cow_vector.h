@@ -9,9 +9,9 @@
 
 namespace enfilade::graph {
 
-// A vector whose copies share their chunks of `kChunk` elements (copy on write): a copy costs one pointer per chunk, a
-// change the copy of one chunk, and nobody who reads an older copy sees it or waits. Changes are made between
-// construction or copying and `Freeze`; a frozen vector may be copied and read from any thread.
+// A copy-on-write vector whose copies share chunks of `kChunk` elements: copying costs one pointer per chunk, a change
+// the copy of one chunk. Readers of an older copy never wait and never see changes. Change a vector only between its
+// construction or copying and `Freeze`; a frozen vector can be copied and read from any thread.
 template <typename T, std::size_t kChunk = 128>
 class CowVector {
  public:
@@ -20,7 +20,7 @@ class CowVector {
 
   T& Mutable(std::size_t i) {
     std::shared_ptr<Chunk>& chunk = chunks_[i / kChunk];
-    // Not by use_count(): it does not order another thread's last reads before our writes.
+    // use_count() would not do: it does not order another thread's last reads before our writes.
     if (own_.insert(i / kChunk).second) chunk = std::make_shared<Chunk>(*chunk);
     return (*chunk)[i % kChunk];
   }
@@ -40,7 +40,7 @@ class CowVector {
 
   std::vector<std::shared_ptr<Chunk>> chunks_;
   std::size_t size_ = 0;
-  std::unordered_set<std::size_t> own_;  // the chunks made since the last Freeze
+  std::unordered_set<std::size_t> own_;  // chunks created since the last Freeze
 };
 
 }  // namespace enfilade::graph

@@ -65,7 +65,7 @@ class Writer {
     collection_["features"] = Json::array();
   }
 
-  // Of the map's frame; null where it is not joined to the world.
+  // The pose of the map's frame; null if the map is not connected to the world.
   const PoseWithCovariance* FindWorld(const MapId& map) {
     const auto [found, is_new] = T_world_maps_.try_emplace(map);
     if (is_new) {
@@ -89,7 +89,7 @@ class Writer {
     return line;
   }
 
-  // Counter-clockwise, as the RFC wants it.
+  // Counter-clockwise, as the RFC requires.
   Json Polygon(const Pose2& T_world_map, const std::vector<Eigen::Vector2d>& outline) const {
     double area = 0.0;
     for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -111,7 +111,7 @@ class Writer {
                                        {"properties", std::move(properties)}});
   }
 
-  // Bytes that are not UTF-8 are replaced: JSON has no others.
+  // Replaces bytes that are not UTF-8, which JSON cannot hold.
   std::string Text() const { return collection_.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
  private:

@@ -17,12 +17,12 @@ absl::StatusOr<int> GetMapSlot(const GraphSnapshot& graph, const MapId& map) {
   return slot;
 }
 
-// The pose that the solution has for the map, or null.
+// Whether the map's world pose is known without a chain.
 bool IsPosed(const GraphSnapshot& graph, const MapId& map) {
   return map == graph.root() || graph.FindSolvedPose(map) != nullptr;
 }
 
-// What paths that begin in a map posed so cost already.
+// The initial cost of paths from a map with this pose covariance.
 double InitialCost(const Eigen::Matrix3d& covariance, const PathOptions& options) {
   if (options.cost != PathCost::kUncertainty) return 0.0;
   return UncertaintyOf(covariance, options.lever_m * options.lever_m);
@@ -39,7 +39,7 @@ std::vector<PathSource> SolvedMaps(const GraphSnapshot& graph, const PathOptions
     if (slot < 0 || map == graph.root()) continue;
     sources.push_back({.map = slot, .cost = InitialCost(T_world_map.covariance, options), .position = std::nullopt});
   }
-  // Not in the order of the hash map, nor of the slots: the result must follow from the graph alone.
+  // Sorted by id, because the result must not depend on the order of the hash map or of the slots.
   std::sort(sources.begin(), sources.end(), [&graph](const PathSource& a, const PathSource& b) {
     return graph.map_node(a.map).map->id < graph.map_node(b.map).map->id;
   });
@@ -63,7 +63,7 @@ MapTransform TransformAlong(const GraphSnapshot& graph, const Path& path) {
 
 }  // namespace
 
-// From the posed maps to all others: made when it is first asked for.
+// Paths from the posed maps to all others, computed on first use.
 struct WorldPoses::Chains {
   absl::once_flag once;
   std::vector<PathSource> sources;
@@ -135,7 +135,7 @@ absl::StatusOr<std::optional<MapTransform>> TransformsTo::Find(const MapId& a) c
   ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(*graph_, a));
   std::optional<Path> path = BestPath(*graph_, sources_, labels_, {.map = slot, .position = std::nullopt}, options_);
   if (!path.has_value()) return std::optional<MapTransform>();
-  // It was found from b; legs cost the same either way.
+  // The search started at b; legs cost the same in both directions.
   std::reverse(path->maps.begin(), path->maps.end());
   std::reverse(path->link_points.begin(), path->link_points.end());
   return std::optional<MapTransform>(TransformAlong(*graph_, *path));

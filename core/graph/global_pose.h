@@ -15,14 +15,14 @@
 
 namespace enfilade::graph {
 
-// A pose in the world frame, and why it is so.
+// A pose in the world frame, with its derivation.
 struct GlobalPose {
   PoseWithCovariance T_world_robot = {};
   std::int64_t graph_version = 0;
-  // The map that the chain begins in: the root, or one that the solution has posed.
+  // The map in which the chain starts: the root, or a map posed by the solution.
   MapId base_map = {};
   PoseWithCovariance T_world_base = {};
-  // The graph version of the optimisation that T_world_base comes from; unset: base_map is the root, nothing optimised.
+  // The graph version of the optimisation that gave T_world_base; unset: no optimisation, base_map is the root.
   std::optional<std::int64_t> solution_version = {};
   // base_share + the hops' shares + robot_share = the covariance of T_world_robot.
   Eigen::Matrix3d base_share = Eigen::Matrix3d::Zero();
@@ -30,29 +30,29 @@ struct GlobalPose {
   Eigen::Matrix3d robot_share = Eigen::Matrix3d::Zero();
 };
 
-// Answers from one snapshot. A map that the solution poses is answered at once; the first one that it does not pose
-// costs one search over the whole graph. May be asked by several threads at once.
+// World poses from one snapshot. Maps posed by the solution need no search; the first other map costs one search over
+// the whole graph. Thread-safe.
 //
-// Where an optimised solution exists, T_world_map comes from it. A map that it does not pose (made since) is chained
-// from the solved map from which the path is best, that map's own uncertainty counted: T_world_robot = T_world_base *
-// hops * T_map_robot. The base's covariance and the hops' are independent: a link point that leads out of the solved
-// maps was no part of the solution. Without a solution the base is the root, exactly at the origin. So an optimisation
-// of a tree changes no pose, and no covariance but to the second order: nothing in a tree contradicts anything.
-// Chains ignore whether doors are open. Link points switched off or suspended are in no chain; that a solution was made
-// with one that is suspended since shows in its version, until the next one.
+// If there is an optimised solution, T_world_map comes from it. A map that it does not pose (created later) is chained
+// from the solved map with the best path, including that map's own uncertainty: T_world_robot = T_world_base * hops *
+// T_map_robot. The covariances of base and hops are independent: a link point that leads out of the solved maps was not
+// part of the solution. Without a solution the base is the root, exactly at the origin. The optimisation of a tree thus
+// changes no pose, and covariances only to second order: a tree has no contradictions. Chains ignore whether doors are
+// open and never use switched-off or suspended link points. If a link point was suspended after the solution was made,
+// the solution's version shows it until the next optimisation.
 class WorldPoses {
  public:
-  // `options.passable_at` and the exclusions are for routes and not used.
+  // Ignores `options.passable_at` and the exclusions, which are for routes.
   explicit WorldPoses(GraphSnapshot graph, const PathOptions& options = {});
   WorldPoses(WorldPoses&&) noexcept;
   ~WorldPoses();
 
   const GraphSnapshot& graph() const { return graph_; }
 
-  // Empty where no chain joins the map to the world, which is an answer. NOT_FOUND: no such map.
+  // Empty, not an error, if no chain connects the map to the world. NOT_FOUND: no such map.
   absl::StatusOr<std::optional<GlobalPose>> Find(const MapId& map, const PoseWithCovariance& T_map_robot) const;
 
-  // Of a map's origin.
+  // The pose of a map's origin.
   absl::StatusOr<std::optional<GlobalPose>> Find(const MapId& map) const { return Find(map, {}); }
 
  private:
@@ -65,26 +65,26 @@ class WorldPoses {
   std::unique_ptr<Chains> chains_;
 };
 
-// T_a_b of two maps, and why.
+// T_a_b of two maps, with its derivation.
 struct MapTransform {
   PoseWithCovariance T_a_b = {};
   std::int64_t graph_version = 0;
   std::vector<PoseHop> hops = {};
-  // Set where the solution poses both maps: the pose then comes from it.
+  // Set if the solution poses both maps and so gave the pose.
   std::optional<std::int64_t> solution_version = {};
 };
 
-// The frame of map b in that of map a. The pose is the solution's where it has both maps, and that of the chain
-// otherwise; the covariance is the chain's in both cases. (An optimisation only adds to what the chain knows, so that
-// its covariance is no less than the optimised one, whose correlations between maps are not kept.) Empty where no chain
-// joins the maps. NOT_FOUND: no such map.
+// The frame of map b in map a. The pose is the solution's if it has both maps, otherwise the chain's; the covariance is
+// always the chain's. (Correlations between solved maps are not stored. The chain's covariance is an upper bound,
+// because an optimisation uses at least the chain's information.) Empty if no chain connects the maps. NOT_FOUND: no
+// such map.
 absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& graph, const MapId& a, const MapId& b,
                                                           const PathOptions& options = {});
 
-// The frame of map b in those of any number of other maps, as FindTransform has it: one search for all of them.
+// FindTransform from any number of maps a to one map b, with one search for all of them.
 class TransformsTo {
  public:
-  // `graph` must outlive it. NOT_FOUND: no such map.
+  // `graph` must outlive the result. NOT_FOUND: no such map.
   static absl::StatusOr<TransformsTo> Make(const GraphSnapshot& graph, const MapId& b, const PathOptions& options = {});
 
   absl::StatusOr<std::optional<MapTransform>> Find(const MapId& a) const;
@@ -98,12 +98,12 @@ class TransformsTo {
   std::vector<PathLabel> labels_;
 };
 
-// The poses, given in map b, in the frame of map a.
+// Transforms poses from map b to map a.
 std::vector<PoseWithCovariance> TransformPoses(const MapTransform& T_a_b,
                                                const std::vector<PoseWithCovariance>& T_b_poses);
 
-// Where a link point lies in the world: its anchor of the least trace of position covariance there. Empty where none of
-// its maps is joined to the world.
+// The pose of a link point in the world, by the anchor with the smallest trace of position covariance there. Empty if
+// none of its maps is connected to the world.
 std::optional<PoseWithCovariance> FindInWorld(const WorldPoses& poses, const LinkPoint& link_point);
 
 }  // namespace enfilade::graph

@@ -22,7 +22,7 @@ namespace {
 class Islands {
  public:
   explicit Islands(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-  // False where all of `maps` were joined already.
+  // False if all of `maps` were already joined.
   template <typename Maps>
   bool Join(const Maps& maps) {
     bool joined = false;
@@ -75,9 +75,9 @@ class Optimization {
   }
 
  private:
-  // A kernel that takes no notice of what is far off has minima in which a wrong link point holds a map against several
-  // right ones, and which one is found is a matter of the start. Huber's kernel has the majority's minimum, if a little
-  // off; started there and elsewhere, the least minimum counts.
+  // A kernel that ignores large errors has local minima in which one wrong link point outweighs several right ones;
+  // which minimum is found depends on the start. Huber's kernel finds the majority's minimum, slightly biased. So start
+  // there and elsewhere and keep the smaller minimum.
   absl::Status SolveRobustly() {
     const optimize::RobustKernel dcs{.type = optimize::RobustKernel::Type::kDcs, .width = options_.kernel_width};
     ENFILADE_RETURN_IF_ERROR(
@@ -108,7 +108,7 @@ class Optimization {
     return absl::OkStatus();
   }
 
-  // How far beyond the gate: comparable between link points with different numbers of anchors.
+  // chi-squared relative to the gate: comparable between link points with different numbers of anchors.
   double Excess(std::size_t term) const { return chi2_[term] / gate_[term]; }
 
   const auto& MapsOf(std::size_t term) const { return snapshot_.link_point_node(joint_.terms[term].link_point).maps; }
@@ -118,7 +118,7 @@ class Optimization {
     SetEnabled(joint_, joint_.terms[term], used);
   }
 
-  // From the best on, what no better ones join already is kept.
+  // In order of quality, keeps link points that join maps which no better ones join.
   void SwitchOffBeyondGate() {
     std::vector<std::size_t> order(joint_.terms.size());
     std::iota(order.begin(), order.end(), 0);
@@ -130,7 +130,7 @@ class Optimization {
     }
   }
 
-  // Whether the maps of `term` are joined without it.
+  // Whether the maps of `term` would be disconnected without it.
   bool IsNeeded(std::size_t term) const {
     Islands islands(snapshot_.map_slots());
     for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
@@ -161,7 +161,7 @@ class Optimization {
     return absl::OkStatus();
   }
 
-  // Once for each, so that the rounds end.
+  // At most once for each link point, so that the rounds end.
   bool UseAgain() {
     bool any = false;
     for (std::size_t i = 0; i < joint_.terms.size(); ++i) {

@@ -13,7 +13,7 @@ namespace {
 
 std::size_t Index(int slot) { return static_cast<std::size_t>(slot); }
 
-// A slot that nothing uses.
+// An unused slot.
 template <typename Node>
 int TakeSlot(CowVector<Node>& nodes, std::vector<int>& free) {
   if (free.empty()) {
@@ -89,14 +89,14 @@ absl::Status GraphSnapshot::Upsert(const LinkPoint& link_point) {
     slot = TakeSlot(link_points_, free_link_points_);
     link_point_index_.Insert(link_point.id, slot);
   } else {
-    Part(slot);
+    Disconnect(slot);
   }
   LinkPointNode& node = link_points_.Mutable(Index(slot));
   node.link_point = std::make_shared<const LinkPoint>(link_point);
   node.maps = std::move(maps);
   node.state = link_point.state;
   node.state_valid_until = link_point.state_valid_until;
-  Join(slot);
+  Connect(slot);
   return absl::OkStatus();
 }
 
@@ -117,14 +117,14 @@ absl::Status GraphSnapshot::Remove(const MapId& id) {
 void GraphSnapshot::Remove(const LinkPointId& id) {
   const int slot = link_point_index_.Find(id);
   if (slot < 0) return;
-  Part(slot);
+  Disconnect(slot);
   link_points_.Mutable(Index(slot)) = {};
   link_point_index_.Erase(id);
   free_link_points_.push_back(slot);
 }
 
-// Enters the link point into its maps.
-void GraphSnapshot::Join(int slot) {
+// Adds the link point to its maps.
+void GraphSnapshot::Connect(int slot) {
   const LinkPointNode& node = link_points_[Index(slot)];
   const LinkPoint& link_point = *node.link_point;
   for (std::size_t i = 0; i < node.maps.size(); ++i) {
@@ -144,8 +144,8 @@ void GraphSnapshot::Join(int slot) {
   }
 }
 
-// Takes the link point out of its maps.
-void GraphSnapshot::Part(int slot) {
+// Removes the link point from its maps.
+void GraphSnapshot::Disconnect(int slot) {
   for (const int map_slot : link_points_[Index(slot)].maps) {
     MapNode& map = maps_.Mutable(Index(map_slot));
     std::erase(map.link_points, slot);

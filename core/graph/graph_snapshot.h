@@ -19,7 +19,7 @@
 
 namespace enfilade::graph {
 
-// What the graph knows of a map.
+// A map as part of the graph.
 struct MapInGraph {
   MapId id = {};
   std::string display_name = {};
@@ -29,28 +29,28 @@ struct MapInGraph {
   friend bool operator==(const MapInGraph&, const MapInGraph&) = default;
 };
 
-// What differs between two versions of a site's graph. Of an id that is in several lists the last one here counts:
-// maps come before link points that have anchors in them.
+// The difference between two versions of a site's graph. The lists are applied in this order, so maps precede the link
+// points with anchors in them; if an id is in several lists, the last one takes effect.
 struct SnapshotChanges {
   std::int64_t version = 0;        // after the changes
-  std::optional<MapId> root = {};  // whose frame is the world's; unset: as before
+  std::optional<MapId> root = {};  // the map whose frame is the world's; unset: unchanged
   std::vector<MapInGraph> maps = {};
   std::vector<LinkPointId> removed_link_points = {};
   std::vector<LinkPoint> link_points = {};
   std::vector<MapId> removed_maps = {};
-  std::shared_ptr<const SolvedGraph> solution = {};  // null: as before
+  std::shared_ptr<const SolvedGraph> solution = {};  // null: unchanged
 };
 
-// The topological graph of one site at one version: maps, link points and, where there is one, the optimised poses of
-// maps. Two link points are joined by an edge for each map in which both have an anchor; edges are not stored but
-// follow from the maps' link points. Immutable, and cheap to copy and to change: what is the same is shared, so that
-// readers keep what they have while the next version is made from it.
+// The topological graph of one site at one version: maps, link points and the optimised poses of maps, if any. Two link
+// points are connected by an edge for each map in which both have an anchor; edges are not stored but follow from the
+// maps' link points. Immutable, and cheap to copy and to change: versions share what is equal, so readers keep theirs
+// while the next one is made.
 //
-// Link points are identified by their ids. The numbers of maps and link points below ("slots") are how searches find
-// their way through one snapshot; they mean nothing in another.
+// Link points are identified by their ids. The numbers of maps and link points below ("slots") are for searches within
+// one snapshot and have no meaning in another.
 class GraphSnapshot {
  public:
-  // A link point that is in use and joins at least two maps, as one of them sees it.
+  // A link point in use that joins at least two maps, as seen from one of them.
   struct Doorway {
     int link_point = 0;            // slot
     double x = 0.0;                // m, map frame
@@ -61,7 +61,7 @@ class GraphSnapshot {
   struct MapNode {
     std::shared_ptr<const MapInGraph> map;  // null: an empty slot
     std::vector<Doorway> doorways;          // by link point's id
-    std::vector<int> link_points;           // slots of all that have an anchor here, candidates and unused ones too
+    std::vector<int> link_points;           // slots of all with an anchor here, including candidates and unused ones
   };
   struct LinkPointNode {
     std::shared_ptr<const LinkPoint> link_point;  // null: an empty slot
@@ -71,24 +71,24 @@ class GraphSnapshot {
   };
 
   std::int64_t version() const { return version_; }
-  // Empty where there is no map.
+  // Empty if there are no maps.
   const MapId& root() const { return root_; }
-  // Null where nothing was optimised.
+  // Null if the graph was never optimised.
   const SolvedGraph* solution() const { return solution_.get(); }
-  // T_world_map as solved from today's root; null where it was not.
+  // T_world_map of a solution with the current root; null if there is none.
   const PoseWithCovariance* FindSolvedPose(const MapId& map) const;
 
   std::size_t map_count() const { return map_index_.size(); }
   std::size_t link_point_count() const { return link_point_index_.size(); }
 
-  // Null where it is not; valid as long as the snapshot or one that shares it.
+  // Null if absent; valid as long as this snapshot or one that shares it.
   const MapInGraph* FindMap(const MapId& id) const;
   const LinkPoint* FindLinkPoint(const LinkPointId& id) const;
-  // By id.
+  // Sorted by id.
   std::vector<const MapInGraph*> ListMaps() const;
   std::vector<const LinkPoint*> ListLinkPoints() const;
 
-  // -1 where it is not.
+  // -1 if absent.
   int MapSlot(const MapId& id) const { return map_index_.Find(id); }
   int LinkPointSlot(const LinkPointId& id) const { return link_point_index_.Find(id); }
   std::size_t map_slots() const { return maps_.size(); }
@@ -103,8 +103,8 @@ class GraphSnapshot {
   absl::Status Upsert(const LinkPoint& link_point);
   absl::Status Remove(const MapId& id);
   void Remove(const LinkPointId& id);
-  void Join(int link_point);
-  void Part(int link_point);
+  void Connect(int link_point);
+  void Disconnect(int link_point);
   void Freeze();
 
   std::int64_t version_ = 0;
@@ -118,10 +118,10 @@ class GraphSnapshot {
   std::vector<int> free_link_points_;
 };
 
-// The next version. Its cost grows with the changes and the link points of the maps that they touch, and only very
-// slowly with the graph. Removing what is not there is no error; without a root the first map becomes it.
-// INVALID_ARGUMENT: a link point that ValidateLinkPoint refuses, or with an anchor in a map that is not there.
-// FAILED_PRECONDITION: a removed map has link points still.
+// The next version. The cost is proportional to the changes and the link points of the affected maps, and grows very
+// slowly with the graph. Removing an absent id is a no-op; without a root the first map becomes the root.
+// INVALID_ARGUMENT: a link point that ValidateLinkPoint refuses, or an anchor in an unknown map. FAILED_PRECONDITION: a
+// removed map still has link points.
 absl::StatusOr<GraphSnapshot> Apply(const GraphSnapshot& snapshot, const SnapshotChanges& changes);
 
 }  // namespace enfilade::graph

@@ -15,7 +15,7 @@
 namespace enfilade::graph {
 namespace {
 
-// The inverse of a measured pose's covariance, in the frame of PoseGraphEdge's error, which is the measured one.
+// The inverse covariance of a measured pose, in the frame of PoseGraphEdge's error: that of the measured pose.
 Eigen::Matrix3d InformationOf(const PoseWithCovariance& measured, const GraphOptimizationOptions& options) {
   Eigen::Matrix3d covariance = 0.5 * (measured.covariance + measured.covariance.transpose());
   covariance(0, 0) += options.position_floor_m * options.position_floor_m;
@@ -39,11 +39,11 @@ optimize::PoseGraphEdge Edge(int from, std::int64_t to, const PoseWithCovariance
           .enabled = true};
 }
 
-bool TakesPart(const LinkPoint& link_point) {
+bool IsSolved(const LinkPoint& link_point) {
   return link_point.use != LinkPointUse::kSuspended && !link_point.is_candidate();
 }
 
-// Breadth first from the root: the maps that it is joined to with the poses to begin at, in that order.
+// The maps connected to the root, breadth first, with their initial poses.
 std::vector<std::pair<int, Pose2>> Reach(const GraphSnapshot& snapshot, int root) {
   std::vector<std::pair<int, Pose2>> reached = {{root, Pose2()}};
   std::vector<char> seen(snapshot.map_slots(), 0);
@@ -52,7 +52,7 @@ std::vector<std::pair<int, Pose2>> Reach(const GraphSnapshot& snapshot, int root
     const auto [map, T_world_map] = reached[next];
     for (const int slot : snapshot.map_node(map).link_points) {
       const GraphSnapshot::LinkPointNode& node = snapshot.link_point_node(slot);
-      if (!TakesPart(*node.link_point)) continue;
+      if (!IsSolved(*node.link_point)) continue;
       const Anchor& here = *node.link_point->FindAnchor(snapshot.map_node(map).map->id);
       for (std::size_t i = 0; i < node.maps.size(); ++i) {
         char& known = seen[static_cast<std::size_t>(node.maps[i])];
@@ -109,7 +109,7 @@ JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphO
   for (const LinkPoint* link_point : snapshot.ListLinkPoints()) {
     const int slot = snapshot.LinkPointSlot(link_point->id);
     const int map = snapshot.link_point_node(slot).maps.front();
-    if (!TakesPart(*link_point) || reached[static_cast<std::size_t>(map)] == 0) continue;
+    if (!IsSolved(*link_point) || reached[static_cast<std::size_t>(map)] == 0) continue;
     AddTerm(snapshot, slot, options, joint, T_world_maps);
   }
   for (std::size_t i = 0; i < joint.graph.nodes.size(); ++i) joint.node_of[joint.graph.nodes[i].id] = i;

@@ -19,8 +19,8 @@ struct JointTerm {
   int degrees_of_freedom = 3;  // of its disagreement: 3 for each anchor beyond the first
 };
 
-// The maps that the root is joined to and the link points that join them, as a pose graph: a map's node has its slot
-// for an id, the place of a link point with three or more anchors the number of map slots plus its own slot.
+// The maps connected to the root and the link points between them, as a pose graph. The id of a map's node is its slot;
+// the id of the place of a link point with three or more anchors is the number of map slots plus its own slot.
 struct JointGraph {
   optimize::PoseGraph graph;  // its first nodes are the maps; the first is the root
   std::size_t maps = 0;
@@ -29,14 +29,14 @@ struct JointGraph {
   std::vector<MapId> disconnected;  // by id
 };
 
-// Begins at the solution's poses, and where there are none at those of the chain of the fewest link points. Suspended
-// link points and candidates are not in it; those switched off are.
+// Initial poses are the solution's, or, for maps that it lacks, those of the chain with the fewest link points.
+// Includes switched-off link points, but not suspended ones and candidates.
 JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphOptimizationOptions& options);
 
 void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled);
 
-// By how much the anchors of the link point disagree where the maps have the poses of `nodes` (joint.graph.nodes, moved
-// or not), its place put where they disagree least: chi-squared with term.degrees_of_freedom.
+// The disagreement of the link point's anchors if the maps have the poses of `nodes` (joint.graph.nodes, possibly
+// moved) and its place is optimal: chi-squared with term.degrees_of_freedom.
 absl::StatusOr<double> Disagreement(const JointGraph& joint, const std::vector<optimize::PoseGraphNode>& nodes,
                                     const JointTerm& term);
 

@@ -15,16 +15,16 @@
 namespace enfilade::graph {
 
 // The numbers of these enums are in the database: never reuse one.
-// Whether a robot gets through. Poses are chained through a place in any state.
+// Whether a robot can pass. Chains of poses use a place in any state.
 enum class PassageState : std::int16_t { kOpen = 1, kClosed = 2, kBlocked = 3 };
-// What the graph makes of a link point.
+// Whether the graph uses a link point.
 enum class LinkPointUse : std::int16_t {
   kUsed = 1,
-  kSwitchedOff = 2,  // by the optimisation's chi-square gate: it contradicts the others
+  kSwitchedOff = 2,  // by the optimisation's chi-squared gate: contradicts the others
   kSuspended = 3,    // by a person
 };
 
-// One place as one map sees it.
+// A place as seen from one map.
 struct Anchor {
   MapId map = {};
   Pose2 T_map_place = {};  // m, rad
@@ -34,28 +34,28 @@ struct Anchor {
   friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 
-// The predecessor's setting (initial_variance_x, _y, _theta = 0.003 m^2, 0.003 m^2, 0.003 rad^2 per map-to-map
-// transform): where nothing better is known. Of one transform, so of its two anchors together.
+// The default if nothing better is known: map_manager's initial_variance_x, _y, _theta = 0.003 m^2, 0.003 m^2, 0.003
+// rad^2 per map-to-map transform, that is, of its two anchors together.
 inline Eigen::Matrix3d DefaultTransformCovariance() { return Eigen::Vector3d(0.003, 0.003, 0.003).asDiagonal(); }
-// Each of the two anchors' half of it. The composition then adds up to the default where both are given so and the
-// place is at the maps' origins; farther out the yaws' halves turn into position as geometry has it.
+// The share of each of the two anchors. Two such anchors compose to the default if the place is at the maps' origins;
+// farther out the yaw variances add to the position.
 inline Eigen::Matrix3d DefaultAnchorCovariance() { return 0.5 * DefaultTransformCovariance(); }
 
-// One physical place (a door, a lift, a ramp) seen from maps that meet there.
+// One physical place (a door, a lift, a ramp) where maps meet.
 struct LinkPoint {
   LinkPointId id = {};
   LinkPointKind kind = LinkPointKind::kDoor;
-  // At most one per map; in the order they were made. One: a candidate, seen from one side. Two or more: a link point;
-  // a lift joins three and more.
+  // At most one per map, in order of creation. With one anchor this is a candidate, seen from one side; with two or
+  // more a link point. A lift can join three and more maps.
   std::vector<Anchor> anchors = {};
-  MapId direction = {};  // the map that was entered when it was made; empty: not known
+  MapId direction = {};  // the map that was entered when it was created; empty: unknown
   int difficulty = 0;    // 0: none, greater: harder to pass
   std::string tag = {};  // free text
   PassageState state = PassageState::kOpen;
-  // Until when `state` holds; after that the place counts as open. For ever where unset.
+  // The end of `state`; afterwards the place counts as open. Unset: no end.
   std::optional<TimeNs> state_valid_until = {};
   LinkPointUse use = LinkPointUse::kUsed;
-  std::int64_t graph_version = 0;  // of the site when it last changed
+  std::int64_t graph_version = 0;  // of the site at its last change
 
   bool is_candidate() const { return anchors.size() < 2; }
   // The anchor in `map`, or null.

@@ -13,11 +13,11 @@ constexpr double kChiSquared2Dof95 = 5.991;
 
 struct SearchRadiusOptions {
   double base_m = 20.0;
-  // Of the 95 % ellipse's larger semi-axis. 2: the whole axis, as the predecessor had it.
+  // Multiplies the larger semi-axis of the 95 % ellipse. 2: the whole axis, as in map_manager.
   double factor = 2.0;
 };
 
-// The 95 % ellipse of a position: semi-axes in m, the larger first, and the angle of the larger to the x axis, rad.
+// The 95 % ellipse of a position: semi-axes in m, the larger first, and the angle of the larger from the x axis, rad.
 struct ErrorEllipse {
   double semi_major_m = 0.0;
   double semi_minor_m = 0.0;
@@ -25,15 +25,15 @@ struct ErrorEllipse {
 };
 ErrorEllipse ErrorEllipse95(const Eigen::Matrix3d& covariance);
 
-// How far around an uncertain pose link points are considered: base + factor * sqrt(5.991 lambda_max), lambda_max the
-// larger eigenvalue of the position's covariance, m.
+// The radius around an uncertain pose within which link points are considered, m: base + factor * sqrt(5.991
+// lambda_max), with lambda_max the larger eigenvalue of the position's covariance.
 double SearchRadius(const Eigen::Matrix3d& covariance, const SearchRadiusOptions& options = {});
 
-// Of two independent position estimates: sqrt(d' (S_a + S_b)^-1 d). Empty where S_a + S_b is singular, unless they are
-// the same place: 0.
+// sqrt(d' (S_a + S_b)^-1 d) of two independent position estimates. 0 if the positions are equal, otherwise empty if
+// S_a + S_b is singular.
 std::optional<double> MahalanobisDistance(const PoseWithCovariance& a, const PoseWithCovariance& b);
 
-// Of `position`, from a robot at `T_frame_robot`: counter-clockwise from its x axis, rad in [-pi, pi).
+// The direction of `position` from a robot at `T_frame_robot`: counter-clockwise from its x axis, rad in [-pi, pi).
 double Bearing(const Pose2& T_frame_robot, const Eigen::Vector2d& position);
 
 }  // namespace enfilade::graph

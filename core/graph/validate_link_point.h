@@ -6,8 +6,8 @@
 
 namespace enfilade::graph {
 
-// INVALID_ARGUMENT, naming the anchor, unless the link point has an id and at least one anchor, no two in the same map,
-// each with a finite pose and a valid covariance.
+// Checks that the link point has an id and at least one anchor, no two in the same map, each with a finite pose and a
+// valid covariance. INVALID_ARGUMENT names the anchor.
 absl::Status ValidateLinkPoint(const LinkPoint& link_point);
 
 }  // namespace enfilade::graph

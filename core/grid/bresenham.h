@@ -16,9 +16,9 @@ struct CellIndex {
 };
 
 // Bresenham's line (J. E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems Journal 1965)
-// as a recurrence: `steps` steps along the longer axis; before each, `error += up`, and where that is >= 0 a step along
-// the shorter axis is taken too and `error -= down`. A tie goes to the cell with the greater coordinate on the shorter
-// axis whichever way the line is walked, so that a line and its reverse have the same cells.
+// as a recurrence: `steps` steps along the longer axis. Each step adds `up` to `error`; if that makes it >= 0, the line
+// also steps along the shorter axis and `error -= down`. Ties go to the cell with the greater coordinate on the shorter
+// axis in either direction, so a line and its reverse have the same cells.
 struct BresenhamLine {
   BresenhamLine(CellIndex from, CellIndex to) {
     const std::int64_t dx = std::int64_t{to.column} - from.column;
@@ -67,12 +67,12 @@ void VisitLine(CellIndex from, CellIndex to, Visit&& visit) {
   }
 }
 
-// The same cells as offsets into a row-major array: visit(std::ptrdiff_t), beginning at `offset_of_from`; a row is
-// `stride` elements long. The caller answers for both ends being inside the array; then all cells are.
+// The same cells as offsets into a row-major array: visit(std::ptrdiff_t), starting at `offset_of_from`; a row has
+// `stride` elements. Both ends must lie inside the array; then all cells do.
 //
-// The position along the shorter axis is kept in fixed point: one addition a step instead of the recurrence's chain of
-// four, with the same result. With F bits of fraction the slope's rounding adds up to less than steps / 2^F of a cell,
-// and the exact position is a multiple of 1 / (2 steps): below 2^19 steps the one cannot reach the other.
+// The position along the shorter axis is in fixed point: one addition per step instead of the recurrence's chain of
+// four, with the same result. With F fractional bits the rounding of the slope adds up to less than steps / 2^F of a
+// cell, and exact positions are multiples of 1 / (2 steps): below 2^19 steps the error cannot change a cell.
 template <typename Visit>
 void VisitLineOffsets(CellIndex from, CellIndex to, std::ptrdiff_t offset_of_from, std::ptrdiff_t stride,
                       Visit&& visit) {
@@ -90,7 +90,7 @@ void VisitLineOffsets(CellIndex from, CellIndex to, std::ptrdiff_t offset_of_fro
   const std::ptrdiff_t by_row = line.row_sign * stride;
   const std::ptrdiff_t longer = line.column_is_longer ? by_column : by_row;
   const std::ptrdiff_t shorter = line.column_is_longer ? by_row : by_column;
-  // Where a tie stays behind, all is rounded down and begins just below the half; else all is rounded up.
+  // If ties stay on the lower cell, round down and start just below one half; otherwise round up.
   const bool tie_stays = line.error < -line.steps;
   const std::int64_t slope = ((line.up / 2) * kOne + (tie_stays ? 0 : line.steps - 1)) / line.steps;
   std::int64_t position = kOne / 2 - (tie_stays ? 1 : 0);

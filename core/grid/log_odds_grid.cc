@@ -11,9 +11,9 @@
 namespace enfilade::grid {
 namespace {
 
-// Cell coordinates stay below this, so that differences and sums of a few of them fit an int.
+// Limit of cell coordinates; differences and sums of a few of them then fit an int.
 constexpr double kCoordinateLimit = 1e9;
-// Windows grow in blocks, and by a share of their size, so that a drive along a corridor copies the cells seldom.
+// Windows grow in blocks and by a share of their size, so that a drive along a corridor seldom copies the cells.
 constexpr int kBlock = 64;
 
 std::int16_t UnitsOf(double probability) {
@@ -25,7 +25,7 @@ int FloorToBlock(std::int64_t value) {
   return static_cast<int>((value >= 0 ? value / kBlock : -((-value + kBlock - 1) / kBlock)) * kBlock);
 }
 
-// The new bounds along one axis: [low, high) as it is, or widened to hold [need_low, need_high) with room to spare.
+// Widens [low, high), the bounds along one axis, to hold [need_low, need_high) with some spare room.
 void Widen(std::int64_t need_low, std::int64_t need_high, std::int64_t& low, std::int64_t& high) {
   const std::int64_t room = std::max<std::int64_t>(kBlock, (high - low) / 4);
   if (need_low < low) low = FloorToBlock(need_low - room);
@@ -80,7 +80,7 @@ absl::Status LogOddsGrid::Insert(const ScanRays& rays) {
   return absl::OkStatus();
 }
 
-// Hits of this scan are marked already, so that the end of a hit's ray is left alone.
+// The scan's hits are already marked, so the last cell of a hit's ray is not changed.
 void LogOddsGrid::CastMisses(CellIndex from, CellIndex to) {
   std::int16_t* const cells = cells_.data();
   std::uint8_t* const changed_by = changed_by_.data();
@@ -88,7 +88,7 @@ void LogOddsGrid::CastMisses(CellIndex from, CellIndex to) {
   const int miss = miss_;
   const int lowest = lowest_;
   VisitLineOffsets(from, to, static_cast<std::ptrdiff_t>(OffsetOf(from)), width_, [=](std::ptrdiff_t offset) {
-    // Without branches: near the robot every other cell has been changed already.
+    // Branch-free: near the robot every other cell has already been changed.
     const int before = cells[offset];
     const int value = before == kUnknown ? 0 : before;
     const int after = std::max(value + miss, lowest);
@@ -221,19 +221,19 @@ OccupancyGrid LogOddsGrid::ToOccupancyGrid(const Pose2& T_map_grid) const {
   return grid;
 }
 
-absl::StatusOr<LogOddsGrid> LogOddsGrid::FromCells(double resolution, const LogOddsOptions& options, CellIndex min,
-                                                   int width, int height, std::vector<std::int16_t> cells) {
-  if (width < 0 || height < 0 || static_cast<std::int64_t>(cells.size()) != std::int64_t{width} * height) {
-    return InvalidArgument("{} cells for a window of {} x {}", cells.size(), width, height);
+absl::StatusOr<LogOddsGrid> LogOddsGrid::FromWindow(double resolution, const LogOddsOptions& options, Window window) {
+  if (window.width < 0 || window.height < 0 ||
+      static_cast<std::int64_t>(window.cells.size()) != std::int64_t{window.width} * window.height) {
+    return InvalidArgument("{} cells for a window of {} x {}", window.cells.size(), window.width, window.height);
   }
   LogOddsGrid grid(resolution, options);
-  for (std::int16_t& value : cells) {
+  for (std::int16_t& value : window.cells) {
     if (value != kUnknown) value = std::clamp(value, grid.lowest_, grid.highest_);
   }
-  grid.min_ = min;
-  grid.width_ = width;
-  grid.height_ = height;
-  grid.cells_ = std::move(cells);
+  grid.min_ = window.min;
+  grid.width_ = window.width;
+  grid.height_ = window.height;
+  grid.cells_ = std::move(window.cells);
   return grid;
 }
 

@@ -20,8 +20,8 @@ namespace enfilade::grid {
 struct LogOddsOptions {
   double p_hit = 0.7;     // occupied, given one scan that ends in the cell
   double p_miss = 0.4;    // occupied, given one scan that passes through the cell
-  double p_min = 0.1192;  // belief never falls below (so that a moved chair can come back within a few scans)
-  double p_max = 0.971;   // ... nor rises above
+  double p_min = 0.1192;  // lower bound of belief, so that a few scans suffice to register a chair that was put back
+  double p_max = 0.971;   // upper bound of belief
   // A scan that would make the window larger than this is refused.
   std::int64_t max_cells = std::int64_t{1} << 28;
 
@@ -32,25 +32,24 @@ struct LogOddsOptions {
 // An occupancy grid in log-odds that grows with the scans cast into it (Thrun, Burgard, Fox, "Probabilistic Robotics",
 // 2005, table 9.1, with prior 0.5). Cells lie on the lattice of its frame: cell (column, row) covers
 // [column, column + 1) x [row, row + 1) times the resolution; indices may be negative. Only a window of the lattice is
-// stored, densely; outside of it everything is unknown.
+// stored, densely; cells outside it are unknown.
 //
-// Within one scan each cell changes once, and a hit outweighs any number of misses: a wall seen at a grazing angle
-// is not erased by the beams that pass along it. Integer arithmetic throughout: the same rays in the same order give
-// the same cells on every machine.
+// A scan changes each cell at most once, and a hit outweighs any number of misses: beams that graze a wall do not erase
+// it. All arithmetic is integer: the same rays in the same order give the same cells on every machine.
 //
 // A value type; not thread-safe.
 class LogOddsGrid {
  public:
   // Log-odds are stored in units of 1/1000.
   static constexpr double kUnitsPerLogOdds = 1000.0;
-  // The value of a cell that no scan has touched (which is not the same as even odds).
+  // The value of a cell that no scan has touched. Not the same as even odds.
   static constexpr std::int16_t kUnknown = INT16_MIN;
 
   // `resolution`: the side of a cell in m, positive; `options` valid.
   LogOddsGrid(double resolution, const LogOddsOptions& options);
 
-  // Casts one scan. INVALID_ARGUMENT where a coordinate is not finite, RESOURCE_EXHAUSTED where the window would grow
-  // beyond max_cells; then nothing has changed.
+  // Casts one scan. INVALID_ARGUMENT: a coordinate is not finite. RESOURCE_EXHAUSTED: the window would grow beyond
+  // max_cells. On error the grid is unchanged.
   absl::Status Insert(const ScanRays& rays);
 
   double resolution() const { return resolution_; }
@@ -72,23 +71,27 @@ class LogOddsGrid {
   }
   // kUnknown outside the window.
   std::int16_t ValueAt(CellIndex cell) const { return Contains(cell) ? cells_[OffsetOf(cell)] : kUnknown; }
-  // 0.5 where unknown.
-  double ProbabilityAt(CellIndex cell) const { return ProbabilityOf(ValueAt(cell)); }
+  // 0.5 for kUnknown.
   static double ProbabilityOf(std::int16_t value) {
     return value == kUnknown ? 0.5 : 1.0 / (1.0 + std::exp(-static_cast<double>(value) / kUnitsPerLogOdds));
   }
 
-  // Shrinks the window to the known cells and frees the working memory; scans may still follow.
+  // Shrinks the window to the known cells and frees the working memory. More scans may follow.
   void Crop();
 
-  // The known cells' bounding box as probabilities; empty (0 x 0) where nothing is known. T_map_grid is this grid's
-  // frame in the map's.
+  // The bounding box of the known cells, as probabilities; empty (0 x 0) if no cell is known. T_map_grid is the pose of
+  // this grid's frame in the map.
   OccupancyGrid ToOccupancyGrid(const Pose2& T_map_grid = {}) const;
 
-  // `cells` are those of a window of `width` x `height` from `min` on, row-major; values beyond the options' bounds are
-  // brought within. INVALID_ARGUMENT where there are more or fewer.
-  static absl::StatusOr<LogOddsGrid> FromCells(double resolution, const LogOddsOptions& options, CellIndex min,
-                                               int width, int height, std::vector<std::int16_t> cells);
+  // A stored window: `cells` row-major, `width` x `height`, from the cell `min` on.
+  struct Window {
+    CellIndex min;
+    int width = 0;
+    int height = 0;
+    std::vector<std::int16_t> cells;
+  };
+  // Values beyond the options' bounds are clamped. INVALID_ARGUMENT: the window has more or fewer cells than it says.
+  static absl::StatusOr<LogOddsGrid> FromWindow(double resolution, const LogOddsOptions& options, Window window);
 
   // Window and cells, not the options.
   void Write(BinaryWriter& writer) const;
@@ -129,8 +132,8 @@ class LogOddsGrid {
   int width_ = 0;
   int height_ = 0;
   std::vector<std::int16_t> cells_;
-  // Per cell the number (1..255) of the last scan that changed it, so that each scan changes a cell once. Not part of
-  // the value.
+  // For each cell the number (1..255) of the last scan that changed it, so that a scan changes a cell only once. Not
+  // part of the value.
   std::vector<std::uint8_t> changed_by_;
   std::uint8_t scan_ = 0;
 };

@@ -11,7 +11,7 @@
 
 namespace enfilade::grid {
 
-// How a grey image is read as a map: the keys of a map's YAML file and whose rules apply to them.
+// How a grey image is read as a map: the keys of its YAML file, and the dialect whose rules apply.
 enum class MapMode : std::uint8_t { kTrinary = 0, kScale = 1, kRaw = 2 };
 enum class MapDialect : std::uint8_t { kNav2 = 0, kRos1 = 1 };
 
@@ -25,10 +25,10 @@ struct GreyInterpretation {
   friend bool operator==(const GreyInterpretation&, const GreyInterpretation&) = default;
 };
 
-// A raster's cells are kept as they came, so that what is not edited goes out as it came in. All are row-major from the
-// lower left, as GridGeometry says.
+// Cells are kept in the form in which they were imported, so an unedited map is exported unchanged. All are row-major
+// from the lower left, as in GridGeometry.
 
-// Made by us: the bytes of an OccupancyGrid.
+// Of a map made by this program: the cells of an OccupancyGrid.
 struct OccupancyCells {
   std::vector<std::uint8_t> values;
 
@@ -39,16 +39,16 @@ struct OccupancyCells {
 struct GreyCells {
   std::vector<std::uint8_t> grey{};
   int max_value = 255;                // of white, 1..255
-  std::vector<std::uint8_t> alpha{};  // as many as `grey`, 255 = opaque; empty where the image has no transparency
+  std::vector<std::uint8_t> alpha{};  // as many as `grey`, 255 = opaque; empty if the image has no transparency
   GreyInterpretation interpretation{};
-  // What surrounds the pixels of a binary PGM file, byte for byte; empty where it did not come from one.
+  // The bytes before and after the pixels of a binary PGM file; empty for other sources.
   std::string pgm_header{};
   std::string pgm_trailer{};
 
   friend bool operator==(const GreyCells&, const GreyCells&) = default;
 };
 
-// The fields of a JSON map, as they are in the file. m.
+// The fields of a JSON map as in the file, in m.
 struct UnitLimits {
   double xmin = 0.0;
   double xmax = 0.0;
@@ -56,12 +56,12 @@ struct UnitLimits {
   double ymax = 0.0;
   double stepx = 0.0;
   double stepy = 0.0;
-  double level = 0.0;  // how many measurements made a cell 1.0
+  double level = 0.0;  // the number of measurements that made a cell 1.0
 
   friend bool operator==(const UnitLimits&, const UnitLimits&) = default;
 };
 
-// From a JSON map: 0 = no obstacle ... 1 = wall; it has no "unknown".
+// From a JSON map: 0 = no obstacle ... 1 = wall. The format has no "unknown".
 struct UnitCells {
   std::vector<double> values{};
   UnitLimits limits{};
@@ -76,19 +76,19 @@ struct MapRaster {
   friend bool operator==(const MapRaster&, const MapRaster&) = default;
 };
 
-// Larger rasters are refused wherever they come from, before memory is asked for.
+// Larger rasters from any source are refused before memory is allocated.
 constexpr std::int64_t kMaxRasterCells = std::int64_t{1} << 28;
 
 // INVALID_ARGUMENT naming the field: a resolution that is not positive and finite, an origin that is not finite, no
 // cells, more than kMaxRasterCells.
 absl::Status Validate(const GridGeometry& geometry);
-// Also that there are as many cells as the geometry says, and a sound interpretation.
+// Also checks that the number of cells matches the geometry and that the interpretation is valid.
 absl::Status Validate(const MapRaster& raster);
 
 MapRaster FromOccupancyGrid(OccupancyGrid grid);
 
-// What any raster says about occupancy: a grey one by its interpretation (occupancy_values.h), a JSON one with its
-// values as probabilities. `raster` is valid.
+// The occupancy of any raster: grey cells by their interpretation (occupancy_values.h), JSON values as probabilities.
+// `raster` must be valid.
 OccupancyGrid ToOccupancyGrid(const MapRaster& raster);
 
 }  // namespace enfilade::grid

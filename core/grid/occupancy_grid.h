@@ -9,8 +9,8 @@
 
 namespace enfilade::grid {
 
-// Where a raster lies. Cell (column 0, row 0) is at the lower left; its lower-left CORNER is the grid's origin, and
-// rows count upwards along the grid's y axis (ROS' nav_msgs/OccupancyGrid, Nav2's YAML `origin`).
+// The pose and size of a raster. Cell (column 0, row 0) is at the lower left; its lower-left CORNER is the grid's
+// origin, and rows count upwards along the grid's y axis (ROS nav_msgs/OccupancyGrid, `origin` in Nav2's YAML).
 struct GridGeometry {
   double resolution = 0.05;  // m, the side of a cell
   Pose2 T_map_grid;          // the origin's pose in the map's frame
@@ -26,7 +26,7 @@ struct GridGeometry {
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
 };
 
-// How likely each cell is occupied, in one byte: 0 = unknown, 1..255 = probability (value - 1) / 254.
+// The probability of occupancy of each cell in one byte: 0 = unknown, 1..255 = (value - 1) / 254.
 struct OccupancyGrid {
   GridGeometry geometry;
   std::vector<std::uint8_t> cells;  // row-major, geometry.cell_count()
@@ -36,9 +36,9 @@ struct OccupancyGrid {
 
 constexpr std::uint8_t kUnknownCell = 0;
 
-// `probability` in [0, 1] as a known cell's value (1..255, rounded to the nearest).
+// The value of a known cell (1..255, rounded to nearest) for a probability in [0, 1].
 std::uint8_t CellFromProbability(double probability);
-// Of a known cell.
+// Inverse of the above; `cell` must be known.
 double ProbabilityOfCell(std::uint8_t cell);
 
 }  // namespace enfilade::grid

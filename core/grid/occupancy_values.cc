@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::int8_t kFree = 0;
 constexpr std::int8_t kOccupied = 100;
+
 std::int8_t Nav2Value(const GreyInterpretation& by, int grey, std::optional<int> alpha) {
   if (by.mode == MapMode::kRaw) return grey <= kOccupied ? static_cast<std::int8_t>(grey) : kUnknownValue;
   if (alpha.value_or(kOpaqueAlpha) < kOpaqueAlpha) return kUnknownValue;
@@ -32,7 +33,7 @@ std::int8_t Ros1Value(const GreyInterpretation& by, int grey, std::optional<int>
   if (p > by.occupied_thresh) return kOccupied;
   if (p < by.free_thresh) return kFree;
   if (by.mode == MapMode::kTrinary || alpha.value_or(kOpaqueAlpha) == 0) return kUnknownValue;
-  // Equal thresholds leave this one value in between.
+  // Equal thresholds leave only this value in between.
   const double range = by.occupied_thresh - by.free_thresh;
   return static_cast<std::int8_t>(range > 0.0 ? 1.0 + 98.0 * (p - by.free_thresh) / range : 1.0);
 }

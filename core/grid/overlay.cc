@@ -14,10 +14,10 @@ namespace enfilade::grid {
 namespace {
 
 constexpr double kMaxCoordinate = 1e9;  // cells, so that differences fit an int
-constexpr int kEvenOdds = 128;          // the value of a cell as likely free as occupied
-constexpr double kOffLattice = 1e-3;    // of a cell: rounding
+constexpr int kEvenOdds = 128;          // a cell with equal odds
+constexpr double kOffLattice = 1e-3;    // of a cell; allows for rounding
 
-// Inclusive; empty where max is below min.
+// Inclusive; empty if max is below min.
 struct Box {
   CellIndex min;
   CellIndex max;
@@ -47,14 +47,14 @@ OccupancyGrid Unknown(const Box& box, double resolution) {
   return grid;
 }
 
-bool LiesOnLattice(const GridGeometry& geometry, double resolution) {
+bool IsOnLattice(const GridGeometry& geometry, double resolution) {
   const double column = geometry.T_map_grid.x / resolution;
   const double row = geometry.T_map_grid.y / resolution;
   return geometry.resolution == resolution && geometry.T_map_grid.yaw == 0.0 &&
          std::abs(column - std::round(column)) < kOffLattice && std::abs(row - std::round(row)) < kOffLattice;
 }
 
-// The cells of the lattice that the grid can touch.
+// The lattice cells that the grid can touch.
 absl::StatusOr<Box> LatticeBoxOf(const GridGeometry& geometry, double resolution) {
   const double width = geometry.width * geometry.resolution;
   const double height = geometry.height * geometry.resolution;
@@ -67,13 +67,14 @@ absl::StatusOr<Box> LatticeBoxOf(const GridGeometry& geometry, double resolution
   }
   const Eigen::Vector2d limit = Eigen::Vector2d::Constant(kMaxCoordinate * resolution);
   if (!((low.array() > -limit.array()).all() && (high.array() < limit.array()).all())) {
-    return InvalidArgument("the grid lies beyond {} cells of {} m from its map's origin", kMaxCoordinate, resolution);
+    return InvalidArgument("the grid is more than {} cells of {} m away from the map's origin", kMaxCoordinate,
+                           resolution);
   }
   const auto cell = [&](double v) { return static_cast<int>(std::floor(v / resolution)); };
   return Box{{cell(low.x()), cell(low.y())}, {cell(high.x()), cell(high.y())}};
 }
 
-void TakeValuesAtCentres(const OccupancyGrid& from, OccupancyGrid& to) {
+void SampleCentres(const OccupancyGrid& from, OccupancyGrid& to) {
   const Pose2 T_from_map = Inverse(from.geometry.T_map_grid);
   for (int row = 0; row < to.geometry.height; ++row) {
     for (int column = 0; column < to.geometry.width; ++column) {
@@ -130,7 +131,7 @@ OccupancyGrid Cropped(const OccupancyGrid& grid) {
   return result;
 }
 
-void Lay(const OccupancyGrid& layer, OccupancyGrid& grid) {
+void OverlayOnto(OccupancyGrid& grid, const OccupancyGrid& layer) {
   if (layer.cells.empty()) return;
   const CellIndex offset = BoxOf(layer).min;
   const CellIndex origin = BoxOf(grid).min;
@@ -138,15 +139,15 @@ void Lay(const OccupancyGrid& layer, OccupancyGrid& grid) {
     for (int column = 0; column < layer.geometry.width; ++column) {
       std::uint8_t& cell =
           grid.cells[grid.geometry.index(offset.column - origin.column + column, offset.row - origin.row + row)];
-      cell = LaidOver(cell, layer.cells[layer.geometry.index(column, row)]);
+      cell = Overlay(cell, layer.cells[layer.geometry.index(column, row)]);
     }
   }
 }
 
 }  // namespace
 
-absl::StatusOr<OccupancyGrid> OnLattice(const OccupancyGrid& grid, double resolution) {
-  if (LiesOnLattice(grid.geometry, resolution)) return Cropped(grid);
+absl::StatusOr<OccupancyGrid> ResampleToLattice(const OccupancyGrid& grid, double resolution) {
+  if (IsOnLattice(grid.geometry, resolution)) return Cropped(grid);
   if (grid.cells.empty()) {
     OccupancyGrid empty;
     empty.geometry.resolution = resolution;
@@ -155,12 +156,12 @@ absl::StatusOr<OccupancyGrid> OnLattice(const OccupancyGrid& grid, double resolu
   ENFILADE_ASSIGN_OR_RETURN(const Box box, LatticeBoxOf(grid.geometry, resolution));
   ENFILADE_RETURN_IF_ERROR(CheckSize(box));
   OccupancyGrid result = Unknown(box, resolution);
-  TakeValuesAtCentres(grid, result);
+  SampleCentres(grid, result);
   KeepOccupied(grid, result);
   return Cropped(result);
 }
 
-std::uint8_t LaidOver(std::uint8_t under, std::uint8_t over) {
+std::uint8_t Overlay(std::uint8_t under, std::uint8_t over) {
   if (under == kUnknownCell) return over;
   if (over == kUnknownCell) return under;
   const int a = under - kEvenOdds;
@@ -169,7 +170,7 @@ std::uint8_t LaidOver(std::uint8_t under, std::uint8_t over) {
   return agree && std::abs(a) > std::abs(b) ? under : over;
 }
 
-absl::StatusOr<OccupancyGrid> LaidOver(const OccupancyGrid& under, const OccupancyGrid& over) {
+absl::StatusOr<OccupancyGrid> Overlay(const OccupancyGrid& under, const OccupancyGrid& over) {
   if (under.cells.empty()) return over;
   if (over.cells.empty()) return under;
   const Box a = BoxOf(under);
@@ -178,8 +179,8 @@ absl::StatusOr<OccupancyGrid> LaidOver(const OccupancyGrid& under, const Occupan
                  {std::max(a.max.column, b.max.column), std::max(a.max.row, b.max.row)}};
   ENFILADE_RETURN_IF_ERROR(CheckSize(both));
   OccupancyGrid grid = Unknown(both, over.geometry.resolution);
-  Lay(under, grid);
-  Lay(over, grid);
+  OverlayOnto(grid, under);
+  OverlayOnto(grid, over);
   return grid;
 }
 

@@ -6,18 +6,18 @@
 
 namespace enfilade::grid {
 
-// `grid` with its cells on the lattice of the map's frame: multiples of `resolution` (m), no rotation, cropped to what
-// is known. A cell takes the value at its centre; where the given cells are finer or turned, no occupied one is lost. A
-// grid that lies so already keeps its cells. INVALID_ARGUMENT where more than kMaxRasterCells would come of it.
-absl::StatusOr<OccupancyGrid> OnLattice(const OccupancyGrid& grid, double resolution);
+// Resamples `grid` to the lattice of the map's frame: no rotation, cell corners at multiples of `resolution` (m),
+// cropped to the known cells. Each cell takes the value at its centre; if the source cells are finer or rotated,
+// occupied ones are never lost. A grid that is already on the lattice keeps its cells. INVALID_ARGUMENT: the result
+// would have more than kMaxRasterCells.
+absl::StatusOr<OccupancyGrid> ResampleToLattice(const OccupancyGrid& grid, double resolution);
 
-// What two layers say of one cell. Known wins over unknown; where both know it and agree whether it is free or
-// occupied, the surer counts; where they disagree, `over`, the later one: things move. Laid over itself a layer stays
-// the same.
-std::uint8_t LaidOver(std::uint8_t under, std::uint8_t over);
+// One cell of two layers. A known value takes precedence over unknown. If both are free or both occupied, the more
+// certain value is taken; if they disagree, `over`, the later one, because things move. Idempotent.
+std::uint8_t Overlay(std::uint8_t under, std::uint8_t over);
 
-// `over` on `under`, cell by cell. Both lie on the lattice of one resolution, as OnLattice makes them; an empty one (no
-// cells) may have any. INVALID_ARGUMENT where they lie so far apart that more than kMaxRasterCells would come of it.
-absl::StatusOr<OccupancyGrid> LaidOver(const OccupancyGrid& under, const OccupancyGrid& over);
+// Overlays `over` on `under` cell by cell. Both must be on the same lattice (ResampleToLattice); an empty grid may have
+// any resolution. INVALID_ARGUMENT: the grids are so far apart that the result would have more than kMaxRasterCells.
+absl::StatusOr<OccupancyGrid> Overlay(const OccupancyGrid& under, const OccupancyGrid& over);
 
 }  // namespace enfilade::grid

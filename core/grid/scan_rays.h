@@ -9,22 +9,22 @@
 
 namespace enfilade::grid {
 
-// One scan as rays in a grid's frame, m.
+// One scan as rays in a grid's frame, in m.
 struct ScanRays {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2d> hits;       // the space up to here is free, here is something
-  std::vector<Eigen::Vector2d> free_ends;  // the space up to here is free, more is not known
+  std::vector<Eigen::Vector2d> hits;       // free up to here, occupied here
+  std::vector<Eigen::Vector2d> free_ends;  // free up to here, unknown beyond
 };
 
 struct ScanRayOptions {
-  // A hit farther than this says only that the space up to here is free, m.
+  // A hit farther away than this only marks the space up to this range as free, m.
   double max_range = 30.0;
-  // A beam without return says that the space up to here (and the scan's range_max) is free, m. Shorter than
-  // max_range, since glass and black surfaces return nothing either; 0: such a beam says nothing.
+  // A beam without return marks the space up to this range (at most the scan's range_max) as free, m. Shorter than
+  // max_range because glass and black surfaces return nothing either. 0: such beams are ignored.
   double no_return_range = 5.0;
 };
 
-// Beams that tell nothing (NaN, below range_min) are left out.
+// Beams without information (NaN, below range_min) are skipped.
 ScanRays RaysOf(const sensor::LaserScan& scan, const Pose2& T_grid_robot, const ScanRayOptions& options);
 
 }  // namespace enfilade::grid

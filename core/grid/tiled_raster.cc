@@ -17,7 +17,7 @@ namespace enfilade::grid {
 namespace {
 
 constexpr char kTileVersion = 1;
-// Rasters shrink little beyond this level, and it packs several hundred MB a second.
+// Higher levels compress rasters little better; this one compresses several hundred MB/s.
 constexpr int kTileCompressionLevel = 1;
 constexpr std::size_t kTileCells = std::size_t{kTileSize} * kTileSize;
 
@@ -42,7 +42,7 @@ struct Overlap {
 
 Overlap OverlapOf(const RasterHeader& header, TileIndex index) {
   const GridGeometry& geometry = header.raster.geometry;
-  // The tile's lower-left cell as seen from the raster's; tiles far away would not fit an int.
+  // The tile's lower-left cell relative to the raster's. 64 bits: far tiles would overflow an int.
   const std::int64_t left = std::int64_t{index.column} * kTileSize - header.lattice_min.column;
   const std::int64_t bottom = std::int64_t{index.row} * kTileSize - header.lattice_min.row;
   Overlap overlap;
@@ -75,7 +75,7 @@ std::size_t TileBytes(const std::vector<CellPlane<Byte>>& planes) {
 }
 
 std::uint8_t MostFrequent(const std::vector<std::uint8_t>& values) {
-  std::array<std::array<std::uint32_t, 256>, 4> counts{};  // four, so that runs of one value do not wait for each other
+  std::array<std::array<std::uint32_t, 256>, 4> counts{};  // four, so that a run of one value does not serialise
   for (std::size_t i = 0; i < values.size(); ++i) ++counts[i % 4][values[i]];
   for (std::size_t value = 0; value < 256; ++value) {
     counts[0][value] += counts[1][value] + counts[2][value] + counts[3][value];
@@ -83,7 +83,7 @@ std::uint8_t MostFrequent(const std::vector<std::uint8_t>& values) {
   return static_cast<std::uint8_t>(std::max_element(counts[0].begin(), counts[0].end()) - counts[0].begin());
 }
 
-// See tiled_raster.h. Sums of whole cells differ from the lattice by rounding only.
+// See tiled_raster.h. Sums of whole cells differ from the lattice only by rounding.
 CellIndex LatticeMinOf(const GridGeometry& geometry) {
   constexpr double kRounding = 1e-3;
   constexpr double kLimit = 1 << 30;
@@ -117,7 +117,7 @@ RasterHeader HeaderOf(const MapRaster& raster) {
 
 class TilePacker {
  public:
-  // Both outlive the packer.
+  // Both must outlive the packer.
   TilePacker(const MapRaster& raster, const RasterHeader& header)
       : header_(header), planes_(PlanesOf(raster, header.background)), context_(ZSTD_createCCtx()) {
     background_.resize(TileBytes(planes_));
@@ -133,7 +133,7 @@ class TilePacker {
     ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
   }
 
-  // Empty where the tile is all background.
+  // Empty if the tile is all background.
   std::string Pack(TileIndex index) {
     const Overlap overlap = OverlapOf(header_, index);
     content_ = background_;
@@ -148,7 +148,7 @@ class TilePacker {
     if (content_ == background_) return {};
     const std::size_t size =
         ZSTD_compress2(context_.get(), packed_.data() + 1, packed_.size() - 1, content_.data(), content_.size());
-    // With room for the bound it cannot fail for want of it; what is left is memory.
+    // The output has room for the bound, so only memory can run out.
     if (ZSTD_isError(size) != 0) throw std::bad_alloc();
     return {packed_.data(), size + 1};
   }
@@ -162,7 +162,7 @@ class TilePacker {
   std::vector<char> packed_;
 };
 
-// The raster with all its cells background.
+// Allocates all cells as background.
 void Allocate(RasterHeader& header) {
   const std::size_t count = header.raster.geometry.cell_count();
   if (auto* const occupancy = std::get_if<OccupancyCells>(&header.raster.cells)) {
@@ -229,7 +229,7 @@ class RasterAssembler::Impl {
         ZSTD_decompressDCtx(context_.get(), content_.data(), content_.size(), bytes.data() + 1, bytes.size() - 1);
     if (bytes[0] == kTileVersion && size == content_.size()) return absl::OkStatus();
     return DataLoss("tile ({}, {}) is damaged: {}", index.row, index.column,
-                    ZSTD_isError(size) != 0 ? ZSTD_getErrorName(size) : "it has another size");
+                    ZSTD_isError(size) != 0 ? ZSTD_getErrorName(size) : "wrong size");
   }
 
   RasterHeader header_;
@@ -250,11 +250,5 @@ absl::StatusOr<RasterAssembler> RasterAssembler::Create(std::string_view header)
 absl::Status RasterAssembler::Add(TileIndex index, std::string_view bytes) { return impl_->Add(index, bytes); }
 
 MapRaster RasterAssembler::Finish() && { return impl_->Finish(); }
-
-absl::StatusOr<MapRaster> JoinTiles(const TiledRaster& tiled) {
-  ENFILADE_ASSIGN_OR_RETURN(RasterAssembler assembler, RasterAssembler::Create(tiled.header));
-  for (const auto& [index, bytes] : tiled.tiles) ENFILADE_RETURN_IF_ERROR(assembler.Add(index, bytes));
-  return std::move(assembler).Finish();
-}
 
 }  // namespace enfilade::grid

@@ -9,26 +9,27 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/grid/files/raster_header.h"
 #include "core/grid/map_raster.h"
+#include "core/grid/raster_header.h"
 
 namespace enfilade::grid {
 
-// A raster in pieces, as it is stored and compared.
+// A raster as tiles, the form in which it is stored and compared.
 //
 // Tiles are squares of kTileSize cells on a fixed lattice: tile (row, column) covers the lattice's cells from
-// (row, column) * kTileSize on. For a grid made by us the lattice is that of its map's frame (cell (0, 0) begins at the
-// map's origin), so that a tile in which nothing has changed keeps its bytes, and its hash, however the map has grown
-// around it. An imported raster, and a grid that is rotated or lies between the lattice's lines, has a lattice of its
-// own, beginning at its lower-left cell.
+// (row, column) * kTileSize on. For a grid made by this program the lattice is that of the map's frame (cell (0, 0)
+// starts at the map's origin): an unchanged tile keeps its bytes, and so its hash, however the map grows around it. An
+// imported raster, and a grid that is rotated or off the lattice, has its own lattice, which starts at its lower-left
+// cell.
 //
 // A tile's bytes: one byte format version (1), then one Zstandard frame with checksum, of kTileSize^2 values (grey with
-// alpha: all greys, then all alphas), rows upwards, cells outside the raster as background. Tiles of background only
-// are left out. The background is "unknown" for our grids, the most frequent grey for images, 0.0 for JSON maps. The
-// same cells give the same bytes with the same release of libzstd; another may pack them otherwise, but reads them.
+// alpha: all greys, then all alphas), rows upwards, cells outside the raster as background. Tiles that are all
+// background are omitted. The background is "unknown" for occupancy grids, the most frequent grey for images, 0.0 for
+// JSON maps. The same cells give the same bytes with the same release of libzstd; another release may compress
+// differently but reads them.
 constexpr int kTileSize = 256;
 
-// Rows first, so that tiles in order are in the order of the raster.
+// Ordered by row, then column: the order of the raster.
 struct TileIndex {
   int row = 0;
   int column = 0;
@@ -43,20 +44,20 @@ struct TiledRaster {
   friend bool operator==(const TiledRaster&, const TiledRaster&) = default;
 };
 
-// `raster` is valid.
+// `raster` must be valid.
 TiledRaster SplitIntoTiles(const MapRaster& raster);
 
-// Puts a raster together from tiles in any order. Needs the raster's memory once, and one tile's.
+// Assembles a raster from tiles in any order. Needs memory for the raster and one tile.
 class RasterAssembler {
  public:
-  // As DecodeRasterHeader.
+  // Errors as DecodeRasterHeader.
   static absl::StatusOr<RasterAssembler> Create(std::string_view header);
   RasterAssembler(RasterAssembler&&) noexcept;
   ~RasterAssembler();
 
-  // DATA_LOSS where the bytes are damaged or the tile lies outside the raster, FAILED_PRECONDITION for a newer version.
+  // DATA_LOSS: damaged bytes, or a tile outside the raster. FAILED_PRECONDITION: a newer format version.
   absl::Status Add(TileIndex index, std::string_view bytes);
-  // Cells of tiles that were not added are background.
+  // Tiles that were not added are background.
   MapRaster Finish() &&;
 
  private:
@@ -64,7 +65,5 @@ class RasterAssembler {
   explicit RasterAssembler(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-absl::StatusOr<MapRaster> JoinTiles(const TiledRaster& tiled);
 
 }  // namespace enfilade::grid

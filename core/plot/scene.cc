@@ -59,8 +59,8 @@ absl::StatusOr<SceneView> ViewOf(const Scene& scene, int longer_side_px) {
     return InvalidArgument("a picture of {} pixels: expected 64 to 16384", longer_side_px);
   }
   const Bounds bounds = BoundsOf(scene);
-  if (bounds.empty()) return InvalidArgument("there is nothing to draw");
-  if (!bounds.finite()) return InvalidArgument("what is to be drawn lies at no finite place");
+  if (bounds.empty()) return InvalidArgument("the scene is empty");
+  if (!bounds.finite()) return InvalidArgument("the scene has a position that is not finite");
   const Eigen::Vector2d size = bounds.high() - bounds.low();
   const double margin = std::max(0.03 * size.maxCoeff(), 0.5);
   const Eigen::Vector2d framed = size + Eigen::Vector2d::Constant(2.0 * margin);

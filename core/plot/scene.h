@@ -13,8 +13,8 @@
 
 namespace enfilade::plot {
 
-// What a plot shows, in one frame ("the scene's", m, y upwards). What comes later lies above; rasters lie below all
-// else and are multiplied with what they cover, so that maps that overlap all stay visible.
+// The content of a plot in one frame (the scene's; m, y upwards). Later elements are drawn over earlier ones. Rasters
+// lie below everything else and are multiplied together, so overlapping maps all stay visible.
 
 // Free cells pale, occupied ones dark in `color`; unknown ones are transparent.
 struct SceneRaster {
@@ -29,12 +29,12 @@ struct SceneLine {
   int width_px = 1;
 };
 
-// A circle where both semi-axes are the same.
+// A circle if both semi-axes are equal.
 struct SceneEllipse {
   Eigen::Vector2d center;
   double semi_major_m = 0.0;
   double semi_minor_m = 0.0;
-  double angle = 0.0;  // of the larger axis to the x axis, rad
+  double angle = 0.0;  // of the larger axis from the x axis, rad
   grid::Rgb color{};
 };
 
@@ -45,7 +45,7 @@ struct SceneMarker {
   grid::Rgb color{};
 };
 
-// To the right of its point. In SVG only.
+// Text to the right of its point. SVG only.
 struct SceneLabel {
   Eigen::Vector2d at;
   std::string text;  // UTF-8
@@ -60,7 +60,7 @@ struct Scene {
   std::vector<SceneLabel> labels{};
 };
 
-// From the scene to a picture's pixels: (0, 0) is its upper left corner, y downwards.
+// The mapping from the scene to pixels: (0, 0) is the picture's upper left corner, y downwards.
 struct SceneView {
   Eigen::Vector2d upper_left;  // in the scene
   double px_per_m = 1.0;
@@ -75,14 +75,14 @@ struct SceneView {
   }
 };
 
-// All of the scene with a margin; its longer side is `longer_side_px`. INVALID_ARGUMENT where there is nothing to see,
-// or what there is lies nowhere (not finite), or the side is below 64 or above 16384.
+// Shows the whole scene with a margin; the longer side has `longer_side_px` pixels. INVALID_ARGUMENT: an empty scene, a
+// position that is not finite, a side below 64 or above 16384.
 absl::StatusOr<SceneView> ViewOf(const Scene& scene, int longer_side_px);
 
 // 72 points around the ellipse, the first repeated at the end.
 std::vector<Eigen::Vector2d> Outline(const SceneEllipse& ellipse);
 
-// A cell's colour as SceneRaster says. `cell` is known.
+// The colour of a known cell, as described at SceneRaster.
 grid::Rgb ColorOfCell(std::uint8_t cell, grid::Rgb color);
 
 grid::RgbImage DrawScene(const Scene& scene, const SceneView& view);

@@ -10,13 +10,13 @@
 
 namespace enfilade::perception {
 
-// Points in metres, in the frame of what they were taken from (the robot's, unless said otherwise). Scanners put NaN or
-// infinities where nothing came back; every function here leaves such points out.
+// Points in metres, in the sensor platform's frame (the robot's, unless stated otherwise). Scanners mark missing
+// returns by NaN or infinities; every function here ignores such points.
 struct Cloud {
   std::vector<Eigen::Vector3f> points;
 };
 
-// A cloud of a full blob of float32 x y z has 5.6 million points.
+// The largest blob holds 5.6 million points of float32 x y z.
 constexpr std::size_t kMaxCloudPoints = 6'000'000;
 
 // The points with three finite coordinates.
@@ -24,9 +24,9 @@ Cloud FinitePoints(const Cloud& cloud);
 
 Cloud Transformed(const Cloud& cloud, const Eigen::Isometry3d& T_to_from);
 
-// One point for each cube of side `voxel` (m) that holds any: their mean. Sorted by cube, so that the same points in
-// another order give the same cloud up to rounding. INVALID_ARGUMENT: a voxel that is not positive, points further than
-// a million voxels from the origin.
+// The mean of the points in each occupied cube of side `voxel` (m). Sorted by cube, so that the order of the points
+// changes nothing but rounding. INVALID_ARGUMENT: a voxel that is not positive, points more than a million voxels from
+// the origin.
 absl::StatusOr<Cloud> VoxelFilter(const Cloud& cloud, double voxel);
 
 }  // namespace enfilade::perception

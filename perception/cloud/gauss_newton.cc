@@ -13,9 +13,15 @@ namespace {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kShrink = 0.85;      // of the correspondences' distance, a step
+constexpr double kShrink = 0.85;      // of the correspondence distance, per step
 constexpr double kStepMetres = 1e-4;  // smaller steps end the search
 constexpr double kStepRadians = 1e-5;
+
+struct CloudPair {
+  const Surfels& source;
+  const Surfels& target;
+  const NearestPoints& target_tree;
+};
 
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
@@ -31,8 +37,9 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
 }
 
 // The pose is (t + v, Exp(w) R): the residual q - (Exp(w) R p + t + v) has the derivatives -1 by v, [R p]x by w.
-NormalEquations Linearise(const Surfels& source, const Surfels& target, const NearestPoints& tree,
-                          const Eigen::Isometry3d& T, double distance, RegistrationMethod method) {
+NormalEquations Linearise(const CloudPair& clouds, const Eigen::Isometry3d& T, double distance,
+                          RegistrationMethod method) {
+  const auto& [source, target, tree] = clouds;
   NormalEquations equations;
   const Eigen::Matrix3d R = T.linear();
   const double squared_limit = distance * distance;
@@ -61,7 +68,7 @@ NormalEquations Linearise(const Surfels& source, const Surfels& target, const Ne
   return equations;
 }
 
-// A share of each diagonal element keeps directions that the scene leaves open where they are.
+// Damping keeps directions that the scene leaves unconstrained unchanged.
 Vector6d Solve(const NormalEquations& equations) {
   Matrix6d H = equations.H;
   const double floor = 1e-6 * std::max(H.diagonal().maxCoeff(), 1e-9);
@@ -84,12 +91,12 @@ Eigen::Isometry3d Moved(const Eigen::Isometry3d& T, const Vector6d& step) {
 
 Alignment Align(const Surfels& source, const Surfels& target, const NearestPoints& target_tree,
                 const Eigen::Isometry3d& T_target_source_guess, const AlignOptions& options) {
+  const CloudPair clouds{source, target, target_tree};
   Alignment alignment;
   alignment.T_target_source = T_target_source_guess;
   double distance = std::max(options.first_distance, options.last_distance);
   for (int i = 0; i < options.max_iterations; ++i) {
-    const NormalEquations equations =
-        Linearise(source, target, target_tree, alignment.T_target_source, distance, options.method);
+    const NormalEquations equations = Linearise(clouds, alignment.T_target_source, distance, options.method);
     alignment.iterations = i + 1;
     if (equations.correspondences < 6) break;
     const Vector6d step = Solve(equations);
@@ -102,8 +109,7 @@ Alignment Align(const Surfels& source, const Surfels& target, const NearestPoint
     }
     distance = std::max(options.last_distance, kShrink * distance);
   }
-  const NormalEquations last =
-      Linearise(source, target, target_tree, alignment.T_target_source, options.last_distance, options.method);
+  const NormalEquations last = Linearise(clouds, alignment.T_target_source, options.last_distance, options.method);
   alignment.correspondences = last.correspondences;
   alignment.weighted_residual = last.residual;
   alignment.normal = last.H;

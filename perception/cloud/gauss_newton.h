@@ -25,8 +25,8 @@ struct Alignment {
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();  // of (translation, rotation) at the end
 };
 
-// Gauss-Newton over correspondences that are searched anew in each step, weighted down by their distance
-// (Geman-McClure); the distance shrinks while steps go by.
+// Gauss-Newton with correspondences searched again in each step and weighted by their distance (Geman-McClure). The
+// allowed distance shrinks from step to step.
 Alignment Align(const Surfels& source, const Surfels& target, const NearestPoints& target_tree,
                 const Eigen::Isometry3d& T_target_source_guess, const AlignOptions& options);
 

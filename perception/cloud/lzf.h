@@ -8,8 +8,8 @@
 
 namespace enfilade::perception {
 
-// Unpacks LZF (Lehmann's liblzf format, as PCD's binary_compressed uses it) into exactly `size` bytes. DATA_LOSS where
-// the packed bytes give more, fewer, or refer before their beginning.
+// Decompresses LZF (liblzf's format, used by PCD's binary_compressed) into exactly `size` bytes. DATA_LOSS: more or
+// fewer bytes, truncated input, or a reference before the start.
 absl::StatusOr<std::string> UnpackLzf(std::string_view packed, std::size_t size);
 
 }  // namespace enfilade::perception

@@ -11,11 +11,11 @@
 namespace enfilade::perception {
 
 struct NearPoint {
-  int index = -1;                 // -1: there is none
+  int index = -1;                 // -1: no points
   float squared_distance = 0.0F;  // m^2
 };
 
-// Finds nearest neighbours among points by PCL's kd-tree; exact. Thread-safe once made.
+// Exact nearest neighbours among points, by PCL's kd-tree. Thread-safe once constructed.
 class NearestPoints {
  public:
   // INVALID_ARGUMENT: no points, or one that is not finite.
@@ -25,7 +25,7 @@ class NearestPoints {
   NearestPoints& operator=(NearestPoints&&) noexcept;
 
   NearPoint Nearest(const Eigen::Vector3f& point) const;
-  // The `count` nearest, or all where there are fewer, nearest first.
+  // The `count` nearest points, or all if there are fewer, nearest first.
   std::vector<int> Neighbours(const Eigen::Vector3f& point, int count) const;
 
  private:

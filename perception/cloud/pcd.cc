@@ -4,13 +4,15 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "fmt/format.h"
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 #include "perception/cloud/lzf.h"
 #include "perception/cloud/point_fields.h"
 
 namespace enfilade::perception {
 namespace {
+
+// Far more than any scanner's points have. With it the size of a cloud cannot overflow.
+constexpr std::size_t kMaxPointBytes = std::size_t{1} << 24;
 
 struct PcdHeader {
   std::vector<PointField> fields;
@@ -49,7 +51,7 @@ absl::Status ReadTypes(const std::vector<std::string_view>& words, std::vector<P
   return absl::OkStatus();
 }
 
-// Takes the header off `bytes`.
+// Reads the header and removes it from `bytes`.
 absl::StatusOr<PcdHeader> ReadPcdHeader(std::string_view& bytes) {
   PcdHeader header;
   std::optional<std::size_t> points;
@@ -98,7 +100,7 @@ absl::StatusOr<std::string> Unpack(std::string_view bytes, std::size_t expected)
   std::memcpy(&packed, bytes.data(), 4);
   std::memcpy(&unpacked, bytes.data() + 4, 4);
   if (bytes.size() - 8 < packed) {
-    return InvalidArgument("PCD: {} of {} packed bytes are there", bytes.size() - 8, packed);
+    return InvalidArgument("PCD: truncated: {} of {} packed bytes", bytes.size() - 8, packed);
   }
   if (unpacked != expected) return InvalidArgument("PCD: {} unpacked bytes: expected {}", unpacked, expected);
   absl::StatusOr<std::string> data = UnpackLzf(bytes.substr(8, packed), unpacked);
@@ -111,10 +113,13 @@ absl::StatusOr<std::string> Unpack(std::string_view bytes, std::size_t expected)
 absl::StatusOr<Cloud> DecodePcd(std::string_view bytes) {
   ENFILADE_ASSIGN_OR_RETURN(const PcdHeader header, ReadPcdHeader(bytes));
   ENFILADE_ASSIGN_OR_RETURN(const auto xyz, FindXyz(header.fields));
+  if (PointSize(header.fields) > kMaxPointBytes) {
+    return InvalidArgument("PCD: a point of {} bytes: expected at most {}", PointSize(header.fields), kMaxPointBytes);
+  }
   const std::size_t expected = header.points * PointSize(header.fields);
   if (header.data == "ascii") return ReadText(bytes, header.points, header.fields, xyz);
   if (header.data == "binary") {
-    if (bytes.size() < expected) return InvalidArgument("PCD: {} of {} bytes are there", bytes.size(), expected);
+    if (bytes.size() < expected) return InvalidArgument("PCD: truncated: {} of {} bytes", bytes.size(), expected);
     return ReadRows(bytes, header.points, header.fields, xyz);
   }
   if (header.data == "binary_compressed") {
@@ -123,17 +128,6 @@ absl::StatusOr<Cloud> DecodePcd(std::string_view bytes) {
     return ReadColumns(data, header.points, header.fields, xyz);
   }
   return InvalidArgument("PCD: DATA {}: expected ascii, binary or binary_compressed", header.data);
-}
-
-std::string EncodePcd(const Cloud& cloud) {
-  std::string bytes = fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
-      "WIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA binary\n",
-      cloud.points.size());
-  for (const Eigen::Vector3f& point : cloud.points) {
-    bytes.append(reinterpret_cast<const char*>(point.data()), 3 * sizeof(float));
-  }
-  return bytes;
 }
 
 }  // namespace enfilade::perception

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 #include "perception/cloud/point_fields.h"
 
 namespace enfilade::perception {
@@ -33,7 +33,8 @@ absl::StatusOr<PointField> FieldOf(std::string_view type, std::string_view name)
   return InvalidArgument("PLY: a vertex has the property {} of type {}: expected a number", name, type);
 }
 
-// Takes the header off `bytes`. Elements after the vertices are of no interest; before them they would have to be read.
+// Reads the header and removes it from `bytes`. Elements after the vertices are ignored; elements before them are
+// refused, because they would have to be read.
 absl::StatusOr<PlyHeader> ReadPlyHeader(std::string_view& bytes) {
   PlyHeader header;
   bool has_format = false;
@@ -53,7 +54,7 @@ absl::StatusOr<PlyHeader> ReadPlyHeader(std::string_view& bytes) {
       has_format = true;
     } else if (words[0] == "element" && words.size() == 3) {
       in_vertices = words[1] == "vertex";
-      if (!in_vertices && !has_vertices) return InvalidArgument("PLY: {} stand before the vertices", words[1]);
+      if (!in_vertices && !has_vertices) return InvalidArgument("PLY: the element {} precedes the vertices", words[1]);
       if (!in_vertices) continue;
       const std::optional<std::size_t> count = ParseCount(words[2]);
       if (!count || *count > kMaxCloudPoints) {
@@ -70,7 +71,7 @@ absl::StatusOr<PlyHeader> ReadPlyHeader(std::string_view& bytes) {
     }
   }
   if (!has_format || !has_vertices)
-    return InvalidArgument("PLY: the header names no {}", has_format ? "vertices" : "format");
+    return InvalidArgument("PLY: the header has no {}", has_format ? "vertices" : "format");
   return header;
 }
 
@@ -81,7 +82,7 @@ absl::StatusOr<Cloud> DecodePly(std::string_view bytes) {
   ENFILADE_ASSIGN_OR_RETURN(const auto xyz, FindXyz(header.fields));
   if (header.is_ascii) return ReadText(bytes, header.points, header.fields, xyz);
   const std::size_t expected = header.points * PointSize(header.fields);
-  if (bytes.size() < expected) return InvalidArgument("PLY: {} of {} bytes are there", bytes.size(), expected);
+  if (bytes.size() < expected) return InvalidArgument("PLY: truncated: {} of {} bytes", bytes.size(), expected);
   return ReadRows(bytes, header.points, header.fields, xyz);
 }
 

@@ -12,7 +12,7 @@
 
 namespace enfilade::perception {
 
-// One number of a point, as the header of a cloud file describes it.
+// A field of a point, as described by the header of a cloud file.
 struct PointField {
   enum class Kind { kFloat, kSigned, kUnsigned };
 
@@ -22,24 +22,24 @@ struct PointField {
   std::size_t count = 1;  // PCD: numbers under this name
 };
 
-// Which of the fields are x, y and z. INVALID_ARGUMENT where one is missing or no float.
+// The indices of the fields x, y and z. INVALID_ARGUMENT: one is missing or not a single float.
 absl::StatusOr<std::array<std::size_t, 3>> FindXyz(const std::vector<PointField>& fields);
 
-// Points of fixed size, one after the other. `bytes` holds at least `count` of them.
+// Reads points of fixed size, stored one after another. `bytes` must hold at least `count` of them.
 Cloud ReadRows(std::string_view bytes, std::size_t count, const std::vector<PointField>& fields,
                const std::array<std::size_t, 3>& xyz);
-// All values of the first field, then all of the second.
+// Reads points stored by field: all values of the first, then all of the second.
 Cloud ReadColumns(std::string_view bytes, std::size_t count, const std::vector<PointField>& fields,
                   const std::array<std::size_t, 3>& xyz);
-// Lines of numbers; "nan" and "inf" are numbers. INVALID_ARGUMENT naming the point that cannot be read.
+// Reads lines of numbers; "nan" and "inf" are numbers. INVALID_ARGUMENT names the point that cannot be read.
 absl::StatusOr<Cloud> ReadText(std::string_view text, std::size_t count, const std::vector<PointField>& fields,
                                const std::array<std::size_t, 3>& xyz);
 
 std::size_t PointSize(const std::vector<PointField>& fields);
 
-// Takes the next line, without its end, off `text`; nullopt where none is left.
+// Removes the next line from `text` and returns it without its line end; nullopt if there is none.
 std::optional<std::string_view> TakeLine(std::string_view& text);
-// The words of a line, apart from spaces and tabs.
+// The words of a line, separated by spaces and tabs.
 std::vector<std::string_view> Words(std::string_view line);
 std::optional<std::size_t> ParseCount(std::string_view word);
 

@@ -20,7 +20,7 @@
 namespace enfilade::perception {
 namespace {
 
-constexpr std::size_t kFewestPoints = 50;  // of a thinned cloud: fewer fit nearly anywhere
+constexpr std::size_t kFewestPoints = 50;  // of a thinned cloud; fewer would fit almost anywhere
 
 // A thinned cloud at one stage's voxel size.
 struct Level {
@@ -41,13 +41,13 @@ Eigen::AlignedBox3f BoxOf(const std::vector<Eigen::Vector3f>& points) {
   return box;
 }
 
-constexpr double kFlat = 0.3;              // less flat surfaces face no way
-constexpr double kHorizontalCosine = 0.8;  // floors and ceilings are alike everywhere
+constexpr double kFlat = 0.3;              // less flat surfaces have no direction
+constexpr double kHorizontalCosine = 0.8;  // floors and ceilings look alike everywhere
 
 bool IsFlat(const Surfels& surfels, std::size_t i) { return surfels.flatness[i] > kFlat; }
 
 struct Agreement {
-  int points = 0;   // that tell places apart: no floor, no ceiling
+  int points = 0;   // distinctive points: without floor and ceiling
   int inside = 0;   // of them, inside the other cloud's box
   int inliers = 0;  // of those
 
@@ -55,7 +55,7 @@ struct Agreement {
   double overlap() const { return points > 0 ? static_cast<double>(inside) / points : 0.0; }
 };
 
-// How much of `from` is in `to`, where `from` lies at T_to_from.
+// How well `from`, placed at T_to_from, agrees with `to`.
 Agreement Compare(const Level& from, const Level& to, const Eigen::Isometry3d& T_to_from,
                   const RegistrationOptions& options) {
   Eigen::AlignedBox3f box = BoxOf(to.surfels.points);
@@ -107,7 +107,7 @@ void Measure(const Level& source, const Level& target, const RegistrationOptions
 }
 
 Eigen::Matrix<double, 6, 6> CovarianceOf(const Alignment& alignment, int neighbours) {
-  // Three residuals a point; as many points as a surface is fitted to are one measurement of it.
+  // Three residuals per point; the points of one surface fit count as one measurement.
   const double measurements = std::max(1.0, 3.0 * alignment.correspondences / neighbours - 6.0);
   const double variance = alignment.weighted_residual / (3.0 * std::max(1, alignment.correspondences));
   Eigen::Matrix<double, 6, 6> H = alignment.normal;
@@ -134,14 +134,14 @@ struct Start {
   double score = 0.0;
 };
 
-// A pose that leaves the other's box behind is not the better for it.
+// Without the overlap a pose outside the other cloud's box could score better.
 double ScoreOf(const Registration& result) { return result.inlier_share * result.overlap; }
 
 double LastDistance(const RegistrationOptions& options, double voxels) {
   return std::min(options.max_distance, voxels * options.voxel);
 }
 
-// All starts after the first stage, best first.
+// The results of the first stage from all starts, best first.
 std::vector<Start> Coarse(const Levels& source, const Levels& target, const Eigen::Isometry3d& guess,
                           const RegistrationOptions& options) {
   const AlignOptions align{.method = options.method,
@@ -239,7 +239,7 @@ absl::StatusOr<Registration> RegisterClouds(const Cloud& source, const Cloud& ta
                                             const Eigen::Isometry3d& T_target_source_guess,
                                             const RegistrationOptions& options) {
   ENFILADE_RETURN_IF_ERROR(Validate(options));
-  if (!T_target_source_guess.matrix().allFinite()) return InvalidArgument("the first guess is not finite");
+  if (!T_target_source_guess.matrix().allFinite()) return InvalidArgument("the initial guess is not finite");
   for (const auto& [cloud, name] : {std::pair{&source, "source"}, std::pair{&target, "target"}}) {
     ENFILADE_ASSIGN_OR_RETURN(const Cloud thinned, VoxelFilter(*cloud, options.voxel));
     if (thinned.points.size() < kFewestPoints) return TooFew(name, thinned.points.size(), T_target_source_guess);

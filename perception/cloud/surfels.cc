@@ -8,7 +8,7 @@
 namespace enfilade::perception {
 namespace {
 
-constexpr double kThickness = 1e-3;  // of a plane against its extent
+constexpr double kThickness = 1e-3;  // of a plane relative to its extent
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 
 namespace enfilade::perception {
 
-// A cloud that is prepared for registration: each point with the shape of the surface around it.
+// A cloud prepared for registration: each point with the shape of the surface around it.
 struct Surfels {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Matrix3d> covariances;  // regularised to (1, 1, 0.001) along the plane (Segal et al. 2009, III.B)
@@ -17,7 +17,7 @@ struct Surfels {
   std::vector<double> flatness;              // 0 a ball or a line .. 1 a plane
 };
 
-// `neighbours`: how many nearest points a surface is fitted to.
+// `neighbours`: the number of nearest points per surface fit.
 Surfels MakeSurfels(const std::vector<Eigen::Vector3f>& points, const NearestPoints& tree, int neighbours);
 
 }  // namespace enfilade::perception

@@ -16,7 +16,7 @@ namespace {
 struct Line {
   int number = 0;
   std::string first;
-  std::string second;  // empty where there is none
+  std::string second;  // empty if there is none
 };
 
 std::vector<Line> LinesOf(std::string_view text) {
@@ -49,7 +49,7 @@ absl::StatusOr<std::map<std::string, Environment>> ParseMapping(std::string_view
                              line.first, line.second);
     }
     if (!mapping.emplace(line.first, *environment).second) {
-      return InvalidArgument("mapping, line {}: the class {} stands there twice", line.number, line.first);
+      return InvalidArgument("mapping, line {}: duplicate class {}", line.number, line.first);
     }
   }
   return mapping;
@@ -63,7 +63,7 @@ absl::StatusOr<std::vector<SceneClass>> ParseSceneClasses(std::string_view label
   std::set<std::string> known;
   for (const Line& line : LinesOf(labels)) {
     if (!known.insert(line.first).second) {
-      return InvalidArgument("labels, line {}: the class {} stands there twice", line.number, line.first);
+      return InvalidArgument("labels, line {}: duplicate class {}", line.number, line.first);
     }
     const auto found = environments.find(line.first);
     if (found == environments.end()) {

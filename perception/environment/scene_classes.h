@@ -16,11 +16,11 @@ struct SceneClass {
   Environment environment = Environment::kIndoor;
 };
 
-// Labels: one line per class in the order of the network's outputs, as Places365's categories_places365.txt: a name
-// ("/a/airfield"), which a number may follow. Mapping: one line per class, "name 1" (indoor) or "name 2" (outdoor), as
-// Places365's IO_places365.txt, in any order; the words indoor and outdoor are taken too. Empty lines and lines that
-// begin with # are passed over. INVALID_ARGUMENT naming the line: no class at all, a class twice, one that is not
-// mapped, a value that is neither.
+// Labels: one line per class in the order of the network's outputs, as in Places365's categories_places365.txt: a name
+// ("/a/airfield"), optionally followed by a number. Mapping: one line per class in any order, "name 1" (indoor) or
+// "name 2" (outdoor) as in Places365's IO_places365.txt, or with the words indoor and outdoor. Empty lines and lines
+// that start with # are skipped. INVALID_ARGUMENT naming the line: no class, a duplicate class, a class without
+// mapping, another value.
 absl::StatusOr<std::vector<SceneClass>> ParseSceneClasses(std::string_view labels, std::string_view mapping);
 
 }  // namespace enfilade::perception

@@ -64,10 +64,9 @@ struct SceneClassifier::Network {
     net.setInput(input);
     const cv::Mat output = net.forward();
     if (output.type() != CV_32F || output.total() != classes) {
-      return InvalidArgument("the scene classifier's model gives {} outputs for {} labels", output.total(), classes);
+      return InvalidArgument("the scene classifier's model has {} outputs for {} labels", output.total(), classes);
     }
-    if (!cv::checkRange(output))
-      return InvalidArgument("the scene classifier's model gives outputs that are not finite");
+    if (!cv::checkRange(output)) return InvalidArgument("the scene classifier's model has outputs that are not finite");
     return output.clone();
   }
 };
@@ -92,7 +91,7 @@ absl::StatusOr<SceneClassifier> SceneClassifier::Make(std::string_view onnx, std
   if (classes.empty()) return InvalidArgument("the scene classifier has no classes");
   auto network = std::make_unique<Network>();
   network->classes = classes.size();
-  // Whatever OpenCV says against a model is a fault of the model here, not of this program.
+  // Any error from OpenCV here is the model's fault, not this program's.
   const absl::Status status = GuardOpenCv("the scene classifier's model", [&]() -> absl::Status {
     network->net = cv::dnn::readNetFromONNX(onnx.data(), onnx.size());
     if (network->net.empty()) return InvalidArgument("the scene classifier's model has no layers");

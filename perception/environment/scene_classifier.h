@@ -13,8 +13,8 @@
 
 namespace enfilade::perception {
 
-// Files of a scene classifier: a network in ONNX that takes 1x3x224x224 and gives one number per class, such as a
-// Places365 ResNet18 exported by its user; labels and mapping as in scene_classes.h. None comes with this program.
+// Files of a scene classifier: an ONNX network with 1x3x224x224 inputs and one output per class, such as a Places365
+// ResNet18; labels and mapping as in scene_classes.h. This program ships without a network.
 struct SceneClassifierFiles {
   std::string model;
   std::string labels;
@@ -28,12 +28,12 @@ struct SceneVerdict {
   double best_probability = 0.0;
 };
 
-// Says whether a photograph shows indoors or outdoors (criterion 3 of the original). Not thread-safe: one for each
+// Decides whether a photograph was taken indoors or outdoors (map_manager's criterion 3). Not thread-safe: use one per
 // thread.
 class SceneClassifier {
  public:
-  // NOT_FOUND naming the file that is missing and what to do. INVALID_ARGUMENT: labels or mapping (ParseSceneClasses),
-  // a model that OpenCV cannot read, one that does not take 1x3x224x224 or whose outputs are not as many as the labels.
+  // NOT_FOUND names the missing file and the remedy. INVALID_ARGUMENT: labels or mapping (ParseSceneClasses), a model
+  // that OpenCV cannot read, with other inputs than 1x3x224x224 or a number of outputs other than that of the labels.
   static absl::StatusOr<SceneClassifier> Load(const SceneClassifierFiles& files);
   // The same from a model's bytes.
   static absl::StatusOr<SceneClassifier> Make(std::string_view onnx, std::vector<SceneClass> classes);
@@ -41,9 +41,9 @@ class SceneClassifier {
   SceneClassifier(SceneClassifier&&) noexcept;
   SceneClassifier& operator=(SceneClassifier&&) noexcept;
 
-  // The image is scaled to 256 pixels on its shorter side and its middle 224x224 taken, as RGB in 0 .. 1 less
-  // ImageNet's means, divided by its deviations (the preprocessing of Places365's demo); softmax over the outputs.
-  // Outdoors where the outdoor classes together have more than half. INVALID_ARGUMENT: a malformed frame.
+  // Preprocesses as Places365's demo: scales the image to 256x256 pixels, takes the central 224x224 as RGB in [0, 1],
+  // subtracts ImageNet's means and divides by its deviations. Then softmax over the outputs. Outdoors if the outdoor
+  // classes have more than half in total. INVALID_ARGUMENT: a malformed frame.
   absl::StatusOr<SceneVerdict> Classify(const ColorFrame& frame);
 
  private:

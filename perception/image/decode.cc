@@ -14,7 +14,8 @@ namespace enfilade::perception {
 namespace {
 
 absl::Status CheckSize(std::int64_t width, std::int64_t height, const DecodeLimits& limits) {
-  if (width <= 0 || height <= 0) return InvalidArgument("the image has {}x{} pixels: nothing to see", width, height);
+  if (width <= 0 || height <= 0)
+    return InvalidArgument("the image has {}x{} pixels: expected at least one", width, height);
   if (width > limits.max_pixels || height > limits.max_pixels / width) {
     return InvalidArgument("the image has {}x{} pixels ({:.1f} Mpx), more than the limit of {:.1f} Mpx: scale it down",
                            width, height, static_cast<double>(width) * static_cast<double>(height) * 1e-6,
@@ -24,14 +25,14 @@ absl::Status CheckSize(std::int64_t width, std::int64_t height, const DecodeLimi
 }
 
 absl::StatusOr<cv::Mat> Decode(std::string_view bytes, int flags, const ImageHeader& header) {
-  // OpenCV's decoder reads only; its interface does not say so.
+  // OpenCV's decoder does not write to its input, although its interface takes a mutable pointer.
   const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   cv::Mat image = cv::imdecode(encoded, flags);
   const char* name = header.format == ImageFormat::kPng ? "PNG" : "JPEG";
-  if (image.empty()) return InvalidArgument("the {} is damaged or cut short ({} bytes)", name, bytes.size());
+  if (image.empty()) return InvalidArgument("the {} is damaged or truncated ({} bytes)", name, bytes.size());
   if (header.format == ImageFormat::kJpeg && bytes.rfind("\xFF\xD9") == std::string_view::npos) {
-    // OpenCV fills what is missing with grey and says nothing.
-    return InvalidArgument("the JPEG is cut short ({} bytes, no end marker)", bytes.size());
+    // OpenCV silently fills missing pixels with grey.
+    return InvalidArgument("the JPEG is truncated ({} bytes, no end marker)", bytes.size());
   }
   return image;
 }
@@ -49,7 +50,8 @@ absl::StatusOr<ImageHeader> CheckHeader(std::string_view bytes, const DecodeLimi
   return header;
 }
 
-// Our own reader says what is wrong with a PNG, where OpenCV prints it to the standard error; it leaves 16 bits alone.
+// Whether core's PNG reader applies: it reports errors that OpenCV only prints to standard error, but reads no 16-bit
+// PNG.
 bool IsPlainPng(const ImageHeader& header) { return header.format == ImageFormat::kPng && header.bit_depth <= 8; }
 
 std::uint8_t Luma(int red, int green, int blue) {
@@ -82,41 +84,6 @@ std::vector<Sample> Samples(const cv::Mat& image) {
   const cv::Mat whole = image.isContinuous() ? image : image.clone();
   const auto* first = whole.ptr<Sample>();
   return std::vector<Sample>(first, first + whole.total() * static_cast<std::size_t>(whole.channels()));
-}
-
-int ToOpenCvType(PixelOrder order) {
-  switch (order) {
-    case PixelOrder::kMono8:
-      return CV_8UC1;
-    case PixelOrder::kBgr8:
-    case PixelOrder::kRgb8:
-      return CV_8UC3;
-    case PixelOrder::kBgra8:
-    case PixelOrder::kRgba8:
-      return CV_8UC4;
-  }
-  return CV_8UC1;
-}
-
-cv::Mat ToGrey(const cv::Mat& image, PixelOrder order) {
-  cv::Mat grey;
-  switch (order) {
-    case PixelOrder::kMono8:
-      return image;
-    case PixelOrder::kBgr8:
-      cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-      break;
-    case PixelOrder::kRgb8:
-      cv::cvtColor(image, grey, cv::COLOR_RGB2GRAY);
-      break;
-    case PixelOrder::kBgra8:
-      cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
-      break;
-    case PixelOrder::kRgba8:
-      cv::cvtColor(image, grey, cv::COLOR_RGBA2GRAY);
-      break;
-  }
-  return grey;
 }
 
 }  // namespace
@@ -159,32 +126,6 @@ absl::StatusOr<DepthFrame> DecodeDepth(std::string_view bytes, double metres_per
     image.convertTo(metres, CV_32F, metres_per_unit);
     return DepthFrame{metres.cols, metres.rows, Samples<float>(metres)};
   });
-}
-
-absl::StatusOr<GreyFrame> GreyFromRaw(const RawImage& image, const DecodeLimits& limits) {
-  ENFILADE_RETURN_IF_ERROR(CheckSize(image.width, image.height, limits));
-  const int type = ToOpenCvType(image.order);
-  const std::int64_t row = static_cast<std::int64_t>(image.width) * CV_MAT_CN(type);
-  const std::int64_t step = image.step == 0 ? row : image.step;
-  if (step < row) return InvalidArgument("raw image: a step of {} bytes is shorter than a row of {}", step, row);
-  const auto size = static_cast<std::int64_t>(image.bytes.size());
-  if (size < row || (size - row) / step < image.height - 1) {
-    return InvalidArgument("raw image of {} rows of {} bytes has {} bytes only", image.height, step, size);
-  }
-  return GuardOpenCv("converting an image", [&]() -> absl::StatusOr<GreyFrame> {
-    const cv::Mat view(image.height, image.width, type, const_cast<char*>(image.bytes.data()),
-                       static_cast<std::size_t>(step));
-    return GreyFrame{image.width, image.height, Samples<std::uint8_t>(ToGrey(view, image.order))};
-  });
-}
-
-GreyFrame GreyFromColor(const ColorFrame& frame) {
-  GreyFrame grey{frame.width, frame.height, std::vector<std::uint8_t>(frame.samples.size() / 3)};
-  for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
-    const std::uint8_t* rgb = &frame.samples[3 * i];
-    grey.pixels[i] = Luma(rgb[0], rgb[1], rgb[2]);
-  }
-  return grey;
 }
 
 }  // namespace enfilade::perception

@@ -27,7 +27,7 @@ struct Nearest {
   }
 };
 
-// `ratio` applies to what `distance` returns. One look at each pair serves both directions.
+// `ratio` applies to what `distance` returns. Each pair is compared once for both directions.
 template <typename Distance>
 std::vector<DescriptorMatch> Match(std::size_t count_a, std::size_t count_b, double ratio, bool mutual,
                                    const Distance& distance) {

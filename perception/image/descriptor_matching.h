@@ -8,12 +8,12 @@
 namespace enfilade::perception {
 
 struct RatioTest {
-  double sift = 0.6;   // nearest over second nearest distance (Lowe 2004, 7.1); 1 lets everything through
+  double sift = 0.6;   // nearest over second nearest distance (Lowe 2004, 7.1); 1 accepts all
   double akaze = 0.7;  // the same in Hamming distance
-  bool mutual = true;  // each must be the other's nearest
+  bool mutual = true;  // both must be each other's nearest
 };
 
-// Keypoint `a` of one set and `b` of the other look alike.
+// Keypoint `a` of one set matches `b` of the other.
 struct DescriptorMatch {
   int a = 0;
   int b = 0;
@@ -21,8 +21,8 @@ struct DescriptorMatch {
   friend bool operator==(const DescriptorMatch&, const DescriptorMatch&) = default;
 };
 
-// In the order of `a`; each `a` at most once, and with `mutual` each `b` too. Every descriptor is compared with every
-// other: exact, and as fast as an approximate search for as few as there are.
+// Ordered by `a`; each `a` occurs at most once, with `mutual` each `b` too. Exhaustive comparison: exact, and for so
+// few descriptors as fast as an approximate search.
 std::vector<DescriptorMatch> MatchSift(const FeatureSet& a, const FeatureSet& b, const RatioTest& test);
 std::vector<DescriptorMatch> MatchAkaze(const FeatureSet& a, const FeatureSet& b, const RatioTest& test);
 

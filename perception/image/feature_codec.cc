@@ -10,7 +10,7 @@
 namespace enfilade::perception {
 namespace {
 
-// Raised whenever the layout or what is extracted changes.
+// Incremented whenever the layout or the extraction changes.
 constexpr std::uint8_t kVersion = 1;
 constexpr int kMaxSide = 1 << 20;
 
@@ -70,7 +70,7 @@ absl::StatusOr<FeatureSet> DecodeFeatures(std::string_view bytes) {
   }
   if (!Get(reader, kSiftBytes, features.sift, features.sift_descriptors) ||
       !Get(reader, kAkazeBytes, features.akaze, features.akaze_descriptors) || !reader.at_end()) {
-    return DataLoss("image features: {} bytes are damaged or cut short", bytes.size());
+    return DataLoss("image features: {} bytes are damaged or truncated", bytes.size());
   }
   return features;
 }

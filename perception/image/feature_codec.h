@@ -9,12 +9,12 @@
 
 namespace enfilade::perception {
 
-// Features as bytes, to be stored beside their image: little-endian, a version byte first, exact. 512x384 pixels of a
-// corridor take about 40 KiB.
+// Serialises features for storage beside their image: little-endian, a version byte first, exact. An image of a
+// corridor with 512x384 pixels takes about 40 KiB.
 std::string EncodeFeatures(const FeatureSet& features);
 
-// DATA_LOSS on another version (features are made anew from the image then) and on truncated, trailing or impossible
-// content; nothing larger than `bytes` is allocated before it is checked.
+// DATA_LOSS: another version (then extract the features again), truncated or trailing bytes, impossible values. Never
+// allocates more than `bytes` holds.
 absl::StatusOr<FeatureSet> DecodeFeatures(std::string_view bytes);
 
 }  // namespace enfilade::perception

@@ -16,7 +16,7 @@
 namespace enfilade::perception {
 namespace {
 
-constexpr int kSmallestSide = 32;  // below it AKAZE's pyramid has no level
+constexpr int kSmallestSide = 32;  // AKAZE's pyramid needs at least this
 
 struct Detected {
   std::vector<cv::KeyPoint> keypoints;
@@ -37,7 +37,7 @@ Detected DetectAkaze(const cv::Mat& grey, const FeatureOptions& options) {
   return detected;
 }
 
-// The strongest, in an order of their own: detectors that run in threads find them in any order.
+// The strongest keypoints in a deterministic order: multi-threaded detectors return them in any order.
 std::vector<int> Strongest(const std::vector<cv::KeyPoint>& keypoints, int most) {
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);
@@ -50,18 +50,18 @@ std::vector<int> Strongest(const std::vector<cv::KeyPoint>& keypoints, int most)
   return order;
 }
 
-void Keep(const Detected& detected, const FeatureOptions& options, double pixels_per_pixel, int descriptor_bytes,
-          std::vector<Keypoint>& keypoints, std::vector<std::uint8_t>& descriptors) {
+void Append(const Detected& detected, const FeatureOptions& options, double scale, std::vector<Keypoint>& keypoints,
+            std::vector<std::uint8_t>& descriptors) {
   for (const int i : Strongest(detected.keypoints, options.max_features)) {
     const cv::KeyPoint& found = detected.keypoints[static_cast<std::size_t>(i)];
-    const auto factor = static_cast<float>(pixels_per_pixel);
+    const auto factor = static_cast<float>(scale);
     // Pixel centres are at whole numbers before and after scaling.
     keypoints.push_back({.x = (found.pt.x + 0.5F) * factor - 0.5F,
                          .y = (found.pt.y + 0.5F) * factor - 0.5F,
                          .size = found.size * factor,
                          .angle = found.angle * std::numbers::pi_v<float> / 180.0F});
     const auto* row = detected.descriptors.ptr<std::uint8_t>(i);
-    descriptors.insert(descriptors.end(), row, row + descriptor_bytes);
+    descriptors.insert(descriptors.end(), row, row + detected.descriptors.cols);
   }
 }
 
@@ -101,13 +101,13 @@ absl::StatusOr<FeatureSet> ExtractFeatures(const GreyFrame& frame, const Feature
     }
     Detected sift;
     Detected akaze;
-    // OpenCV's pool runs both at once where it has threads; within them it starts no more.
+    // OpenCV's pool runs both in parallel if it has threads, and starts none within them.
     cv::parallel_for_(cv::Range(0, 2), [&](const cv::Range& range) {
       if (range.start == 0) sift = DetectSift(grey, options);
       if (range.end == 2) akaze = DetectAkaze(grey, options);
     });
-    Keep(sift, options, scale, kSiftBytes, features.sift, features.sift_descriptors);
-    Keep(akaze, options, scale, kAkazeBytes, features.akaze, features.akaze_descriptors);
+    Append(sift, options, scale, features.sift, features.sift_descriptors);
+    Append(akaze, options, scale, features.akaze, features.akaze_descriptors);
     return features;
   });
 }

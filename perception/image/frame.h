@@ -8,7 +8,7 @@
 
 namespace enfilade::perception {
 
-// A camera image as brightness: 8 bits a pixel, rows from the top without gaps.
+// A grey camera image: 8 bits per pixel, rows from the top without gaps.
 struct GreyFrame {
   int width = 0;
   int height = 0;
@@ -26,7 +26,7 @@ struct ColorFrame {
   friend bool operator==(const ColorFrame&, const ColorFrame&) = default;
 };
 
-// A depth image. 0, NaN and infinities mean "nothing measured".
+// A depth image. 0, NaN and infinities mean "no measurement".
 struct DepthFrame {
   int width = 0;
   int height = 0;
@@ -35,7 +35,7 @@ struct DepthFrame {
   friend bool operator==(const DepthFrame&, const DepthFrame&) = default;
 };
 
-// INVALID_ARGUMENT where a side is not positive or the pixels are not as many as the sides say.
+// INVALID_ARGUMENT: a side is not positive, or the number of samples does not match the size.
 absl::Status Validate(const GreyFrame& frame);
 absl::Status Validate(const ColorFrame& frame);
 absl::Status Validate(const DepthFrame& frame);

@@ -40,8 +40,8 @@ Points PointsOf(const std::vector<TentativeMatch>& matches, const std::vector<st
   return points;
 }
 
-// Whether a match's keypoints change in size and direction as the homography does around them: its Jacobian there is
-// near a rotation with scale, which also excludes mirror images and points behind the camera.
+// Whether the change in size and direction between a match's keypoints agrees with the homography's Jacobian there,
+// taken as a rotation with scale. This also excludes mirror images and points behind the camera.
 bool AgreesLocally(const cv::Matx33d& H, const TentativeMatch& match, const ImageMatchOptions& options) {
   const cv::Vec3d p = H * cv::Vec3d(match.a.x(), match.a.y(), 1.0);
   if (!(p[2] * H(2, 2) > 0.0)) return false;

@@ -10,7 +10,7 @@
 
 namespace enfilade::perception {
 
-// A match with what its keypoints say about the views.
+// A match with the relative size and direction of its keypoints.
 struct TentativeMatch {
   Eigen::Vector2f a;
   Eigen::Vector2f b;
@@ -20,11 +20,11 @@ struct TentativeMatch {
 
 struct Verification {
   std::vector<char> is_inlier;           // per match
-  std::optional<Eigen::Matrix3d> H_b_a;  // of the plane with the most matches, where planes are looked for
+  std::optional<Eigen::Matrix3d> H_b_a;  // of the plane with the most matches; only with kPlanes
 };
 
-// Which matches agree on a geometry. `tolerance_px`: in b. LO-RANSAC (Chum, Matas, Kittler 2003) with MSAC's score, as
-// OpenCV's USAC framework has it, with options.seed.
+// Finds the matches that agree on a geometry. `tolerance_px` is measured in image b. LO-RANSAC (Chum, Matas, Kittler
+// 2003) with MSAC's score by OpenCV's USAC framework, seeded with options.seed.
 absl::StatusOr<Verification> VerifyGeometry(const std::vector<TentativeMatch>& matches, double tolerance_px,
                                             const ImageMatchOptions& options);
 

@@ -10,7 +10,7 @@ namespace enfilade::perception {
 
 enum class ImageFormat { kPng, kJpeg };
 
-// What an encoded image says of itself before any pixel is decoded.
+// The header of an encoded image.
 struct ImageHeader {
   ImageFormat format = ImageFormat::kPng;
   std::int64_t width = 0;
@@ -19,8 +19,8 @@ struct ImageHeader {
   int bit_depth = 0;   // of one sample
 };
 
-// Reads a PNG's IHDR (RFC 2083, 4.1.1) or a JPEG's first frame header (ITU T.81, B.2.2). INVALID_ARGUMENT: neither of
-// the two, cut short before that header, or a header that contradicts itself. Only the header is looked at.
+// Reads a PNG's IHDR (RFC 2083, 4.1.1) or a JPEG's first frame header (ITU T.81, B.2.2). INVALID_ARGUMENT: another
+// format, a truncated or inconsistent header. Reads nothing but the header.
 absl::StatusOr<ImageHeader> ReadImageHeader(std::string_view bytes);
 
 }  // namespace enfilade::perception

@@ -13,12 +13,12 @@
 namespace enfilade::perception {
 namespace {
 
-constexpr float kSameSpotPx = 2.0F;  // SIFT and AKAZE matches nearer than this in both images are one
+constexpr float kSameSpotPx = 2.0F;  // closer matches in both images count as one
 
 absl::Status Validate(const FeatureSet& features, const char* name) {
   if (features.sift_descriptors.size() != features.sift.size() * kSiftBytes ||
       features.akaze_descriptors.size() != features.akaze.size() * kAkazeBytes) {
-    return InvalidArgument("features of image {}: descriptors and keypoints are not equally many", name);
+    return InvalidArgument("features of image {}: different numbers of descriptors and keypoints", name);
   }
   return absl::OkStatus();
 }
@@ -45,7 +45,7 @@ int CountInside(const std::vector<Keypoint>& keypoints, const Eigen::Matrix3d& H
   }));
 }
 
-// Of the image that has fewer features in the part that both show, as far as the plane tells.
+// Features in the part that both images show by the plane's homography, in the image with fewer of them.
 int CountOverlap(const FeatureSet& a, const FeatureSet& b, const std::optional<Eigen::Matrix3d>& H_b_a) {
   if (!H_b_a) return static_cast<int>(std::min(a.sift.size() + a.akaze.size(), b.sift.size() + b.akaze.size()));
   const Eigen::Matrix3d H_a_b = H_b_a->inverse();
@@ -57,7 +57,7 @@ std::string ReasonOf(const ImageMatch& match, const ImageMatchOptions& options) 
   if (match.accepted) return fmt::format("{} inliers, more than {}", match.inliers, options.threshold);
   const int fewest = std::min(match.features_a, match.features_b);
   if (fewest <= options.threshold) {
-    return fmt::format("image {} has too little to see: {} features", match.features_a == fewest ? "A" : "B", fewest);
+    return fmt::format("image {} has too little texture: {} features", match.features_a == fewest ? "A" : "B", fewest);
   }
   if (match.matches <= options.threshold) {
     return fmt::format("{} matches: more than {} are needed", match.matches, options.threshold);
@@ -72,7 +72,7 @@ std::string ReasonOf(const ImageMatch& match, const ImageMatchOptions& options) 
 
 }  // namespace
 
-ImageMatchOptions OriginalImageMatchOptions() {
+ImageMatchOptions MapManagerImageMatchOptions() {
   ImageMatchOptions options;
   options.model = GeometricModel::kNone;
   options.threshold = 30;

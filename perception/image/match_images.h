@@ -13,15 +13,15 @@
 
 namespace enfilade::perception {
 
-// What a pair of views of one place has in common, beyond look-alike spots.
+// The geometry that matches of two views of one place must satisfy.
 enum class GeometricModel {
-  kNone,         // nothing is verified: every match counts, as the original did
-  kPlanes,       // the planes of the scene: one homography after the other
-  kFundamental,  // epipolar geometry of cameras whose intrinsics are not known
+  kNone,         // no verification: every match counts, as in map_manager
+  kPlanes,       // the scene's planes: one homography after another
+  kFundamental,  // epipolar geometry of cameras with unknown intrinsics
   kEssential,    // epipolar geometry with intrinsics
 };
 
-// Of a pinhole camera, pixels.
+// Intrinsics of a pinhole camera, pixels.
 struct Intrinsics {
   double fx = 0.0;
   double fy = 0.0;
@@ -32,31 +32,32 @@ struct Intrinsics {
 struct ImageMatchOptions {
   RatioTest ratios;
   GeometricModel model = GeometricModel::kPlanes;
-  // A match is an inlier of a model that maps it this near, as a share of the longer side (3 pixels of 512).
+  // Largest error of an inlier, as a share of the longer side (3 pixels of 512).
   double tolerance = 0.006;
-  // ... and, for planes, if the keypoints' sizes and directions change as the plane's do.
+  // For planes, the keypoints' sizes and directions must also agree with the homography.
   double size_tolerance = 0.6;   // octaves
   double angle_tolerance = 0.4;  // rad
   int max_planes = 4;
-  int min_plane_inliers = 8;  // of the second plane and those after it
-  // Accepted when MORE inliers than this are found (the original's feature_matching_thr, which counted unverified
-  // matches over two kinds of features, was 30) ...
+  int min_plane_inliers = 8;  // of the second and later planes
+  // Accepted if there are MORE inliers than this. (map_manager's feature_matching_thr of 30 counts unverified matches
+  // of two kinds of features.)
   int threshold = 15;
-  // ... and more than this share of the features in the part that both images show, of the image with fewer there: two
-  // doors alike have much that fits, and much more that does not (Brown, Lowe 2007: n_i > alpha + beta n_f).
+  // There must also be more than this share of the features in the part that both images show, counted in the image
+  // with fewer of them: two similar doors have many features that match, and many more that do not (Brown, Lowe 2007:
+  // n_i > alpha + beta n_f).
   double min_share = 0.04;
   std::uint32_t seed = 1;  // of RANSAC
   std::optional<Intrinsics> intrinsics_a;
   std::optional<Intrinsics> intrinsics_b;
 };
 
-// The original's: more than 30 matches, whatever their geometry.
-ImageMatchOptions OriginalImageMatchOptions();
+// map_manager's published parameters: more than 30 matches of any geometry.
+ImageMatchOptions MapManagerImageMatchOptions();
 
 // INVALID_ARGUMENT naming the option that is out of range, and for kEssential without intrinsics.
 absl::Status Validate(const ImageMatchOptions& options);
 
-// Two places that look alike, in pixels of the images as they were decoded.
+// A pair of matched points, in pixels of the decoded images.
 struct PointPair {
   Eigen::Vector2f a;
   Eigen::Vector2f b;
@@ -67,16 +68,15 @@ struct ImageMatch {
   bool accepted = false;
   int features_a = 0;
   int features_b = 0;
-  int matches = 0;               // past ratio and mutual tests; SIFT and AKAZE at one spot count once
+  int matches = 0;               // after ratio and mutual tests; SIFT and AKAZE at one point count once
   int inliers = 0;               // that agree on a geometry; with kNone all matches
-  int overlap = 0;               // features in the part that both images show, of the image with fewer there
+  int overlap = 0;               // features in the part that both images show, in the image with fewer of them
   std::vector<PointPair> pairs;  // the matches
-  std::string reason;            // the verdict in words
+  std::string reason;            // human-readable
 };
 
-// Do two images show the same place? "No" is a result, not an error, also for images without features. The same
-// arguments give the same result. INVALID_ARGUMENT: options, or features whose descriptors are not as many as their
-// keypoints. Thread-safe.
+// Decides whether two images show the same place. "No" is a result, not an error, even for images without features.
+// Deterministic. INVALID_ARGUMENT: options, or different numbers of descriptors and keypoints. Thread-safe.
 absl::StatusOr<ImageMatch> MatchImages(const FeatureSet& a, const FeatureSet& b, const ImageMatchOptions& options = {});
 
 }  // namespace enfilade::perception

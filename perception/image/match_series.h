@@ -10,34 +10,34 @@
 
 namespace enfilade::perception {
 
-// What the robot's cameras see at one moment, or what is stored of a door. A camera that there is no image of is null.
+// The robot's camera images at one moment, or the stored images of a door. Null: no image of that camera.
 struct Views {
   const FeatureSet* front = nullptr;
   const FeatureSet* rear = nullptr;
 };
 
-// How the robot faces, against when the stored images were taken.
+// The robot's heading relative to that of the stored images.
 enum class Heading {
-  kSame,      // front looks like stored front, rear like stored rear
-  kOpposite,  // front looks like stored rear, rear like stored front
+  kSame,      // front matches stored front, rear matches stored rear
+  kOpposite,  // front matches stored rear, rear matches stored front
 };
 
-// The series of the original: 6 moments.
+// The number of moments in map_manager's series.
 constexpr int kDefaultSeriesLength = 6;
 
 struct SeriesMatch {
   bool accepted = false;
   Heading heading = Heading::kSame;  // of the better hypothesis
-  int score = 0;                     // median over the series; of an even number the whole mean of the middle two
+  int score = 0;                     // median over the series; for an even number the integer mean of the middle two
   int other_score = 0;               // of the other heading
   std::vector<int> scores;           // per moment, for `heading`
   std::string reason;
 };
 
-// Compares a stored door with a series of moments. The score of one moment is the sum over its pairs of images, for
-// each heading; a pair that is not accepted by itself counts zero, so that noise does not add up. Accepted when the
-// median is above options.threshold. A candidate, of which the rear image only is stored, is compared with front images
-// by leaving the others null. INVALID_ARGUMENT: an empty series, nothing stored, options.
+// Compares a stored door with a series of moments. The score of a moment is the sum over its pairs of images, for each
+// heading; a pair that is not accepted counts zero, so that noise does not add up. Accepted if the median is above
+// options.threshold. For a candidate, which has only a rear image, leave the other images null. INVALID_ARGUMENT: an
+// empty series, no stored image, options.
 absl::StatusOr<SeriesMatch> MatchSeries(const Views& stored, std::span<const Views> series,
                                         const ImageMatchOptions& options = {});
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// For sources of this folder only: nothing outside of perception sees OpenCV.
+// For perception only: nothing outside it sees OpenCV.
 
 #include <new>
 #include <opencv2/core.hpp>
@@ -13,13 +13,13 @@
 namespace enfilade::perception {
 
 #if defined(__SANITIZE_THREAD__)
-// ThreadSanitizer sees nothing of how OpenCV's pool hands work from thread to thread, and takes all of it for races:
-// tens of thousands for a pair of images, each of which takes time even where it is suppressed.
+// ThreadSanitizer cannot see how OpenCV's pool synchronises its threads and reports false races: tens of thousands for
+// a pair of images, each of which takes time even if suppressed.
 inline const bool kOpenCvRunsOnOneThread = (cv::setNumThreads(1), true);
 #endif
 
-// Runs `work`, which returns a Status or a StatusOr; OpenCV's exceptions end here. INTERNAL with `what` and OpenCV's
-// words, RESOURCE_EXHAUSTED where memory ran out.
+// Runs `work`, which returns a Status or a StatusOr, and converts OpenCV's exceptions: INTERNAL with `what` and
+// OpenCV's message, RESOURCE_EXHAUSTED if memory ran out.
 template <typename Work>
 auto GuardOpenCv(const char* what, Work&& work) -> decltype(work()) {
   try {

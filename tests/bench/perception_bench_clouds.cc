@@ -3,7 +3,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 #include "perception/cloud/registration.h"
 #include "tests/bench/perception_bench.h"
 

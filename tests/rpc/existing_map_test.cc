@@ -126,7 +126,7 @@ class ExistingMapTest : public ServerTest {
     EXPECT_OK(revision);
     const auto raster = ReadRaster(Soon(), revisions_, *revision);
     EXPECT_OK(raster);
-    return grid::OnLattice(grid::ToOccupancyGrid(*raster), 0.05).value();
+    return grid::ResampleToLattice(grid::ToOccupancyGrid(*raster), 0.05).value();
   }
 
   static SessionId IdOf(const std::string& session) { return SessionId(session.substr(session.rfind('/') + 1)); }
@@ -245,11 +245,11 @@ TEST_F(ExistingMapTest, ASessionOnAnImportedMapKeepsWhatItDoesNotSee) {
   const Log log(1);
   const Offline first_part = MapOffline(log.First());
   // Coarser than SLAM's, and with a wall that no robot has ever seen.
-  ASSERT_OK_AND_ASSIGN(grid::OccupancyGrid imported, grid::OnLattice(first_part.grid, 0.1));
+  ASSERT_OK_AND_ASSIGN(grid::OccupancyGrid imported, grid::ResampleToLattice(first_part.grid, 0.1));
   grid::OccupancyGrid wall;
   wall.geometry = {0.1, {-30.0, 0.0, 0.0}, 1, 20};
   wall.cells.assign(20, 250);
-  ASSERT_OK_AND_ASSIGN(imported, grid::LaidOver(imported, wall));
+  ASSERT_OK_AND_ASSIGN(imported, grid::Overlay(imported, wall));
   ASSERT_OK_AND_ASSIGN(server::RasterRevision raster, ToRevision(grid::FromOccupancyGrid(imported)));
   raster.revision.source = storage::RevisionSource::kImport;
   ASSERT_OK(PutTiles(Soon(), storage::postgres::BlobStore(*pool_), site_, raster, {}));
@@ -259,7 +259,7 @@ TEST_F(ExistingMapTest, ASessionOnAnImportedMapKeepsWhatItDoesNotSee) {
   Map(session, log.Second());
   EXPECT_LT(WorstDifference(Trajectory(session), OneSession().trajectory), 0.2);
   const grid::OccupancyGrid published = Published();
-  ASSERT_OK_AND_ASSIGN(const grid::OccupancyGrid far_wall, grid::OnLattice(wall, 0.05));
+  ASSERT_OK_AND_ASSIGN(const grid::OccupancyGrid far_wall, grid::ResampleToLattice(wall, 0.05));
   EXPECT_EQ(ShareOfWallsIn(published, far_wall), 1.0);
   EXPECT_GT(ShareOfWallsIn(published, OneSession().grid), 0.95);
 }

@@ -10,7 +10,7 @@
 namespace enfilade::graph {
 namespace {
 
-// By cost; of equals the one with fewer, then lesser, link points.
+// By cost; ties go to the path with fewer, then smaller, link points.
 struct Better {
   const GraphSnapshot* graph;
 
@@ -36,8 +36,8 @@ bool Repeats(std::vector<int> slots) {
   return std::adjacent_find(slots.begin(), slots.end()) != slots.end();
 }
 
-// Whether the first `legs` legs of both are the same.
-bool BeginsLike(const Path& path, const Path& prefix, std::size_t legs) {
+// Whether the first `legs` legs of both are equal.
+bool HasPrefix(const Path& path, const Path& prefix, std::size_t legs) {
   return path.link_points.size() >= legs &&
          std::equal(prefix.link_points.begin(), prefix.link_points.begin() + static_cast<std::ptrdiff_t>(legs),
                     path.link_points.begin()) &&
@@ -54,8 +54,8 @@ class KShortest {
     if (std::optional<Path> first = ShortestPath(graph_, {source_}, target_, options_)) {
       candidates_.insert(*std::move(first));
     }
-    // Where places contradict each other a detour through a map may look shorter than the way within it: such paths
-    // are looked through, but not given.
+    // If anchors contradict each other, a detour through other maps may seem shorter than the direct way within one.
+    // Such paths are expanded but not returned.
     const std::size_t most = 10 * static_cast<std::size_t>(count) + 100;
     while (!candidates_.empty() && seen_.size() < most) {
       const Path path = *candidates_.begin();
@@ -69,8 +69,8 @@ class KShortest {
   }
 
  private:
-  // The best paths, one for each map behind the link point then reached, that share the first `legs` legs with `path`
-  // and go on otherwise than it and every path seen before.
+  // Adds the best paths that share the first `legs` legs with `path` and then deviate from it and from every path seen,
+  // one for each map behind the link point reached.
   void Deviate(const Path& path, std::size_t legs) {
     const auto n = static_cast<std::ptrdiff_t>(legs);
     const std::unordered_set<int> link_points(path.link_points.begin(), path.link_points.begin() + n);
@@ -78,7 +78,7 @@ class KShortest {
     std::unordered_set<std::int64_t> next_legs;
     bool ended = false;  // one of them ends with the next leg
     for (const Path& other : seen_) {
-      if (!BeginsLike(other, path, legs)) continue;
+      if (!HasPrefix(other, path, legs)) continue;
       if (other.link_points.size() == legs) {
         ended = true;
       } else {
@@ -104,7 +104,7 @@ class KShortest {
     }
   }
 
-  // What lies behind the `legs`-th link point of the path.
+  // The maps behind the `legs`-th link point of the path.
   std::vector<PathSource> SpurSources(const Path& path, std::size_t legs) const {
     if (legs == 0) return {source_};
     const GraphSnapshot::LinkPointNode& node = graph_.link_point_node(path.link_points[legs - 1]);

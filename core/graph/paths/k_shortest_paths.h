@@ -7,8 +7,8 @@
 
 namespace enfilade::graph {
 
-// The `count` best paths from `source` to `target` that repeat neither a map nor a link point, the best first (Yen
-// 1971). `options` must have no exclusions of its own.
+// The `count` best paths from `source` to `target` that visit no map or link point twice, best first (Yen 1971).
+// `options` must not have exclusions.
 std::vector<Path> KShortestPaths(const GraphSnapshot& graph, const PathSource& source, const PathTarget& target,
                                  const PathOptions& options, int count);
 

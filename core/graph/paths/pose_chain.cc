@@ -6,7 +6,7 @@
 namespace enfilade::graph {
 namespace {
 
-// d (P * T * Q) / d T for the pose T of the middle: the effect of P's rotation, and of T's yaw on Q's translation.
+// d (P * T * Q) / d T: the effect of P's rotation, and of T's yaw on Q's translation.
 Eigen::Matrix3d MiddleJacobian(const Pose2& P, const Pose2& T, const Pose2& Q) {
   const double c_T = std::cos(T.yaw);
   const double s_T = std::sin(T.yaw);
@@ -41,7 +41,7 @@ PoseChain ChainAlong(const GraphSnapshot& graph, const Path& path, const PoseWit
                           .to = to,
                           .T_from_to = TransformAcross(*link_point.FindAnchor(from), *link_point.FindAnchor(to))});
   }
-  // behind[i]: from the frame that hop i leads to, to the end.
+  // behind[i]: from the frame after hop i to the end.
   std::vector<Pose2> behind(chain.hops.size() + 1, T_map_end.pose);
   for (std::size_t i = chain.hops.size(); i > 0; --i) behind[i - 1] = chain.hops[i - 1].T_from_to.pose * behind[i];
 

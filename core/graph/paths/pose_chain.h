@@ -23,12 +23,12 @@ struct PoseHop {
   MapId from;
   MapId to;
   PoseWithCovariance T_from_to = {};
-  // What of the result's covariance comes from this hop: J S J' with J = d result / d T_from_to. The shares of a
-  // chain's parts add up to its covariance (to the first order, like it).
+  // The share of the result's covariance due to this hop: J S J' with J = d result / d T_from_to. The shares of a
+  // chain's parts add up to its covariance, all to first order.
   Eigen::Matrix3d share = Eigen::Matrix3d::Zero();
 };
 
-// T_start_end: `start`, the hops one after another, `end`; all independent of each other.
+// T_start_end = start * hops * end, all independent of each other.
 struct PoseChain {
   PoseWithCovariance T_start_end;
   Eigen::Matrix3d start_share = Eigen::Matrix3d::Zero();

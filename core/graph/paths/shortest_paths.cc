@@ -5,12 +5,14 @@
 #include <cmath>
 #include <queue>
 
+#include "core/graph/paths/leg_cost.h"
+
 namespace enfilade::graph {
 namespace {
 
 using Doorway = GraphSnapshot::Doorway;
 
-// What lies ahead on the heap.
+// An entry of the heap.
 struct Entry {
   double cost = 0.0;
   int hops = 0;
@@ -20,74 +22,13 @@ struct Later {
   bool operator()(const Entry& a, const Entry& b) const { return a.cost != b.cost ? a.cost > b.cost : a.hops > b.hops; }
 };
 
-// The best that a map was entered with so far. Where legs cost the sum of what their ends cost, nobody who enters with
-// more gets anywhere for less.
+// The cheapest entrance into a map so far. If legs are sums of the costs of their ends, a more expensive entrance leads
+// nowhere more cheaply.
 struct Entrance {
   double cost = std::numeric_limits<double>::infinity();
   int hops = 0;
   int link_point = -1;
 };
-
-// From anywhere in a map, or from `position`, to the link point at the doorway; or back.
-template <PathCost kCost>
-double EndCost(const std::optional<Eigen::Vector2d>& position, const Doorway& doorway, double lever_squared) {
-  if constexpr (kCost == PathCost::kUncertainty) {
-    return doorway.position_spread + doorway.yaw_variance * lever_squared;
-  } else if constexpr (kCost == PathCost::kDistance) {
-    return position.has_value() ? std::hypot(position->x() - doorway.x, position->y() - doorway.y) : 0.0;
-  } else {
-    return 0.0;
-  }
-}
-
-// The same of the anchor at that doorway, where legs are sums.
-template <PathCost kCost>
-double EndCost(const Eigen::Matrix3d& covariance, double lever_squared) {
-  if constexpr (kCost == PathCost::kUncertainty) {
-    return UncertaintyOf(covariance, lever_squared);
-  } else {
-    return 0.0;
-  }
-}
-
-// Legs within a map cost the sum of what their two ends cost.
-template <PathCost kCost>
-constexpr bool kLegsAreSums = kCost != PathCost::kDistance;
-
-// A way that has cost so much, having entered a map by one doorway and crossed it to another.
-template <PathCost kCost>
-double CostAcross(double cost, const Doorway& from, const Doorway& to, double lever_squared) {
-  if constexpr (kLegsAreSums<kCost>) {
-    // In this order: who enters with less is at no doorway behind who enters with more, rounding included.
-    return cost + EndCost<kCost>({}, from, lever_squared) + EndCost<kCost>({}, to, lever_squared) +
-           (kCost == PathCost::kHops ? 1.0 : 0.0);
-  } else {
-    const double dx = to.x - from.x;
-    const double dy = to.y - from.y;
-    return cost + std::sqrt(dx * dx + dy * dy);
-  }
-}
-
-// The first leg.
-template <PathCost kCost>
-double FirstLegCost(const PathSource& source, const Doorway& doorway, double lever_squared) {
-  return source.cost + EndCost<kCost>(source.position, doorway, lever_squared) + (kCost == PathCost::kHops ? 1.0 : 0.0);
-}
-
-const Doorway& DoorwayOf(const GraphSnapshot& graph, int map, int link_point) {
-  const std::vector<Doorway>& doorways = graph.map_node(map).doorways;
-  return *std::find_if(doorways.begin(), doorways.end(),
-                       [link_point](const Doorway& doorway) { return doorway.link_point == link_point; });
-}
-
-// The last leg. The yaw's lever is known there.
-template <PathCost kCost>
-double LastLegCost(const PathTarget& target, const Doorway& doorway, const PathOptions& options) {
-  const double lever_squared = target.position.has_value()
-                                   ? (*target.position - Eigen::Vector2d(doorway.x, doorway.y)).squaredNorm()
-                                   : options.lever_m * options.lever_m;
-  return EndCost<kCost>(target.position, doorway, lever_squared);
-}
 
 bool MayPass(const GraphSnapshot::LinkPointNode& node, const PathOptions& options) {
   if (!options.passable_at.has_value() || node.state == PassageState::kOpen) return true;
@@ -110,12 +51,12 @@ class Search {
   }
 
   std::vector<PathLabel> Run() {
-    for (int i = 0; i < static_cast<int>(sources_.size()); ++i) Begin(i);
+    for (int i = 0; i < static_cast<int>(sources_.size()); ++i) StartAt(i);
     while (!heap_.empty()) {
       const Entry entry = heap_.top();
       heap_.pop();
       const PathLabel& label = labels_[static_cast<std::size_t>(entry.link_point)];
-      if (entry.cost != label.cost || entry.hops != label.hops) continue;  // a better way was found since
+      if (entry.cost != label.cost || entry.hops != label.hops) continue;  // a better path was found since
       if (entry.cost > bound_) break;
       Settle(entry, label.map, label.source);
     }
@@ -123,7 +64,7 @@ class Search {
   }
 
  private:
-  void Begin(int source_index) {
+  void StartAt(int source_index) {
     const PathSource& source = sources_[static_cast<std::size_t>(source_index)];
     for (const Doorway& doorway : graph_.map_node(source.map).doorways) {
       if (options_.without_first_legs != nullptr &&
@@ -166,22 +107,22 @@ class Search {
     if (label.cost > current.cost) return;
     if (label.cost == current.cost) {
       if (label.hops > current.hops) return;
-      if (label.hops == current.hops && !GoesBefore(label, current)) return;
+      if (label.hops == current.hops && !IsPreferred(label, current)) return;
     }
     if (options_.without_link_points != nullptr && options_.without_link_points->contains(link_point)) return;
     const bool is_better = label.cost < current.cost || label.hops < current.hops;
     current = label;
-    if (LeadsOn(link_point, label, is_better)) {
+    if (Continues(link_point, label, is_better)) {
       heap_.push({.cost = label.cost, .hops = label.hops, .link_point = link_point});
     }
   }
 
-  // Is there a map behind the link point that may be worth entering by it? Where legs are sums, only one that nothing
-  // else is known to enter for less: so each map is crossed about once instead of from each of its doorways.
-  bool LeadsOn(int link_point, const PathLabel& label, bool is_better) {
+  // Whether a map behind the link point may be worth entering by it. If legs are sums, only a map with no cheaper known
+  // entrance is: each map is then crossed about once instead of from each of its doorways.
+  bool Continues(int link_point, const PathLabel& label, bool is_better) {
     const GraphSnapshot::LinkPointNode& node = graph_.link_point_node(link_point);
     if (!MayPass(node, options_)) return false;
-    bool leads_on = false;
+    bool continues = false;
     for (std::size_t i = 0; i < node.maps.size(); ++i) {
       const int map = node.maps[i];
       if (!MayEnter(map, label.map)) continue;
@@ -195,12 +136,12 @@ class Search {
         Entrance& best = entrances_[static_cast<std::size_t>(map)];
         if (!IsBetter(entrance, best)) continue;
         best = entrance;
-        leads_on = true;
+        continues = true;
       } else {
-        leads_on = is_better;
+        continues = is_better;
       }
     }
-    return leads_on;
+    return continues;
   }
 
   bool IsBetter(const Entrance& a, const Entrance& b) const {
@@ -208,13 +149,13 @@ class Search {
     return a.hops != b.hops ? a.hops < b.hops : IsBefore(a.link_point, b.link_point);
   }
 
-  // Of two link points.
+  // Orders two link points.
   bool IsBefore(int a, int b) const {
     return graph_.link_point_node(a).link_point->id < graph_.link_point_node(b).link_point->id;
   }
 
-  // Of two ways that are equally good.
-  bool GoesBefore(const PathLabel& a, const PathLabel& b) const {
+  // Orders two equally good paths.
+  bool IsPreferred(const PathLabel& a, const PathLabel& b) const {
     if (a.previous != b.previous) {
       if (a.previous < 0 || b.previous < 0) return a.previous < 0;
       return IsBefore(a.previous, b.previous);
@@ -227,7 +168,7 @@ class Search {
   const PathOptions& options_;
   const std::optional<PathTarget>& target_;
   const double lever_squared_ = options_.lever_m * options_.lever_m;
-  double bound_ = std::numeric_limits<double>::infinity();  // of the best way to the target so far
+  double bound_ = std::numeric_limits<double>::infinity();  // cost of the best path to the target so far
   std::vector<PathLabel> labels_;
   std::vector<char> is_source_;      // by map slot
   std::vector<Entrance> entrances_;  // likewise
@@ -259,7 +200,7 @@ Path Trace(const std::vector<PathLabel>& labels, int last, int target_map, doubl
   return path;
 }
 
-// Within one map.
+// The path within one map, if source and target share it.
 std::optional<Path> DirectPath(const std::vector<PathSource>& sources, const PathTarget& target,
                                const PathOptions& options) {
   std::optional<Path> best;
@@ -287,7 +228,7 @@ std::vector<PathLabel> ShortestPaths(const GraphSnapshot& graph, const std::vect
 std::optional<Path> BestPath(const GraphSnapshot& graph, const std::vector<PathSource>& sources,
                              const std::vector<PathLabel>& labels, const PathTarget& target,
                              const PathOptions& options) {
-  // What lies in the target's map from the start needs no way there, whatever it would cost.
+  // A source in the target's map needs no link point, whatever other paths would cost.
   if (std::optional<Path> direct = DirectPath(sources, target, options)) return direct;
   if (options.without_maps != nullptr && options.without_maps->contains(target.map)) return std::nullopt;
   return WithCost(options.cost, [&]<PathCost kCost>() -> std::optional<Path> {

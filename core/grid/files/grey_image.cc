@@ -46,7 +46,7 @@ class GreyReceiver : public PixelReceiver {
   GreyImage Finish() {
     GreyImage image{width_, height_, std::move(cells_), {}};
     if (!has_transparency_ && dialect_ == MapDialect::kNav2) image.cells.alpha = {};
-    if (has_color_) image.warnings.push_back("the image's colours were turned into greys");
+    if (has_color_) image.warnings.push_back("the image's colours were converted to grey");
     return image;
   }
 

@@ -15,7 +15,7 @@
 namespace enfilade::grid {
 namespace {
 
-// How far a map's side may be from a whole number of cells, in cells: limits are often printed with few digits.
+// Tolerance of a side's length in cells: limits are often printed with few digits.
 constexpr double kSideTolerance = 0.01;
 
 constexpr std::array<std::pair<std::string_view, double UnitLimits::*>, 7> kFields = {{
@@ -60,7 +60,7 @@ class Parser {
     for (std::size_t i = 0; i < kFields.size(); ++i) {
       if (key == kFields[i].first) return Field(i);
     }
-    warnings_.push_back(fmt::format("the JSON map's '{}' is not known and ignored", key));
+    warnings_.push_back(fmt::format("the JSON map's '{}' is unknown and ignored", key));
     return scanner_.SkipValue();
   }
 
@@ -75,7 +75,7 @@ class Parser {
     if (std::exchange(has_data_, true)) return scanner_.ErrorHere("'data' is given twice");
     if (!scanner_.Accept('[')) return scanner_.ErrorHere("the JSON map's 'data' is not an array");
     if (scanner_.Accept(']')) return absl::OkStatus();
-    // Between one and two characters a cell at the least: never more than a few times the text.
+    // A cell takes at least about two characters, so this is never more than a few times the text.
     values_.reserve(std::min(ExpectedCells(), scanner_.remaining() / 2 + 1));
     do {
       const absl::StatusOr<double> value = scanner_.Number();
@@ -93,7 +93,7 @@ class Parser {
     return WithContext(scanner_.Expect(']'), fmt::format("the JSON map's data[{}]", values_.size()));
   }
 
-  // By the limits, where they come before the data; else 0.
+  // From the limits if they precede the data, otherwise 0.
   std::size_t ExpectedCells() const {
     const double columns = (limits_.xmax - limits_.xmin) / limits_.stepx + 1.0;
     const double rows = (limits_.ymax - limits_.ymin) / limits_.stepy + 1.0;
@@ -114,7 +114,7 @@ class Parser {
   std::vector<std::string> warnings_;
 };
 
-// (max - min) / step, which must be (nearly) whole.
+// (max - min) / step, which must be a whole number within the tolerance.
 absl::StatusOr<std::int64_t> Intervals(std::string_view axis, double min, double max, double step) {
   if (!(step > 0.0)) return InvalidArgument("the JSON map's step{} is {}: expected positive metres", axis, step);
   const double intervals = (max - min) / step;
@@ -160,7 +160,7 @@ void AppendNumber(double value, std::string& out) {
   out.append(buffer.data(), result.ptr);
 }
 
-// A number a line, as the format's own writer does.
+// One number per line, as the format's reference writer.
 template <typename Append>
 std::string Format(const UnitLimits& limits, std::size_t count, std::size_t bytes_per_cell, Append append) {
   std::string out;
@@ -196,7 +196,7 @@ absl::StatusOr<ParsedJsonMap> ParseJsonMap(std::string_view text) {
 absl::StatusOr<UnitLimits> UnitLimitsOf(const GridGeometry& geometry, double level) {
   const Pose2& origin = geometry.T_map_grid;
   if (origin.yaw != 0.0) {
-    return InvalidArgument("the map's origin has the yaw {} rad, which a JSON map cannot say: export PGM or PNG",
+    return InvalidArgument("the map's origin has the yaw {} rad, which a JSON map cannot express: export PGM or PNG",
                            origin.yaw);
   }
   const double half = geometry.resolution / 2.0;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMaxDepth = 64;
 
-// What std::from_chars takes beyond JSON: a point or sign without digits, leading zeros, words.
+// Excludes what std::from_chars accepts beyond JSON: a point or sign without digits, leading zeros, words.
 bool IsJsonNumber(std::string_view token) {
   const std::string_view digits = token.substr(token.starts_with('-') ? 1 : 0);
   if (digits.empty() || !absl::ascii_isdigit(digits.front()) || !absl::ascii_isdigit(digits.back())) return false;
@@ -52,7 +52,7 @@ absl::Status JsonScanner::Expect(char c) {
 
 absl::Status JsonScanner::ExpectEnd() {
   SkipSpace();
-  return position_ == text_.size() ? absl::OkStatus() : ErrorHere("the JSON text goes on after its object");
+  return position_ == text_.size() ? absl::OkStatus() : ErrorHere("the JSON text has content after its object");
 }
 
 absl::StatusOr<std::string_view> JsonScanner::String() {
@@ -94,7 +94,7 @@ absl::Status JsonScanner::SkipValue(int depth) {
   return Number().status();
 }
 
-// The rest of an object or array whose opening has been read.
+// The rest of an object or array after its opening character.
 absl::Status JsonScanner::SkipMembers(char close, int depth) {
   if (Accept(close)) return absl::OkStatus();
   do {

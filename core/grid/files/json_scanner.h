@@ -10,24 +10,25 @@
 
 namespace enfilade::grid {
 
-// Reads a JSON text (RFC 8259) token by token: for files that are one long array of numbers, for which a document in
-// memory would be many times the text. Numbers are converted exactly. All errors are INVALID_ARGUMENT with the line.
+// Reads a JSON text (RFC 8259) token by token: for files that are one long array of numbers, where a document in memory
+// would take many times the size of the text (docs/adr/0007 compares libraries). Numbers are converted exactly. All
+// errors are INVALID_ARGUMENT with the line.
 class JsonScanner {
  public:
   explicit JsonScanner(std::string_view text) : text_(text) {}
 
-  // The character `c` (one of the structural ones), past white space.
+  // Consumes the structural character `c`, after white space.
   absl::Status Expect(char c);
-  // The same, but false and no step where something else comes.
+  // The same, but returns false and consumes nothing if the next character is another.
   bool Accept(char c);
-  // Nothing but white space may follow.
+  // Checks that only white space follows.
   absl::Status ExpectEnd();
 
-  // A string without its quotes; escapes are kept as they are written, which serves to compare with plain words.
+  // A string without its quotes. Escapes are not decoded: callers compare with plain words.
   absl::StatusOr<std::string_view> String();
-  // JSON has neither NaN nor infinities; a number beyond a double's range is an error.
+  // JSON has no NaN or infinity; a number beyond the range of a double is an error.
   absl::StatusOr<double> Number();
-  // Steps over one value of any kind.
+  // Skips one value of any kind.
   absl::Status SkipValue();
 
   std::size_t remaining() const { return text_.size() - position_; }

@@ -27,7 +27,7 @@ std::string ExtensionOf(std::string_view name) {
   return extension;
 }
 
-// What the raster says about occupancy, without a copy where it is that already.
+// A raster's occupancy; no copy if the raster already holds it.
 class OccupancyView {
  public:
   explicit OccupancyView(const MapRaster& raster) : own_(std::get_if<OccupancyCells>(&raster.cells)) {
@@ -55,7 +55,7 @@ absl::StatusOr<std::string> RenderImage(const GreyCells& cells, const GridGeomet
   if (format == MapFileFormat::kPng) return EncodeGreyPng(cells, geometry.width, geometry.height);
   if (!cells.alpha.empty()) {
     return InvalidArgument(
-        "the map has unknown cells, which a PGM cannot tell in mode 'scale': export PNG, or mode 'trinary'");
+        "the map has unknown cells, which a PGM cannot express in mode 'scale': export PNG, or mode 'trinary'");
   }
   return EncodePgm({.width = geometry.width,
                     .height = geometry.height,

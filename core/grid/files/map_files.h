@@ -13,7 +13,7 @@
 
 namespace enfilade::grid {
 
-// Maps as people's files; which say what, see docs/map_files.md.
+// Map files for exchange with other programs; docs/map_files.md describes the formats.
 enum class MapFileFormat : std::uint8_t { kPgm = 0, kPng = 1, kJson = 2 };
 
 struct MapFile {
@@ -23,34 +23,35 @@ struct MapFile {
 
 struct MapFileOptions {
   MapFileFormat format = MapFileFormat::kPgm;
-  // How cells that did not come from an image become greys.
+  // How cells from other sources than images become greys.
   GreySaveOptions save{};
-  // For rasters that did not come from a JSON map.
+  // For rasters from other sources than JSON maps.
   double json_level = 10.0;
 };
 
-// NAME.pgm or NAME.png, each with NAME.yaml; or NAME.json. NAME is SafeStem(name). A raster goes out in the format in
-// which it came as it came: a PGM's bytes, a JSON's numbers, a PNG's greys, with the thresholds and mode that it came
-// with. INVALID_ARGUMENT where the raster is not valid, or where a format cannot hold it: unknown cells in mode "scale"
-// as PGM (it has no transparency), a rotated map as JSON.
+// NAME.pgm or NAME.png, each with NAME.yaml; or NAME.json. NAME is SafeStem(name). A raster exported in the
+// format in which it was imported is unchanged: a PGM's bytes, a JSON map's numbers, a PNG's greys, with the imported
+// thresholds and mode. INVALID_ARGUMENT: the raster is invalid, or the format cannot hold it: unknown cells in mode
+// "scale" as PGM (no transparency), a rotated map as JSON.
 absl::StatusOr<std::vector<MapFile>> RenderFiles(const MapRaster& raster, std::string_view name,
                                                  const MapFileOptions& options);
 
 struct ImportedMap {
   MapRaster raster;
   MapFileFormat format = MapFileFormat::kPgm;
-  std::vector<std::string> warnings;  // in words: what was ignored or changed on the way
+  std::vector<std::string> warnings;  // what was ignored or changed, human-readable
 };
 
-// One .json file; or one .yaml (.yml) file and the PGM or PNG image that it names (folders in that name do not count).
-// INVALID_ARGUMENT naming the file and what is wrong with it.
+// One .json file; or one .yaml (.yml) file and the PGM or PNG image that it names (folders in the name are ignored).
+// INVALID_ARGUMENT names the file and its fault.
 absl::StatusOr<ImportedMap> ImportFiles(std::span<const MapFile> files, MapDialect dialect);
 
-// The image that a map's YAML file names, as it is written there: relative to the YAML file, or absolute.
+// The image that a map's YAML file names, verbatim: relative to the YAML file, or absolute.
 absl::StatusOr<std::string> ImageNameOf(std::string_view yaml);
 
-// A file name for a map that people gave any name: ASCII letters, digits, '.', '_' and '-' as they are, runs of all
-// else as one '-'; no '.' or '-' at either end; at most 64 characters; "map" where nothing is left.
+// A file name for a map of any display name: ASCII letters, digits, '.', '_' and '-' are kept, any other run becomes
+// one
+// '-'; no '.' or '-' at either end; at most 64 characters; "map" if nothing is left.
 std::string SafeStem(std::string_view name);
 
 }  // namespace enfilade::grid

@@ -100,12 +100,12 @@ std::vector<std::string> WarningsOf(const YAML::Node& document, const GreyInterp
   for (const auto& entry : document) {
     const std::string key = As<std::string>(entry.first).value_or("(not a word)");
     if (std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end()) continue;
-    warnings.push_back(fmt::format("the map's YAML: '{}' is not known and ignored{}", key, LineOf(entry.first.Mark())));
+    warnings.push_back(fmt::format("the map's YAML: '{}' is unknown and ignored{}", key, LineOf(entry.first.Mark())));
   }
   if (by.mode != MapMode::kRaw && by.free_thresh >= by.occupied_thresh) {
     warnings.push_back(
         fmt::format("the map's YAML: 'free_thresh' ({}) is not below 'occupied_thresh' ({}): greys that "
-                    "fulfil both are taken as map_server takes them",
+                    "meet both are treated as in map_server",
                     by.free_thresh, by.occupied_thresh));
   }
   return warnings;
@@ -127,7 +127,7 @@ absl::StatusOr<ParsedMapYaml> Read(const YAML::Node& document, MapDialect dialec
   return parsed;
 }
 
-// The fewest digits that give the same double, and always with a point: some YAML readers take 1e-05 for a word.
+// The fewest digits that read back as the same double, always with a point: some YAML readers take 1e-05 for a word.
 std::string Format(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find('.') != std::string::npos) return text;
@@ -150,7 +150,8 @@ std::string_view NameOf(MapMode mode) {
 }  // namespace
 
 absl::StatusOr<ParsedMapYaml> ParseMapYaml(std::string_view text, MapDialect dialect) {
-  if (text.size() > kMaxSize) return InvalidArgument("the map's YAML is {} bytes long: not a map's", text.size());
+  if (text.size() > kMaxSize)
+    return InvalidArgument("the map's YAML is {} bytes long: expected at most {}", text.size(), kMaxSize);
   try {
     return Read(YAML::Load(std::string(text)), dialect);
   } catch (const YAML::Exception& e) {

@@ -21,20 +21,20 @@ struct MapYaml {
 
 struct ParsedMapYaml {
   MapYaml yaml;
-  std::vector<std::string> warnings;  // in words; what was read all the same
+  std::vector<std::string> warnings;  // human-readable; the file was read nevertheless
 };
 
 // Keys: image, resolution, origin ([x, y, yaw], exactly three), occupied_thresh, free_thresh, negate (an integer or a
-// Boolean): all required; mode: trinary (where absent), scale or raw. `dialect` is kept in the interpretation; both
-// dialects have the same keys. INVALID_ARGUMENT naming the key and, where the parser knows it, the line (from 1):
-// missing or of another type, an empty image, a resolution that is not positive, anything not finite.
+// Boolean): all required; mode: trinary (default), scale or raw. `dialect` is kept in the interpretation; both dialects
+// have the same keys. INVALID_ARGUMENT naming the key and, if known, the line (from 1): missing or of another type, an
+// empty image, a resolution that is not positive, a number that is not finite.
 //
-// Unknown keys are ignored, as map_server does; a warning names each. So does one for thresholds the wrong way round,
-// which map_server takes without a word.
+// Unknown keys are ignored, as in map_server, with a warning each. Swapped thresholds, which map_server accepts
+// silently, give a warning too.
 absl::StatusOr<ParsedMapYaml> ParseMapYaml(std::string_view text, MapDialect dialect);
 
-// Nav2's keys in Nav2's order. Numbers have the fewest digits that give the same double when read back (Nav2's own
-// writer rounds resolution and origin to millimetres). `image` must need no quotes.
+// Nav2's keys in Nav2's order. Numbers have the fewest digits that read back as the same double (Nav2's own writer
+// rounds resolution and origin to millimetres). `image` must not need quotes.
 std::string FormatMapYaml(const MapYaml& yaml);
 
 }  // namespace enfilade::grid

@@ -12,9 +12,10 @@
 namespace enfilade::grid {
 namespace {
 
-constexpr std::size_t kMaxEnvironments = std::size_t{64} * 1024;
+constexpr std::size_t kMaxMetadataBytes = std::size_t{64} * 1024;
 
 bool IsSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
 struct Header {
   bool is_plain = false;
   std::int64_t width = 0;
@@ -30,7 +31,7 @@ class Scanner {
   std::size_t position() const { return position_; }
   void Skip(std::size_t count) { position_ += count; }
 
-  // The next number, past white space and comments. `what` names it in the error.
+  // The next number, after white space and comments. `what` names it in the error.
   absl::StatusOr<std::int64_t> Number(std::string_view what) {
     SkipSpaceAndComments();
     if (position_ == bytes_.size()) return InvalidArgument("the PGM file ends before its {}", what);
@@ -45,7 +46,7 @@ class Scanner {
     return value;
   }
 
-  // The one white space (or comment) between the header and the pixels.
+  // The single white space (or comment) between header and pixels.
   absl::Status Separator() {
     if (position_ == bytes_.size()) return InvalidArgument("the PGM file ends after its header");
     if (bytes_[position_] == '#') {
@@ -79,7 +80,7 @@ class Scanner {
 
 absl::StatusOr<Header> ReadHeader(std::string_view bytes) {
   if (bytes.size() < 3 || bytes[0] != 'P' || (!IsSpace(bytes[2]) && bytes[2] != '#')) {
-    return InvalidArgument("not a PGM file: it does not begin with P5 or P2");
+    return InvalidArgument("not a PGM file: it does not start with P5 or P2");
   }
   if (bytes[1] != '5' && bytes[1] != '2') {
     return InvalidArgument("a P{} file is not a grey image: convert it to PGM (P5)", bytes.substr(1, 1));
@@ -105,21 +106,22 @@ absl::Status CheckHeader(const Header& header, std::size_t file_size) {
   }
   if (header.max_value > 255) {
     return InvalidArgument(
-        "the PGM file has 16 bits a pixel (largest grey {}), which would not come back unchanged: convert it to 8 bits",
+        "the PGM file has 16 bits a pixel (largest grey {}), which 8 bits cannot restore: convert it to 8 bits",
         header.max_value);
   }
   if (header.width > kMaxRasterCells / header.height) {
-    return InvalidArgument("the PGM file promises {} x {} pixels: more than {} are not supported", header.width,
+    return InvalidArgument("the PGM file announces {} x {} pixels: more than {} are not supported", header.width,
                            header.height, kMaxRasterCells);
   }
-  // A plain pixel takes a digit and, but for the last, a space.
+  // A plain pixel takes a digit and, except for the last, a space.
   const auto pixels = static_cast<std::size_t>(header.width * header.height);
   const std::size_t needed = header.is_plain ? 2 * pixels - 1 : pixels;
   if (file_size - header.size < needed) {
-    return InvalidArgument("the PGM file is cut off: it promises {} x {} pixels, but only {} bytes follow its header",
-                           header.width, header.height, file_size - header.size);
+    return InvalidArgument(
+        "the PGM file is truncated: it announces {} x {} pixels, but only {} bytes follow its header", header.width,
+        header.height, file_size - header.size);
   }
-  if (header.size > kMaxEnvironments) return InvalidArgument("the PGM file's header is {} bytes long", header.size);
+  if (header.size > kMaxMetadataBytes) return InvalidArgument("the PGM file's header is {} bytes long", header.size);
   return absl::OkStatus();
 }
 
@@ -145,7 +147,7 @@ absl::Status ReadBinaryPixels(std::string_view bytes, const Header& header, PgmI
   const auto width = static_cast<std::size_t>(image.width);
   const std::string_view raster = bytes.substr(header.size, image.pixels.size());
   const std::string_view trailer = bytes.substr(header.size + raster.size());
-  if (trailer.size() > kMaxEnvironments) {
+  if (trailer.size() > kMaxMetadataBytes) {
     return InvalidArgument("{} bytes follow the PGM file's {} x {} pixels", trailer.size(), image.width, image.height);
   }
   for (std::size_t row = 0; row < static_cast<std::size_t>(image.height); ++row) {

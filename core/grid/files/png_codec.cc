@@ -16,7 +16,7 @@
 namespace enfilade::grid {
 namespace {
 
-// Maps have few values in long runs: beyond this level files shrink little and take much longer.
+// Maps have long runs of few values: higher levels take much longer and shrink files little.
 constexpr int kPngCompressionLevel = 4;
 constexpr int kMaxSide = 1'000'000;  // libpng's own default limit
 
@@ -61,7 +61,7 @@ void ReadHeader(png_structp png, png_infop info, Session& session) {
   png_set_user_limits(png, kMaxSide, kMaxSide);
   png_read_info(png, info);
   if (png_get_bit_depth(png, info) == 16) {
-    png_error(png, "16-bit samples are not supported, because they would not come back unchanged: convert to 8 bits");
+    png_error(png, "16-bit samples are not supported, because 8 bits cannot restore them: convert to 8 bits");
   }
   CheckSize(png, info, session.input.size());
   png_set_expand(png);  // palettes, fewer than 8 bits, transparent colours
@@ -147,7 +147,7 @@ absl::Status ReadPng(std::string_view png_bytes, PixelReceiver& receiver) {
   constexpr std::size_t kSignatureSize = 8;
   if (png_bytes.size() < kSignatureSize ||
       png_sig_cmp(reinterpret_cast<png_const_bytep>(png_bytes.data()), 0, kSignatureSize) != 0) {
-    return InvalidArgument("not a PNG image: it does not begin with PNG's signature");
+    return InvalidArgument("not a PNG image: it does not start with the PNG signature");
   }
   Session session;
   session.input = png_bytes;

@@ -22,7 +22,7 @@ struct PixelImage {
   friend bool operator==(const PixelImage&, const PixelImage&) = default;
 };
 
-// Rows of such an image that lie elsewhere. A negative stride walks a raster whose first row is the lowest.
+// A view of such an image's rows. A negative stride suits a raster whose first row is the lowest.
 struct PixelRows {
   int width = 0;
   int height = 0;
@@ -31,28 +31,28 @@ struct PixelRows {
   std::ptrdiff_t stride = 0;  // from a row to the one below, in samples
 };
 
-// Takes an image row by row, so that the pixels need not be in memory in the file's form and in the caller's at once.
+// Receives an image row by row, so that the pixels are not held in memory twice.
 class PixelReceiver {
  public:
   virtual ~PixelReceiver() = default;
-  // Before the first row. `channels` as in PixelImage.
+  // Called before the first row. `channels` as in PixelImage.
   virtual void Begin(int width, int height, int channels) = 0;
-  // Rows from the top, each once, in order.
+  // Called once for each row, from the top.
   virtual void Row(int row, const std::uint8_t* samples) = 0;
 };
 
-// Images of more pixels are refused before their memory is asked for; so are those whose file is too short to hold
-// them however well packed.
+// Larger images are refused before memory is allocated; so are files too short to hold the announced pixels at any
+// compression.
 constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 28;
 
 // Reads a PNG. Palettes and 1, 2 and 4 bits become 8 bits, a transparent colour becomes an alpha channel, samples are
-// taken as they are stored (no gamma). INVALID_ARGUMENT, with libpng's words, on anything damaged; on 16-bit samples,
-// which 8 bits would not give back; on more than kMaxImagePixels. Bytes after the image's end are ignored. Interlaced
-// images take the whole image's memory besides the receiver's.
+// taken as stored (no gamma). INVALID_ARGUMENT, with libpng's message, on damaged data; on 16-bit samples, which 8 bits
+// cannot restore; on more than kMaxImagePixels. Bytes after the end of the image are ignored. Interlaced images need
+// memory for a second copy of the image.
 absl::Status ReadPng(std::string_view png, PixelReceiver& receiver);
 absl::StatusOr<PixelImage> DecodePng(std::string_view png);
 
-// Writes a PNG; the same rows give the same bytes. INVALID_ARGUMENT where a side is not positive or above 1,000,000.
+// Writes a PNG; the same rows give the same bytes. INVALID_ARGUMENT: a side is not positive or above 1,000,000.
 absl::StatusOr<std::string> EncodePng(const PixelRows& rows);
 absl::StatusOr<std::string> EncodePng(const PixelImage& image);
 

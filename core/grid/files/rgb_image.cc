@@ -18,8 +18,8 @@ void PutPixel(RgbImage& image, int column, int row, Rgb color) {
   std::copy(color.begin(), color.end(), image.samples.begin() + static_cast<std::ptrdiff_t>(offset));
 }
 
-// Cuts the segment to the box [low, high]; false where nothing is left (Liang, Barsky, "A new concept and method for
-// line clipping", 1984).
+// Clips the segment to the box [low, high]; false if nothing is left (Liang, Barsky, "A new concept and method for line
+// clipping", 1984).
 bool Clip(Eigen::Vector2d& from, Eigen::Vector2d& to, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   const Eigen::Vector2d along = to - from;
   double begin = 0.0;

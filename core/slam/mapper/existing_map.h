@@ -19,8 +19,8 @@ struct ExistingMapEntry {
 
 // A map that is there already, in whose frame mapping goes on: what it knows becomes submap 0, which never moves.
 struct ExistingMap {
-  // Its cells on the lattice of the options' resolution (OnLattice in core/grid/overlay.h); may have none: then the map
-  // is but a frame.
+  // Its cells on the lattice of the options' resolution (ResampleToLattice in core/grid/overlay.h); may have none: then
+  // the map is but a frame.
   grid::OccupancyGrid grid;
   ExistingMapEntry entry;
 };

@@ -66,8 +66,8 @@ SubmapGrid SubmapGrid::FromOccupancy(const grid::OccupancyGrid& grid, const Occu
     const double p = std::clamp(grid::ProbabilityOfCell(grid.cells[i]), kMinProbability, 1.0 - kMinProbability);
     cells[i] = static_cast<std::int16_t>(std::lround(grid::LogOddsGrid::kUnitsPerLogOdds * std::log(p / (1.0 - p))));
   }
-  SubmapGrid result(grid::LogOddsGrid::FromCells(r, LogOddsOptionsOf(options), min, geometry.width, geometry.height,
-                                                 std::move(cells))
+  SubmapGrid result(grid::LogOddsGrid::FromWindow(r, LogOddsOptionsOf(options),
+                                                  {min, geometry.width, geometry.height, std::move(cells)})
                         .value());  // as many as the geometry says
   const grid::LogOddsGrid& log_odds = result.log_odds_;
   for (int row = 0; row < geometry.height; ++row) {

@@ -29,8 +29,8 @@ class SubmapGrid {
 
   SubmapGrid(double resolution, const OccupancyOptions& options);
 
-  // Of a map that is there already, its cells on the lattice of their resolution (OnLattice); the mean of an occupied
-  // cell's hits is its centre, of the count 1.
+  // Of a map that is there already, its cells on the lattice of their resolution (ResampleToLattice); the mean of an
+  // occupied cell's hits is its centre, of the count 1.
   static SubmapGrid FromOccupancy(const grid::OccupancyGrid& grid, const OccupancyOptions& options);
 
   // Adds a scan taken at `T_submap_robot`, rays in the robot's frame. Returns the cells whose occupied state or mean

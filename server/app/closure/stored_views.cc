@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 #include "perception/image/decode.h"
 #include "perception/image/feature_codec.h"
 

@@ -12,8 +12,8 @@
 namespace enfilade::server {
 namespace {
 
-absl::StatusOr<grid::OccupancyGrid> Overlay(const grid::OccupancyGrid& under, const grid::OccupancyGrid& over) {
-  absl::StatusOr<grid::OccupancyGrid> grid = grid::LaidOver(under, over);
+absl::StatusOr<grid::OccupancyGrid> OverlayOrTooFar(const grid::OccupancyGrid& under, const grid::OccupancyGrid& over) {
+  absl::StatusOr<grid::OccupancyGrid> grid = grid::Overlay(under, over);
   if (grid.ok()) return grid;
   return FailedPrecondition("the map's layers are too far apart for one raster: {}",
                             std::string(grid.status().message()));
@@ -29,12 +29,12 @@ absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Compose(const storage::CallCon
   grid::OccupancyGrid grid;
   for (const storage::MapLayer& layer : beside.below) {
     ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
-    ENFILADE_ASSIGN_OR_RETURN(grid, Overlay(grid, *other));
+    ENFILADE_ASSIGN_OR_RETURN(grid, OverlayOrTooFar(grid, *other));
   }
-  ENFILADE_ASSIGN_OR_RETURN(grid, Overlay(grid, own));
+  ENFILADE_ASSIGN_OR_RETURN(grid, OverlayOrTooFar(grid, own));
   for (const storage::MapLayer& layer : beside.above) {
     ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
-    ENFILADE_ASSIGN_OR_RETURN(grid, Overlay(grid, *other));
+    ENFILADE_ASSIGN_OR_RETURN(grid, OverlayOrTooFar(grid, *other));
   }
   grids_ = std::move(used);
   return grid;

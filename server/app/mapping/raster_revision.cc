@@ -29,7 +29,7 @@ std::string ContentHash(const std::string& header, const std::vector<storage::Ti
 }
 
 absl::StatusOr<grid::OccupancyGrid> OnMapLattice(const grid::MapRaster& raster, double resolution) {
-  absl::StatusOr<grid::OccupancyGrid> grid = grid::OnLattice(grid::ToOccupancyGrid(raster), resolution);
+  absl::StatusOr<grid::OccupancyGrid> grid = grid::ResampleToLattice(grid::ToOccupancyGrid(raster), resolution);
   if (grid.ok()) return grid;
   return FailedPrecondition("the map's raster cannot be resampled to cells of {} m: {}", resolution,
                             std::string(grid.status().message()));

@@ -13,8 +13,8 @@
 #include "core/base/status_macros.h"
 #include "core/grid/files/rgb_image.h"
 #include "io/file.h"
-#include "perception/cloud/cloud_file.h"
-#include "perception/cloud/cloud_picture.h"
+#include "perception/cloud/decode_cloud.h"
+#include "perception/cloud/draw_clouds.h"
 #include "perception/cloud/registration.h"
 
 namespace enfilade::cli {

@@ -14,7 +14,7 @@
 #include "core/base/status_macros.h"
 #include "io/file.h"
 #include "perception/image/decode.h"
-#include "perception/image/match_picture.h"
+#include "perception/image/draw_matches.h"
 
 namespace enfilade::cli {
 namespace {
@@ -54,7 +54,7 @@ absl::StatusOr<Side> LoadImage(const std::string& path, const perception::Featur
 }
 
 perception::ImageMatchOptions MatchOptionsOf(const MatchImagesCommandOptions& options) {
-  if (options.original) return perception::OriginalImageMatchOptions();
+  if (options.original) return perception::MapManagerImageMatchOptions();
   perception::ImageMatchOptions match = options.match;
   match.model = kModels.at(options.model);
   match.ratios.mutual = !options.one_way;

@@ -67,7 +67,7 @@ absl::StatusOr<std::optional<slam::ExistingMap>> LoadExistingMap(const SlamComma
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, ReadMapFiles(options.existing_map));
   ENFILADE_ASSIGN_OR_RETURN(const grid::ImportedMap imported, grid::ImportFiles(files, grid::MapDialect::kNav2));
   const absl::StatusOr<grid::OccupancyGrid> grid =
-      grid::OnLattice(grid::ToOccupancyGrid(imported.raster), slam.resolution);
+      grid::ResampleToLattice(grid::ToOccupancyGrid(imported.raster), slam.resolution);
   if (!grid.ok()) return WithContext(grid.status(), options.existing_map);
   return slam::ExistingMap{*grid, {*entry, std::nullopt}};
 }
@@ -93,7 +93,7 @@ absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions&
   mapper.Finish();
   run.grid = mapper.RenderGrid();
   if (existing_map) {
-    ENFILADE_ASSIGN_OR_RETURN(run.grid, grid::LaidOver(existing_map->grid, run.grid));
+    ENFILADE_ASSIGN_OR_RETURN(run.grid, grid::Overlay(existing_map->grid, run.grid));
   }
   run.map.Apply(mapper.TakeDelta());
   spent += Clock::now() - begin;

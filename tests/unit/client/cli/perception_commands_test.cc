@@ -10,7 +10,7 @@
 #include "client/cli/commands/offline/environment.h"
 #include "client/cli/commands/offline/match.h"
 #include "core/grid/files/png_codec.h"
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/cli/command_test.h"
@@ -90,9 +90,9 @@ TEST_F(PerceptionCommandsTest, NamesAnImageThatCannotBeRead) {
 
 TEST_F(PerceptionCommandsTest, RegistersCloudsFromAGuess) {
   const Eigen::Isometry3d truth = PoseOf(1.5, -0.5, 2.0, 0.1);
-  const std::string target = File("target.pcd", perception::EncodePcd(Room(3, 1)));
+  const std::string target = File("target.pcd", perception::testing::EncodePcd(Room(3, 1)));
   const std::string source =
-      File("source.pcd", perception::EncodePcd(perception::Transformed(Room(3, 2), truth.inverse())));
+      File("source.pcd", perception::testing::EncodePcd(perception::Transformed(Room(3, 2), truth.inverse())));
   ASSERT_OK(Run({"match", "clouds", source, target, "--guess", "1.2", "-0.2", "0", "1.8"}));
   EXPECT_EQ(document_["accepted"], true);
   EXPECT_GT(document_["inlier_share"], 0.9);

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-// Control points of a site whose frame is turned by `yaw` and whose coordinates begin at `offset`.
+// Control points of a site whose frame is rotated by `yaw` and whose coordinates start at `offset`.
 std::vector<SurveyPoint> Points(double yaw, const Eigen::Vector2d& offset, double scale = 1.0) {
   const TransverseMercator projection({.longitude = 9.7, .latitude = 52.37});
   std::vector<SurveyPoint> points;
@@ -36,16 +36,18 @@ TEST(GeoreferenceTest, FindsTheRotation) {
   }
 }
 
-TEST(GeoreferenceTest, ACoordinateOfUtmsSizeSurvivesTheRoundTrip) {
+TEST(GeoreferenceTest, CoordinatesAsLargeAsUtmsKeepTheirPrecision) {
   const Eigen::Vector2d utm(548713.123456, 5802345.678901);
-  ASSERT_OK_AND_ASSIGN(const GeoreferenceFit fit, FitGeoreference(Points(0.3, utm)));
+  ASSERT_OK_AND_ASSIGN(const GeoreferenceFit near, FitGeoreference(Points(0.3, {0, 0})));
+  ASSERT_OK_AND_ASSIGN(const GeoreferenceFit far, FitGeoreference(Points(0.3, utm)));
+  const TransverseMercator ground({.longitude = 9.7, .latitude = 52.37});
   for (const Eigen::Vector2d& d : std::vector<Eigen::Vector2d>{{0, 0}, {33.333, 1.001}, {-5000, 7000}}) {
-    const Eigen::Vector2d p = utm + d;
-    EXPECT_LT((fit.georeference.ToWorld(fit.georeference.ToLonLat(p)) - p).norm(), 1e-6);
+    const Eigen::Vector2d expected = ground.Forward(near.georeference.ToLonLat(d));
+    EXPECT_LT((ground.Forward(far.georeference.ToLonLat(utm + d)) - expected).norm(), 1e-6) << d.transpose();
   }
 }
 
-TEST(GeoreferenceTest, ResidualsTellAPointThatIsOff) {
+TEST(GeoreferenceTest, TheLargestResidualMarksAMisplacedPoint) {
   std::vector<SurveyPoint> points = Points(0.3, {0, 0});
   points[2].p_world.x() += 2.0;
   ASSERT_OK_AND_ASSIGN(const GeoreferenceFit fit, FitGeoreference(points));
@@ -53,7 +55,7 @@ TEST(GeoreferenceTest, ResidualsTellAPointThatIsOff) {
   for (const int i : {0, 1, 3}) EXPECT_LT(fit.residual_m[static_cast<std::size_t>(i)], fit.residual_m[2]);
 }
 
-TEST(GeoreferenceTest, ScaleIsEstimatedOnDemandOnly) {
+TEST(GeoreferenceTest, EstimatesTheScaleOnlyOnRequest) {
   const std::vector<SurveyPoint> points = Points(0.3, {0, 0}, 1.02);
   ASSERT_OK_AND_ASSIGN(const GeoreferenceFit rigid, FitGeoreference(points));
   EXPECT_NEAR(rigid.best_scale, 1.02, 1e-4);
@@ -63,7 +65,7 @@ TEST(GeoreferenceTest, ScaleIsEstimatedOnDemandOnly) {
   EXPECT_LT(similar.rms_m, 1e-4);
 }
 
-TEST(GeoreferenceTest, RefusesWhatSaysTooLittle) {
+TEST(GeoreferenceTest, RefusesTooFewOrTooClosePoints) {
   const std::vector<SurveyPoint> good = Points(0.3, {0, 0});
   EXPECT_CODE(FitGeoreference({}), absl::StatusCode::kInvalidArgument);
   EXPECT_STATUS(FitGeoreference({good[0]}), absl::StatusCode::kInvalidArgument, HasSubstr("at least two"));
@@ -73,7 +75,7 @@ TEST(GeoreferenceTest, RefusesWhatSaysTooLittle) {
   EXPECT_STATUS(FitGeoreference(same_place), absl::StatusCode::kInvalidArgument, HasSubstr("apart"));
 }
 
-TEST(GeoreferenceTest, RefusesWhatCannotBe) {
+TEST(GeoreferenceTest, RefusesImpossiblePoints) {
   std::vector<SurveyPoint> exchanged = Points(0.3, {0, 0});
   for (SurveyPoint& point : exchanged) std::swap(point.place.longitude, point.place.latitude);
   EXPECT_CODE(FitGeoreference(exchanged), absl::StatusCode::kInvalidArgument);

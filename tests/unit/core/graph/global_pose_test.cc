@@ -80,7 +80,7 @@ TEST(GlobalPoseTest, TheRootIsTheWorld) {
   EXPECT_FALSE(pose.solution_version.has_value());
 }
 
-TEST(GlobalPoseTest, ExplainsItself) {
+TEST(GlobalPoseTest, ListsTheHopsWithTheirShares) {
   const GraphSnapshot graph =
       Graph({"a", "b", "c"}, {Joining("ab", {AnchorIn("a", {5, 0, 1}), AnchorIn("b", {1, 1, 0})}),
                               Joining("bc", {AnchorIn("b", {4, 4, 2}), AnchorIn("c", {0, 2, -1})})});
@@ -98,7 +98,7 @@ TEST(GlobalPoseTest, ExplainsItself) {
   EXPECT_TRUE(composed.covariance.isApprox(pose.T_world_robot.covariance, 1e-12));
 }
 
-TEST(GlobalPoseTest, NoPathIsAnAnswerAnUnknownMapIsNot) {
+TEST(GlobalPoseTest, ADisconnectedMapHasNoPoseAndAnUnknownMapIsAnError) {
   const WorldPoses poses(Graph({"a", "island"}, {}));
   const auto island = poses.Find(M("island"));
   ASSERT_OK(island);
@@ -106,7 +106,7 @@ TEST(GlobalPoseTest, NoPathIsAnAnswerAnUnknownMapIsNot) {
   EXPECT_STATUS(poses.Find(M("nowhere")), absl::StatusCode::kNotFound, HasSubstr("nowhere"));
 }
 
-TEST(GlobalPoseTest, Defect3CovarianceIsTheSameHoweverOftenItIsAsked) {
+TEST(GlobalPoseTest, RepeatedQueriesGiveTheSameCovariance) {
   std::mt19937_64 random(5);
   GraphSnapshot graph = MakeRow(4, 0.02, 0.01, random).Seen(random);
   const Eigen::Matrix3d first = Find(graph, "m4").T_world_robot.covariance;
@@ -116,7 +116,7 @@ TEST(GlobalPoseTest, Defect3CovarianceIsTheSameHoweverOftenItIsAsked) {
   }
 }
 
-TEST(GlobalPoseTest, Defect6TheRobotsPoseIsThatInTheMapNotTheMapsInTheRobot) {
+TEST(GlobalPoseTest, TheRobotsPoseIsGivenInTheMapsFrame) {
   const GraphSnapshot graph = Graph({"a", "b"}, {Joining("ab", {AnchorIn("a", {5, 0, 0}), AnchorIn("b", {0, 0, 0})})});
   EXPECT_THAT(Find(graph, "b", {{2, 1, M_PI / 2}, Eigen::Matrix3d::Zero()}).T_world_robot.pose,
               PoseNear(Pose2{7, 1, M_PI / 2}, 1e-12, 1e-12));

@@ -162,7 +162,7 @@ TEST(GraphOptimizationTest, AFalseClosureAmongFiveGoodOnesIsSwitchedOff) {
   }
 }
 
-TEST(GraphOptimizationTest, WhatAloneJoinsMapsIsNeverOff) {
+TEST(GraphOptimizationTest, TheOnlyConnectionIsNeverSwitchedOff) {
   // Two doors between the same maps that cannot both be right.
   const GraphSnapshot graph = Graph({"a", "b"}, {Joining("x", {AnchorIn("a", {0, 0, 0}), AnchorIn("b", {0, 0, 0})}),
                                                  Joining("y", {AnchorIn("a", {5, 0, 0}), AnchorIn("b", {50, 0, 0})})});
@@ -171,7 +171,7 @@ TEST(GraphOptimizationTest, WhatAloneJoinsMapsIsNeverOff) {
   EXPECT_THAT(solution.map_poses, SizeIs(2));
 }
 
-TEST(GraphOptimizationTest, ReportsWhatTheRootIsNotJoinedTo) {
+TEST(GraphOptimizationTest, ReportsDisconnectedMaps) {
   const GraphSnapshot graph = Graph({"a", "b", "c", "d"}, {Joining("x", {AnchorIn("a", {}), AnchorIn("b", {})}),
                                                            Joining("y", {AnchorIn("c", {}), AnchorIn("d", {})})});
   ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(graph));
@@ -228,8 +228,8 @@ TEST(GraphOptimizationTest, ALiftThatContradictsIsSwitchedOff) {
   EXPECT_EQ(solution.switched_off[0].link_point, L("lift2"));
 }
 
-// Defect 4: what was measured was read off the drifting world poses, so that all residuals were zero.
-TEST(GraphOptimizationTest, Defect4MeasurementsComeFromTheAnchorsNotFromWorldPoses) {
+// Measurements read off drifting world poses would make all residuals zero.
+TEST(GraphOptimizationTest, MeasurementsComeFromTheAnchorsNotFromWorldPoses) {
   std::mt19937_64 random(7);
   const World world = Ring(8, 15.0);
   const GraphSnapshot graph = Graph(world.MapIds(), RingDoors(world, 0.05, 0.02, random));
@@ -254,8 +254,7 @@ TEST(GraphOptimizationTest, Defect4MeasurementsComeFromTheAnchorsNotFromWorldPos
   EXPECT_NEAR(third.chi2_after, first.chi2_after, 1e-6);
 }
 
-// Defect 5: only the closure's position counted.
-TEST(GraphOptimizationTest, Defect5TheClosuresOrientationCounts) {
+TEST(GraphOptimizationTest, TheOrientationOfALinkPointCounts) {
   const Eigen::Matrix3d loose = Eigen::Vector3d(1e-4, 1e-4, 0.01).asDiagonal();
   const Eigen::Matrix3d tight = Eigen::Vector3d(1e-4, 1e-4, 1e-6).asDiagonal();
   // Two doors at the same place of a, as far as position goes: what differs is the yaw.

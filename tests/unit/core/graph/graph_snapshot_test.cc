@@ -33,7 +33,7 @@ std::vector<std::string> DoorwaysOf(const GraphSnapshot& graph, const std::strin
   return ids;
 }
 
-TEST(GraphSnapshotTest, BeginsEmpty) {
+TEST(GraphSnapshotTest, StartsEmpty) {
   const GraphSnapshot graph;
   EXPECT_TRUE(graph.root().empty());
   EXPECT_THAT(graph.FindMap(M("a")), IsNull());
@@ -69,7 +69,7 @@ TEST(GraphSnapshotTest, SuspendedAndSwitchedOffLinkPointsJoinNothing) {
   EXPECT_THAT(DoorwaysOf(Graph({}, {suspended}, graph), "a"), ElementsAre("s"));
 }
 
-TEST(GraphSnapshotTest, AnOlderVersionStaysAsItWas) {
+TEST(GraphSnapshotTest, AnOlderVersionStaysUnchanged) {
   const GraphSnapshot old = Graph({"a", "b"}, {Joining("x", {AnchorIn("a", {}), AnchorIn("b", {})})});
   SnapshotChanges changes{.version = 7, .removed_link_points = {L("x")}, .removed_maps = {M("b")}};
   const GraphSnapshot next = Apply(old, changes).value();
@@ -110,8 +110,8 @@ TEST(GraphSnapshotTest, RefusesInvalidLinkPoints) {
   }
 }
 
-// Defects 6 of the stores and 9 of the chain: numbers from counts collide after a deletion.
-TEST(GraphSnapshotTest, IdsMayBeAnythingAndComeBackAfterRemoval) {
+// Ids generated from counts would collide after a deletion.
+TEST(GraphSnapshotTest, IdsAreArbitraryAndCanBeReusedAfterRemoval) {
   GraphSnapshot graph = Graph({"100", "101", "7"}, {Joining("100", {AnchorIn("100", {}), AnchorIn("7", {})}),
                                                     Joining("101", {AnchorIn("101", {}), AnchorIn("7", {})})});
   graph = Apply(graph, {.version = 2, .removed_link_points = {L("100")}, .removed_maps = {M("100")}}).value();
@@ -122,7 +122,7 @@ TEST(GraphSnapshotTest, IdsMayBeAnythingAndComeBackAfterRemoval) {
   EXPECT_THAT(DoorwaysOf(graph, "101"), ElementsAre("101"));
 }
 
-TEST(GraphSnapshotTest, RandomChangesGiveWhatTheResultMadeAtOnceHas) {
+TEST(GraphSnapshotTest, RandomChangesGiveTheSameAsBuildingTheResultDirectly) {
   std::mt19937_64 random(1);
   const auto pick = [&random](int n) { return static_cast<int>(random() % static_cast<std::uint64_t>(n)); };
   std::map<MapId, MapInGraph> maps;

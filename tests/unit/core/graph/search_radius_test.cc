@@ -14,7 +14,7 @@ namespace {
 using ::testing::DoubleNear;
 using ::testing::Optional;
 
-// The predecessor's search radius beyond its base, for n straight transforms of length d, each with its constant
+// map_manager's search radius beyond its base, for n straight transforms of length d, each with its constant
 // variances.
 TEST(SearchRadiusTest, GrowsWithTheChainAsTabulated) {
   struct Line {

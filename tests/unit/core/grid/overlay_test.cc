@@ -13,8 +13,8 @@
 namespace enfilade::grid {
 namespace {
 
-// '.' unknown, '-' and 'f' free (the latter surer), '+' and '#' occupied; the top row first. The lower-left cell at
-// (column, row) of the lattice of 0.05 m.
+// '.' unknown, '-' and 'f' free (the latter more certain), '+' and '#' occupied; the top row first. The lower-left cell
+// at (column, row) of the lattice of 0.05 m.
 OccupancyGrid Grid(const std::vector<std::string>& rows, int column = 0, int row = 0, double resolution = 0.05) {
   OccupancyGrid grid;
   grid.geometry.resolution = resolution;
@@ -41,54 +41,54 @@ OccupancyGrid Grid(const std::vector<std::string>& rows, int column = 0, int row
   return grid;
 }
 
-TEST(LaidOver, KnownWinsOverUnknownAgreementGoesToTheSurerDisagreementToTheLater) {
-  EXPECT_EQ(*LaidOver(Grid({".-f+#"}), Grid({"....."})), Grid({".-f+#"}));
-  EXPECT_EQ(*LaidOver(Grid({"....."}), Grid({".-f+#"})), Grid({".-f+#"}));
-  EXPECT_EQ(*LaidOver(Grid({"-f+#"}), Grid({"f-#+"})), Grid({"ff##"}));
-  EXPECT_EQ(*LaidOver(Grid({"ff##"}), Grid({"+#-f"})), Grid({"+#-f"}));
+TEST(Overlay, PrefersKnownThenMoreCertainThenLaterCells) {
+  EXPECT_EQ(*Overlay(Grid({".-f+#"}), Grid({"....."})), Grid({".-f+#"}));
+  EXPECT_EQ(*Overlay(Grid({"....."}), Grid({".-f+#"})), Grid({".-f+#"}));
+  EXPECT_EQ(*Overlay(Grid({"-f+#"}), Grid({"f-#+"})), Grid({"ff##"}));
+  EXPECT_EQ(*Overlay(Grid({"ff##"}), Grid({"+#-f"})), Grid({"+#-f"}));
 }
 
-TEST(LaidOver, ItselfChangesNothing) {
+TEST(Overlay, IsIdempotent) {
   const OccupancyGrid grid = Grid({"#-.", "+f."}, -3, 7);
-  EXPECT_EQ(*LaidOver(grid, grid), grid);
+  EXPECT_EQ(*Overlay(grid, grid), grid);
 }
 
-TEST(LaidOver, ReachesOverBothAndPutsEachWhereItLies) {
-  EXPECT_EQ(*LaidOver(Grid({"#", "#"}, -2, 0), Grid({"ff"}, 0, 3)), Grid({"..ff", "....", "#...", "#..."}, -2, 0));
+TEST(Overlay, CoversBothGridsAndKeepsTheirPositions) {
+  EXPECT_EQ(*Overlay(Grid({"#", "#"}, -2, 0), Grid({"ff"}, 0, 3)), Grid({"..ff", "....", "#...", "#..."}, -2, 0));
 }
 
-TEST(LaidOver, AnEmptyLayerIsNothing) {
+TEST(Overlay, AnEmptyLayerChangesNothing) {
   const OccupancyGrid grid = Grid({"#-"});
-  EXPECT_EQ(*LaidOver(OccupancyGrid{}, grid), grid);
-  EXPECT_EQ(*LaidOver(grid, OccupancyGrid{}), grid);
+  EXPECT_EQ(*Overlay(OccupancyGrid{}, grid), grid);
+  EXPECT_EQ(*Overlay(grid, OccupancyGrid{}), grid);
 }
 
-TEST(OnLattice, KeepsCellsThatLieOnItAndCropsToWhatIsKnown) {
-  EXPECT_EQ(*OnLattice(Grid({"....", ".#-.", "...."}, 5, -9), 0.05), Grid({"#-"}, 6, -8));
-  EXPECT_TRUE(OnLattice(Grid({"..", ".."}), 0.05)->cells.empty());
+TEST(ResampleToLattice, KeepsAlignedCellsAndCropsToTheKnownOnes) {
+  EXPECT_EQ(*ResampleToLattice(Grid({"....", ".#-.", "...."}, 5, -9), 0.05), Grid({"#-"}, 6, -8));
+  EXPECT_TRUE(ResampleToLattice(Grid({"..", ".."}), 0.05)->cells.empty());
 }
 
-TEST(OnLattice, LosesNoOccupiedCellOfAFinerGrid) {
+TEST(ResampleToLattice, LosesNoOccupiedCellOfAFinerGrid) {
   // 0.0125 m: four cells in one.
   const OccupancyGrid fine = Grid({"ffffffff", "ffffffff", "f#ffffff", "ffffffff"}, 4, 8, 0.0125);
-  EXPECT_EQ(*OnLattice(fine, 0.05), Grid({"#f"}, 1, 2));
+  EXPECT_EQ(*ResampleToLattice(fine, 0.05), Grid({"#f"}, 1, 2));
 }
 
-TEST(OnLattice, FillsTheCellsOfACoarserGrid) {
-  EXPECT_EQ(*OnLattice(Grid({"#f"}, 1, 1, 0.10), 0.05), Grid({"##ff", "##ff"}, 2, 2));
+TEST(ResampleToLattice, FillsTheCellsOfACoarserGrid) {
+  EXPECT_EQ(*ResampleToLattice(Grid({"#f"}, 1, 1, 0.10), 0.05), Grid({"##ff", "##ff"}, 2, 2));
 }
 
-TEST(OnLattice, RefusesWhatWouldBeTooLarge) {
+TEST(ResampleToLattice, RefusesGridsThatWouldBeTooLarge) {
   OccupancyGrid far = Grid({"#"}, 0, 0, 0.03);
   far.geometry.T_map_grid.x = 1e12;
-  EXPECT_CODE(OnLattice(far, 0.05), absl::StatusCode::kInvalidArgument);
-  EXPECT_CODE(LaidOver(Grid({"#"}), Grid({"#"}, 1 << 20, 1 << 20)), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(ResampleToLattice(far, 0.05), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Overlay(Grid({"#"}), Grid({"#"}, 1 << 20, 1 << 20)), absl::StatusCode::kInvalidArgument);
 }
 
-TEST(OnLattice, TurnsAGridByItsOrigin) {
+TEST(ResampleToLattice, RotatesAGridByItsOrigin) {
   OccupancyGrid turned = Grid({"#f-"});
   turned.geometry.T_map_grid = {1.0, 0.0, M_PI / 2.0};  // its columns go up along y, its rows to the left
-  EXPECT_EQ(*OnLattice(turned, 0.05), Grid({"-", "f", "#"}, 19, 0));
+  EXPECT_EQ(*ResampleToLattice(turned, 0.05), Grid({"-", "f", "#"}, 19, 0));
 }
 
 }  // namespace

@@ -34,6 +34,15 @@ std::vector<T> Patches(std::size_t count, T low, T high, unsigned seed) {
   return values;
 }
 
+absl::StatusOr<MapRaster> Assemble(const TiledRaster& tiled) {
+  absl::StatusOr<RasterAssembler> assembler = RasterAssembler::Create(tiled.header);
+  if (!assembler.ok()) return assembler.status();
+  for (const auto& [index, bytes] : tiled.tiles) {
+    if (const absl::Status status = assembler->Add(index, bytes); !status.ok()) return status;
+  }
+  return (*std::move(assembler)).Finish();
+}
+
 GridGeometry GeometryAt(int column, int row, int width, int height) {
   return {.resolution = 0.05, .T_map_grid = {column * 0.05, row * 0.05, 0.0}, .width = width, .height = height};
 }
@@ -69,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(EveryRaster, ComesBackUnchanged) {
   const TiledRaster tiled = SplitIntoTiles(GetParam());
-  ASSERT_OK_AND_ASSIGN(const MapRaster joined, JoinTiles(tiled));
+  ASSERT_OK_AND_ASSIGN(const MapRaster joined, Assemble(tiled));
   EXPECT_EQ(joined, GetParam());
 }
 
@@ -84,11 +93,11 @@ TEST_P(EveryRaster, RefusesDamagedTiles) {
     const std::string before = bytes;
     bytes[rng() % bytes.size()] ^= static_cast<char>(1 + rng() % 255);
     // Zstandard has a bit or two that mean nothing; all others are under its checksum.
-    const auto joined = JoinTiles(tiled);
+    const auto joined = Assemble(tiled);
     EXPECT_TRUE(!joined.ok() || *joined == GetParam());
     refused += joined.ok() ? 0 : 1;
     bytes = before.substr(0, rng() % before.size());
-    EXPECT_FALSE(JoinTiles(tiled).ok());
+    EXPECT_FALSE(Assemble(tiled).ok());
     bytes = before;
   }
   EXPECT_GT(refused, 90);
@@ -151,7 +160,7 @@ TEST(TiledRaster, LeavesOutTilesOfBackground) {
   ASSERT_EQ(tiled.tiles.size(), 1U);
   EXPECT_EQ(tiled.tiles.begin()->first, (TileIndex{1, 3}));
   EXPECT_LT(tiled.tiles.begin()->second.size(), 100U);
-  ASSERT_OK_AND_ASSIGN(const MapRaster joined, JoinTiles(tiled));
+  ASSERT_OK_AND_ASSIGN(const MapRaster joined, Assemble(tiled));
   EXPECT_EQ(joined, raster);
 }
 
@@ -162,7 +171,7 @@ TEST(TiledRaster, TakesTheMostFrequentGreyForBackground) {
   grey.grey[0] = 0;
   const TiledRaster tiled = SplitIntoTiles(raster);
   EXPECT_EQ(tiled.tiles.size(), 1U);
-  ASSERT_OK_AND_ASSIGN(const MapRaster joined, JoinTiles(tiled));
+  ASSERT_OK_AND_ASSIGN(const MapRaster joined, Assemble(tiled));
   EXPECT_EQ(joined, raster);
 }
 
@@ -178,9 +187,9 @@ TEST(TiledRaster, RefusesTilesOutsideTheRaster) {
 TEST(TiledRaster, SaysWhereANewerReleaseIsNeeded) {
   TiledRaster tiled = SplitIntoTiles(OccupancyRaster(GeometryAt(0, 0, 30, 30)));
   tiled.tiles.begin()->second[0] = 2;
-  EXPECT_STATUS(JoinTiles(tiled), absl::StatusCode::kFailedPrecondition, HasSubstr("newer release"));
+  EXPECT_STATUS(Assemble(tiled), absl::StatusCode::kFailedPrecondition, HasSubstr("newer release"));
   tiled.header[4] = 2;
-  EXPECT_STATUS(JoinTiles(tiled), absl::StatusCode::kFailedPrecondition, HasSubstr("newer release"));
+  EXPECT_STATUS(Assemble(tiled), absl::StatusCode::kFailedPrecondition, HasSubstr("newer release"));
 }
 
 TEST(TiledRaster, RefusesHugeHeadersBeforeAllocating) {

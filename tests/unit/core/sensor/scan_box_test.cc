@@ -83,7 +83,7 @@ TEST(ChooseByRangeTest, AsksForTwoFarSides) {
 }
 
 // 12 m around: beyond the limit of the code's defaults, within that of params.yaml.
-TEST(ChooseByRangeTest, KnowsBothPresetsOfTheOriginal) {
+TEST(ChooseByRangeTest, HasBothOfMapManagersPresets) {
   const LaserScan scan = InRectangle(12.0, 12.0, 12.0, 12.0);
   EXPECT_EQ(ChooseByRange(scan, RangeCriterion::MapManagerYaml())->environment, Environment::kIndoor);
   EXPECT_EQ(ChooseByRange(scan, RangeCriterion::MapManagerCode())->environment, Environment::kOutdoor);

@@ -9,7 +9,7 @@
 #include <limits>
 #include <sstream>
 
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <numbers>
 #include <random>
+#include <string>
 
+#include "fmt/format.h"
 #include "perception/cloud/cloud.h"
 
 namespace enfilade::perception::testing {
@@ -43,6 +45,18 @@ inline Cloud Room(std::uint32_t room_seed, std::uint32_t noise_seed, double nois
     cloud.points.push_back(p.cast<float>());
   }
   return cloud;
+}
+
+// PCD, binary.
+inline std::string EncodePcd(const Cloud& cloud) {
+  std::string bytes = fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+      "WIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA binary\n",
+      cloud.points.size());
+  for (const Eigen::Vector3f& point : cloud.points) {
+    bytes.append(reinterpret_cast<const char*>(point.data()), 3 * sizeof(float));
+  }
+  return bytes;
 }
 
 }  // namespace enfilade::perception::testing

@@ -89,7 +89,7 @@ TEST(SceneClassesTest, NamesTheLineThatIsWrong) {
   EXPECT_STATUS(ParseSceneClasses("", kMapping), kBad, HasSubstr("no class"));
   EXPECT_STATUS(ParseSceneClasses("/o/office\n/x/unknown\n", kMapping), kBad,
                 HasSubstr("line 2: the class /x/unknown is not in"));
-  EXPECT_STATUS(ParseSceneClasses("/o/office\n/o/office\n", kMapping), kBad, HasSubstr("twice"));
+  EXPECT_STATUS(ParseSceneClasses("/o/office\n/o/office\n", kMapping), kBad, HasSubstr("duplicate class"));
   EXPECT_STATUS(ParseSceneClasses(kLabels, "/o/office 3\n"), kBad, HasSubstr("line 1"));
   EXPECT_STATUS(ParseSceneClasses(kLabels, "/o/office 1\n/o/office 2\n"), kBad, HasSubstr("mapping, line 2"));
 }

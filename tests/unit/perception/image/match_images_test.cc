@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "perception/image/decode.h"
-#include "perception/image/match_picture.h"
+#include "perception/image/draw_matches.h"
 #include "perception/image/match_series.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
@@ -78,7 +78,7 @@ TEST(MatchImagesTest, SaysThatThereIsNothingToSee) {
     const FeatureSet black = FeaturesOf(cv::Mat(size, CV_8U, cv::Scalar(0)));
     ASSERT_OK_AND_ASSIGN(const ImageMatch match, MatchImages(place, black));
     EXPECT_FALSE(match.accepted);
-    EXPECT_THAT(match.reason, HasSubstr("image B has too little to see: 0 features"));
+    EXPECT_THAT(match.reason, HasSubstr("image B has too little texture: 0 features"));
     ASSERT_OK_AND_ASSIGN(const ImageMatch both, MatchImages(black, black));
     EXPECT_FALSE(both.accepted);
   }
@@ -138,7 +138,7 @@ TEST(MatchImagesTest, FindsThePlaceInAnImageOfAnotherSize) {
 TEST(MatchImagesTest, CountsAllMatchesAsTheOriginal) {
   const cv::Mat door = testing::DoorInTiles(10, 60);
   const ImageMatch match =
-      Match(door, testing::SeenAgain(testing::DoorInTiles(60, 60), 10), OriginalImageMatchOptions());
+      Match(door, testing::SeenAgain(testing::DoorInTiles(60, 60), 10), MapManagerImageMatchOptions());
   EXPECT_EQ(match.inliers, match.matches);
   EXPECT_EQ(match.accepted, match.matches > 30);
 }

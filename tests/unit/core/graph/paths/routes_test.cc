@@ -37,7 +37,7 @@ RouteRequest FromR1ToR2() {
   return {.from_map = M("r1"), .T_from_map_start = {1, 0, 0}, .to_map = M("r2"), .T_to_map_goal = {3, 0, 1}};
 }
 
-TEST(RoutesTest, TellsEachMapsPartInItsOwnFrame) {
+TEST(RoutesTest, GivesEachLegInTheFrameOfItsMap) {
   ASSERT_OK_AND_ASSIGN(const Routes routes, FindRoutes(Corridor(PassageState::kClosed), FromR1ToR2(), {}));
   EXPECT_EQ(routes.graph_version, 1);
   ASSERT_THAT(routes.routes, SizeIs(1));
@@ -98,7 +98,7 @@ TEST(RoutesTest, ALiftLeadsToEachOfItsFloors) {
   EXPECT_EQ(routes.routes[1].legs[1].exit, L("stairs"));
 }
 
-TEST(RoutesTest, RefusesWhatMakesNoSense) {
+TEST(RoutesTest, RefusesInvalidRequests) {
   EXPECT_CODE(FindRoutes(Corridor(), FromR1ToR2(), {.max_routes = 0}), absl::StatusCode::kInvalidArgument);
   RouteRequest request = FromR1ToR2();
   request.T_to_map_goal.x = std::nan("");

@@ -101,8 +101,8 @@ TEST(ShortestPathsTest, ALiftJoinsThreeMaps) {
   }
 }
 
-// Defects 1 and 2: an index into a path or list taken for an id; defects 9 and 10: ids assumed contiguous, below 100.
-TEST(ShortestPathsTest, Defects1And2And9IdsInAPathNeedNotFollowOneAnother) {
+// Ids are neither indices into a path or list, nor contiguous, nor below 100.
+TEST(ShortestPathsTest, IdsInAPathAreArbitrary) {
   const GraphSnapshot graph =
       Graph({"42", "100", "7", "101"}, {Joining("900", {AnchorIn("42", {1, 2, 0.5}), AnchorIn("100", {3, 1, -1})}),
                                         Joining("3", {AnchorIn("100", {5, 5, 2}), AnchorIn("7", {0, 1, 1})}),
@@ -115,8 +115,8 @@ TEST(ShortestPathsTest, Defects1And2And9IdsInAPathNeedNotFollowOneAnother) {
   EXPECT_THAT(ChainAlong(graph, path, {}, {}).T_start_end.pose, PoseNear(expected, 1e-12, 1e-12));
 }
 
-TEST(ShortestPathsTest, Defect7LengthsBelowAMetreCount) {
-  // Two ways of the same number of doors, 0.9 m and 0.3 m long: cut off to integers both cost nothing.
+TEST(ShortestPathsTest, LengthsBelowAMetreCount) {
+  // Two paths with the same number of doors, 0.9 m and 0.3 m long: truncated to integers both would cost nothing.
   const GraphSnapshot graph =
       Graph({"a", "b", "c", "d"}, {Joining("a1", {AnchorIn("a", {0, 0, 0}), AnchorIn("b", {0, 0, 0})}),
                                    Joining("b1", {AnchorIn("b", {0.9, 0, 0}), AnchorIn("d", {0, 0, 0})}),
@@ -127,7 +127,7 @@ TEST(ShortestPathsTest, Defect7LengthsBelowAMetreCount) {
   EXPECT_DOUBLE_EQ(path.cost, 0.3);
 }
 
-TEST(ShortestPathsTest, Defect8EdgesThroughTwoSharedMapsAreKeptApart) {
+TEST(ShortestPathsTest, EdgesThroughTwoSharedMapsAreDistinct) {
   // x and y both join b and c: 6 m apart in one, 2 m (around the corner) in the other.
   const GraphSnapshot graph =
       Graph({"a", "b", "c", "d"},

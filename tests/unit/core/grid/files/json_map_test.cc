@@ -54,8 +54,8 @@ TEST(JsonMap, TakesLimitsForEdgesWhereTheDataAreOneLessEachWay) {
             (GridGeometry{.resolution = 1.0, .T_map_grid = {-1.0, 0.0, 0.0}, .width = 2, .height = 1}));
 }
 
-// The seed's map: 6 m at 0.015 m are 401 cells a side, although 6 / 0.015 is not 400 in binary.
-std::string SeedMap(int side, std::string_view value) {
+// The format's reference map: 6 m at 0.015 m are 401 cells a side, although 6 / 0.015 is not 400 in binary.
+std::string ReferenceMap(int side, std::string_view value) {
   std::string text =
       R"({"xmin": -3, "xmax": 3, "ymin": -3, "ymax": 3, "stepx": 0.015, "stepy": 0.015, "Level": 20, "data": [)";
   for (int i = 0; i < side * side; ++i) text += fmt::format("{}{}", i == 0 ? "" : ", ", value);
@@ -63,7 +63,7 @@ std::string SeedMap(int side, std::string_view value) {
 }
 
 TEST(JsonMap, ReadsA401x401Map) {
-  ASSERT_OK_AND_ASSIGN(const ParsedJsonMap parsed, ParseJsonMap(SeedMap(401, "0.14084787333043428")));
+  ASSERT_OK_AND_ASSIGN(const ParsedJsonMap parsed, ParseJsonMap(ReferenceMap(401, "0.14084787333043428")));
   EXPECT_EQ(parsed.raster.geometry.width, 401);
   EXPECT_EQ(parsed.raster.geometry.height, 401);
   EXPECT_DOUBLE_EQ(parsed.raster.geometry.T_map_grid.x, -3.0075);
@@ -72,7 +72,7 @@ TEST(JsonMap, ReadsA401x401Map) {
 }
 
 TEST(JsonMap, ReadsA400x400Map) {
-  ASSERT_OK_AND_ASSIGN(const ParsedJsonMap parsed, ParseJsonMap(SeedMap(400, "0")));
+  ASSERT_OK_AND_ASSIGN(const ParsedJsonMap parsed, ParseJsonMap(ReferenceMap(400, "0")));
   EXPECT_EQ(parsed.raster.geometry.width, 400);
   EXPECT_DOUBLE_EQ(parsed.raster.geometry.T_map_grid.x, -3.0);
 }
@@ -125,7 +125,7 @@ TEST(JsonMap, SaysUnknownAsOneHalf) {
   EXPECT_THAT(FormatJsonMap(UnitLimits{}, cells), HasSubstr("[\n0.5\n"));
 }
 
-TEST(JsonMap, CannotSayARotation) {
+TEST(JsonMap, CannotHoldARotation) {
   EXPECT_STATUS(UnitLimitsOf({.resolution = 1, .T_map_grid = {0, 0, 0.5}, .width = 1, .height = 1}, 10),
                 absl::StatusCode::kInvalidArgument, HasSubstr("yaw"));
 }
@@ -147,37 +147,36 @@ void PrintTo(const BadJson& bad, std::ostream* os) { *os << bad.message; }
 class BadJsonMap : public ::testing::TestWithParam<BadJson> {};
 INSTANTIATE_TEST_SUITE_P(
     JsonMap, BadJsonMap,
-    ::testing::Values(BadJson{"", "'{'"}, BadJson{"[]", "'{'"}, BadJson{"{}", "no 'xmin'"},
-                      BadJson{"{\"xmin", "within a string"}, BadJson{"{\"xmin\\", "within a string"},
-                      BadJson{std::string(kSmall) + "x", "goes on"}, BadJson{Replaced("\"ymax\": 1,", ""), "no 'ymax'"},
-                      BadJson{Replaced("\"level\": 10,", ""), "no 'level'"},
-                      BadJson{Replaced("\"xmin\": -1", "\"xmin\": -1, \"xmin\": -1"), "'xmin' is given twice"},
-                      BadJson{Replaced("\"xmin\": -1", "\"xmin\": \"-1\""), "'xmin'"},
-                      BadJson{Replaced("\"xmin\": -1", "\"xmin\": 1e999"), "range (line 2)"},
-                      BadJson{Replaced("\"xmin\": -1", "\"xmin\": -inf"), "'xmin'"},
-                      BadJson{Replaced("\"xmin\": -1", "\"xmin\": 2"), "xmin 2"},
-                      BadJson{Replaced("\"xmin\": -1", "\"xmin\": -1e300"), "xmin -1e+300"},
-                      BadJson{Replaced("\"xmin\": -1", "\"xmin\": -1.3"), "not a multiple of stepx"},
-                      BadJson{Replaced("\"stepx\": 1.0", "\"stepx\": 0"), "stepx is 0"},
-                      BadJson{Replaced("\"stepx\": 1.0", "\"stepx\": -1"), "stepx is -1"},
-                      BadJson{Replaced("\"stepy\": 1e0", "\"stepy\": 0.5"), "stepx 1 and stepy 0.5 differ"},
-                      BadJson{Replaced("\"level\": 10", "\"level\": ten"), "'level'"},
-                      BadJson{Replaced("[0.1, 0.2, 0.3,\n           0.4, 0.5, 1]", "{}"), "'data' is not an array"},
-                      BadJson{Replaced("[0.1, 0.2, 0.3,\n           0.4, 0.5, 1]", "[]"), "data has 0 numbers"},
-                      BadJson{Replaced("0.5, 1]", "0.5]"), "data has 5 numbers"},
-                      BadJson{Replaced("1]", "1, 1]"), "data has 7 numbers"},
-                      BadJson{Replaced("0.4", "NaN"), "data[3]"}, BadJson{Replaced("0.4", "nan"), "data[3]"},
-                      BadJson{Replaced("0.4", "\"0.4\""), "data[3]"}, BadJson{Replaced("0.4", "null"), "data[3]"},
-                      BadJson{Replaced("0.4", "[0.4]"), "data[3]"}, BadJson{Replaced("0.4", "01"), "data[3]"},
-                      BadJson{Replaced("0.4", ".4"), "data[3]"}, BadJson{Replaced("0.4", "1."), "data[3]"},
-                      BadJson{Replaced("0.4", "-0.4"), "data[3] is -0.4: expected 0 to 1 (line 7)"},
-                      BadJson{Replaced("0.4", "1.0000001"), "data[3] is 1.0000001"},
-                      BadJson{Replaced("0.4,", "0.4 "), "data[4]"},
-                      BadJson{Replaced("\"data\"", "\"data\": [], \"data\""), "'data' is given twice"},
-                      BadJson{Replaced("\"data\"", "\"deta\""), "no 'data'"},
-                      BadJson{R"({"xmin":0,"xmax":1e5,"ymin":0,"ymax":1e5,"stepx":1,"stepy":1,"level":1,"data":[0]})",
-                              "100001 x 100001"},
-                      BadJson{"{\"a\": " + std::string(100'000, '['), "nested too deeply"}));
+    ::testing::Values(
+        BadJson{"", "'{'"}, BadJson{"[]", "'{'"}, BadJson{"{}", "no 'xmin'"}, BadJson{"{\"xmin", "within a string"},
+        BadJson{"{\"xmin\\", "within a string"}, BadJson{std::string(kSmall) + "x", "content after"},
+        BadJson{Replaced("\"ymax\": 1,", ""), "no 'ymax'"}, BadJson{Replaced("\"level\": 10,", ""), "no 'level'"},
+        BadJson{Replaced("\"xmin\": -1", "\"xmin\": -1, \"xmin\": -1"), "'xmin' is given twice"},
+        BadJson{Replaced("\"xmin\": -1", "\"xmin\": \"-1\""), "'xmin'"},
+        BadJson{Replaced("\"xmin\": -1", "\"xmin\": 1e999"), "range (line 2)"},
+        BadJson{Replaced("\"xmin\": -1", "\"xmin\": -inf"), "'xmin'"},
+        BadJson{Replaced("\"xmin\": -1", "\"xmin\": 2"), "xmin 2"},
+        BadJson{Replaced("\"xmin\": -1", "\"xmin\": -1e300"), "xmin -1e+300"},
+        BadJson{Replaced("\"xmin\": -1", "\"xmin\": -1.3"), "not a multiple of stepx"},
+        BadJson{Replaced("\"stepx\": 1.0", "\"stepx\": 0"), "stepx is 0"},
+        BadJson{Replaced("\"stepx\": 1.0", "\"stepx\": -1"), "stepx is -1"},
+        BadJson{Replaced("\"stepy\": 1e0", "\"stepy\": 0.5"), "stepx 1 and stepy 0.5 differ"},
+        BadJson{Replaced("\"level\": 10", "\"level\": ten"), "'level'"},
+        BadJson{Replaced("[0.1, 0.2, 0.3,\n           0.4, 0.5, 1]", "{}"), "'data' is not an array"},
+        BadJson{Replaced("[0.1, 0.2, 0.3,\n           0.4, 0.5, 1]", "[]"), "data has 0 numbers"},
+        BadJson{Replaced("0.5, 1]", "0.5]"), "data has 5 numbers"},
+        BadJson{Replaced("1]", "1, 1]"), "data has 7 numbers"}, BadJson{Replaced("0.4", "NaN"), "data[3]"},
+        BadJson{Replaced("0.4", "nan"), "data[3]"}, BadJson{Replaced("0.4", "\"0.4\""), "data[3]"},
+        BadJson{Replaced("0.4", "null"), "data[3]"}, BadJson{Replaced("0.4", "[0.4]"), "data[3]"},
+        BadJson{Replaced("0.4", "01"), "data[3]"}, BadJson{Replaced("0.4", ".4"), "data[3]"},
+        BadJson{Replaced("0.4", "1."), "data[3]"},
+        BadJson{Replaced("0.4", "-0.4"), "data[3] is -0.4: expected 0 to 1 (line 7)"},
+        BadJson{Replaced("0.4", "1.0000001"), "data[3] is 1.0000001"}, BadJson{Replaced("0.4,", "0.4 "), "data[4]"},
+        BadJson{Replaced("\"data\"", "\"data\": [], \"data\""), "'data' is given twice"},
+        BadJson{Replaced("\"data\"", "\"deta\""), "no 'data'"},
+        BadJson{R"({"xmin":0,"xmax":1e5,"ymin":0,"ymax":1e5,"stepx":1,"stepy":1,"level":1,"data":[0]})",
+                "100001 x 100001"},
+        BadJson{"{\"a\": " + std::string(100'000, '['), "nested too deeply"}));
 
 TEST_P(BadJsonMap, IsRefusedNamingTheField) {
   EXPECT_STATUS(ParseJsonMap(GetParam().text), absl::StatusCode::kInvalidArgument, HasSubstr(GetParam().message));

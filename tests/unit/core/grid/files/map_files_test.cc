@@ -175,7 +175,7 @@ TEST(MapFiles, ScaleNeedsTransparencyForUnknownCells) {
   EXPECT_EQ(ToOccupancyGrid(back.raster).cells[2], kUnknownCell);
 }
 
-TEST(MapFiles, JsonCannotSayARotation) {
+TEST(MapFiles, JsonCannotHoldARotation) {
   ASSERT_OK_AND_ASSIGN(const ImportedMap map, ImportFiles(Room(), MapDialect::kNav2));
   EXPECT_STATUS(RenderFiles(map.raster, "x", {.format = MapFileFormat::kJson}), absl::StatusCode::kInvalidArgument,
                 HasSubstr("yaw"));
@@ -198,7 +198,7 @@ TEST(MapFiles, SaysWhichFileIsMissingOrTooMuch) {
   EXPECT_STATUS(import({{"room.yaml", kYaml}, {"hall.pgm", kPgm}}), kBad, HasSubstr("its image is 'room.pgm'"));
   EXPECT_STATUS(import({{"room.yaml", "image: 3"}, {"room.pgm", kPgm}}), kBad, HasSubstr("room.yaml: "));
   EXPECT_STATUS(import({{"room.yaml", kYaml}, {"room.pgm", "P5\n3 2\n255\nab"}}), kBad,
-                HasSubstr("room.pgm: the PGM file is cut"));
+                HasSubstr("room.pgm: the PGM file is truncated"));
   EXPECT_STATUS(import({{"room.yaml", kYaml}, {"room.pgm", "BM..."}}), kBad,
                 HasSubstr("room.pgm: neither a PGM nor a PNG"));
   EXPECT_STATUS(import({{"room.yaml", kYaml}, {"room.pgm", "\x89PNG\r\n\x1a\n"}}), kBad,

@@ -166,7 +166,7 @@ TEST(MapperOnExistingMap, RendersItsOwnLayerOnly) {
   };
   EXPECT_GT(known(mapped.grid), 1000);
   EXPECT_LT(known(mapped.grid), known(RoomsMap()) / 2) << "three scans do not see all rooms";
-  ASSERT_OK_AND_ASSIGN(const grid::OccupancyGrid both, grid::LaidOver(RoomsMap(), mapped.grid));
+  ASSERT_OK_AND_ASSIGN(const grid::OccupancyGrid both, grid::Overlay(RoomsMap(), mapped.grid));
   EXPECT_GE(known(both), known(RoomsMap()));
 }
 

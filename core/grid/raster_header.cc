@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/grid/files/raster_header.h"
+#include "core/grid/raster_header.h"
 
 #include "core/base/binary.h"
 #include "core/base/error.h"
@@ -71,7 +71,7 @@ GridGeometry ReadGeometry(BinaryReader& reader) {
   return geometry;
 }
 
-bool IsSound(const RasterHeader& header) {
+bool IsValid(const RasterHeader& header) {
   constexpr int kLatticeLimit = 1 << 30;
   const CellIndex min = header.lattice_min;
   if (min.column < -kLatticeLimit || min.column > kLatticeLimit || min.row < -kLatticeLimit ||
@@ -83,7 +83,7 @@ bool IsSound(const RasterHeader& header) {
                              grey->interpretation.dialect <= MapDialect::kRos1);
 }
 
-// Raster: MapRaster, const or not, and Byte likewise.
+// Raster: MapRaster, const or not; Byte accordingly.
 template <typename Byte, typename Raster>
 std::vector<CellPlane<Byte>> Planes(Raster& raster, std::uint8_t background) {
   if (auto* const occupancy = std::get_if<OccupancyCells>(&raster.cells)) {
@@ -144,7 +144,7 @@ absl::StatusOr<RasterHeader> DecodeRasterHeader(std::string_view bytes) {
     default:
       return DataLoss("the raster's header names an unknown kind of cells");
   }
-  if (version == 0 || !reader.at_end() || !IsSound(header)) return DataLoss("the raster's header is damaged");
+  if (version == 0 || !reader.at_end() || !IsValid(header)) return DataLoss("the raster's header is damaged");
   if (const absl::Status status = Validate(header.raster.geometry); !status.ok()) {
     return DataLoss("the raster's header is damaged: {}",
                     std::string(status.message().data(), status.message().size()));

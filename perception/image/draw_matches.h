@@ -7,8 +7,8 @@
 
 namespace enfilade::perception {
 
-// The two images side by side, at most 1280 pixels wide together: inliers joined by green lines, other matches by thin
-// red ones. INVALID_ARGUMENT: a malformed frame.
+// Draws the two images side by side, at most 1280 pixels wide in total, with green lines between inliers and red lines
+// between other matches. INVALID_ARGUMENT: a malformed frame.
 absl::StatusOr<grid::RgbImage> DrawMatches(const GreyFrame& a, const GreyFrame& b, const ImageMatch& match);
 
 }  // namespace enfilade::perception

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 
 #include "core/base/error.h"
 #include "perception/cloud/point_fields.h"

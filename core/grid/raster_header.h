@@ -13,24 +13,24 @@
 
 namespace enfilade::grid {
 
-// All of a tiled raster but its cells.
+// A tiled raster without its cells.
 struct RasterHeader {
-  // With cells of the right kind, interpretation and so on, but no values in them.
+  // With the right kind of cells and their interpretation, but without values.
   MapRaster raster;
-  // Whether the grey cells have alphas (which the empty vector does not say).
+  // Whether grey cells have alpha; the empty vector does not say.
   bool has_alpha = false;
-  // Where the raster's lower-left cell lies on the lattice of tiles.
+  // The position of the raster's lower-left cell on the lattice of tiles.
   CellIndex lattice_min;
-  // What cells hold that no tile covers.
+  // The value of cells that no tile covers.
   std::uint8_t background = kUnknownCell;
 };
 
-// Versioned; the same header gives the same bytes. At most some 130 KiB.
+// Versioned; the same header gives the same bytes. At most about 130 KiB.
 std::string EncodeRasterHeader(const RasterHeader& header);
 // DATA_LOSS on bytes that EncodeRasterHeader did not write, FAILED_PRECONDITION on those of a newer version.
 absl::StatusOr<RasterHeader> DecodeRasterHeader(std::string_view bytes);
 
-// One array of cells as bytes, for code that does not care what they mean. Byte: std::uint8_t, const or not.
+// One array of cells as bytes, for code that is agnostic of their meaning. Byte: std::uint8_t, const or not.
 template <typename Byte>
 struct CellPlane {
   Byte* bytes;
@@ -38,7 +38,7 @@ struct CellPlane {
   std::uint8_t background;  // of each byte of an element
 };
 
-// The arrays of a raster whose cells are there: one, or grey and alpha.
+// The arrays of a raster with cells: one, or grey and alpha.
 std::vector<CellPlane<std::uint8_t>> PlanesOf(MapRaster& raster, std::uint8_t background);
 std::vector<CellPlane<const std::uint8_t>> PlanesOf(const MapRaster& raster, std::uint8_t background);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/cloud/cloud_file.h"
+#include "perception/cloud/decode_cloud.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,15 +22,15 @@ void Append(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-TEST(CloudFileTest, GivesBackWhatWasEncoded) {
+TEST(DecodeCloudTest, ReadsBinaryPcd) {
   const Cloud room = testing::Room(1, 2, 0.01, 500);
-  ASSERT_OK_AND_ASSIGN(const Cloud decoded, DecodeCloud(EncodePcd(room)));
+  ASSERT_OK_AND_ASSIGN(const Cloud decoded, DecodeCloud(testing::EncodePcd(room)));
   EXPECT_EQ(decoded.points, room.points);
-  ASSERT_OK_AND_ASSIGN(const Cloud empty, DecodeCloud(EncodePcd({})));
+  ASSERT_OK_AND_ASSIGN(const Cloud empty, DecodeCloud(testing::EncodePcd({})));
   EXPECT_TRUE(empty.points.empty());
 }
 
-TEST(CloudFileTest, ReadsTextWithOtherFieldsAndNan) {
+TEST(DecodeCloudTest, ReadsTextWithOtherFieldsAndNan) {
   ASSERT_OK_AND_ASSIGN(const Cloud cloud,
                        DecodeCloud("VERSION .7\nFIELDS intensity normal y x z\nSIZE 4 4 4 4 8\nTYPE U F F F F\n"
                                    "COUNT 1 3 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n"
@@ -43,7 +43,7 @@ TEST(CloudFileTest, ReadsTextWithOtherFieldsAndNan) {
 }
 
 // Columns: all x as double, all flags, all y, all z; packed as literal runs and one reference.
-TEST(CloudFileTest, ReadsPackedColumns) {
+TEST(DecodeCloudTest, ReadsPackedColumns) {
   std::string columns;
   for (const double x : {1.0, 1.0}) Append(columns, x);
   columns += "ab";
@@ -65,7 +65,7 @@ TEST(CloudFileTest, ReadsPackedColumns) {
   }
 }
 
-TEST(CloudFileTest, ReadsPly) {
+TEST(DecodeCloudTest, ReadsPly) {
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\ncomment made here\nelement vertex 2\nproperty uchar red\n"
       "property float x\nproperty double y\nproperty float z\nelement face 0\nproperty list uchar int "
@@ -79,14 +79,14 @@ TEST(CloudFileTest, ReadsPly) {
   ASSERT_OK_AND_ASSIGN(const Cloud cloud, DecodeCloud(bytes));
   EXPECT_THAT(cloud.points, ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(2, 2, 3)));
   bytes.pop_back();
-  EXPECT_STATUS(DecodeCloud(bytes), absl::StatusCode::kInvalidArgument, HasSubstr("bytes are there"));
+  EXPECT_STATUS(DecodeCloud(bytes), absl::StatusCode::kInvalidArgument, HasSubstr("truncated"));
   ASSERT_OK_AND_ASSIGN(const Cloud text,
                        DecodeCloud("ply\r\nformat ascii 1.0\r\nelement vertex 1\r\nproperty float x\r\n"
                                    "property float y\r\nproperty float z\r\nend_header\r\n1 2 3\r\n"));
   EXPECT_THAT(text.points, ElementsAre(Eigen::Vector3f(1, 2, 3)));
 }
 
-TEST(CloudFileTest, SaysWhatIsWrong) {
+TEST(DecodeCloudTest, SaysWhatIsWrong) {
   const auto pcd = [](const std::string& header) { return DecodeCloud("VERSION .7\n" + header); };
   const std::string xyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
   constexpr auto kBad = absl::StatusCode::kInvalidArgument;

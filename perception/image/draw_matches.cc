@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/image/match_picture.h"
+#include "perception/image/draw_matches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 constexpr int kWidth = 1280;
 constexpr int kGap = 8;
 
-// `frame` scaled down by `step` pixels per pixel (nearest), its left edge at `left`.
+// Draws `frame`, scaled down by the factor `step` (nearest pixel), with its left edge at `left`.
 void Paste(const GreyFrame& frame, double step, int left, grid::RgbImage& picture) {
   const int width = static_cast<int>(frame.width / step);
   const int height = static_cast<int>(frame.height / step);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/cloud/cloud_picture.h"
+#include "perception/cloud/draw_clouds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@ namespace enfilade::perception {
 namespace {
 
 constexpr double kSide = 1000.0;  // pixels
-constexpr double kTail = 0.005;   // of the points on each side, left out of the frame: far stragglers
+constexpr double kTail = 0.005;   // share of points outside the frame on each side: outliers
 
 // From the kTail to the 1 - kTail quantile of one coordinate.
 std::pair<double, double> Extent(const Cloud& cloud, Eigen::Index axis) {

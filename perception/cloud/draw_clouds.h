@@ -6,7 +6,8 @@
 
 namespace enfilade::perception {
 
-// Both clouds from above, at most 1000 pixels a side: the target blue, the source over it red. White without points.
+// Draws both clouds from above, at most 1000 pixels per side: the target in blue, the source over it in red. A white
+// pixel if there are no points.
 grid::RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen::Isometry3d& T_target_source);
 
 }  // namespace enfilade::perception

@@ -23,7 +23,7 @@ std::string Base64(std::string_view bytes) {
   return text;
 }
 
-// Control characters, which XML 1.0 has no way to write, become spaces.
+// Control characters, which XML 1.0 cannot represent, become spaces.
 std::string Escape(std::string_view text) {
   std::string escaped;
   for (const char c : text) {

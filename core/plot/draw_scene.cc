@@ -17,7 +17,7 @@ void Multiply(grid::RgbImage& image, int column, int row, grid::Rgb color) {
   }
 }
 
-// The most occupied of the cells under a pixel, at `samples`^2 points of it, so that thin walls stay; unknown where all
+// The most occupied cell under a pixel, sampled at `samples`^2 points, so that thin walls stay visible; unknown if all
 // are.
 std::uint8_t CellUnder(const grid::OccupancyGrid& grid, const Pose2& T_grid_scene, const SceneView& view,
                        const Eigen::Vector2d& pixel, int samples) {
@@ -61,7 +61,7 @@ void Draw(const SceneRaster& raster, const SceneView& view, grid::RgbImage& imag
 
 void DrawPoints(const std::vector<Eigen::Vector2d>& points, const SceneView& view, grid::Rgb color, int width,
                 grid::RgbImage& image) {
-  const Eigen::Vector2d half(0.5, 0.5);  // DrawLine counts from pixels' centres
+  const Eigen::Vector2d half(0.5, 0.5);  // DrawLine measures from pixel centres
   for (std::size_t i = 1; i < points.size(); ++i) {
     grid::DrawLine(image, view.ToPixel(points[i - 1]) - half, view.ToPixel(points[i]) - half, color, width);
   }
