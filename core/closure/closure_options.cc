@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/options/yaml_options.h"
 
 namespace enfilade::closure {
 
@@ -22,7 +21,7 @@ absl::Status DoorClosureOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(status);
   for (const double probability : {gate_probability, strict_probability}) {
     if (!(probability > 0.0 && probability < 1.0)) {
-      return InvalidArgument("gate_probability and strict_probability must lie between 0 and 1, not at {}",
+      return InvalidArgument("gate_probability and strict_probability must be over 0 and less than 1, not {}",
                              probability);
     }
   }
@@ -41,23 +40,13 @@ absl::Status DoorClosureOptions::Validate() const {
   if (locate_scans < 1 || locate_scans > 1000) return InvalidArgument("locate_scans must be 1 to 1000");
   for (const double share : {image_min_share, min_inlier_share, strict_inlier_share, unpredicted_inlier_share,
                              contradicting_share, locate_min_share}) {
-    if (share > 1.0) return InvalidArgument("a share of {} is more than all", share);
+    if (share > 1.0) return InvalidArgument("a share must be at most 1, not {}", share);
   }
   if (images_now < 1 || images_kept < 1 || images_compared < 1 || images_kept > 100 || images_now > 100) {
     return InvalidArgument("images_now, images_kept and images_compared must be 1 to 100");
   }
   if (map_name.empty() || map_name.size() > 100) return InvalidArgument("map_name must have 1 to 100 characters");
   return absl::OkStatus();
-}
-
-absl::StatusOr<DoorClosureOptions> ParseDoorClosureOptions(std::string_view yaml, const DoorClosureOptions& base) {
-  constexpr std::string_view kWhat = "closure options";
-  DoorClosureOptions options = base;
-  ENFILADE_ASSIGN_OR_RETURN(const yaml_options::Values values, yaml_options::Load(yaml, kWhat));
-  ENFILADE_RETURN_IF_ERROR(
-      yaml_options::Assign(values, kWhat, [&](const auto& visitor) { VisitDoorClosureOptions(options, visitor); }));
-  ENFILADE_RETURN_IF_ERROR(options.Validate());
-  return options;
 }
 
 }  // namespace enfilade::closure

@@ -2,103 +2,103 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
 
 namespace enfilade::closure {
 
-// What decides at a door (docs/closure.md). The original's values where it had any: map_manager's params.yaml.
+// The thresholds of closures at doors (docs/closure.md). Where map_manager has the same parameter, the value is that of
+// its params.yaml, whose name is given.
 struct DoorClosureOptions {
-  // --- The gate: does a pose agree with where it should be? Chi-squared with 3 degrees of freedom, of the sum of both
-  // covariances and of what no covariance knows of:
-  double gate_probability = 0.99;    // what agrees is let through so often
-  double strict_probability = 0.95;  // the same where fewer witnesses are there
-  double place_sigma = 0.2;      // m, of a door's pose: found on a raster, from one pass; alone it lets 0.67 m through
-  double place_yaw_sigma = 0.2;  // rad: doors are passed obliquely
-  double pose_sigma = 0.15;      // m, of a registered pose against the graph's: maps bend a little
-  double pose_yaw_sigma = 0.05;  // rad
+  // --- The gate: does a pose agree with its prediction? Chi-squared with 3 degrees of freedom, of the sum of both
+  // covariances and of these errors that neither contains:
+  double gate_probability = 0.99;    // share of correct poses that pass
+  double strict_probability = 0.95;  // the same if there is less evidence
+  double place_sigma = 0.2;          // m, of a door's pose, found on a raster in one pass; alone it lets 0.67 m through
+  double place_yaw_sigma = 0.2;      // rad: doors are passed obliquely
+  double pose_sigma = 0.15;          // m, of a registered pose against the graph's: maps are slightly bent
+  double pose_yaw_sigma = 0.05;      // rad
 
-  // --- Is a door that is seen ahead known already? Both were seen by robots before the door, not in it.
+  // --- Is a door that is seen ahead known already? Both times the robot was in front of the door, not in it.
   double known_along = 1.5;    // m along the way, to another sighting
-  double known_ahead = 3.5;    // m along the way, to a place that is the door itself
+  double known_ahead = 3.5;    // m along the way, to a link point, which is at the door itself
   double known_across = 1.0;   // m across
   double known_facing = 45.0;  // deg
 
   // --- Which places are compared.
-  double search_base = 20.0;   // m: R = base + factor * sqrt(5.991 lambda_max), as the original had it
+  double search_base = 20.0;   // m: R = base + factor * sqrt(5.991 lambda_max), as in map_manager
   double search_factor = 2.0;  // of the 95 % ellipse's larger semi-axis
-  int max_compared = 40;       // places by their images, the nearest first
-  int max_registered = 4;      // places by their clouds, those with the best images first
+  int max_compared = 40;       // places whose images are compared, the nearest first
+  int max_registered = 4;      // places whose clouds are registered, those with the best images first
 
   // --- Images.
-  int images_now = 6;              // moments of each camera that are compared (the original's num_last_imgs gave 6)
+  int images_now = 6;              // of each camera, behind the door (num_last_imgs gives 6)
   int images_kept = 6;             // per camera and map, as evidence
-  int images_compared = 2;         // of those kept, the nearest to the door's moment
-  double image_window = 3.0;       // s around the moment in which images are looked for
-  int image_threshold = 15;        // more inliers than this, verified (the original's 30 were not)
+  int images_compared = 2;         // of those kept, the nearest in time to the door
+  double image_window = 3.0;       // s before and after, in which images are looked for
+  int image_threshold = 15;        // more verified inliers than this (map_manager: 30, not verified)
   double image_min_share = 0.04;   // of the features in the part that both images show
-  double image_sift_ratio = 0.6;   // Lowe's ratio test (the original's NNDR_sift)
+  double image_sift_ratio = 0.6;   // Lowe's ratio test (NNDR_sift)
   double image_akaze_ratio = 0.7;  // (NNDR_akaze)
-  double image_tolerance = 0.006;  // of the longer side: how near a verified match lies to where its plane has it
-  int min_features = 40;           // an image with fewer shows nothing: as if it were not there
+  double image_tolerance = 0.006;  // share of the longer side: the largest reprojection error of a verified match
+  int min_features = 40;           // an image with fewer counts as missing
 
   // --- Clouds.
-  double cloud_window = 3.0;          // s around the moment in which a cloud is looked for
-  double cloud_voxel = 0.2;           // m
-  double min_inlier_share = 0.5;      // below it two clouds are not of one place; a door hides much of what lies behind
-  double strict_inlier_share = 0.75;  // where images cannot tell
-  // Where no link points lead, images and clouds alone must tell; the images by so many times image_threshold.
+  double cloud_window = 3.0;      // s before and after, in which a cloud is looked for
+  double cloud_voxel = 0.2;       // m
+  double min_inlier_share = 0.5;  // below it two clouds show different places; a door hides much of what lies behind
+  double strict_inlier_share = 0.75;  // the same without images that agree
+  // The same for maps that no link points lead to, where only images and clouds can tell. The images must have this
+  // many times image_threshold.
   double unpredicted_inlier_share = 0.6;
   double unpredicted_matches = 2.0;
   double max_fitness = 0.5;          // m^2 (icp_fitness_score_thr)
-  double contradicting_share = 0.4;  // below it the cloud speaks against a place that the pose speaks for
-  double latch_distance = 1.7;       // m that a robot is before a door when it sees it: where registration begins
+  double contradicting_share = 0.4;  // below it the clouds contradict a place that the pose speaks for
+  double latch_distance = 1.7;       // m from a robot that sees a door to the door: where registration starts
 
   // --- When is the graph alone sure of where the robot is?
   double sure_radius = 1.0;  // m, larger semi-axis of the 95 % ellipse
   double sure_yaw = 0.15;    // rad, standard deviation
 
-  // --- Scans: is the robot in a map that is known, where neither images nor clouds tell of it?
-  // m: rooms that look alike are at least so far apart (narrow rooms in a row). A place that is found is the right one
-  // where it is nearer to the prediction than any look-alike of it can be, the prediction's error (95 %) allowed for.
+  // --- Scans: which known map is the robot in, if neither images nor clouds show it?
+  // m: the least distance between rooms that look alike (narrow rooms in a row). A pose is accepted only if it is
+  // nearer to the prediction than any look-alike can be, the prediction's error (95 %) included.
   double alike_distance = 2.5;
-  double locate_min_share = 0.5;  // of what is seen behind the door, on walls of the map: not all of it is known yet
-  double locate_reach = 30.0;     // m about the prediction, of scans that are compared: as far as SLAM lets them see
-  int locate_scans = 40;          // of them at most
-  double locate_tail = 4.0;       // m: the end of a session that goes on may lie behind a door not yet reported
-  // A map that others are in the middle of mapping may turn out to be the one: how long a verdict waits for them.
-  double patience_live = 20.0;  // s, while they go on recording
-  double patience = 120.0;      // s, for what is recorded and only has to be mapped
+  double locate_min_share = 0.5;  // of the hits behind the door that lie on walls of the map, which may be incomplete
+  double locate_reach = 30.0;     // m around the prediction, of scans that are compared: SLAM's largest range
+  int locate_scans = 40;          // at most
+  double locate_tail = 4.0;       // m: the end of a running session may lie behind a door that is not reported yet
+  // How long a verdict waits for maps that are being mapped and that may be the one that the robot entered.
+  double patience_live = 20.0;  // s, for sessions that are recording
+  double patience = 120.0;      // s, for sessions that are recorded and not mapped yet
 
-  // --- Look-alikes: of two places that would do, one is taken only where it is better by
+  // --- Look-alikes: of two places that are both accepted, one is chosen only if it is better by
   double clear_chi2 = 9.0;   // in chi-squared, or
   double clear_score = 1.8;  // times the other's image matches
-  double same_pose = 1.0;    // m: two places that say the robot is here within this are no rivals
+  double same_pose = 1.0;    // m: two places that put the robot within this distance do not exclude each other
 
-  // --- A scan's pose against the map that it was matched to: SLAM's floors.
+  // --- A scan's pose in the map that it was matched to: SLAM's least standard deviations.
   double match_sigma = 0.02;       // m
   double match_yaw_sigma = 0.005;  // rad
 
-  // --- Odometry's share of a pose's covariance, from the nearest keyframe on.
+  // --- Odometry's share of a pose's covariance, since the nearest keyframe.
   double odometry_sigma = 0.02;      // m per m
   double odometry_yaw_sigma = 0.02;  // rad per m
 
   // --- A new map.
-  double origin_sigma = 0.01;       // m: its frame begins at the door, so the door is there by definition
+  double origin_sigma = 0.01;       // m: its frame starts at the door, so the door's pose is exact by definition
   double origin_yaw_sigma = 0.005;  // rad
-  std::string map_name = "Map";     // it is called "Map 3", the least number that is free
+  std::string map_name = "Map";     // its name is this and the least free number: "Map 3"
   std::string indoor_profile;       // the SLAM profile of a new map indoors; empty: the server's own
   std::string outdoor_profile;
 
-  // INVALID_ARGUMENT naming the option.
+  // INVALID_ARGUMENT naming the option that is out of range.
   absl::Status Validate() const;
 };
 
-// Calls visit(name, value) for every option; `Options` is DoorClosureOptions, const or not.
+// The first half of the options: places, images and clouds.
 template <typename Options, typename Visit>
-void VisitDoorClosureOptions(Options& o, Visit visit) {
+void VisitPlaceOptions(Options& o, Visit& visit) {
   visit("gate_probability", o.gate_probability);
   visit("strict_probability", o.strict_probability);
   visit("place_sigma", o.place_sigma);
@@ -132,6 +132,11 @@ void VisitDoorClosureOptions(Options& o, Visit visit) {
   visit("max_fitness", o.max_fitness);
   visit("contradicting_share", o.contradicting_share);
   visit("latch_distance", o.latch_distance);
+}
+
+// The second half: scans, the choice and new maps.
+template <typename Options, typename Visit>
+void VisitChoiceOptions(Options& o, Visit& visit) {
   visit("sure_radius", o.sure_radius);
   visit("sure_yaw", o.sure_yaw);
   visit("alike_distance", o.alike_distance);
@@ -155,8 +160,11 @@ void VisitDoorClosureOptions(Options& o, Visit visit) {
   visit("outdoor_profile", o.outdoor_profile);
 }
 
-// Options from YAML by the names above, on top of `base`. INVALID_ARGUMENT naming key and line: a key that does not
-// exist, a value of another type, what Validate refuses.
-absl::StatusOr<DoorClosureOptions> ParseDoorClosureOptions(std::string_view yaml, const DoorClosureOptions& base);
+// Calls visit(name, value) for every option; `Options` is DoorClosureOptions, const or not.
+template <typename Options, typename Visit>
+void VisitDoorClosureOptions(Options& o, Visit visit) {
+  VisitPlaceOptions(o, visit);
+  VisitChoiceOptions(o, visit);
+}
 
 }  // namespace enfilade::closure

@@ -12,7 +12,7 @@
 
 namespace enfilade::closure {
 
-// What was made of a door report. The numbers are in the database and on the wire: never reuse one.
+// The outcome of a door report. The numbers are in the database and on the wire: never reuse one.
 enum class DoorDecision : std::int16_t {
   kCandidateMade = 1,
   kCandidateKnown = 2,
@@ -22,17 +22,17 @@ enum class DoorDecision : std::int16_t {
   kNotJudged = 6,
 };
 
-// One known place beside what the robot saw.
+// The comparison of one known place with what the robot saw.
 struct DoorComparison {
   LinkPointId link_point;
-  MapId map;                         // behind the place, where the robot would be
-  std::optional<double> distance;    // m between the place and the door by the graph
-  std::optional<int> image_matches;  // median over the series; unset: no images
+  MapId map;                         // that the robot would have entered
+  std::optional<double> distance;    // m between the place and the door, by the graph
+  std::optional<int> image_matches;  // median over the robot's images; unset: no images
   bool images_agree = false;
   std::optional<double> rmse;  // m, of the registration; unset: not registered
   double inlier_share = 0.0;   // 0 to 1
   bool clouds_agree = false;
-  std::optional<double> chi2;  // 3 degrees of freedom; unset: nothing predicts the pose
+  std::optional<double> chi2;  // 3 degrees of freedom; unset: no prediction of the pose
   bool accepted = false;
   std::string reason;
 };
@@ -42,14 +42,14 @@ struct DoorVerdict {
   std::int64_t sequence = 0;  // of the report's record
   DoorDecision decision = DoorDecision::kNotJudged;
   std::optional<LinkPointId> link_point;
-  // Of a passage: which map was entered, and where the robot was in it when odometry said T_odom_robot.
+  // Of a passage: the map that was entered, and the robot's pose in it when odometry had it at T_odom_robot.
   std::optional<MapId> entered_map;
   std::optional<PoseWithCovariance> T_map_robot;
   std::optional<Pose2> T_odom_robot;
   std::vector<DoorComparison> comparisons;  // the best first
-  std::vector<std::int64_t> evidence;       // records of the session that were looked at, by sequence
+  std::vector<std::int64_t> evidence;       // sequences of the session's records that were used
   std::string reason;
-  std::int64_t graph_version = 0;  // that it was judged by
+  std::int64_t graph_version = 0;  // that the report was judged by
   TimeNs create_time = 0;          // set by the store
 };
 

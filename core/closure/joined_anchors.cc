@@ -32,7 +32,7 @@ graph::Anchor OriginAnchor(const MapId& map, const DoorClosureOptions& options) 
   return {map, Pose2{}, Eigen::Vector3d(variance, variance, yaw_variance).asDiagonal()};
 }
 
-std::optional<PoseWithCovariance> PoseBehind(const graph::LinkPoint& link_point, const MapId& here, const MapId& there,
+std::optional<PoseWithCovariance> PoseAcross(const graph::LinkPoint& link_point, const MapId& here, const MapId& there,
                                              const PoseWithCovariance& T_here_robot) {
   const graph::Anchor* from = link_point.FindAnchor(here);
   const graph::Anchor* to = link_point.FindAnchor(there);

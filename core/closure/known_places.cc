@@ -12,17 +12,17 @@
 namespace enfilade::closure {
 namespace {
 
-constexpr double kBehindDoor = 0.5;  // m: a robot that has come so far through a door still sees it
+constexpr double kBehindDoor = 0.5;  // m: a robot that is this far through a door still sees it
 
-// A place before, behind and beside the robot.
+// How far a place may lie before, behind and beside the robot.
 struct Reach {
   double ahead;   // m
   double behind;  // m
   double across;  // m
 };
 
-std::optional<KnownPlace> Sight(const graph::LinkPoint& link_point, const graph::Anchor& anchor,
-                                const PoseWithCovariance& T_map_robot, const DoorClosureOptions& options) {
+std::optional<KnownPlace> MatchSighting(const graph::LinkPoint& link_point, const graph::Anchor& anchor,
+                                        const PoseWithCovariance& T_map_robot, const DoorClosureOptions& options) {
   const bool is_sighting = link_point.is_candidate();
   const Reach reach = is_sighting ? Reach{options.known_along, options.known_along, options.known_across}
                                   : Reach{options.known_ahead, kBehindDoor, options.known_across};
@@ -61,7 +61,7 @@ std::vector<KnownPlace> FindEach(const std::vector<const graph::LinkPoint*>& lin
 std::vector<KnownPlace> FindSighted(const std::vector<const graph::LinkPoint*>& link_points, const MapId& map,
                                     const PoseWithCovariance& T_map_robot, const DoorClosureOptions& options) {
   return FindEach(link_points, map, [&](const graph::LinkPoint& link_point, const graph::Anchor& anchor) {
-    return Sight(link_point, anchor, T_map_robot, options);
+    return MatchSighting(link_point, anchor, T_map_robot, options);
   });
 }
 
@@ -71,7 +71,7 @@ std::vector<KnownPlace> FindPassed(const std::vector<const graph::LinkPoint*>& l
   const PoseWithCovariance before = Compose(T_map_door, {{-options.latch_distance, 0.0, 0.0}, Eigen::Matrix3d::Zero()});
   return FindEach(link_points, map,
                   [&](const graph::LinkPoint& link_point, const graph::Anchor& anchor) -> std::optional<KnownPlace> {
-                    if (link_point.is_candidate()) return Sight(link_point, anchor, before, options);
+                    if (link_point.is_candidate()) return MatchSighting(link_point, anchor, before, options);
                     const double chi2 = PlaceChiSquared({anchor.T_map_place, anchor.covariance}, T_map_door, options);
                     const double distance = (anchor.T_map_place.translation() - T_map_door.pose.translation()).norm();
                     if (chi2 > gate) return std::nullopt;

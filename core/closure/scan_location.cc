@@ -16,18 +16,18 @@
 namespace enfilade::closure {
 namespace {
 
-constexpr double kBeforeDoor = 0.3;  // m: walls and frames about the door belong to both sides
+constexpr double kBeforeDoor = 0.3;  // m: walls and frames around the door belong to both sides
 constexpr double kHalfDoor = 1.0;    // m
-constexpr double kDoorway = 0.5;     // m about the middle of a door, the depth of its frame and a pose's error included
+constexpr double kDoorway = 0.5;  // m around the middle of a door, including the depth of its frame and a pose's error
 constexpr double kSigmas = 3.0;
-// A window narrower than that would not show that the place is one of many.
+// In a narrower window a place that repeats would look unique.
 constexpr double kMinHalfWidth = 3.0;  // m
 constexpr double kMinHalfAngle = 0.3;  // rad
 
 slam::SubmapGrid GridOf(const std::vector<PlacedScan>& scans, const slam::SlamOptions& slam) {
   slam::SubmapGrid grid(slam.resolution, slam.occupancy);
   const grid::ScanRayOptions rays{.max_range = slam.max_range};
-  // A scan that does not fit into the grid (a pose far off) shows nothing of this place.
+  // A scan that does not fit into the grid (its pose is far off) shows nothing of this place.
   for (const PlacedScan& one : scans) grid.Insert(one.T_map_robot.pose, slam::RobotRays(one.scan, rays)).IgnoreError();
   return grid;
 }
@@ -39,16 +39,16 @@ const PlacedScan& Nearest(const std::vector<PlacedScan>& scans, const Pose2& pos
   });
 }
 
-ScanLocation Refused(std::string why) {
+ScanLocation Refused(std::string reason) {
   ScanLocation refused;
-  refused.reason = std::move(why);
+  refused.reason = std::move(reason);
   return refused;
 }
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> PointsBehind(const std::vector<PlacedScan>& scans, const Pose2& T_map_door,
-                                          const Pose2& T_map_robot) {
+std::vector<Eigen::Vector2d> PointsBehindDoor(const std::vector<PlacedScan>& scans, const Pose2& T_map_door,
+                                              const Pose2& T_map_robot) {
   const double max_range = slam::SlamOptions().max_range;
   std::vector<Eigen::Vector2d> points;
   for (const PlacedScan& one : scans) {
@@ -61,7 +61,7 @@ std::vector<Eigen::Vector2d> PointsBehind(const std::vector<PlacedScan>& scans, 
   return points;
 }
 
-std::vector<PlacedScan> WithoutBeyond(std::vector<PlacedScan> scans, const std::vector<Pose2>& T_map_doors) {
+std::vector<PlacedScan> RemoveHitsThroughDoors(std::vector<PlacedScan> scans, const std::vector<Pose2>& T_map_doors) {
   const auto laser_of = [](const PlacedScan& one) { return one.T_map_robot.pose * one.scan.T_robot_laser; };
   std::erase_if(scans, [&](const PlacedScan& one) {
     return std::any_of(T_map_doors.begin(), T_map_doors.end(), [&](const Pose2& T_map_door) {
@@ -94,7 +94,7 @@ ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vect
     return Refused(
         fmt::format("the graph is not sure enough of where the robot is: {:.1f} m, {:.2f} rad", radius, yaw_sigma));
   }
-  if (known.empty()) return Refused("nobody has seen it from inside yet");
+  if (known.empty()) return Refused("no robot has seen it from inside yet");
   slam::SlamOptions slam;
   const slam::SubmapGrid grid = GridOf(known, slam);
   const slam::FieldPyramid pyramid(grid, slam.pyramid);

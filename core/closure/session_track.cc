@@ -83,7 +83,7 @@ std::optional<PoseWithCovariance> SessionTrack::ToMap(const Pose2& T_odom_x, Tim
   return Compose(*T_map_robot, {Between(*T_odom_robot, T_odom_x), Eigen::Matrix3d::Zero()});
 }
 
-std::optional<PoseWithCovariance> SessionTrack::WayFrom(const Pose2& T_odom_x, TimeNs seen, TimeNs time) const {
+std::optional<PoseWithCovariance> SessionTrack::RelativePose(const Pose2& T_odom_x, TimeNs seen, TimeNs time) const {
   std::optional<PoseWithCovariance> T_map_x = ToMap(T_odom_x, seen);
   std::optional<PoseWithCovariance> T_map_robot = PoseAt(time);
   if (!T_map_x || !T_map_robot) return std::nullopt;

@@ -12,23 +12,24 @@
 
 namespace enfilade::closure {
 
-// Where a session's robot was in its map at any moment: the mapped scans' poses, carried to the moment by odometry.
+// A session's robot in its map at any time: the pose of the mapped scan nearest in time, carried on by odometry.
 class SessionTrack {
  public:
-  // Both in any order. Odometry need only cover what is asked for.
+  // Both in any order. Odometry need only cover the times that are queried.
   SessionTrack(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Odometry> odometry,
                const DoorClosureOptions& options);
 
-  // T_map_robot. The covariance is that of odometry's way from the nearest mapped scan alone; unset where nothing was
-  // mapped within 10 s.
+  // T_map_robot, with the covariance of odometry since the nearest mapped scan only. Unset if no scan was mapped within
+  // 10 s (1 s without odometry).
   std::optional<PoseWithCovariance> PoseAt(TimeNs time) const;
-  // T_odom_robot; unset where there is no odometry within half a second.
+  // T_odom_robot, interpolated between samples up to 1 s apart. Unset if no sample is within half a second.
   std::optional<Pose2> OdometryAt(TimeNs time) const;
-  // T_map_x of what odometry's frame has at T_odom_x, seen at `time`. Without odometry the robot was at x then.
+  // T_map_x of a thing seen at `time`, whose pose in the odometry frame is T_odom_x. Without odometry it is taken to be
+  // where the robot was.
   std::optional<PoseWithCovariance> ToMap(const Pose2& T_odom_x, TimeNs time) const;
-  // T_x_robot of the same x, seen at `seen`, and the robot at `time`. Both were matched to the same map: only the
-  // errors of matching (match_sigma) and odometry's since lie between them, whatever the map's frame is away.
-  std::optional<PoseWithCovariance> WayFrom(const Pose2& T_odom_x, TimeNs seen, TimeNs time) const;
+  // T_x_robot of the same thing, seen at `seen`, and of the robot at `time`. Both were matched to the same map, so that
+  // only the errors of matching (match_sigma) and of odometry since count, however far away the map's origin is.
+  std::optional<PoseWithCovariance> RelativePose(const Pose2& T_odom_x, TimeNs seen, TimeNs time) const;
 
  private:
   std::vector<slam::StampedPose> trajectory_;

@@ -13,7 +13,7 @@
 
 namespace enfilade::server {
 
-// What judging doors reads and writes.
+// The stores that judging doors reads and writes.
 struct DoorClosureStores {
   const storage::SessionStore& sessions;
   const storage::RecordStore& records;

@@ -4,36 +4,31 @@
 #include <algorithm>
 #include <set>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
-#include "server/app/closure/report_judge.h"
+#include "core/closure/door_action.h"
+#include "fmt/ranges.h"
+#include "server/app/closure/apply_door_action.h"
+#include "server/app/closure/judge_report.h"
+#include "server/app/closure/judging_lease.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
 namespace {
 
-// For a database call and for what is reckoned between two looks at the lease; judging a passage has no limit in all,
-// as a slow machine would begin again and again what it never ends.
-constexpr auto kJudgingTimeout = std::chrono::seconds(60);
-// Other replicas' mapping does not wake this process: it looks this often.
+// Mapping by other replicas does not wake this process, so it polls.
 constexpr auto kJudgingPoll = std::chrono::milliseconds(500);
 constexpr auto kBusyPoll = std::chrono::milliseconds(50);
 constexpr auto kEarlyPoll = std::chrono::seconds(2);
-constexpr auto kJudgingLeaseTime = std::chrono::seconds(20);
 constexpr int kPendingAtOnce = 32;
-// The graph changes while a report is judged: people edit, other sites' replicas do not.
+// The graph may change while a report is judged: people edit it.
 constexpr int kJudgingAttempts = 10;
 
-storage::CallContext JudgingContext() {
-  storage::CallContext context = storage::CallContext::WithTimeout(kJudgingTimeout);
-  context.actor = "closure at a door";
-  return context;
-}
-
-const char* InWords(closure::DoorDecision decision) {
+const char* Describe(closure::DoorDecision decision) {
   switch (decision) {
     case closure::DoorDecision::kCandidateMade:
       return "a candidate";
@@ -51,9 +46,7 @@ const char* InWords(closure::DoorDecision decision) {
   return "?";
 }
 
-std::string NameOf(const storage::PendingDoors& pending) {
-  return pending.site.value() + "/" + pending.session.value();
-}
+std::string KeyOf(const storage::PendingDoors& pending) { return pending.site.value() + "/" + pending.session.value(); }
 
 }  // namespace
 
@@ -81,53 +74,53 @@ void DoorClosures::Stop() {
 void DoorClosures::Run() {
   while (!stop_.is_set()) {
     site_busy_ = false;
-    if (!TakeTurn()) wake_.WaitFor(site_busy_ ? kBusyPoll : kJudgingPoll);
+    if (!JudgePending()) wake_.WaitFor(site_busy_ ? kBusyPoll : kJudgingPoll);
   }
 }
 
-double DoorClosures::WaitedFor(const storage::PendingDoors& pending) const {
-  const auto found = delays_.find(NameOf(pending));
-  if (found == delays_.end() || !found->second.early_since) return 0.0;
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - *found->second.early_since).count();
+double DoorClosures::SecondsWaited(const storage::PendingDoors& pending) const {
+  const auto found = delays_.find(KeyOf(pending));
+  if (found == delays_.end() || !found->second.waiting_since) return 0.0;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - *found->second.waiting_since).count();
 }
 
 void DoorClosures::Postpone(const storage::PendingDoors& pending) {
-  Delay& delay = delays_[NameOf(pending)];
+  Delay& delay = delays_[KeyOf(pending)];
   const auto now = std::chrono::steady_clock::now();
-  if (!delay.early_since) delay.early_since = now;
+  if (!delay.waiting_since) delay.waiting_since = now;
   delay.until = now + kEarlyPoll;
 }
 
-bool DoorClosures::MayTry(const storage::PendingDoors& pending) {
-  const auto found = delays_.find(NameOf(pending));
+bool DoorClosures::IsDue(const storage::PendingDoors& pending) {
+  const auto found = delays_.find(KeyOf(pending));
   return found == delays_.end() || found->second.until <= std::chrono::steady_clock::now();
 }
 
-void DoorClosures::Failed(const storage::PendingDoors& pending, const absl::Status& status) {
-  Delay& delay = delays_[NameOf(pending)];
+void DoorClosures::RetryLater(const storage::PendingDoors& pending, const absl::Status& status) {
+  Delay& delay = delays_[KeyOf(pending)];
   delay.failures = std::min(delay.failures + 1, 8);
   delay.until = std::chrono::steady_clock::now() + std::chrono::milliseconds(250) * (1 << delay.failures);
-  spdlog::warn("doors of session {}: {}; again later", pending.session.value(), status.ToString());
+  spdlog::warn("judging the doors of session {}: {}; will retry", pending.session.value(), status.ToString());
 }
 
-bool DoorClosures::TakeTurn() {
-  const auto pending = stores_.verdicts.FindPending(JudgingContext(), kPendingAtOnce);
-  if (!pending.ok()) return false;  // readiness tells of an unreachable database
+bool DoorClosures::JudgePending() {
+  const auto pending = stores_.verdicts.FindPending(JudgingLease::Context(), kPendingAtOnce);
+  if (!pending.ok()) return false;  // readiness reports an unreachable database
   bool worked = false;
   for (const storage::PendingDoors& next : *pending) {
     if (stop_.is_set()) return false;
-    if (!MayTry(next)) continue;
-    const auto lease = stores_.leases.Acquire(JudgingContext(), next.site, owner_, kJudgingLeaseTime);
-    if (!lease.ok() || !*lease) {  // another one is at this site
+    if (!IsDue(next)) continue;
+    const auto lease = stores_.leases.Acquire(JudgingLease::Context(), next.site, owner_, JudgingLease::kTime);
+    if (!lease.ok() || !*lease) {  // another process judges this site
       site_busy_ = true;
       continue;
     }
-    const absl::StatusOr<bool> settled = Settle(**lease, next.session);
-    (void)stores_.leases.Release(JudgingContext(), **lease);
+    const absl::StatusOr<bool> settled = Settle(JudgingLease(stores_.leases, **lease, stop_), next.session);
+    (void)stores_.leases.Release(JudgingLease::Context(), **lease);
     if (!settled.ok()) {
-      if (!stop_.is_set()) Failed(next, settled.status());
+      if (!stop_.is_set()) RetryLater(next, settled.status());
     } else if (*settled) {
-      delays_.erase(NameOf(next));
+      delays_.erase(KeyOf(next));
       worked = true;
     } else {
       Postpone(next);
@@ -136,59 +129,56 @@ bool DoorClosures::TakeTurn() {
   return worked;
 }
 
-absl::StatusOr<bool> DoorClosures::Settle(const storage::SiteLease& lease, const SessionId& id) {
-  const absl::StatusOr<storage::Session> session = stores_.sessions.Get(JudgingContext(), lease.site, id);
-  if (absl::IsNotFound(session.status())) {  // deleted: those that came out of it still need a map
+absl::StatusOr<bool> DoorClosures::Settle(const JudgingLease& lease, const SessionId& id) {
+  const absl::StatusOr<storage::Session> session = stores_.sessions.Get(JudgingLease::Context(), lease.site(), id);
+  if (absl::IsNotFound(session.status())) {  // deleted; the sessions that follow it still need a map
     ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
     return true;
   }
   ENFILADE_RETURN_IF_ERROR(session.status());
-  ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(JudgingContext(), lease.site, id));
+  ENFILADE_ASSIGN_OR_RETURN(const auto reports,
+                            stores_.verdicts.ReadReports(JudgingLease::Context(), lease.site(), id));
   for (const storage::StoredDoorReport& report : reports) {
     if (report.judged) continue;
     ENFILADE_ASSIGN_OR_RETURN(const bool settled, SettleReport(lease, *session, report));
     if (!settled) return false;
   }
   ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
-  ENFILADE_RETURN_IF_ERROR(stores_.verdicts.MarkJudged(JudgingContext(), lease, id));
+  ENFILADE_RETURN_IF_ERROR(stores_.verdicts.MarkJudged(JudgingLease::Context(), lease.lease(), id));
   return true;
 }
 
-absl::StatusOr<bool> DoorClosures::SettleReport(const storage::SiteLease& lease, const storage::Session& session,
+absl::StatusOr<bool> DoorClosures::SettleReport(const JudgingLease& lease, const storage::Session& session,
                                                 const storage::StoredDoorReport& report) {
   const auto begin = std::chrono::steady_clock::now();
-  storage::CallContext context = JudgingContext();
-  const auto go_on = [&]() -> absl::Status {
-    if (stop_.is_set()) return absl::CancelledError("the server is about to end");
-    context = JudgingContext();
-    return stores_.leases.Renew(context, lease, kJudgingLeaseTime);
-  };
   std::set<LinkPointId> redundant;
   absl::Status last;
   for (int attempt = 0; attempt < kJudgingAttempts; ++attempt) {
-    ENFILADE_RETURN_IF_ERROR(go_on());
-    ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(JudgingContext(), lease.site));
-    const ReportJudge judge(stores_, options_, graph, go_on);
+    ENFILADE_RETURN_IF_ERROR(lease.Renew());
+    ENFILADE_ASSIGN_OR_RETURN(auto graph, graphs_.Get(JudgingLease::Context(), lease.site()));
+    const double waited = SecondsWaited({lease.site(), session.id});
     ENFILADE_ASSIGN_OR_RETURN(
-        const ReportJudge::Judgement judgement,
-        judge.Judge(context, session, report, redundant, WaitedFor(storage::PendingDoors{lease.site, session.id})));
-    if (!judgement.wait_for.empty()) {
-      spdlog::debug("door {} of session {} waits for what is being mapped of{}", report.sequence, session.id.value(),
-                    judgement.wait_for);
+        const JudgedReport judged,
+        JudgeReport(stores_, lease, options_, std::move(graph),
+                    {.session = session, .stored = report, .redundant = redundant, .waited = waited}));
+    if (const auto* wait = std::get_if<closure::WaitForMapping>(&judged.judgement.action)) {
+      spdlog::debug("door {} of session {} waits until these maps are mapped: {}", report.sequence, session.id.value(),
+                    fmt::join(wait->maps, ", "));
       return false;
     }
-    const storage::DoorChange& change = judgement.change;
-    last = stores_.verdicts.Commit(JudgingContext(), lease, change);
-    graphs_.MarkChanged(lease.site);
-    if (last.ok()) {
+    const absl::StatusOr<closure::DoorVerdict> verdict = ApplyDoorAction(stores_, lease, judged);
+    graphs_.MarkChanged(lease.site());
+    if (verdict.ok()) {
       const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
       spdlog::info("door {} of session {}: {} in {:.0f} ms: {}", report.sequence, session.id.value(),
-                   InWords(change.verdict.decision), took.count(), change.verdict.reason);
-      if (change.verdict.entered_map) entered_();
+                   Describe(verdict->decision), took.count(), verdict->reason);
+      if (verdict->entered_map) entered_();
       return true;
     }
-    if (absl::IsAlreadyExists(last) && change.link_point) {
-      redundant.insert(change.link_point->point.id);  // the database draws the line of "the same place" itself
+    last = verdict.status();
+    const LinkPointId* changed = closure::FindChangedLinkPoint(judged.judgement.action);
+    if (absl::IsAlreadyExists(last) && changed != nullptr) {
+      redundant.insert(*changed);  // the database has its own definition of "the same place"
     } else if (!absl::IsAborted(last) && !absl::IsNotFound(last)) {
       return last;
     }
@@ -196,13 +186,15 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const storage::SiteLease& lease,
   return last;
 }
 
-absl::Status DoorClosures::SettleWaiting(const storage::SiteLease& lease, const SessionId& previous) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto waiting, stores_.verdicts.ListWaiting(JudgingContext(), lease.site, previous));
+absl::Status DoorClosures::SettleWaiting(const JudgingLease& lease, const SessionId& previous) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto waiting,
+                            stores_.verdicts.ListWaiting(JudgingLease::Context(), lease.site(), previous));
   if (waiting.empty()) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const auto passage, stores_.verdicts.FindPassage(JudgingContext(), lease.site, previous));
+  ENFILADE_ASSIGN_OR_RETURN(const auto passage,
+                            stores_.verdicts.FindPassage(JudgingLease::Context(), lease.site(), previous));
   absl::Status entered = absl::NotFoundError("");
   if (passage) {
-    entered = stores_.verdicts.Enter(JudgingContext(), lease,
+    entered = stores_.verdicts.Enter(JudgingLease::Context(), lease.lease(),
                                      {.previous = previous,
                                       .new_map = {},
                                       .map = *passage->entered_map,
@@ -210,15 +202,16 @@ absl::Status DoorClosures::SettleWaiting(const storage::SiteLease& lease, const 
                                       .T_odom_robot = passage->T_odom_robot});
   }
   if (absl::IsNotFound(entered)) {
-    // No passage was reported, or its map has been deleted: a new one that nothing joins.
-    const storage::NewMap map = MapBehind(std::nullopt, nullptr, options_);
+    // No passage was reported, or its map has been deleted: a new map that no link point joins.
+    const storage::NewMap map =
+        ToNewMap(closure::DescribeNewMap(MapId(NewUuid()), nullptr, nullptr, options_), options_);
     entered = stores_.verdicts.Enter(
-        JudgingContext(), lease,
+        JudgingLease::Context(), lease.lease(),
         {.previous = previous, .new_map = map, .map = map.id, .T_map_robot = {}, .T_odom_robot = {}});
-    graphs_.MarkChanged(lease.site);
+    graphs_.MarkChanged(lease.site());
   }
   ENFILADE_RETURN_IF_ERROR(entered);
-  spdlog::info("{} sessions out of session {} have their map", waiting.size(), previous.value());
+  spdlog::info("{} sessions after session {} have their map", waiting.size(), previous.value());
   entered_();
   return absl::OkStatus();
 }

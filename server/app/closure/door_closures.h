@@ -11,41 +11,43 @@
 #include "absl/status/status.h"
 #include "core/closure/closure_options.h"
 #include "server/app/closure/closure_stores.h"
+#include "server/app/closure/judging_lease.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/runtime/stop_signal.h"
 #include "server/app/runtime/wake_signal.h"
 
 namespace enfilade::server {
 
-// Judges the door reports of all sites' sessions when they are mapped, and gives the sessions that come out of them
-// their map. One process at a time does so for a site: it holds the site's lease. What a report comes to is one
-// transaction, so that whoever dies leaves nothing half, and the next one goes on where it was.
+// Judges the door reports of all sites' sessions when they are mapped, and assigns the sessions that follow them their
+// map. One process at a time does so for a site: it holds the site's lease. The result of a report is one transaction,
+// so that a process that dies leaves nothing half done, and the next one continues from there.
 class DoorClosures {
  public:
-  // `wake`: when a session may have been mapped. `entered` is called when sessions have been given their map.
+  // `wake` wakes it when a session may have been mapped. `entered` is called when sessions have been assigned their
+  // map.
   DoorClosures(const closure::DoorClosureOptions& options, const DoorClosureStores& stores, SiteGraphs& graphs,
                WakeSignal& wake, std::function<void()> entered);
   ~DoorClosures();
   DoorClosures(const DoorClosures&) = delete;
   DoorClosures& operator=(const DoorClosures&) = delete;
 
-  // Begins what the destructor waits for.
+  // Starts stopping; the destructor waits for it.
   void Stop();
 
  private:
   void Run();
-  // False where there was nothing to do.
-  bool TakeTurn();
-  // False where it is too early to say: others are in the middle of mapping what may be behind the door.
-  absl::StatusOr<bool> Settle(const storage::SiteLease& lease, const SessionId& session);
-  absl::StatusOr<bool> SettleReport(const storage::SiteLease& lease, const storage::Session& session,
+  // False if there was nothing to do.
+  bool JudgePending();
+  // False if it is too early for a verdict: what may lie behind the door is still being mapped.
+  absl::StatusOr<bool> Settle(const JudgingLease& lease, const SessionId& session);
+  absl::StatusOr<bool> SettleReport(const JudgingLease& lease, const storage::Session& session,
                                     const storage::StoredDoorReport& report);
-  absl::Status SettleWaiting(const storage::SiteLease& lease, const SessionId& previous);
-  bool MayTry(const storage::PendingDoors& pending);
-  void Failed(const storage::PendingDoors& pending, const absl::Status& status);
+  absl::Status SettleWaiting(const JudgingLease& lease, const SessionId& previous);
+  bool IsDue(const storage::PendingDoors& pending);
+  void RetryLater(const storage::PendingDoors& pending, const absl::Status& status);
   void Postpone(const storage::PendingDoors& pending);
-  // s, since it was too early for the first time; 0 where it was not.
-  double WaitedFor(const storage::PendingDoors& pending) const;
+  // Since it was first too early for a verdict; 0 if it was not.
+  double SecondsWaited(const storage::PendingDoors& pending) const;
 
   const closure::DoorClosureOptions options_;
   const DoorClosureStores stores_;
@@ -55,14 +57,15 @@ class DoorClosures {
   const std::string owner_;
   StopSignal stop_;
 
-  // A session that failed waits before it is tried again, the longer the more often it did; the worker's own.
+  // A session whose judging failed is retried after a delay that grows with each failure. Only the worker's thread uses
+  // the delays.
   struct Delay {
     int failures = 0;
     std::chrono::steady_clock::time_point until;
-    std::optional<std::chrono::steady_clock::time_point> early_since;  // since it was too early for a verdict
+    std::optional<std::chrono::steady_clock::time_point> waiting_since;  // first too early for a verdict
   };
   std::map<std::string, Delay> delays_;  // by "site/session"
-  bool site_busy_ = false;               // the worker's own, too: a site had to be left for later
+  bool site_busy_ = false;               // the worker's only, too: another process judges a site
   std::thread worker_;
 };
 

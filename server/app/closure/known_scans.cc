@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "server/app/closure/judging_lease.h"
 
 namespace enfilade::server {
 namespace {
@@ -17,17 +18,17 @@ bool IsUnmapped(const storage::Session& session) {
   return session.state == storage::SessionState::kRecording || session.state == storage::SessionState::kFinished;
 }
 
-struct SeenFrom {
+// Where a keyframe's scan was taken.
+struct Viewpoint {
   SessionId session;
   std::int64_t sequence = 0;  // of the scan
   PoseWithCovariance T_map_robot;
 };
 
-absl::StatusOr<std::optional<storage::StoredDoorReport>> FindPassage(const storage::CallContext& context,
-                                                                     const PassageScene& passage,
+absl::StatusOr<std::optional<storage::StoredDoorReport>> FindPassage(const KnownScansScope& scope,
                                                                      const SessionId& session) {
   ENFILADE_ASSIGN_OR_RETURN(const auto reports,
-                            passage.stores.verdicts.ReadReports(context, passage.map.site, session));
+                            scope.stores.verdicts.ReadReports(JudgingLease::Context(), scope.site, session));
   const auto found = std::find_if(reports.begin(), reports.end(), [](const storage::StoredDoorReport& stored) {
     return stored.report.kind == sensor::DoorReport::Kind::kPassage;
   });
@@ -43,51 +44,49 @@ void DropTail(std::vector<slam::SlamNode>& nodes, double length) {
   }
 }
 
-// From keyframes that were certainly taken in the session's own map.
-absl::Status AddInside(const storage::CallContext& context, const PassageScene& passage,
-                       const storage::Session& session, std::vector<SeenFrom>& seen) {
+// The keyframes that were certainly taken in the session's own map.
+absl::Status AddInside(const KnownScansScope& scope, const storage::Session& session,
+                       std::vector<Viewpoint>& viewpoints) {
   ENFILADE_ASSIGN_OR_RETURN(std::vector<slam::SlamNode> nodes,
-                            passage.stores.mappings.ListKeyframes(context, session.site, session.id));
-  ENFILADE_ASSIGN_OR_RETURN(const auto left, FindPassage(context, passage, session.id));
+                            scope.stores.mappings.ListKeyframes(JudgingLease::Context(), session.site, session.id));
+  ENFILADE_ASSIGN_OR_RETURN(const auto left, FindPassage(scope, session.id));
   if (left) std::erase_if(nodes, [&](const slam::SlamNode& node) { return node.time >= left->report.door_time; });
   const bool is_door_known = left ? left->judged : session.state != storage::SessionState::kRecording;
-  if (!is_door_known) DropTail(nodes, passage.options.locate_tail);
+  if (!is_door_known) DropTail(nodes, scope.options.locate_tail);
   for (const slam::SlamNode& node : nodes)
-    seen.push_back({session.id, node.sequence, {node.T_map_node, node.covariance}});
+    viewpoints.push_back({session.id, node.sequence, {node.T_map_node, node.covariance}});
   return absl::OkStatus();
 }
 
-// From the keyframes of a session that entered the map, beyond the door: the door's anchors say where that is.
-absl::Status AddEntering(const storage::CallContext& context, const PassageScene& passage,
-                         const closure::DoorVerdict& verdict, std::vector<SeenFrom>& seen) {
-  const graph::LinkPoint* door =
-      verdict.link_point ? passage.graph.graph().FindLinkPoint(*verdict.link_point) : nullptr;
+// The keyframes that a session which entered the map took beyond the door; the door's anchors say where that is.
+absl::Status AddEntering(const KnownScansScope& scope, const closure::DoorVerdict& verdict,
+                         std::vector<Viewpoint>& viewpoints) {
+  const graph::LinkPoint* door = verdict.link_point ? scope.graph.FindLinkPoint(*verdict.link_point) : nullptr;
   if (door == nullptr) return absl::OkStatus();
-  const auto session = passage.stores.sessions.Get(context, passage.map.site, verdict.session);
+  const auto session = scope.stores.sessions.Get(JudgingLease::Context(), scope.site, verdict.session);
   if (absl::IsNotFound(session.status())) return absl::OkStatus();
   ENFILADE_RETURN_IF_ERROR(session.status());
   const graph::Anchor* from = session->map ? door->FindAnchor(*session->map) : nullptr;
   const graph::Anchor* to = door->FindAnchor(*verdict.entered_map);
   if (from == nullptr || to == nullptr) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const auto report, FindPassage(context, passage, session->id));
+  ENFILADE_ASSIGN_OR_RETURN(const auto report, FindPassage(scope, session->id));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<slam::SlamNode> nodes,
-                            passage.stores.mappings.ListKeyframes(context, session->site, session->id));
+                            scope.stores.mappings.ListKeyframes(JudgingLease::Context(), session->site, session->id));
   for (const slam::SlamNode& node : nodes) {
     if (!report || node.time < report->report.door_time) continue;
     const PoseWithCovariance T_door_robot{Between(from->T_map_place, node.T_map_node), Eigen::Matrix3d::Zero()};
-    seen.push_back({session->id, node.sequence, Compose({to->T_map_place, to->covariance}, T_door_robot)});
+    viewpoints.push_back({session->id, node.sequence, Compose({to->T_map_place, to->covariance}, T_door_robot)});
   }
   return absl::OkStatus();
 }
 
-// The scans of some of them, by session.
-absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const storage::CallContext& context,
-                                                           const PassageScene& passage,
-                                                           const std::vector<SeenFrom>& seen) {
-  std::map<SessionId, std::map<std::int64_t, const SeenFrom*>> chosen;  // by sequence
-  const std::size_t count = std::min(static_cast<std::size_t>(passage.options.locate_scans), seen.size());
+// The scans of locate_scans of them at most, evenly chosen.
+absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const KnownScansScope& scope,
+                                                           const std::vector<Viewpoint>& viewpoints) {
+  std::map<SessionId, std::map<std::int64_t, const Viewpoint*>> chosen;  // by sequence
+  const std::size_t count = std::min(static_cast<std::size_t>(scope.options.locate_scans), viewpoints.size());
   for (std::size_t i = 0; i < count; ++i) {
-    const SeenFrom& one = seen[i * seen.size() / count];
+    const Viewpoint& one = viewpoints[i * viewpoints.size() / count];
     chosen[one.session][one.sequence] = &one;
   }
   std::vector<closure::PlacedScan> scans;
@@ -95,7 +94,7 @@ absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const storage::CallCo
     std::vector<std::int64_t> sequences;
     for (const auto& [sequence, place] : places) sequences.push_back(sequence);
     ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
-                              passage.stores.records.ReadEach(context, passage.map.site, session, sequences));
+                              scope.stores.records.ReadEach(JudgingLease::Context(), scope.site, session, sequences));
     for (sensor::Record& record : records) {
       auto* scan = std::get_if<sensor::LaserScan>(&record.payload);
       if (scan != nullptr) scans.push_back({std::move(*scan), places.at(record.sequence)->T_map_robot});
@@ -115,28 +114,27 @@ std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) 
 
 }  // namespace
 
-absl::StatusOr<KnownScans> ReadKnownScans(const storage::CallContext& context, const PassageScene& passage,
-                                          const MapId& map, const Pose2& around) {
-  const SiteId& site = passage.map.site;
-  ENFILADE_ASSIGN_OR_RETURN(
-      const auto sessions,
-      passage.stores.sessions.List(context, site, {.robot = {}, .map = map, .state = {}}, kMaxSessions, std::nullopt));
-  ENFILADE_ASSIGN_OR_RETURN(const auto entries, passage.stores.verdicts.ListInto(context, site, map, kMaxSessions));
+absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map, const Pose2& around) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto sessions, scope.stores.sessions.List(JudgingLease::Context(), scope.site,
+                                                                            {.robot = {}, .map = map, .state = {}},
+                                                                            kMaxSessions, std::nullopt));
+  ENFILADE_ASSIGN_OR_RETURN(const auto entries,
+                            scope.stores.verdicts.ListInto(JudgingLease::Context(), scope.site, map, kMaxSessions));
   KnownScans known;
-  std::vector<SeenFrom> seen;
+  std::vector<Viewpoint> viewpoints;
   for (const storage::Session& session : sessions) {
     known.recording = known.recording || session.state == storage::SessionState::kRecording;
     known.mapping = known.mapping || (IsUnmapped(session) && session.state != storage::SessionState::kRecording);
-    ENFILADE_RETURN_IF_ERROR(AddInside(context, passage, session, seen));
+    ENFILADE_RETURN_IF_ERROR(AddInside(scope, session, viewpoints));
   }
   for (const closure::DoorVerdict& verdict : entries) {
-    ENFILADE_RETURN_IF_ERROR(AddEntering(context, passage, verdict, seen));
+    ENFILADE_RETURN_IF_ERROR(AddEntering(scope, verdict, viewpoints));
   }
-  std::erase_if(seen, [&](const SeenFrom& one) {
-    return Between(around, one.T_map_robot.pose).translation().norm() > passage.options.locate_reach;
+  std::erase_if(viewpoints, [&](const Viewpoint& one) {
+    return Between(around, one.T_map_robot.pose).translation().norm() > scope.options.locate_reach;
   });
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::PlacedScan> scans, ReadScans(context, passage, seen));
-  known.scans = closure::WithoutBeyond(std::move(scans), DoorsOf(passage.graph.graph(), map));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::PlacedScan> scans, ReadScans(scope, viewpoints));
+  known.scans = closure::RemoveHitsThroughDoors(std::move(scans), DoorsOf(scope.graph, map));
   return known;
 }
 

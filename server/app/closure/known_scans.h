@@ -4,24 +4,32 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/closure/closure_options.h"
 #include "core/closure/scan_location.h"
-#include "server/app/closure/passage_scene.h"
+#include "core/graph/graph_snapshot.h"
+#include "server/app/closure/closure_stores.h"
 
 namespace enfilade::server {
 
 // What robots have seen of a map from inside it.
 struct KnownScans {
   std::vector<closure::PlacedScan> scans;
-  // Sessions that go on recording in it, and those that are recorded and not mapped yet.
-  bool recording = false;
-  bool mapping = false;
+  bool recording = false;  // sessions in it are still recording
+  bool mapping = false;    // sessions in it are recorded, but not mapped yet
+};
+
+// Where known scans are read from. All must outlive it.
+struct KnownScansScope {
+  const DoorClosureStores& stores;
+  const SiteId& site;
+  const graph::GraphSnapshot& graph;
+  const closure::DoorClosureOptions& options;
 };
 
 // The keyframes' scans within locate_reach of `around`, locate_scans at most, evenly chosen: of the sessions in the
-// map, and of those that entered it, from the door on. Without what they saw through the map's doors; where a door may
-// not be known yet (a session goes on recording, or its passage is not judged), without its last locate_tail before it.
-// Errors are the stores'.
-absl::StatusOr<KnownScans> ReadKnownScans(const storage::CallContext& context, const PassageScene& passage,
-                                          const MapId& map, const Pose2& around);
+// map, and of those that entered it, from the door on. Hits that were seen through the map's doors are removed. While a
+// door at the end of a session may still be unknown (the session is recording, or its passage is not judged), its last
+// locate_tail is left out. Errors are the stores'.
+absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map, const Pose2& around);
 
 }  // namespace enfilade::server

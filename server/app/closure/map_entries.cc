@@ -8,7 +8,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kEntryTimeout = std::chrono::seconds(10);
-// What another replica judges is found by looking this often.
+// Verdicts of other replicas are found by polling.
 constexpr auto kEntryPoll = std::chrono::seconds(1);
 
 storage::CallContext EntryContext() { return storage::CallContext::WithTimeout(kEntryTimeout); }
@@ -28,10 +28,10 @@ MapEntries::~MapEntries() {
 }
 
 void MapEntries::Await(const convert::SessionName& session, std::weak_ptr<const void> owner,
-                       std::function<void(const MapEntry&)> tell) {
+                       std::function<void(const MapEntry&)> on_entry) {
   {
     MutexLock lock(mutex_);
-    waiting_.push_back({session, std::move(owner), std::move(tell)});
+    waiting_.push_back({session, std::move(owner), std::move(on_entry)});
   }
   wake_.Wake();
 }
@@ -45,13 +45,13 @@ void MapEntries::Run() {
       MutexLock lock(mutex_);
       waiting.swap(waiting_);
     }
-    waiting.remove_if([&](const Waiting& one) { return stop_.is_set() || Tell(one); });
+    waiting.remove_if([&](const Waiting& one) { return stop_.is_set() || Notify(one); });
     MutexLock lock(mutex_);
     waiting_.splice(waiting_.end(), waiting);
   }
 }
 
-bool MapEntries::Tell(const Waiting& waiting) const {
+bool MapEntries::Notify(const Waiting& waiting) const {
   if (waiting.owner.expired()) return true;
   const auto session = sessions_.Get(EntryContext(), waiting.session.site, waiting.session.session);
   if (!session.ok()) return absl::IsNotFound(session.status());
@@ -64,7 +64,7 @@ bool MapEntries::Tell(const Waiting& waiting) const {
     if (!verdict.ok()) return false;
     entry.verdict = *std::move(verdict);
   }
-  waiting.tell(entry);
+  waiting.on_entry(entry);
   return true;
 }
 

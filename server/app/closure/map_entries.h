@@ -22,10 +22,10 @@ namespace enfilade::server {
 struct MapEntry {
   storage::Map map;
   sensor::SessionEntry entry;
-  std::optional<closure::DoorVerdict> verdict;  // on the passage out of the previous session
+  std::optional<closure::DoorVerdict> verdict;  // on the passage that the previous session ended with
 };
 
-// Tells streams of sessions that came through a door which map they are in, once it is known. Thread-safe.
+// Notifies the streams of sessions that start behind a door of their map, once it is known. Thread-safe.
 class MapEntries {
  public:
   MapEntries(const storage::SessionStore& sessions, const storage::MapStore& maps,
@@ -34,23 +34,23 @@ class MapEntries {
   MapEntries(const MapEntries&) = delete;
   MapEntries& operator=(const MapEntries&) = delete;
 
-  // Calls `tell` once from a thread of this object, as soon as the session has a map; never where it is deleted before.
-  // Where `owner` is gone it is forgotten.
+  // Calls `on_entry` once, from a thread of this object, as soon as the session has a map; never if the session is
+  // deleted first or `owner` is gone.
   void Await(const convert::SessionName& session, std::weak_ptr<const void> owner,
-             std::function<void(const MapEntry&)> tell);
-  // Sessions may have been given their map.
+             std::function<void(const MapEntry&)> on_entry);
+  // Call when sessions may have been assigned their map.
   void Wake() { wake_.Wake(); }
 
  private:
   struct Waiting {
     convert::SessionName session;
     std::weak_ptr<const void> owner;
-    std::function<void(const MapEntry&)> tell;
+    std::function<void(const MapEntry&)> on_entry;
   };
 
   void Run();
-  // False where it still waits.
-  bool Tell(const Waiting& waiting) const;
+  // False if the session still has no map.
+  bool Notify(const Waiting& waiting) const;
 
   const storage::SessionStore& sessions_;
   const storage::MapStore& maps_;

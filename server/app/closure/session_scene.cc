@@ -5,27 +5,27 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "server/app/closure/judging_lease.h"
 
 namespace enfilade::server {
 namespace {
 
-// A candidate is reported some time after it was seen; more records than this do not lie between.
+// A candidate is reported some time after it was seen, but not after more records than this.
 constexpr std::int64_t kRecordsBefore = 20'000;
-constexpr std::int64_t kRecordsAfter = 500;  // records may come a little late
+constexpr std::int64_t kRecordsAfter = 500;  // records may arrive a little late
 constexpr TimeNs kMargin = 10 * kNsPerSecond;
 
 }  // namespace
 
-absl::StatusOr<SessionScene> SessionScene::Load(const DoorClosureStores& stores, const storage::CallContext& context,
-                                                const storage::Session& session,
+absl::StatusOr<SessionScene> SessionScene::Load(const DoorClosureStores& stores, const storage::Session& session,
                                                 const storage::StoredDoorReport& stored,
                                                 const closure::DoorClosureOptions& options) {
   const sensor::DoorReport& report = stored.report;
   ENFILADE_ASSIGN_OR_RETURN(storage::Trajectory trajectory,
-                            stores.mappings.ReadTrajectory(context, session.site, session.id));
+                            stores.mappings.ReadTrajectory(JudgingLease::Context(), session.site, session.id));
   ENFILADE_ASSIGN_OR_RETURN(
       std::vector<sensor::Record> records,
-      stores.records.ReadSelected(context, session.site, session.id,
+      stores.records.ReadSelected(JudgingLease::Context(), session.site, session.id,
                                   {.kinds = {sensor::RecordKind::kLaserScan, sensor::RecordKind::kOdometry,
                                              sensor::RecordKind::kImage, sensor::RecordKind::kPointCloud},
                                    .from_time = report.door_time - kMargin,
@@ -49,8 +49,8 @@ absl::StatusOr<SessionScene> SessionScene::Load(const DoorClosureStores& stores,
   scene.images_ = std::move(images);
   scene.clouds_ = std::move(clouds);
   scene.scans_ = std::move(scans);
-  ENFILADE_ASSIGN_OR_RETURN(const auto keyframe,
-                            stores.mappings.FindKeyframe(context, session.site, session.id, report.time));
+  ENFILADE_ASSIGN_OR_RETURN(const auto keyframe, stores.mappings.FindKeyframe(JudgingLease::Context(), session.site,
+                                                                              session.id, report.time));
   if (keyframe) scene.keyframe_covariance_ = keyframe->covariance;
   return scene;
 }
@@ -67,34 +67,40 @@ std::optional<PoseWithCovariance> SessionScene::DoorPose() const {
   return pose;
 }
 
-std::vector<SessionScene::SeenImage> SessionScene::ImagesNear(sensor::Camera camera, TimeNs time, TimeNs from,
-                                                              TimeNs to, int count) const {
+std::vector<SessionScene::SeenImage> SessionScene::FindImages(sensor::Camera camera, const ViewWindow& window,
+                                                              int count) const {
   std::vector<SeenImage> found;
   for (const SeenImage& seen : images_) {
     const bool is_picture = seen.image.encoding != sensor::ImageEncoding::kDepthPng16;
-    if (is_picture && seen.image.camera == camera && seen.image.time >= from && seen.image.time <= to) {
+    if (is_picture && seen.image.camera == camera && seen.image.time >= window.from && seen.image.time <= window.to) {
       found.push_back(seen);
     }
   }
   std::stable_sort(found.begin(), found.end(), [&](const SeenImage& a, const SeenImage& b) {
-    return std::abs(a.image.time - time) < std::abs(b.image.time - time);
+    return std::abs(a.image.time - window.time) < std::abs(b.image.time - window.time);
   });
   if (found.size() > static_cast<std::size_t>(count)) found.resize(static_cast<std::size_t>(count));
   return found;
 }
 
-std::optional<SessionScene::SeenCloud> SessionScene::CloudNear(TimeNs time, TimeNs from, TimeNs to) const {
+std::optional<SessionScene::SeenCloud> SessionScene::FindCloud(const ViewWindow& window) const {
   const SeenCloud* nearest = nullptr;
   for (const SeenCloud& seen : clouds_) {
-    if (seen.cloud.time < from || seen.cloud.time > to) continue;
-    if (nearest == nullptr || std::abs(seen.cloud.time - time) < std::abs(nearest->cloud.time - time)) nearest = &seen;
+    if (seen.cloud.time < window.from || seen.cloud.time > window.to) continue;
+    if (nearest == nullptr || std::abs(seen.cloud.time - window.time) < std::abs(nearest->cloud.time - window.time))
+      nearest = &seen;
   }
   if (nearest == nullptr) return std::nullopt;
   return *nearest;
 }
 
+bool SessionScene::HasViews(const ViewWindow& window) const {
+  return !FindImages(sensor::Camera::kFront, window, 1).empty() ||
+         !FindImages(sensor::Camera::kRear, window, 1).empty() || FindCloud(window).has_value();
+}
+
 std::vector<closure::PlacedScan> SessionScene::ScansBetween(TimeNs from, TimeNs to) const {
-  constexpr double kLater = 0.5;     // of the way
+  constexpr double kLater = 0.5;     // share of the path
   constexpr double kSpacing = 0.25;  // m
   const auto first = PoseAt(from);
   const auto last = PoseAt(to);

@@ -14,23 +14,31 @@
 
 namespace enfilade::server {
 
-// What a session's robot saw, and where it was, about a door that it reports. A value; the stores are not kept.
+// Records between `from` and `to`, the nearest to `time` first.
+struct ViewWindow {
+  TimeNs time = 0;
+  TimeNs from = 0;
+  TimeNs to = 0;
+};
+
+// What a session's robot saw, and where it was, around a door that it reports. A value: it holds no reference to the
+// stores.
 class SessionScene {
  public:
-  // Errors are the stores'. A session whose records are gone has none.
-  static absl::StatusOr<SessionScene> Load(const DoorClosureStores& stores, const storage::CallContext& context,
-                                           const storage::Session& session, const storage::StoredDoorReport& report,
+  // Empty if the session's records have been deleted. Errors are the stores'.
+  static absl::StatusOr<SessionScene> Load(const DoorClosureStores& stores, const storage::Session& session,
+                                           const storage::StoredDoorReport& report,
                                            const closure::DoorClosureOptions& options);
 
-  // In the session's map, with the covariance of the nearest keyframe and odometry's since. Unset where nothing was
-  // mapped about then.
+  // In the session's map, with the covariance of the nearest keyframe and that of odometry since. Unset if nothing was
+  // mapped around that time.
   std::optional<PoseWithCovariance> PoseAt(TimeNs time) const;
   std::optional<Pose2> OdometryAt(TimeNs time) const { return track_.OdometryAt(time); }
-  // The report's door; of a candidate where the robot was when it saw the door.
+  // Of the reported door; of a candidate, where the robot was when it saw the door.
   std::optional<PoseWithCovariance> DoorPose() const;
-  // T_door_robot when it is reported, with what is unsure of it whatever the map's frame is away.
+  // T_door_robot when the door is reported; its covariance does not depend on how far away the map's frame is.
   std::optional<PoseWithCovariance> RobotFromDoor() const {
-    return track_.WayFrom(report_.T_odom_door, report_.door_time, report_.time);
+    return track_.RelativePose(report_.T_odom_door, report_.door_time, report_.time);
   }
 
   struct SeenImage {
@@ -41,10 +49,12 @@ class SessionScene {
     std::int64_t sequence = 0;
     sensor::PointCloud cloud;
   };
-  // At most `count` with from <= time <= to, the nearest to `time` first.
-  std::vector<SeenImage> ImagesNear(sensor::Camera camera, TimeNs time, TimeNs from, TimeNs to, int count) const;
-  std::optional<SeenCloud> CloudNear(TimeNs time, TimeNs from, TimeNs to) const;
-  // A few of the scans with from <= time <= to, in the later half of the way between, with the robot's poses.
+  // `count` at most; no depth images.
+  std::vector<SeenImage> FindImages(sensor::Camera camera, const ViewWindow& window, int count) const;
+  std::optional<SeenCloud> FindCloud(const ViewWindow& window) const;
+  // Is there an image of any camera, or a cloud?
+  bool HasViews(const ViewWindow& window) const;
+  // Some of the scans with from <= time <= to, from the later half of the path between, with the robot's poses.
   std::vector<closure::PlacedScan> ScansBetween(TimeNs from, TimeNs to) const;
 
  private:

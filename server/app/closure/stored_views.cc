@@ -31,18 +31,18 @@ std::string StoredViews::Faults() const {
   return text;
 }
 
-absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(const storage::CallContext& context,
-                                                                                const sensor::BlobRef& image,
+absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(const sensor::BlobRef& image,
                                                                                 bool keep) {
   if (keep) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string kept, stores_.features.Find(context, site_, image.sha256));
+    ENFILADE_ASSIGN_OR_RETURN(const std::string kept,
+                              stores_.features.Find(JudgingLease::Context(), lease_.site(), image.sha256));
     if (!kept.empty()) {
       auto decoded = perception::DecodeFeatures(kept);
       if (decoded.ok()) return std::optional<perception::FeatureSet>(*std::move(decoded));
     }
   }
-  ENFILADE_RETURN_IF_ERROR(go_on_());
-  const auto bytes = stores_.blobs.Get(context, site_, image.sha256);
+  ENFILADE_RETURN_IF_ERROR(lease_.Renew());
+  const auto bytes = stores_.blobs.Get(JudgingLease::Context(), lease_.site(), image.sha256);
   if (!bytes.ok() && !absl::IsNotFound(bytes.status())) return bytes.status();
   const auto frame = bytes.ok() ? perception::DecodeGrey(*bytes) : bytes.status();
   auto found = frame.ok() ? perception::ExtractFeatures(*frame) : frame.status();
@@ -52,16 +52,16 @@ absl::StatusOr<std::optional<perception::FeatureSet>> StoredViews::FindFeatures(
   }
   perception::FeatureSet features = *std::move(found);
   if (keep) {
-    ENFILADE_RETURN_IF_ERROR(stores_.features.Put(context, site_, image.sha256, perception::EncodeFeatures(features)));
+    ENFILADE_RETURN_IF_ERROR(stores_.features.Put(JudgingLease::Context(), lease_.site(), image.sha256,
+                                                  perception::EncodeFeatures(features)));
   }
   return std::optional<perception::FeatureSet>(std::move(features));
 }
 
-absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const storage::CallContext& context,
-                                                                    const sensor::BlobRef& image, bool keep) {
+absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const sensor::BlobRef& image, bool keep) {
   auto found = features_.find(image.sha256);
   if (found == features_.end()) {
-    ENFILADE_ASSIGN_OR_RETURN(std::optional<perception::FeatureSet> features, FindFeatures(context, image, keep));
+    ENFILADE_ASSIGN_OR_RETURN(std::optional<perception::FeatureSet> features, FindFeatures(image, keep));
     if (features && CountOf(*features) < options_.min_features) {
       AddFault(fmt::format("an image shows nothing: {} features", CountOf(*features)));
       features.reset();
@@ -71,12 +71,11 @@ absl::StatusOr<const perception::FeatureSet*> StoredViews::Features(const storag
   return found->second ? &*found->second : nullptr;
 }
 
-absl::StatusOr<const perception::Cloud*> StoredViews::Points(const storage::CallContext& context,
-                                                             const sensor::BlobRef& cloud,
+absl::StatusOr<const perception::Cloud*> StoredViews::Points(const sensor::BlobRef& cloud,
                                                              sensor::CloudEncoding encoding) {
   auto found = clouds_.find(cloud.sha256);
   if (found == clouds_.end()) {
-    const auto bytes = stores_.blobs.Get(context, site_, cloud.sha256);
+    const auto bytes = stores_.blobs.Get(JudgingLease::Context(), lease_.site(), cloud.sha256);
     if (!bytes.ok() && !absl::IsNotFound(bytes.status())) return bytes.status();
     const auto decode = encoding == sensor::CloudEncoding::kXyz32 ? perception::DecodeXyz32 : perception::DecodePcd;
     const auto decoded = bytes.ok() ? decode(*bytes) : bytes.status();

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "absl/status/statusor.h"
 #include "core/closure/closure_options.h"
@@ -14,42 +11,38 @@
 #include "perception/cloud/cloud.h"
 #include "perception/image/features.h"
 #include "server/app/closure/closure_stores.h"
+#include "server/app/closure/judging_lease.h"
 
 namespace enfilade::server {
 
-// Stored images' features and stored clouds, read once each while one report is judged. What cannot be read (damaged,
-// too large, nothing to see) is as if it were not there; why is told by Faults. Errors are the stores' and go_on's
-// alone.
+// The features of stored images and the points of stored clouds, each read once while one report is judged. Content
+// that cannot be used (damaged, too large, showing nothing) counts as missing; Faults says why. Errors are the stores'
+// and the lease's.
 class StoredViews {
  public:
-  // `go_on` is asked before each image that features are looked for in: it takes long.
-  StoredViews(const DoorClosureStores& stores, const SiteId& site, const closure::DoorClosureOptions& options,
-              std::function<absl::Status()> go_on)
-      : stores_(stores), site_(site), options_(options), go_on_(std::move(go_on)) {}
+  // All must outlive it. The lease is renewed before features are extracted, which takes long.
+  StoredViews(const DoorClosureStores& stores, const JudgingLease& lease, const closure::DoorClosureOptions& options)
+      : stores_(stores), lease_(lease), options_(options) {}
 
-  // Null where there is nothing to see in it. `keep`: its features are read from the database or stored there, for
-  // images that are compared more than once.
-  absl::StatusOr<const perception::FeatureSet*> Features(const storage::CallContext& context,
-                                                         const sensor::BlobRef& image, bool keep);
-  // Null where it has no points, or is none.
-  absl::StatusOr<const perception::Cloud*> Points(const storage::CallContext& context, const sensor::BlobRef& cloud,
-                                                  sensor::CloudEncoding encoding);
+  // Null if the image shows nothing. `keep`: its features are read from the database or stored there, for images that
+  // are compared more than once.
+  absl::StatusOr<const perception::FeatureSet*> Features(const sensor::BlobRef& image, bool keep);
+  // Null if it is not a cloud or has too few points.
+  absl::StatusOr<const perception::Cloud*> Points(const sensor::BlobRef& cloud, sensor::CloudEncoding encoding);
 
-  // What could not be read, in words; empty where all could.
+  // What could not be read and why, as text; empty if everything could.
   std::string Faults() const;
 
  private:
-  absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const storage::CallContext& context,
-                                                                     const sensor::BlobRef& image, bool keep);
+  absl::StatusOr<std::optional<perception::FeatureSet>> FindFeatures(const sensor::BlobRef& image, bool keep);
   void AddFault(const std::string& what);
 
   const DoorClosureStores& stores_;
-  const SiteId& site_;
+  const JudgingLease& lease_;
   const closure::DoorClosureOptions& options_;
-  const std::function<absl::Status()> go_on_;
   std::map<std::string, std::optional<perception::FeatureSet>> features_;  // by SHA-256
   std::map<std::string, std::optional<perception::Cloud>> clouds_;
-  std::map<std::string, int> faults_;  // how often
+  std::map<std::string, int> faults_;  // how often each occurred
 };
 
 }  // namespace enfilade::server

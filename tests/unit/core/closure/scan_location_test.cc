@@ -71,7 +71,7 @@ std::vector<PlacedScan> SeenAlong(const std::vector<Wall>& walls, double y) {
 }
 
 std::vector<Eigen::Vector2d> PointsOf(const std::vector<Wall>& walls, const Pose2& robot) {
-  return PointsBehind({ScanIn(walls, robot)}, {-1000.0, 0.0, 0.0}, robot);
+  return PointsBehindDoor({ScanIn(walls, robot)}, {-1000.0, 0.0, 0.0}, robot);
 }
 
 PoseWithCovariance Guess(const Pose2& pose, double sigma = 0.3, double yaw_sigma = 0.05) {
@@ -142,7 +142,7 @@ TEST(ScanLocation, NothingIsFoundWhereNobodyHasBeen) {
 // A robot behind a door sees the room that it has left through it.
 TEST(ScanLocation, WhatLiesBeforeTheDoorIsNotOfTheMapBehindIt) {
   const Pose2 robot{2.0, 3.0, 0.0};
-  const std::vector<Eigen::Vector2d> points = PointsBehind({ScanIn(Room(), robot)}, {1.0, 3.0, 0.0}, robot);
+  const std::vector<Eigen::Vector2d> points = PointsBehindDoor({ScanIn(Room(), robot)}, {1.0, 3.0, 0.0}, robot);
   ASSERT_FALSE(points.empty());
   for (const Eigen::Vector2d& point : points) EXPECT_GE((robot * point).x(), 0.69);
 }
@@ -152,7 +152,7 @@ TEST(ScanLocation, WhatIsSeenThroughADoorIsNotOfTheMap) {
   const Pose2 robot{4.0, 3.0, 0.7};
   const Pose2 door{6.0, 3.0, 0.0};
   const PlacedScan whole = ScanIn(Room(), robot);
-  const std::vector<PlacedScan> cut = WithoutBeyond({whole}, {door});
+  const std::vector<PlacedScan> cut = RemoveHitsThroughDoors({whole}, {door});
   int removed = 0;
   for (std::size_t i = 0; i < whole.scan.ranges.size(); ++i) {
     const double angle = robot.yaw + whole.scan.angle(i);
@@ -165,7 +165,7 @@ TEST(ScanLocation, WhatIsSeenThroughADoorIsNotOfTheMap) {
   }
   EXPECT_GT(removed, 20);
   // Whichever way the door's pose looks.
-  const std::vector<PlacedScan> turned = WithoutBeyond({whole}, {{6.0, 3.0, M_PI}});
+  const std::vector<PlacedScan> turned = RemoveHitsThroughDoors({whole}, {{6.0, 3.0, M_PI}});
   for (std::size_t i = 0; i < whole.scan.ranges.size(); ++i) {
     EXPECT_EQ(std::isnan(turned[0].scan.ranges[i]), std::isnan(cut[0].scan.ranges[i]));
   }
@@ -176,7 +176,7 @@ TEST(ScanLocation, AScanFromTheDoorwayShowsNeitherMap) {
   const Pose2 door{6.0, 3.0, 0.0};
   const std::vector<PlacedScan> scans = {ScanIn(Room(), {5.0, 3.0, 0.0}), ScanIn(Room(), {5.6, 3.1, 0.0}),
                                          ScanIn(Room(), {6.02, 3.0, 0.0}), ScanIn(Room(), {6.0, 3.7, 0.0})};
-  const std::vector<PlacedScan> kept = WithoutBeyond(scans, {door});
+  const std::vector<PlacedScan> kept = RemoveHitsThroughDoors(scans, {door});
   ASSERT_EQ(kept.size(), 2U);
   EXPECT_EQ(kept[0].T_map_robot.pose.x, 5.0);
   EXPECT_EQ(kept[1].T_map_robot.pose.y, 3.7);

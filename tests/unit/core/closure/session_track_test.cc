@@ -33,13 +33,13 @@ TEST(SessionTrack, GivesWhatOdometrySeesInTheMap) {
 TEST(SessionTrack, TheWayFromADoorIsAsSureAsMatchingIs) {
   const SessionTrack track({{0, {100, 0, 0}}, {kSecond, {102, 0, 0}}}, {{0, {0, 0, 0}}, {kSecond, {2.3, 0.1, 0.05}}},
                            {});
-  const auto way = track.WayFrom({0, 0, 0}, 0, kSecond);
+  const auto way = track.RelativePose({0, 0, 0}, 0, kSecond);
   ASSERT_TRUE(way.has_value());
   EXPECT_THAT(way->pose, PoseNear(Pose2{2, 0, 0}, 1e-9, 1e-9));
   EXPECT_NEAR(way->covariance(0, 0), 2 * 0.02 * 0.02, 1e-9);
   EXPECT_NEAR(way->covariance(1, 1), 2 * 0.02 * 0.02 + 4 * 0.005 * 0.005, 1e-9);
   EXPECT_NEAR(way->covariance(2, 2), 2 * 0.005 * 0.005, 1e-9);
-  EXPECT_FALSE(track.WayFrom({0, 0, 0}, 0, 60 * kSecond).has_value());
+  EXPECT_FALSE(track.RelativePose({0, 0, 0}, 0, 60 * kSecond).has_value());
 }
 
 TEST(SessionTrack, WithoutOdometryTheNearestScanIsTheRobotsPose) {

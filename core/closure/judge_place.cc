@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/closure/judge_passage.h"
+#include "core/closure/judge_place.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ bool IsSure(const PoseWithCovariance& pose, const DoorClosureOptions& options) {
          std::sqrt(std::max(pose.covariance(2, 2), 0.0)) <= options.sure_yaw;
 }
 
-std::string InWords(const PlaceEvidence& evidence, const std::optional<double>& chi2) {
+std::string Describe(const PlaceEvidence& evidence, const std::optional<double>& chi2) {
   std::string text = evidence.images ? fmt::format("images: {} matches, {}", evidence.images->matches,
                                                    evidence.images->agree ? "agree" : "do not agree")
                                      : "no images";
@@ -42,13 +42,13 @@ JudgedPlace Refuse(JudgedPlace judged, std::string why) {
   return judged;
 }
 
-// By registration, with or without images.
+// Judges a place whose clouds were registered, with or without images.
 JudgedPlace JudgeRegistered(const PlaceEvidence& evidence, JudgedPlace judged, const DoorClosureOptions& options) {
-  const CloudWitness& clouds = *evidence.clouds;
+  const CloudComparison& clouds = *evidence.clouds;
   const bool images_agree = evidence.images && evidence.images->agree;
   const bool strict = clouds.inlier_share >= options.strict_inlier_share;
   if (!evidence.predicted) {
-    if (!images_agree) return Refuse(std::move(judged), "clouds alone do not tell where no link points lead");
+    if (!images_agree) return Refuse(std::move(judged), "clouds alone do not suffice where no link points lead");
     if (evidence.images->matches <= options.unpredicted_matches * options.image_threshold ||
         clouds.inlier_share < options.unpredicted_inlier_share) {
       return Refuse(std::move(judged), "images and clouds are not alike enough where no link points lead");
@@ -66,7 +66,7 @@ JudgedPlace JudgeRegistered(const PlaceEvidence& evidence, JudgedPlace judged, c
   return Accept(std::move(judged), clouds.T_map_robot, "clouds and graph agree closely");
 }
 
-// Do the poses rule one another out?
+// Do the two places exclude each other?
 bool AreRivals(const PlaceEvidence& a, const JudgedPlace& judged_a, const PlaceEvidence& b, const JudgedPlace& judged_b,
                const DoorClosureOptions& options) {
   if (a.map != b.map) return true;
@@ -77,7 +77,7 @@ bool AreRivals(const PlaceEvidence& a, const JudgedPlace& judged_a, const PlaceE
 bool IsClearlyBetter(const PlaceEvidence& a, const JudgedPlace& judged_a, const PlaceEvidence& b,
                      const JudgedPlace& judged_b, const DoorClosureOptions& options) {
   if (judged_a.chi2 && judged_b.chi2 && *judged_a.chi2 + options.clear_chi2 <= *judged_b.chi2) return true;
-  // One that the graph places where the robot is, against one that it knows nothing of.
+  // The graph predicts the robot at one of them and nothing about the other.
   if (judged_a.chi2 && !judged_b.chi2) return true;
   return a.images && a.images->agree && b.images &&
          a.images->matches >= options.clear_score * std::max(b.images->matches, 1);
@@ -94,7 +94,7 @@ JudgedPlace JudgePlace(const PlaceEvidence& evidence, const DoorClosureOptions& 
   }
   judged.margin = (evidence.images && evidence.images->agree ? evidence.images->matches : 0) +
                   (registered ? 100.0 * evidence.clouds->inlier_share : 0.0) - std::min(judged.chi2.value_or(0.0), 1e3);
-  judged.witnesses = judged.reason = InWords(evidence, judged.chi2);
+  judged.compared = judged.reason = Describe(evidence, judged.chi2);
   if (registered) return JudgeRegistered(evidence, std::move(judged), options);
   if (evidence.clouds) return Refuse(std::move(judged), "the clouds are not of one place");
   if (!evidence.images) return Refuse(std::move(judged), "nothing to compare");
@@ -106,7 +106,7 @@ JudgedPlace JudgePlace(const PlaceEvidence& evidence, const DoorClosureOptions& 
   return Accept(std::move(judged), *evidence.predicted, "images agree, and the graph is sure of the pose");
 }
 
-bool Contradicted(const PlaceEvidence& evidence, const DoorClosureOptions& options) {
+bool IsContradicted(const PlaceEvidence& evidence, const DoorClosureOptions& options) {
   return evidence.images && !evidence.images->agree && evidence.clouds && !evidence.clouds->agree &&
          evidence.clouds->inlier_share < options.contradicting_share;
 }
@@ -132,7 +132,7 @@ PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const Door
     choice.reason = fmt::format("none of {} known places was accepted", evidence.size());
     return choice;
   }
-  // The best is the one that is clearly better than each rival; the order by margin alone does not say so.
+  // The best place is clearly better than each rival; the order by margin alone does not guarantee that.
   for (const std::size_t i : choice.order) {
     if (!choice.judged[i].accepted) continue;
     const bool beats_all = std::all_of(choice.order.begin(), choice.order.end(), [&](std::size_t j) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/closure/judge_passage.h"
+#include "core/closure/judge_place.h"
 
 #include "gmock/gmock.h"
 
@@ -20,16 +20,16 @@ PlaceEvidence Unseen(const std::string& id, const std::string& map = "old") {
   return evidence;
 }
 
-// What speaks for a place as well as it can: the robot is at (x, 0).
+// The best evidence for a place: the robot is at (x, 0).
 PlaceEvidence Clear(const std::string& id, double x = 1.0, const std::string& map = "old") {
   PlaceEvidence evidence = Unseen(id, map);
-  evidence.images = ImageWitness{60, true};
-  evidence.clouds = CloudWitness{0.05, 0.9, true, Pose(x, 0, 0.05)};
+  evidence.images = ImageComparison{60, true};
+  evidence.clouds = CloudComparison{0.05, 0.9, true, Pose(x, 0, 0.05)};
   evidence.predicted = Pose(x + 0.1, 0);
   return evidence;
 }
 
-TEST(JudgePlace, AcceptsWhereImagesCloudsAndGraphAgree) {
+TEST(JudgePlace, AcceptsIfImagesCloudsAndGraphAgree) {
   const JudgedPlace judged = JudgePlace(Clear("a"), {});
   EXPECT_TRUE(judged.accepted) << judged.reason;
   EXPECT_EQ(judged.T_map_robot.pose.x, 1.0);
@@ -37,7 +37,7 @@ TEST(JudgePlace, AcceptsWhereImagesCloudsAndGraphAgree) {
   EXPECT_LT(*judged.chi2, 1.0);
 }
 
-TEST(JudgePlace, RefusesWhereTheGraphHasTheRobotElsewhere) {
+TEST(JudgePlace, RefusesIfTheGraphHasTheRobotElsewhere) {
   PlaceEvidence evidence = Clear("a");
   evidence.predicted = Pose(6, 0);
   const JudgedPlace judged = JudgePlace(evidence, {});
@@ -47,7 +47,7 @@ TEST(JudgePlace, RefusesWhereTheGraphHasTheRobotElsewhere) {
   EXPECT_TRUE(JudgePlace(evidence, {}).accepted);
 }
 
-TEST(JudgePlace, WithoutAPredictionBothMustAgreeTheBetter) {
+TEST(JudgePlace, WithoutAPredictionBothMustAgreeMoreClosely) {
   PlaceEvidence evidence = Clear("a");
   evidence.predicted.reset();
   EXPECT_TRUE(JudgePlace(evidence, {}).accepted);
@@ -58,8 +58,8 @@ TEST(JudgePlace, WithoutAPredictionBothMustAgreeTheBetter) {
   evidence.images->matches = 25;
   EXPECT_FALSE(JudgePlace(evidence, {}).accepted);
   evidence.images.reset();
-  EXPECT_THAT(JudgePlace(evidence, {}).reason, HasSubstr("clouds alone do not tell"));
-  evidence.images = ImageWitness{3, false};
+  EXPECT_THAT(JudgePlace(evidence, {}).reason, HasSubstr("clouds alone do not suffice"));
+  evidence.images = ImageComparison{3, false};
   EXPECT_FALSE(JudgePlace(evidence, {}).accepted);
 }
 
@@ -76,7 +76,7 @@ TEST(JudgePlace, WithoutImagesTheCloudsMustBeStrictAndTheGraphSure) {
   EXPECT_THAT(JudgePlace(evidence, {}).reason, HasSubstr("not near enough"));
 }
 
-TEST(JudgePlace, WithoutCloudsTheGraphGivesThePoseWhereItIsSure) {
+TEST(JudgePlace, WithoutCloudsTheGraphGivesThePoseIfItIsSure) {
   PlaceEvidence evidence = Clear("a");
   evidence.clouds.reset();
   const JudgedPlace judged = JudgePlace(evidence, {});
@@ -101,34 +101,33 @@ TEST(JudgePlace, SaysWhatWasMissing) {
   EXPECT_FALSE(judged.accepted);
   EXPECT_THAT(judged.reason, HasSubstr("nothing to compare"));
   EXPECT_THAT(judged.reason, HasSubstr("no cloud is kept"));
-  evidence.images = ImageWitness{2, false};
+  evidence.images = ImageComparison{2, false};
   EXPECT_THAT(JudgePlace(evidence, {}).reason, HasSubstr("the images are not of one place"));
 }
 
-TEST(Contradicted, OnlyWhereBothWitnessesSpeakAgainstIt) {
+TEST(Contradicted, OnlyIfImagesAndCloudsBothSpeakAgainstIt) {
   PlaceEvidence evidence = Unseen("a");
-  EXPECT_FALSE(Contradicted(evidence, {}));
-  evidence.images = ImageWitness{2, false};
-  EXPECT_FALSE(Contradicted(evidence, {}));
-  evidence.clouds = CloudWitness{1.0, 0.2, false, {}};
-  EXPECT_TRUE(Contradicted(evidence, {}));
+  EXPECT_FALSE(IsContradicted(evidence, {}));
+  evidence.images = ImageComparison{2, false};
+  EXPECT_FALSE(IsContradicted(evidence, {}));
+  evidence.clouds = CloudComparison{1.0, 0.2, false, {}};
+  EXPECT_TRUE(IsContradicted(evidence, {}));
   evidence.clouds->inlier_share = 0.6;  // furniture has been moved
-  EXPECT_FALSE(Contradicted(evidence, {}));
+  EXPECT_FALSE(IsContradicted(evidence, {}));
   evidence.clouds->inlier_share = 0.2;
   evidence.images->agree = true;
-  EXPECT_FALSE(Contradicted(evidence, {}));
+  EXPECT_FALSE(IsContradicted(evidence, {}));
 }
 
-TEST(ChoosePlace, TakesNoneWhereNoneIsAccepted) {
+TEST(ChoosePlace, ChoosesNoneIfNoneIsAccepted) {
   EXPECT_FALSE(ChoosePlace({}, {}).chosen.has_value());
   const PassageChoice choice = ChoosePlace({Unseen("a"), Unseen("b")}, {});
   EXPECT_FALSE(choice.chosen.has_value());
   EXPECT_THAT(choice.reason, HasSubstr("none of 2"));
 }
 
-// Defect 1 of the original: the index into the list of those compared was taken for the candidate's id, so that with
-// one left out the wrong one was closed.
-TEST(ChoosePlace, NamesThePlaceThatWonWhicheverWereLeftOutBeforeIt) {
+// The index into the compared places is not a link point's id.
+TEST(ChoosePlace, IdentifiesTheChosenPlaceByItsOwnId) {
   const std::vector<PlaceEvidence> evidence = {Unseen("place-7"), Clear("place-3"), Unseen("place-9")};
   const PassageChoice choice = ChoosePlace(evidence, {});
   ASSERT_TRUE(choice.chosen.has_value());
@@ -136,13 +135,13 @@ TEST(ChoosePlace, NamesThePlaceThatWonWhicheverWereLeftOutBeforeIt) {
   EXPECT_THAT(choice.order, ElementsAre(1, 0, 2));
 }
 
-TEST(ChoosePlace, TheOrderOfThePlacesIsOfNoMatter) {
+TEST(ChoosePlace, TheOrderOfThePlacesDoesNotMatter) {
   const PlaceEvidence right = Clear("right"), wrong = Unseen("wrong");
   EXPECT_EQ(*ChoosePlace({right, wrong}, {}).chosen, 0U);
   EXPECT_EQ(*ChoosePlace({wrong, right}, {}).chosen, 1U);
 }
 
-TEST(ChoosePlace, TakesNeitherOfTwoThatLookAlike) {
+TEST(ChoosePlace, ChoosesNeitherOfTwoThatLookAlike) {
   const PassageChoice choice = ChoosePlace({Clear("a", 1.0, "one"), Clear("b", 1.0, "other")}, {});
   EXPECT_FALSE(choice.chosen.has_value());
   EXPECT_THAT(choice.reason, HasSubstr("look alike"));
@@ -164,13 +163,13 @@ TEST(ChoosePlace, TheGraphTellsLookAlikesApart) {
   EXPECT_EQ(*ChoosePlace({unknown, Clear("b", 1.0, "other")}, {}).chosen, 1U);
 }
 
-TEST(ChoosePlace, ImagesTellThemApartWhereTheyDifferClearly) {
+TEST(ChoosePlace, ImagesTellThemApartIfTheyDifferClearly) {
   PlaceEvidence faint = Clear("a", 1.0, "one");
   faint.images->matches = 20;
   EXPECT_EQ(*ChoosePlace({faint, Clear("b", 1.0, "other")}, {}).chosen, 1U);
 }
 
-TEST(ChoosePlace, TwoSightingsOfOneDoorAreNoRivals) {
+TEST(ChoosePlace, TwoSightingsOfOneDoorDoNotExcludeEachOther) {
   PlaceEvidence second = Clear("b", 1.3);
   second.images->matches = 55;
   const PassageChoice choice = ChoosePlace({second, Clear("a", 1.0)}, {});
@@ -178,7 +177,7 @@ TEST(ChoosePlace, TwoSightingsOfOneDoorAreNoRivals) {
   EXPECT_EQ(*choice.chosen, 1U);  // the better of them
 }
 
-TEST(ToComparison, TellsAllThatTheVerdictNeeds) {
+TEST(ToComparison, HasEverythingThatTheVerdictShows) {
   PlaceEvidence evidence = Clear("a");
   evidence.distance = 3.0;
   const DoorComparison comparison = ToComparison(evidence, JudgePlace(evidence, {}));

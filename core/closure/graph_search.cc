@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/closure/graph_search.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/closure/joined_anchors.h"
+#include "core/closure/known_places.h"
+#include "core/graph/search_radius.h"
+
+namespace enfilade::closure {
+namespace {
+
+graph::SearchRadiusOptions RadiusOptions(const DoorClosureOptions& options) {
+  return {.base_m = options.search_base, .factor = options.search_factor};
+}
+
+bool IsOnEnteredLevel(const DoorKnowledge& knowledge, const MapId& map) {
+  const graph::MapInGraph* found = knowledge.graph->FindMap(map);
+  return found != nullptr && found->level == knowledge.entered_level();
+}
+
+// The other side of a link point of the session's map: on the entered level, the latest anchor if there are several;
+// otherwise the first one.
+const graph::Anchor* FindOtherSide(const DoorKnowledge& knowledge, const graph::LinkPoint& link_point) {
+  const graph::Anchor* other = nullptr;
+  for (const graph::Anchor& anchor : link_point.anchors) {
+    if (anchor.map == knowledge.map->id) continue;
+    if (other == nullptr || IsOnEnteredLevel(knowledge, anchor.map)) other = &anchor;
+  }
+  return other;
+}
+
+ComparedPlace MakePlace(const graph::LinkPoint& link_point, const graph::Anchor& anchor) {
+  ComparedPlace place{.link_point = &link_point, .anchor = &anchor};
+  place.evidence.link_point = link_point.id;
+  place.evidence.map = anchor.map;
+  return place;
+}
+
+// Can the place be where a passage led: is it on the entered level of another map, in use, and not refused before?
+bool MayBeEntered(const DoorKnowledge& knowledge, const graph::LinkPoint& link_point) {
+  if (link_point.use == graph::LinkPointUse::kSuspended) return false;
+  if (link_point.is_candidate()) return !knowledge.redundant.contains(link_point.id);
+  // Those of this very door have been contradicted, or the search would not have got here.
+  const std::vector<PassedLinkPoint>& passed = knowledge.passed->link_points;
+  return std::none_of(passed.begin(), passed.end(),
+                      [&](const PassedLinkPoint& one) { return one.place.link_point == &link_point; });
+}
+
+}  // namespace
+
+PassedDoor FindPassedDoor(const DoorKnowledge& knowledge) {
+  PassedDoor passed;
+  for (KnownPlace& known :
+       FindPassed(knowledge.graph->ListLinkPoints(), knowledge.map->id, *knowledge.T_map_door, knowledge.options)) {
+    const graph::LinkPoint& link_point = *known.link_point;
+    if (link_point.is_candidate()) {
+      passed.sightings.push_back(link_point.id);
+      continue;
+    }
+    const graph::Anchor* other = FindOtherSide(knowledge, link_point);
+    if (other == nullptr) continue;
+    ComparedPlace place = MakePlace(link_point, *other);
+    place.evidence.distance = known.distance;
+    place.evidence.predicted = PoseAcross(link_point, knowledge.map->id, other->map, *knowledge.T_map_robot);
+    passed.link_points.push_back({.known = std::move(known), .place = std::move(place)});
+  }
+  return passed;
+}
+
+absl::Status GraphSearch::Run(const SearchGraph& step, DoorKnowledge& knowledge) {
+  switch (step.target) {
+    case SearchGraph::Target::kPassedDoor:
+      knowledge.passed = FindPassedDoor(knowledge);
+      return absl::OkStatus();
+    case SearchGraph::Target::kPlaces: {
+      ENFILADE_ASSIGN_OR_RETURN(knowledge.places, FindPlaces(knowledge));
+      return absl::OkStatus();
+    }
+    case SearchGraph::Target::kMaps: {
+      ENFILADE_ASSIGN_OR_RETURN(knowledge.maps, FindMaps(knowledge));
+      return absl::OkStatus();
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<const graph::TransformsTo*> GraphSearch::TransformsToSessionMap(const DoorKnowledge& knowledge) {
+  if (!transforms_) {
+    ENFILADE_ASSIGN_OR_RETURN(auto transforms, graph::TransformsTo::Make(*knowledge.graph, knowledge.map->id));
+    transforms_ = std::move(transforms);
+  }
+  return &*transforms_;
+}
+
+// Within the search radius of the door, and all in maps that no link points lead to. The nearest first, max_compared at
+// most.
+absl::StatusOr<std::vector<ComparedPlace>> GraphSearch::FindPlaces(const DoorKnowledge& knowledge) {
+  ENFILADE_ASSIGN_OR_RETURN(const graph::TransformsTo* to_this, TransformsToSessionMap(knowledge));
+  std::map<MapId, std::optional<PoseWithCovariance>> transforms;  // T_other_this
+  std::vector<ComparedPlace> places;
+  for (const graph::LinkPoint* link_point : knowledge.graph->ListLinkPoints()) {
+    if (!MayBeEntered(knowledge, *link_point)) continue;
+    for (const graph::Anchor& anchor : link_point->anchors) {
+      if (anchor.map == knowledge.map->id || !IsOnEnteredLevel(knowledge, anchor.map)) continue;
+      auto [found, is_new] = transforms.try_emplace(anchor.map);
+      if (is_new) {
+        ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this->Find(anchor.map));
+        if (transform) found->second = transform->T_a_b;
+      }
+      ComparedPlace place = MakePlace(*link_point, anchor);
+      if (found->second) {
+        const PoseWithCovariance door = Compose(*found->second, *knowledge.T_map_door);
+        place.evidence.predicted = Compose(*found->second, *knowledge.T_map_robot);
+        place.evidence.distance = (door.pose.translation() - anchor.T_map_place.translation()).norm();
+        const double radius =
+            graph::SearchRadius(door.covariance + anchor.covariance, RadiusOptions(knowledge.options));
+        if (*place.evidence.distance > radius) continue;
+      }
+      places.push_back(std::move(place));
+    }
+  }
+  std::stable_sort(places.begin(), places.end(), [](const ComparedPlace& a, const ComparedPlace& b) {
+    constexpr double kNowhere = std::numeric_limits<double>::infinity();
+    return a.evidence.distance.value_or(kNowhere) < b.evidence.distance.value_or(kNowhere);
+  });
+  const auto limit = static_cast<std::size_t>(knowledge.options.max_compared);
+  if (places.size() > limit) places.erase(places.begin() + static_cast<std::ptrdiff_t>(limit), places.end());
+  return places;
+}
+
+// With a link point within the search radius of the predicted pose. Maps that no link points lead to are left out:
+// scans alone do not tell one room from another.
+absl::StatusOr<std::vector<SearchedMap>> GraphSearch::FindMaps(const DoorKnowledge& knowledge) {
+  ENFILADE_ASSIGN_OR_RETURN(const graph::TransformsTo* to_this, TransformsToSessionMap(knowledge));
+  const graph::GraphSnapshot& graph = *knowledge.graph;
+  std::vector<SearchedMap> maps;
+  for (const graph::MapInGraph* map : graph.ListMaps()) {
+    if (map->id == knowledge.map->id || map->level != knowledge.entered_level()) continue;
+    ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this->Find(map->id));
+    if (!transform) continue;
+    const PoseWithCovariance robot = Compose(transform->T_a_b, *knowledge.T_map_robot);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const int link_point : graph.map_node(graph.MapSlot(map->id)).link_points) {
+      const graph::Anchor& anchor = *graph.link_point_node(link_point).link_point->FindAnchor(map->id);
+      nearest = std::min(nearest, (anchor.T_map_place.translation() - robot.pose.translation()).norm());
+    }
+    if (nearest <= graph::SearchRadius(robot.covariance, RadiusOptions(knowledge.options))) {
+      maps.push_back({.map = map, .predicted = robot});
+    }
+  }
+  return maps;
+}
+
+}  // namespace enfilade::closure

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/closure/judging_lease.h"
+
+#include <chrono>
+
+namespace enfilade::server {
+namespace {
+
+// Of one store call. Judging a report as a whole has no limit: on a slow machine it would start over again and again.
+constexpr auto kJudgingTimeout = std::chrono::seconds(60);
+
+}  // namespace
+
+storage::CallContext JudgingLease::Context() {
+  storage::CallContext context = storage::CallContext::WithTimeout(kJudgingTimeout);
+  context.actor = "closure at a door";
+  return context;
+}
+
+absl::Status JudgingLease::Renew() const {
+  if (stop_.is_set()) return absl::CancelledError("the server is stopping");
+  return leases_.Renew(Context(), lease_, kTime);
+}
+
+}  // namespace enfilade::server
