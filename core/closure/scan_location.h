@@ -30,9 +30,9 @@ std::vector<PlacedScan> RemoveHitsThroughDoors(std::vector<PlacedScan> scans, co
 // The robot's pose in a map, by its scans.
 struct ScanLocation {
   bool accepted = false;
-  PoseWithCovariance T_map_robot;  // if accepted
+  PoseWithCovariance T_map_robot = {};  // if accepted
   double matched_share = 0.0;      // of the points, on walls of the map
-  std::string reason;
+  std::string reason = {};
 };
 
 // Matches `points` (the robot's frame) with what `known` scans have seen of a map, around the graph's prediction of the

@@ -32,27 +32,29 @@ absl::StatusOr<SessionScene> SessionScene::Load(const DoorClosureStores& stores,
                                    .to_time = report.time + kMargin,
                                    .first_sequence = stored.sequence - kRecordsBefore,
                                    .last_sequence = stored.sequence + kRecordsAfter}));
-  std::vector<sensor::Odometry> odometry;
-  std::vector<SeenImage> images;
-  std::vector<SeenCloud> clouds;
-  std::vector<sensor::LaserScan> scans;
-  for (sensor::Record& record : records) {
-    if (auto* sample = std::get_if<sensor::Odometry>(&record.payload)) odometry.push_back(*sample);
-    if (auto* image = std::get_if<sensor::Image>(&record.payload))
-      images.push_back({record.sequence, std::move(*image)});
-    auto* scan = std::get_if<sensor::LaserScan>(&record.payload);
-    if (scan != nullptr && scan->time >= report.door_time) scans.push_back(std::move(*scan));
-    if (auto* cloud = std::get_if<sensor::PointCloud>(&record.payload))
-      clouds.push_back({record.sequence, std::move(*cloud)});
-  }
-  SessionScene scene(closure::SessionTrack(std::move(trajectory.poses), std::move(odometry), options), report);
-  scene.images_ = std::move(images);
-  scene.clouds_ = std::move(clouds);
-  scene.scans_ = std::move(scans);
   ENFILADE_ASSIGN_OR_RETURN(const auto keyframe, stores.mappings.FindKeyframe(JudgingLease::Context(), session.site,
                                                                               session.id, report.time));
-  if (keyframe) scene.keyframe_covariance_ = keyframe->covariance;
-  return scene;
+  const Eigen::Matrix3d covariance = keyframe ? keyframe->covariance : Eigen::Matrix3d::Zero().eval();
+  return SessionScene(std::move(trajectory.poses), std::move(records), covariance, report, options);
+}
+
+SessionScene::SessionScene(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Record> records,
+                           const Eigen::Matrix3d& keyframe_covariance, const sensor::DoorReport& report,
+                           const closure::DoorClosureOptions& options)
+    : track_({}, {}, options), report_(report), keyframe_covariance_(keyframe_covariance) {
+  std::vector<sensor::Odometry> odometry;
+  for (sensor::Record& record : records) {
+    if (auto* sample = std::get_if<sensor::Odometry>(&record.payload)) {
+      odometry.push_back(*sample);
+    } else if (auto* image = std::get_if<sensor::Image>(&record.payload)) {
+      images_.push_back({record.sequence, std::move(*image)});
+    } else if (auto* cloud = std::get_if<sensor::PointCloud>(&record.payload)) {
+      clouds_.push_back({record.sequence, std::move(*cloud)});
+    } else if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload); scan && scan->time >= report.door_time) {
+      scans_.push_back(std::move(*scan));
+    }
+  }
+  track_ = closure::SessionTrack(std::move(trajectory), std::move(odometry), options);
 }
 
 std::optional<PoseWithCovariance> SessionScene::PoseAt(TimeNs time) const {

@@ -10,6 +10,7 @@
 #include "core/closure/scan_location.h"
 #include "core/closure/session_track.h"
 #include "core/sensor/record.h"
+#include "core/slam/slam_map.h"
 #include "server/app/closure/closure_stores.h"
 
 namespace enfilade::server {
@@ -29,6 +30,12 @@ class SessionScene {
   static absl::StatusOr<SessionScene> Load(const DoorClosureStores& stores, const storage::Session& session,
                                            const storage::StoredDoorReport& report,
                                            const closure::DoorClosureOptions& options);
+
+  // From the mapped scans' poses, the records around the door in the order of the log, and the covariance of the
+  // keyframe nearest to the report.
+  SessionScene(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Record> records,
+               const Eigen::Matrix3d& keyframe_covariance, const sensor::DoorReport& report,
+               const closure::DoorClosureOptions& options);
 
   // In the session's map, with the covariance of the nearest keyframe and that of odometry since. Unset if nothing was
   // mapped around that time.
@@ -58,9 +65,6 @@ class SessionScene {
   std::vector<closure::PlacedScan> ScansBetween(TimeNs from, TimeNs to) const;
 
  private:
-  SessionScene(closure::SessionTrack track, const sensor::DoorReport& report)
-      : track_(std::move(track)), report_(report) {}
-
   closure::SessionTrack track_;
   sensor::DoorReport report_;
   Eigen::Matrix3d keyframe_covariance_ = Eigen::Matrix3d::Zero();

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/closure/graph_search.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/pose_matchers.h"
+#include "tests/unit/core/closure/door_scenario.h"
+
+namespace enfilade::closure {
+namespace {
+
+using ::enfilade::testing::PoseNear;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+using Target = SearchGraph::Target;
+
+std::vector<std::string> FindPlaces(DoorScenario& scenario, DoorKnowledge* found = nullptr) {
+  DoorKnowledge knowledge = scenario.Knowledge();
+  GraphSearch search;
+  EXPECT_OK(search.Run({Target::kPassedDoor}, knowledge));
+  EXPECT_OK(search.Run({Target::kPlaces}, knowledge));
+  std::vector<std::string> names;
+  for (const ComparedPlace& place : *knowledge.places) {
+    EXPECT_EQ(place.evidence.link_point, place.link_point->id);
+    EXPECT_EQ(place.evidence.map, place.anchor->map);
+    EXPECT_FALSE(place.images_compared || place.clouds_compared);
+    names.push_back(place.link_point->id.value() + "@" + place.anchor->map.value());
+  }
+  if (found != nullptr) *found = std::move(knowledge);
+  return names;
+}
+
+std::vector<std::string> FindMaps(DoorScenario& scenario) {
+  DoorKnowledge knowledge = scenario.Knowledge();
+  GraphSearch search;
+  EXPECT_OK(search.Run({Target::kMaps}, knowledge));
+  std::vector<std::string> names;
+  for (const SearchedMap& searched : *knowledge.maps) names.push_back(searched.map->id.value());
+  return names;
+}
+
+TEST(GraphSearch, PredictsTheRobotInTheMapOfEachPlace) {
+  DoorScenario scenario;
+  DoorKnowledge found;
+  EXPECT_THAT(FindPlaces(scenario, &found), ElementsAre("side@room"));
+  const ComparedPlace& side = found.places->front();
+  ASSERT_TRUE(side.evidence.predicted.has_value());
+  EXPECT_THAT(side.evidence.predicted->pose, PoseNear(Pose2{2, 0, 0}, 1e-9, 1e-9));
+  EXPECT_GT(side.evidence.predicted->covariance(0, 0), 3e-4) << "the robot's, and both anchors'";
+  EXPECT_NEAR(*side.evidence.distance, 8.0, 1e-9) << "from the door, not from the robot";
+}
+
+TEST(GraphSearch, PlacesAreThoseOfOtherMapsOnTheEnteredLevel) {
+  DoorScenario scenario;
+  scenario.Add("in-room", {{"room", {3, 0, 0}}});
+  scenario.Add("upstairs", {{"attic", {0, 0, 0}}});
+  scenario.Add("own", {{"here", {10, 3, 0}}});
+  scenario.Add("suspended", {{"room", {3, 0, 0}}}).use = graph::LinkPointUse::kSuspended;
+  scenario.Add("switched-off", {{"room", {4, 0, 0}}}).use = graph::LinkPointUse::kSwitchedOff;
+  scenario.Add("refused", {{"room", {3, 0, 0}}});
+  scenario.Add("lift", {{"room", {5, 0, 0}}, {"attic", {5, 0, 0}}});
+  scenario.knowledge().redundant = {LinkPointId("refused"), LinkPointId("lift")};
+  EXPECT_THAT(FindPlaces(scenario), ElementsAre("in-room@room", "switched-off@room", "lift@room", "side@room"))
+      << "only candidates are refused";
+  scenario.knowledge().report.entered_level = 1;
+  EXPECT_THAT(FindPlaces(scenario), UnorderedElementsAre("upstairs@attic", "lift@attic"));
+}
+
+TEST(GraphSearch, PlacesLieWithinTheSearchRadius) {
+  DoorScenario scenario;
+  scenario.Add("near", {{"room", {19, 0, 0}}});
+  scenario.Add("far", {{"room", {21, 0, 0}}});
+  EXPECT_THAT(FindPlaces(scenario), ElementsAre("side@room", "near@room"));
+  scenario.knowledge().options.search_base = 30.0;
+  EXPECT_THAT(FindPlaces(scenario), ElementsAre("side@room", "near@room", "far@room", "north@room", "north@hall"));
+}
+
+TEST(GraphSearch, TheRadiusGrowsWithTheDoorsUncertainty) {
+  DoorScenario scenario;
+  scenario.Add("far", {{"room", {24, 0, 0}}});
+  EXPECT_THAT(FindPlaces(scenario), Not(Contains("far@room")));
+  scenario.knowledge().T_map_door->covariance(0, 0) = 1.0;  // R = 20 m + 2 * 2.45 m
+  EXPECT_THAT(FindPlaces(scenario), Contains("far@room"));
+}
+
+TEST(GraphSearch, PlacesOfMapsWithoutAWayThereComeLastAndAreNotLimitedByDistance) {
+  DoorScenario scenario;
+  scenario.AddMap("island", 0);
+  scenario.Add("on-island", {{"island", {5000, 0, 0}}});
+  DoorKnowledge found;
+  EXPECT_THAT(FindPlaces(scenario, &found), ElementsAre("side@room", "on-island@island"));
+  EXPECT_FALSE(found.places->back().evidence.predicted.has_value());
+  EXPECT_FALSE(found.places->back().evidence.distance.has_value());
+  scenario.knowledge().options.max_compared = 1;
+  EXPECT_THAT(FindPlaces(scenario), ElementsAre("side@room"));
+  scenario.knowledge().options.max_compared = 0;
+  EXPECT_THAT(FindPlaces(scenario), IsEmpty());
+}
+
+TEST(GraphSearch, MapsAreThoseThatThePredictionReaches) {
+  DoorScenario scenario;
+  scenario.AddMap("island", 0);
+  scenario.Add("on-island", {{"island", {0, 0, 0}}});
+  scenario.Add("stairs", {{"here", {11, -5, 0}}, {"attic", {0, 0, 0}}});
+  EXPECT_THAT(FindMaps(scenario), ElementsAre("room")) << "the hall's link point is 30 m away, the island has no way";
+  scenario.knowledge().options.search_base = 31.0;
+  EXPECT_THAT(FindMaps(scenario), ElementsAre("hall", "room"));
+  scenario.knowledge().report.entered_level = 1;
+  EXPECT_THAT(FindMaps(scenario), ElementsAre("attic"));
+}
+
+TEST(GraphSearch, APassedDoorHasItsLinkPointsAndSightingsApart) {
+  DoorScenario scenario;
+  scenario.Add("door", {{"here", {10, 0, 0}}, {"room", {0, 0, 0}}});
+  scenario.Add("twin", {{"here", {10.4, 0, 0}}, {"room", {0.4, 0, 0}}});
+  scenario.Add("sighting", {{"here", {8.3, 0, 0}}});
+  scenario.Add("other-sighting", {{"here", {8.3, 6, 0}}});
+  const DoorKnowledge knowledge = scenario.Knowledge();
+  const PassedDoor passed = FindPassedDoor(knowledge);
+  ASSERT_EQ(passed.link_points.size(), 2U);
+  EXPECT_EQ(passed.link_points[0].known.link_point->id, LinkPointId("door")) << "the likeliest first";
+  EXPECT_EQ(passed.link_points[1].known.link_point->id, LinkPointId("twin"));
+  EXPECT_THAT(passed.link_points[0].place.evidence.predicted->pose, PoseNear(Pose2{2, 0, 0}, 1e-9, 1e-9));
+  EXPECT_THAT(passed.sightings, ElementsAre(LinkPointId("sighting")));
+}
+
+TEST(GraphSearch, NeedsTheSessionsMapInTheGraph) {
+  DoorScenario scenario;
+  scenario.knowledge().map->id = MapId("deleted");
+  DoorKnowledge knowledge = scenario.Knowledge();
+  GraphSearch search;
+  EXPECT_OK(search.Run({Target::kPassedDoor}, knowledge));
+  EXPECT_TRUE(absl::IsNotFound(search.Run({Target::kPlaces}, knowledge)));
+}
+
+}  // namespace
+}  // namespace enfilade::closure
