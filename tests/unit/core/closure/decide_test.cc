@@ -295,7 +295,7 @@ TEST(DecidePlaces, OfTwoPlacesThatHaveTheRobotHereTheDoorItPassedIsTaken) {
 TEST(DecidePlaces, StartsAMapWhereNothingIsKnown) {
   DoorScenario scenario;
   scenario.Add("seen-from-here", {{"here", {8.3, 0, 0}}});
-  scenario.knowledge().report.entered_surroundings = Environment::kOutdoor;
+  scenario.knowledge().report.entered_environment = Environment::kOutdoor;
   scenario.knowledge().report.place = graph::LinkPointKind::kDoor;
   scenario.knowledge().options.outdoor_profile = "yard";
   const DoorRun run = scenario.Run();

@@ -118,7 +118,7 @@ TEST(DescribeNewMap, TakesTheReportsWordOverTheOldMaps) {
   options.outdoor_profile = "long-range";
   for (const NewMapCase& one : cases) {
     sensor::DoorReport report;
-    report.entered_surroundings = one.entered;
+    report.entered_environment = one.entered;
     report.entered_level = one.level;
     const MapToStart map = DescribeNewMap(kRoom, one.from ? &*one.from : nullptr, &report, options);
     EXPECT_EQ(map.id, kRoom) << one.what;
