@@ -31,7 +31,7 @@ std::vector<PlacedScan> RemoveHitsThroughDoors(std::vector<PlacedScan> scans, co
 struct ScanLocation {
   bool accepted = false;
   PoseWithCovariance T_map_robot = {};  // if accepted
-  double matched_share = 0.0;      // of the points, on walls of the map
+  double matched_share = 0.0;           // of the points, on walls of the map
   std::string reason = {};
 };
 
