@@ -8,8 +8,8 @@
 
 namespace enfilade::server {
 
-// The gRPC services of enfilade.v1. Each method only names the handler that does the work: one file per RPC in the
-// folders beside this one.
+// The gRPC services of enfilade.v1: a list of the RPCs, one line each. The handlers that do the work are in the folders
+// beside this one, a file for each RPC. See docs/adding-an-rpc.md.
 class Api {
  public:
   // `services` must outlive the server that is built.

@@ -17,11 +17,10 @@ constexpr std::size_t kChunkBytes = 1 << 20;
 
 }  // namespace
 
-absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services,
-                                                                   const storage::CallContext& context,
+absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Services& services, const Call& call,
                                                                    const v1::ExportGraphRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
-  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), site));
   const auto text = std::make_shared<const std::string>(graph::GraphToGeoJson(
       graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr));
   const std::int64_t version = graph->graph().version();

@@ -46,7 +46,7 @@ absl::StatusOr<graph::RouteOptions> OptionsOf(const v1::FindRoutesRequest& reque
 
 }  // namespace
 
-absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, const Call& call,
                                                   const v1::FindRoutesRequest& request) {
   v1::FindRoutesResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName start, convert::ParseMapName("start_map", request.start_map()));
@@ -55,7 +55,7 @@ absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, cons
   if (!request.has_pose_map_start()) return InvalidArgument("pose_map_start is missing");
   if (!request.has_pose_map_goal()) return InvalidArgument("pose_map_goal is missing");
   ENFILADE_ASSIGN_OR_RETURN(const graph::RouteOptions options, OptionsOf(request));
-  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, start.site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), start.site));
   ENFILADE_ASSIGN_OR_RETURN(
       const graph::Routes routes,
       enfilade::graph::FindRoutes(graph->graph(),

@@ -7,12 +7,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services,
-                                                            const storage::CallContext& context,
+absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& services, const Call& call,
                                                             const v1::GetGeoreferenceRequest& request) {
   v1::GetGeoreferenceResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
-  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), site));
   if (graph->control_points.empty()) return NotFound("{} has no georeference", NameOf(site));
   // Fitted anew where the graph's does not: the answer is then why.
   ENFILADE_ASSIGN_OR_RETURN(const geo::GeoreferenceFit fit, FitControlPoints(graph->poses, graph->control_points));

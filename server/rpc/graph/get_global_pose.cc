@@ -63,20 +63,20 @@ std::optional<absl::StatusOr<v1::GetGlobalPoseResponse>> TryGetGlobalPose(const 
   return AnswerGiven(*graph, *given, request.map_pose());
 }
 
-absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const Call& call,
                                                         const v1::GetGlobalPoseRequest& request) {
   switch (request.subject_case()) {
     case v1::GetGlobalPoseRequest::kMapPose: {
       ENFILADE_ASSIGN_OR_RETURN(const GivenPose given, Parse(request.map_pose()));
-      ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, given.name.site));
+      ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), given.name.site));
       return AnswerGiven(*graph, given, request.map_pose());
     }
     case v1::GetGlobalPoseRequest::kRobot: {
       v1::GetGlobalPoseResponse response;
       ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName name, convert::ParseRobotName("robot", request.robot()));
       ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose report,
-                                services.robot_poses.Get(context, name.site, name.robot));
-      ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, name.site));
+                                services.robot_poses.Get(call.context(), name.site, name.robot));
+      ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), name.site));
       ENFILADE_ASSIGN_OR_RETURN(*response.mutable_global_pose(), GlobalPoseOf(*graph, report));
       return response;
     }

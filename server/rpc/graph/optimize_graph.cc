@@ -5,11 +5,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const Call& call,
                                                         const v1::OptimizeGraphRequest& request) {
   v1::OptimizeGraphResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
-  ENFILADE_ASSIGN_OR_RETURN(const OptimizedGraph optimized, services.graph_optimizer.Optimize(context, site));
+  ENFILADE_ASSIGN_OR_RETURN(const OptimizedGraph optimized, services.graph_optimizer.Optimize(call.context(), site));
   const graph::SolvedGraph& solution = optimized.solution;
   response.set_graph_version(optimized.version);
   response.set_solved_version(solution.graph_version);

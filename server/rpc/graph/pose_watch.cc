@@ -58,17 +58,17 @@ absl::Status PoseWatch::CheckRobots(const Services& services, const storage::Cal
 }
 
 bool PoseWatch::IsNew(const storage::RobotPose& report, std::int64_t graph_version, const v1::GlobalPose& pose) {
-  const auto [found, is_first] = told_.try_emplace(report.robot);
-  Told now{report.version, pose.pose_world_robot().SerializeAsString()};
-  const bool was_told_before =
+  const auto [found, is_first] = sent_.try_emplace(report.robot);
+  Sent now{report.version, pose.pose_world_robot().SerializeAsString()};
+  const bool was_sent_before =
       is_first && graph_version == token_.graph_version && report.version <= token_.report_version;
   const bool is_same = found->second.report_version == now.report_version && found->second.pose == now.pose;
   found->second = std::move(now);
-  return !was_told_before && (is_first || !is_same);
+  return !was_sent_before && (is_first || !is_same);
 }
 
-absl::StatusOr<bool> PoseWatch::Look(const Services& services, const storage::CallContext& context,
-                                     v1::WatchGlobalPosesResponse& response) {
+absl::StatusOr<bool> PoseWatch::Check(const Services& services, const storage::CallContext& context,
+                                      v1::WatchGlobalPosesResponse& response) {
   if (first_) ENFILADE_RETURN_IF_ERROR(CheckRobots(services, context));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site_));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::RobotPose> reports, services.robot_poses.List(context, site_));

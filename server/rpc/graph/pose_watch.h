@@ -25,15 +25,15 @@ class PoseWatch {
 
   // Writes what has changed since the last look into `response`. False where nothing has, except at the first look:
   // its answer tells graph version and resume token, if nothing else. NOT_FOUND: no such site or robot.
-  absl::StatusOr<bool> Look(const Services& services, const storage::CallContext& context,
-                            v1::WatchGlobalPosesResponse& response);
+  absl::StatusOr<bool> Check(const Services& services, const storage::CallContext& context,
+                             v1::WatchGlobalPosesResponse& response);
 
  private:
   struct Token {
     std::int64_t graph_version = 0;
     std::int64_t report_version = 0;  // the greatest
   };
-  struct Told {
+  struct Sent {
     std::int64_t report_version = 0;
     std::string pose;  // the message's pose_world_robot, as bytes
   };
@@ -46,7 +46,7 @@ class PoseWatch {
   std::set<RobotId> robots_;  // empty: all
   std::chrono::steady_clock::duration period_{};
   Token token_;
-  std::map<RobotId, Told> told_;
+  std::map<RobotId, Sent> sent_;
   bool first_ = true;
 };
 

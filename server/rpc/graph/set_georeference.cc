@@ -32,19 +32,19 @@ absl::StatusOr<std::vector<storage::ControlPoint>> Parse(const SiteId& site, con
 
 }  // namespace
 
-absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services,
-                                                            const storage::CallContext& context,
+absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& services, const Call& call,
                                                             const v1::SetGeoreferenceRequest& request) {
   v1::SetGeoreferenceResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const auto points, Parse(site, request.georeference()));
   // Fitted before it is stored: what does not fit is refused.
-  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), site));
   if (!points.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const geo::GeoreferenceFit fit, FitControlPoints(graph->poses, points));
     *response.mutable_georeference() = ToProto(site, *graph, fit, points);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.SetControlPoints(context, site, points));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            services.graph_store.SetControlPoints(call.context(), site, points));
   services.graphs.MarkChanged(site);
   response.mutable_georeference()->set_graph_version(version);
   return response;

@@ -13,7 +13,7 @@ constexpr int kMaxPoses = 10'000;
 
 }  // namespace
 
-absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& services, const Call& call,
                                                           const v1::TransformPosesRequest& request) {
   v1::TransformPosesResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName source, convert::ParseMapName("source_map", request.source_map()));
@@ -28,7 +28,7 @@ absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& servic
                               enfilade::convert::FromProto(fmt::format("poses[{}]", i), request.poses(i)));
     poses.push_back(pose);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, source.site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), source.site));
   response.set_graph_version(graph->graph().version());
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<graph::MapTransform> T_target_source,
                             graph::FindTransform(graph->graph(), target.map, source.map));

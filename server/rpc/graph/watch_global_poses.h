@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "absl/status/statusor.h"
 #include "enfilade/v1/graph_service.pb.h"
-#include "grpcpp/server_context.h"
-#include "grpcpp/support/server_callback.h"
 #include "server/app/services.h"
+#include "server/rpc/call/watch_stream.h"
 
 namespace enfilade::server {
 
-// The stream of GraphService.WatchGlobalPoses. Between two looks no thread is held.
-grpc::ServerWriteReactor<v1::WatchGlobalPosesResponse>* WatchGlobalPoses(const Services& services,
-                                                                         grpc::CallbackServerContext* call,
-                                                                         const v1::WatchGlobalPosesRequest* request);
+// GraphService.WatchGlobalPoses.
+absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>> WatchGlobalPoses(const Services& services, const Call& call,
+                                                                     const v1::WatchGlobalPosesRequest& request);
 
 }  // namespace enfilade::server

@@ -11,14 +11,13 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<MessageSource<v1::DownloadBlobResponse>> DownloadBlob(const Services& services,
-                                                                     const storage::CallContext& context,
+absl::StatusOr<MessageSource<v1::DownloadBlobResponse>> DownloadBlob(const Services& services, const Call& call,
                                                                      const v1::DownloadBlobRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   if (request.sha256().size() != 32) {
     return InvalidArgument("sha256 has {} bytes: expected 32", request.sha256().size());
   }
-  ENFILADE_ASSIGN_OR_RETURN(std::string data, services.blobs.Get(context, site, request.sha256()));
+  ENFILADE_ASSIGN_OR_RETURN(std::string data, services.blobs.Get(call.context(), site, request.sha256()));
   auto bytes = std::make_shared<const std::string>(std::move(data));
   return [bytes, sha256 = request.sha256(),
           offset = std::size_t{0}](v1::DownloadBlobResponse& message) mutable -> absl::StatusOr<bool> {

@@ -3,13 +3,13 @@
 
 #include "absl/status/statusor.h"
 #include "enfilade/v1/ingest_service.pb.h"
-#include "server/rpc/server_stream.h"
+#include "server/app/services.h"
+#include "server/rpc/call/server_stream.h"
 
 namespace enfilade::server {
 
 // IngestService.DownloadBlob.
-absl::StatusOr<MessageSource<v1::DownloadBlobResponse>> DownloadBlob(const Services& services,
-                                                                     const storage::CallContext& context,
+absl::StatusOr<MessageSource<v1::DownloadBlobResponse>> DownloadBlob(const Services& services, const Call& call,
                                                                      const v1::DownloadBlobRequest& request);
 
 }  // namespace enfilade::server

@@ -9,47 +9,14 @@
 #include "core/base/error.h"
 #include "core/base/mutex.h"
 #include "core/base/status_macros.h"
-#include "proto/convert/geometry.h"
 #include "proto/convert/names.h"
-#include "proto/convert/record.h"
+#include "server/rpc/call/status.h"
 #include "server/rpc/ingest/batch.h"
+#include "server/rpc/ingest/stream_messages.h"
 #include "server/rpc/session/door_verdict.h"
-#include "server/rpc/status.h"
 
 namespace enfilade::server {
 namespace {
-
-v1::StreamRecordsResponse ToResponse(const Refusal& refusal) {
-  v1::StreamRecordsResponse response;
-  v1::BatchRefused& out = *response.mutable_refused();
-  out.set_first_sequence(refusal.first_sequence);
-  out.set_sequence(refusal.sequence);
-  out.set_message(refusal.message);
-  switch (refusal.reason) {
-    case Refusal::Reason::kInvalidRecord:
-      out.set_reason(v1::BatchRefused::REASON_INVALID_RECORD);
-      break;
-    case Refusal::Reason::kConflictingRecord:
-      out.set_reason(v1::BatchRefused::REASON_CONFLICTING_RECORD);
-      break;
-    case Refusal::Reason::kInvalidBatch:
-      out.set_reason(v1::BatchRefused::REASON_INVALID_BATCH);
-      break;
-  }
-  return response;
-}
-
-// All but the robot. INVALID_ARGUMENT naming the field.
-absl::StatusOr<storage::RobotPose> ReadPoseReport(const v1::PoseReport& report) {
-  storage::RobotPose pose;
-  ENFILADE_ASSIGN_OR_RETURN(const convert::MapName map, convert::ParseMapName("pose_report.map", report.map()));
-  pose.site = map.site;
-  pose.map = map.map;
-  ENFILADE_ASSIGN_OR_RETURN(pose.T_map_robot,
-                            enfilade::convert::FromProto("pose_report.pose_map_robot", report.pose_map_robot()));
-  ENFILADE_ASSIGN_OR_RETURN(pose.time, convert::FromTimestamp(report.time()));
-  return pose;
-}
 
 // One stream. Its life: reading -> (half-closed by the client, failed, draining) -> what is pending is answered ->
 // finished. At most one read and one write are under way. gRPC's callbacks, the executor and Ingest's writers call in;
@@ -57,8 +24,8 @@ absl::StatusOr<storage::RobotPose> ReadPoseReport(const v1::PoseReport& report) 
 class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>,
                                    public std::enable_shared_from_this<StreamRecordsReactor> {
  public:
-  explicit StreamRecordsReactor(const Services& services)
-      : services_(services), timeout_(std::chrono::duration<double>(services.options.database.default_deadline_s)) {}
+  StreamRecordsReactor(const Services& services, const CallEntry& entry)
+      : services_(services), call_(BeginCall(entry)) {}
 
   void Begin() {
     self_ = shared_from_this();
@@ -89,18 +56,18 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     WriteNext();
   }
 
-  void OnCancel() override { EndReading(absl::CancelledError("the client has gone")); }
+  void OnCancel() override {
+    call_.Cancel();
+    EndReading(absl::CancelledError("the client has gone"));
+  }
 
   void OnDone() override {
     std::shared_ptr<Ingest::Stream> stream;
-    absl::Status status;
     {
       MutexLock lock(mutex_);
       stream = std::move(stream_);
-      status = status_;
     }
     if (stream) services_.ingest.Close(stream);
-    services_.metrics.CountCall("StreamRecords", status.code(), std::chrono::steady_clock::now() - begin_);
     self_.reset();  // may end this object
   }
 
@@ -110,15 +77,19 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     opening_ = true;
     absl::StatusOr<convert::SessionName> name = convert::ParseSessionName("open.session", request_.open().session());
     if (!name.ok()) return EndReading(name.status());
-    const bool queued = services_.executor.Post([self = shared_from_this(), name = *std::move(name)] {
-      const absl::StatusOr<storage::Session> session =
-          self->services_.sessions.Get(self->Context(), name.site, name.session);
-      self->Opened(name, session);
+    {
+      MutexLock lock(mutex_);  // EndReading() reads the site
+      call_.set_site(name->site.value());
+    }
+    call_.RunStep([self = shared_from_this(), name = *std::move(name)](const absl::Status& admitted,
+                                                                       const storage::CallContext& context) {
+      if (admitted.ok()) return self->Open(context, name);
+      self->EndReading(admitted);
     });
-    if (!queued) EndReading(absl::ResourceExhaustedError("too many calls are waiting: try again later"));
   }
 
-  void Opened(const convert::SessionName& name, const absl::StatusOr<storage::Session>& session) {
+  void Open(const storage::CallContext& context, const convert::SessionName& name) {
+    const absl::StatusOr<storage::Session> session = services_.sessions.Get(context, name.site, name.session);
     if (!session.ok()) return EndReading(session.status());
     auto stream = services_.ingest.Open(
         name, [self = std::weak_ptr<StreamRecordsReactor>(shared_from_this())](const IngestEvent& event) {
@@ -190,8 +161,11 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
   void StorePose() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (storing_pose_ || !waiting_pose_) return;
-    storing_pose_ = services_.executor.Post([self = shared_from_this(), pose = *std::exchange(waiting_pose_, {})] {
-      const absl::Status stored = self->services_.robot_poses.Report(self->Context(), pose);
+    storing_pose_ = true;
+    call_.Continue([self = shared_from_this(), pose = *std::exchange(waiting_pose_, {})] {
+      storage::CallContext context = self->call_.StepContext();
+      context.cancellation = {};  // what was received is stored, even if the client has gone since
+      const absl::Status stored = self->services_.robot_poses.Report(context, pose);
       MutexLock lock(self->mutex_);
       self->storing_pose_ = false;
       if (!stored.ok()) self->RefusePose(stored);
@@ -281,17 +255,13 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
       StartWrite(&response_);
     } else if (ending_ && (unanswered_ == 0 || !status_.ok())) {
       finished_ = true;
+      call_.Finish(status_);
       Finish(ToGrpcStatus(status_));
     }
   }
 
-  storage::CallContext Context() const {
-    return storage::CallContext::WithTimeout(std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout_));
-  }
-
   const Services& services_;
-  const std::chrono::duration<double> timeout_;  // of the session's look-up; the stream itself has none
-  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Call call_;
   std::shared_ptr<StreamRecordsReactor> self_;  // until gRPC is done with it
 
   v1::StreamRecordsRequest request_;  // of the one read under way
@@ -317,8 +287,9 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
 }  // namespace
 
-grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>* StreamRecords(const Services& services) {
-  const auto reactor = std::make_shared<StreamRecordsReactor>(services);
+grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>* StreamRecords(const Services& services,
+                                                                                            const CallEntry& entry) {
+  const auto reactor = std::make_shared<StreamRecordsReactor>(services, entry);
   reactor->Begin();
   return reactor.get();
 }

@@ -4,10 +4,12 @@
 #include "enfilade/v1/ingest_service.pb.h"
 #include "grpcpp/support/server_callback.h"
 #include "server/app/services.h"
+#include "server/rpc/call/grpc_call.h"
 
 namespace enfilade::server {
 
 // IngestService.StreamRecords: one session's batches in, acknowledgements out.
-grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>* StreamRecords(const Services& services);
+grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>* StreamRecords(const Services& services,
+                                                                                            const CallEntry& entry);
 
 }  // namespace enfilade::server

@@ -11,9 +11,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const storage::CallContext& context,
-                                          const std::string& session, const v1::Record& message,
-                                          const std::string* blob) {
+absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const Call& call, const std::string& session,
+                                          const v1::Record& message, const std::string* blob) {
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("session", session));
   ENFILADE_ASSIGN_OR_RETURN(const sensor::Record record, enfilade::convert::FromProto(message));
   std::vector<storage::BlobView> blobs;
@@ -25,7 +24,7 @@ absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const storag
     blobs.push_back({content.sha256, *blob});
   }
   const storage::RecordBatch batch{name.site, name.session, absl::MakeConstSpan(&record, 1), blobs};
-  ENFILADE_ASSIGN_OR_RETURN(const storage::AppendResult result, services.records.Append(context, batch));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::AppendResult result, services.records.Append(call.context(), batch));
   services.metrics.CountRecordsStored(result.inserted, result.duplicates);
   services.mapping.Wake();
   return result.acknowledged_sequence;

@@ -7,15 +7,14 @@
 #include "absl/status/statusor.h"
 #include "enfilade/v1/record.pb.h"
 #include "server/app/services.h"
-#include "storage/call_context.h"
+#include "server/rpc/call/call.h"
 
 namespace enfilade::server {
 
 // The body of all Submit RPCs: stores one record, with its blob's bytes where it has one, and returns the session's
 // acknowledged sequence.
-absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const storage::CallContext& context,
-                                          const std::string& session, const v1::Record& record,
-                                          const std::string* blob = nullptr);
+absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const Call& call, const std::string& session,
+                                          const v1::Record& record, const std::string* blob = nullptr);
 
 // Fills in what the client may leave to the server: size and digest of `data`.
 void CompleteContent(const std::string& data, v1::BlobRef& content);

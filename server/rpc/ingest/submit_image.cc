@@ -5,7 +5,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, const Call& call,
                                                     const v1::SubmitImageRequest& request) {
   v1::SubmitImageResponse response;
   v1::Record record;
@@ -15,7 +15,7 @@ absl::StatusOr<v1::SubmitImageResponse> SubmitImage(const Services& services, co
     CompleteContent(request.data(), *record.mutable_image()->mutable_content());
   }
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t acknowledged,
-                            SubmitRecord(services, context, request.session(), record, &request.data()));
+                            SubmitRecord(services, call, request.session(), record, &request.data()));
   response.set_acknowledged_sequence(acknowledged);
   return response;
 }

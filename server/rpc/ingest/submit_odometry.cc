@@ -5,14 +5,13 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SubmitOdometryResponse> SubmitOdometry(const Services& services, const Call& call,
                                                           const v1::SubmitOdometryRequest& request) {
   v1::SubmitOdometryResponse response;
   v1::Record record;
   record.set_sequence(request.sequence());
   if (request.has_odometry()) *record.mutable_odometry() = request.odometry();
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t acknowledged,
-                            SubmitRecord(services, context, request.session(), record));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t acknowledged, SubmitRecord(services, call, request.session(), record));
   response.set_acknowledged_sequence(acknowledged);
   return response;
 }

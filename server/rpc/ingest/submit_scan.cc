@@ -5,14 +5,13 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SubmitScanResponse> SubmitScan(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SubmitScanResponse> SubmitScan(const Services& services, const Call& call,
                                                   const v1::SubmitScanRequest& request) {
   v1::SubmitScanResponse response;
   v1::Record record;
   record.set_sequence(request.sequence());
   if (request.has_laser_scan()) *record.mutable_laser_scan() = request.laser_scan();
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t acknowledged,
-                            SubmitRecord(services, context, request.session(), record));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t acknowledged, SubmitRecord(services, call, request.session(), record));
   response.set_acknowledged_sequence(acknowledged);
   return response;
 }

@@ -8,8 +8,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services& services,
-                                                                  const storage::CallContext& context,
+absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services& services, const Call& call,
                                                                   const v1::AddLinkPointAnchorRequest& request) {
   v1::AddLinkPointAnchorResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
@@ -17,9 +16,9 @@ absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services
   ENFILADE_ASSIGN_OR_RETURN(const graph::Anchor anchor, FromProto("anchor", name.site, request.anchor()));
   ENFILADE_ASSIGN_OR_RETURN(
       const storage::StoredLinkPoint changed,
-      services.link_points.AddAnchor(context, name.site, {name.link_point, etag, anchor, request.force()}));
+      services.link_points.AddAnchor(call.context(), name.site, {name.link_point, etag, anchor, request.force()}));
   services.graphs.MarkChanged(name.site);
-  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
   return response;
 }
 

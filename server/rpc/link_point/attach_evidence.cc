@@ -3,7 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "server/rpc/client_stream.h"
+#include "server/rpc/call/client_stream.h"
 #include "server/rpc/ingest/batch.h"
 #include "server/rpc/link_point/convert.h"
 
@@ -12,8 +12,7 @@ namespace {
 
 class EvidenceTaker {
  public:
-  EvidenceTaker(const Services& services, const storage::CallContext& context)
-      : services_(services), context_(context) {}
+  EvidenceTaker(const Services& services, const Call& call) : services_(services), call_(call) {}
 
   absl::Status Take(const v1::AttachEvidenceRequest& request) {
     if (request.has_manifest() && !begun_) {
@@ -38,16 +37,17 @@ class EvidenceTaker {
     if (has_chunks_ && !complete_) return InvalidArgument("the chunks end before the blob does");
     if (complete_) {
       const IngestBlob blob = blob_.Take();
-      ENFILADE_RETURN_IF_ERROR(services_.blobs.Put(context_, name_.site, {{evidence_.content.sha256, blob.data}}));
+      ENFILADE_RETURN_IF_ERROR(
+          services_.blobs.Put(call_.context(), name_.site, {{evidence_.content.sha256, blob.data}}));
     }
-    ENFILADE_RETURN_IF_ERROR(services_.link_points.PutEvidence(context_, name_.site, evidence_));
+    ENFILADE_RETURN_IF_ERROR(services_.link_points.PutEvidence(call_.context(), name_.site, evidence_));
     *response.mutable_evidence() = ToProto(name_.site, evidence_);
     return absl::OkStatus();
   }
 
  private:
   const Services& services_;
-  const storage::CallContext context_;
+  const Call& call_;
   bool begun_ = false;
   bool has_chunks_ = false;
   bool complete_ = false;
@@ -58,11 +58,10 @@ class EvidenceTaker {
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::AttachEvidenceRequest>* AttachEvidence(const Services& services,
-                                                                   grpc::CallbackServerContext* call,
+grpc::ServerReadReactor<v1::AttachEvidenceRequest>* AttachEvidence(const Services& services, const CallEntry& entry,
                                                                    v1::AttachEvidenceResponse* response) {
-  return new ClientStreamReactor<EvidenceTaker, v1::AttachEvidenceRequest, v1::AttachEvidenceResponse>(
-      services, call, "AttachEvidence", response);
+  return RunClientStream<EvidenceTaker, v1::AttachEvidenceRequest>(
+      entry, response, [&services](const Call& call) { return EvidenceTaker(services, call); });
 }
 
 }  // namespace enfilade::server

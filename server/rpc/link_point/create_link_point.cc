@@ -8,8 +8,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services,
-                                                            const storage::CallContext& context,
+absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& services, const Call& call,
                                                             const v1::CreateLinkPointRequest& request) {
   v1::CreateLinkPointResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
@@ -18,7 +17,7 @@ absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& serv
   link_point.point.id = LinkPointId(std::move(id));
   link_point.forced = request.force();
   ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint created,
-                            services.link_points.Create(context, link_point, request.request_id()));
+                            services.link_points.Create(call.context(), link_point, request.request_id()));
   services.graphs.MarkChanged(site);
   *response.mutable_link_point() = ToProto(created);
   return response;

@@ -8,13 +8,12 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services,
-                                                            const storage::CallContext& context,
+absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& services, const Call& call,
                                                             const v1::DeleteLinkPointRequest& request) {
   v1::DeleteLinkPointResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_RETURN_IF_ERROR(services.link_points.Delete(context, name.site, name.link_point, etag));
+  ENFILADE_RETURN_IF_ERROR(services.link_points.Delete(call.context(), name.site, name.link_point, etag));
   services.graphs.MarkChanged(name.site);
   return response;
 }

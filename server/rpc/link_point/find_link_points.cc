@@ -42,22 +42,22 @@ absl::Status SearchAroundPose(const v1::FindLinkPointsRequest& request, const Po
   return absl::OkStatus();
 }
 
-absl::Status SearchInMap(const Services& services, const storage::CallContext& context, const SiteId& site,
+absl::Status SearchInMap(const Services& services, const Call& call, const SiteId& site,
                          const v1::FindLinkPointsRequest& request, Search& search) {
   ENFILADE_ASSIGN_OR_RETURN(const MapId map, MapOfSite("pose_in_map.map", site, request.pose_in_map().map()));
   ENFILADE_ASSIGN_OR_RETURN(
       const PoseWithCovariance T_map_robot,
       enfilade::convert::FromProto("pose_in_map.pose_map_robot", request.pose_in_map().pose_map_robot()));
-  ENFILADE_ASSIGN_OR_RETURN(const auto places, services.graph_store.GetPlaces(context, site, {map}));
+  ENFILADE_ASSIGN_OR_RETURN(const auto places, services.graph_store.GetPlaces(call.context(), site, {map}));
   if (!places.empty()) return SearchAroundPose(request, Compose(places[0].T_world_map, T_map_robot), search);
-  ENFILADE_RETURN_IF_ERROR(services.maps.Get(context, site, map).status());
+  ENFILADE_RETURN_IF_ERROR(services.maps.Get(call.context(), site, map).status());
   // Nothing is known about how far anything is: all that could be there, as the predecessor did.
   search.query.reset();
   search.unplaced = true;
   return absl::OkStatus();
 }
 
-absl::StatusOr<Search> SearchOf(const Services& services, const storage::CallContext& context, const SiteId& site,
+absl::StatusOr<Search> SearchOf(const Services& services, const Call& call, const SiteId& site,
                                 const v1::FindLinkPointsRequest& request) {
   Search search;
   storage::LinkPointQuery& query = search.query.emplace();
@@ -69,7 +69,7 @@ absl::StatusOr<Search> SearchOf(const Services& services, const storage::CallCon
   search.unplaced = request.include_unplaced();
   switch (request.around_case()) {
     case v1::FindLinkPointsRequest::kPoseInMap:
-      ENFILADE_RETURN_IF_ERROR(SearchInMap(services, context, site, request, search));
+      ENFILADE_RETURN_IF_ERROR(SearchInMap(services, call, site, request, search));
       return search;
     case v1::FindLinkPointsRequest::kPoseWorld: {
       ENFILADE_ASSIGN_OR_RETURN(const PoseWithCovariance pose,
@@ -116,12 +116,12 @@ void Describe(const storage::StoredLinkPoint& link_point, const std::optional<Po
 
 }  // namespace
 
-absl::Status FindLinkPoints(const Services& services, const storage::CallContext& context,
-                            const v1::FindLinkPointsRequest& request, v1::FindLinkPointsResponse& response) {
+absl::Status FindLinkPoints(const Services& services, const Call& call, const v1::FindLinkPointsRequest& request,
+                            v1::FindLinkPointsResponse& response) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
-  ENFILADE_ASSIGN_OR_RETURN(const Search search, SearchOf(services, context, site, request));
+  ENFILADE_ASSIGN_OR_RETURN(const Search search, SearchOf(services, call, site, request));
   if (search.query) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.Find(context, site, *search.query));
+    ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.Find(call.context(), site, *search.query));
     for (const storage::StoredLinkPoint& link_point : found.link_points) {
       Describe(link_point, search.center, *response.add_found());
     }
@@ -131,11 +131,11 @@ absl::Status FindLinkPoints(const Services& services, const storage::CallContext
   }
   if (search.center) enfilade::convert::ToProto(*search.center, *response.mutable_pose_world());
   if (search.unplaced) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.ListUnplaced(context, site, kMaxCount));
+    ENFILADE_ASSIGN_OR_RETURN(const auto found, services.link_points.ListUnplaced(call.context(), site, kMaxCount));
     for (const storage::StoredLinkPoint& link_point : found) Describe(link_point, std::nullopt, *response.add_found());
   }
   if (!search.query) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.GetVersion(context, site));
+    ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, services.graph_store.GetVersion(call.context(), site));
     response.set_graph_version(version);
   }
   return absl::OkStatus();

@@ -8,13 +8,13 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetLinkPointResponse> GetLinkPoint(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetLinkPointResponse> GetLinkPoint(const Services& services, const Call& call,
                                                       const v1::GetLinkPointRequest& request) {
   v1::GetLinkPointResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint stored,
-                            services.link_points.Get(context, name.site, name.link_point));
-  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, stored));
+                            services.link_points.Get(call.context(), name.site, name.link_point));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), stored));
   return response;
 }
 

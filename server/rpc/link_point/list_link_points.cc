@@ -30,16 +30,17 @@ absl::StatusOr<storage::LinkPointFilter> FilterOf(const SiteId& site, const v1::
 
 }  // namespace
 
-absl::StatusOr<v1::ListLinkPointsResponse> ListLinkPoints(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListLinkPointsResponse> ListLinkPoints(const Services& services, const Call& call,
                                                           const v1::ListLinkPointsRequest& request) {
   v1::ListLinkPointsResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
   ENFILADE_ASSIGN_OR_RETURN(const std::string after, FromPageToken(request.page_token()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::LinkPointFilter filter, FilterOf(site, request));
-  ENFILADE_ASSIGN_OR_RETURN(auto found, services.link_points.List(context, site, filter, {size + 1, after}));
+  ENFILADE_ASSIGN_OR_RETURN(auto found, services.link_points.List(call.context(), site, filter, {size + 1, after}));
   if (CutToPage(found, size)) response.set_next_page_token(ToPageToken(found.back().point.id.value()));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<v1::LinkPoint> link_points, WithEvidence(services, context, site, found));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<v1::LinkPoint> link_points,
+                            WithEvidence(services, call.context(), site, found));
   for (v1::LinkPoint& link_point : link_points) *response.add_link_points() = std::move(link_point);
   return response;
 }

@@ -24,8 +24,7 @@ void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mas
 
 }  // namespace
 
-absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services,
-                                                            const storage::CallContext& context,
+absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services, const Call& call,
                                                             const v1::UpdateLinkPointRequest& request) {
   v1::UpdateLinkPointResponse response;
   const auto& mask = request.update_mask();
@@ -35,16 +34,17 @@ absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& serv
                             convert::ParseLinkPointName("link_point.name", request.link_point().name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.link_point().etag()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint stored,
-                            services.link_points.Get(context, name.site, name.link_point));
+                            services.link_points.Get(call.context(), name.site, name.link_point));
   v1::LinkPoint wanted = ToProto(stored);
   Overwrite(request.link_point(), mask, wanted);
   ENFILADE_ASSIGN_OR_RETURN(storage::StoredLinkPoint link_point, FromProto(name.site, wanted));
   link_point.point.id = name.link_point;
   link_point.forced = stored.forced;
   link_point.etag = etag != 0 ? etag : stored.etag;
-  ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint changed, services.link_points.Update(context, link_point));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint changed,
+                            services.link_points.Update(call.context(), link_point));
   services.graphs.MarkChanged(name.site);
-  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, context, changed));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
   return response;
 }
 

@@ -6,14 +6,15 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::CreateMapResponse> CreateMap(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::CreateMapResponse> CreateMap(const Services& services, const Call& call,
                                                 const v1::CreateMapRequest& request) {
   v1::CreateMapResponse response;
   ENFILADE_ASSIGN_OR_RETURN(storage::Map map, FromProto(request.map()));
   ENFILADE_ASSIGN_OR_RETURN(map.site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("map_id", request.map_id()));
   map.id = MapId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Map created, services.maps.Create(context, map, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map created,
+                            services.maps.Create(call.context(), map, request.request_id()));
   services.graphs.MarkChanged(map.site);
   *response.mutable_map() = ToProto(created);
   return response;

@@ -6,11 +6,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const Call& call,
                                                 const v1::DeleteMapRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName name, convert::ParseMapName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_RETURN_IF_ERROR(services.maps.Delete(context, name.site, name.map, etag, request.force()));
+  ENFILADE_RETURN_IF_ERROR(services.maps.Delete(call.context(), name.site, name.map, etag, request.force()));
   services.graphs.MarkChanged(name.site);
   return v1::DeleteMapResponse();
 }

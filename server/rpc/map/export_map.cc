@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/map_service.pb.h"
 #include "proto/convert/names.h"
 #include "server/rpc/map/chunk_message.h"
 #include "server/rpc/resources.h"
@@ -74,21 +74,13 @@ class ExportSource {
   std::int64_t offset_ = 0;
 };
 
-absl::StatusOr<v1::ExportMapRequest> Decode(grpc::ByteBuffer bytes) {
-  v1::ExportMapRequest request;
-  const grpc::Status status = grpc::SerializationTraits<v1::ExportMapRequest>::Deserialize(&bytes, &request);
-  if (!status.ok()) return InvalidArgument("the request is no ExportMapRequest: {}", status.error_message());
-  return request;
-}
-
 }  // namespace
 
-absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const storage::CallContext& context,
-                                                          const grpc::ByteBuffer& encoded_request) {
-  ENFILADE_ASSIGN_OR_RETURN(const v1::ExportMapRequest request, Decode(encoded_request));
+absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const Call& call,
+                                                          const v1::ExportMapRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const convert::RevisionName name, convert::ParseMapOrRevisionName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const grid::MapFileFormat format, FormatOf(request.format()));
-  ENFILADE_ASSIGN_OR_RETURN(ExportedMap map, services.exports.Get(context, name, format));
+  ENFILADE_ASSIGN_OR_RETURN(ExportedMap map, services.exports.Get(call.context(), name, format));
   return MessageSource<grpc::ByteBuffer>(ExportSource(std::move(map)));
 }
 

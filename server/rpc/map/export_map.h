@@ -2,13 +2,15 @@
 #pragma once
 
 #include "absl/status/statusor.h"
+#include "enfilade/v1/map_service.pb.h"
 #include "grpcpp/support/byte_buffer.h"
-#include "server/rpc/server_stream.h"
+#include "server/app/services.h"
+#include "server/rpc/call/server_stream.h"
 
 namespace enfilade::server {
 
 // MapService.ExportMap, with its messages in the form in which they travel: see EncodeChunkMessage().
-absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const storage::CallContext& context,
-                                                          const grpc::ByteBuffer& encoded_request);
+absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const Call& call,
+                                                          const v1::ExportMapRequest& request);
 
 }  // namespace enfilade::server

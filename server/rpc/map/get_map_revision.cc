@@ -6,12 +6,12 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const Call& call,
                                                           const v1::GetMapRevisionRequest& request) {
   v1::GetMapRevisionResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::RevisionName name, convert::ParseRevisionName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
-                            services.revisions.Get(context, name.site, name.map, name.revision));
+                            services.revisions.Get(call.context(), name.site, name.map, name.revision));
   *response.mutable_revision() = ToProto(revision);
   return response;
 }

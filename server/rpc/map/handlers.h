@@ -4,26 +4,24 @@
 #include "absl/status/statusor.h"
 #include "enfilade/v1/map_service.pb.h"
 #include "server/app/services.h"
-#include "storage/call_context.h"
+#include "server/rpc/call/call.h"
 
 namespace enfilade::server {
 
-// The unary RPCs of MapService, one file each. What they answer and when they fail is told in the proto.
+// The unary RPCs of MapService, one file each. The proto says what they answer and when they fail.
 
-absl::StatusOr<v1::CreateMapResponse> CreateMap(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::CreateMapResponse> CreateMap(const Services& services, const Call& call,
                                                 const v1::CreateMapRequest& request);
-absl::StatusOr<v1::GetMapResponse> GetMap(const Services& services, const storage::CallContext& context,
-                                          const v1::GetMapRequest& request);
-absl::StatusOr<v1::ListMapsResponse> ListMaps(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetMapResponse> GetMap(const Services& services, const Call& call, const v1::GetMapRequest& request);
+absl::StatusOr<v1::ListMapsResponse> ListMaps(const Services& services, const Call& call,
                                               const v1::ListMapsRequest& request);
-absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const Call& call,
                                                 const v1::UpdateMapRequest& request);
-absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const Call& call,
                                                 const v1::DeleteMapRequest& request);
-absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const Call& call,
                                                           const v1::GetMapRevisionRequest& request);
-absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services,
-                                                              const storage::CallContext& context,
+absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services, const Call& call,
                                                               const v1::ListMapRevisionsRequest& request);
 
 }  // namespace enfilade::server

@@ -5,7 +5,7 @@
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/app/mapping/raster_revision.h"
-#include "server/rpc/client_stream.h"
+#include "server/rpc/call/client_stream.h"
 #include "server/rpc/map/file_assembly.h"
 #include "server/rpc/resources.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 class MapImporter {
  public:
-  MapImporter(const Services& services, const storage::CallContext& context) : services_(services), context_(context) {}
+  MapImporter(const Services& services, const Call& call) : services_(services), call_(call) {}
 
   absl::Status Take(const v1::ImportMapRequest& request) {
     if (request.has_chunk()) return assembly_.Add(request.chunk());
@@ -37,16 +37,16 @@ class MapImporter {
     for (const std::string& warning : imported.warnings) response.add_warnings(warning);
     ENFILADE_ASSIGN_OR_RETURN(RasterRevision raster, ToRevision(imported.raster));
     raster.revision.source = storage::RevisionSource::kImport;
-    ENFILADE_RETURN_IF_ERROR(PutTiles(context_, services_.blobs, name_.site, raster, {}));
+    ENFILADE_RETURN_IF_ERROR(PutTiles(call_.context(), services_.blobs, name_.site, raster, {}));
     ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
-                              services_.revisions.Add(context_, name_.site, name_.map, raster.revision, {}));
+                              services_.revisions.Add(call_.context(), name_.site, name_.map, raster.revision, {}));
     *response.mutable_revision() = ToProto(revision);
     return absl::OkStatus();
   }
 
  private:
   const Services& services_;
-  const storage::CallContext context_;
+  const Call& call_;
   bool begun_ = false;
   convert::MapName name_;
   grid::MapDialect dialect_ = grid::MapDialect::kNav2;
@@ -55,10 +55,10 @@ class MapImporter {
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(const Services& services, grpc::CallbackServerContext* call,
+grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(const Services& services, const CallEntry& entry,
                                                          v1::ImportMapResponse* response) {
-  return new ClientStreamReactor<MapImporter, v1::ImportMapRequest, v1::ImportMapResponse>(services, call, "ImportMap",
-                                                                                           response);
+  return RunClientStream<MapImporter, v1::ImportMapRequest>(
+      entry, response, [&services](const Call& call) { return MapImporter(services, call); });
 }
 
 }  // namespace enfilade::server

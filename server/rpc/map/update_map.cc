@@ -6,7 +6,7 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const Call& call,
                                                 const v1::UpdateMapRequest& request) {
   v1::UpdateMapResponse response;
   const auto& mask = request.update_mask();
@@ -14,7 +14,7 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "level", "environment", "slam_profile", "outline"}));
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName name, convert::ParseMapName("map.name", wanted.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(wanted.etag()));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Map stored, services.maps.Get(context, name.site, name.map));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map stored, services.maps.Get(call.context(), name.site, name.map));
 
   v1::Map changed = ToProto(stored);
   if (IsUpdated(mask, "display_name", !wanted.display_name().empty())) changed.set_display_name(wanted.display_name());
@@ -26,7 +26,7 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   map.site = name.site;
   map.id = name.map;
   map.etag = etag != 0 ? etag : stored.etag;
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Map updated, services.maps.Update(context, map));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map updated, services.maps.Update(call.context(), map));
   services.graphs.MarkChanged(name.site);
   *response.mutable_map() = ToProto(updated);
   return response;

@@ -6,14 +6,15 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::CreateRobotResponse> CreateRobot(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::CreateRobotResponse> CreateRobot(const Services& services, const Call& call,
                                                     const v1::CreateRobotRequest& request) {
   v1::CreateRobotResponse response;
   ENFILADE_ASSIGN_OR_RETURN(storage::Robot robot, FromProto(request.robot()));
   ENFILADE_ASSIGN_OR_RETURN(robot.site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("robot_id", request.robot_id()));
   robot.id = RobotId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot created, services.robots.Create(context, robot, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot created,
+                            services.robots.Create(call.context(), robot, request.request_id()));
   *response.mutable_robot() = ToProto(created);
   return response;
 }

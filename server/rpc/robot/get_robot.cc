@@ -6,11 +6,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetRobotResponse> GetRobot(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetRobotResponse> GetRobot(const Services& services, const Call& call,
                                               const v1::GetRobotRequest& request) {
   v1::GetRobotResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::RobotName name, convert::ParseRobotName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot robot, services.robots.Get(context, name.site, name.robot));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot robot, services.robots.Get(call.context(), name.site, name.robot));
   *response.mutable_robot() = ToProto(robot);
   return response;
 }

@@ -4,11 +4,8 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services,
-                                                            const storage::CallContext& context,
-                                                            const v1::GetServerStatusRequest& request) {
-  (void)context;
-  (void)request;
+absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services, const Call& /*call*/,
+                                                            const v1::GetServerStatusRequest& /*request*/) {
   v1::GetServerStatusResponse response;
   const Readiness::State state = services.readiness.state();
   response.set_version(kVersion);

@@ -4,14 +4,13 @@
 #include "absl/status/statusor.h"
 #include "enfilade/v1/server_service.pb.h"
 #include "server/app/services.h"
-#include "storage/call_context.h"
+#include "server/rpc/call/call.h"
 
 namespace enfilade::server {
 
-// The unary RPCs of ServerService, one file each. What they answer and when they fail is told in the proto.
+// The unary RPCs of ServerService, one file each. The proto says what they answer and when they fail.
 
-absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services,
-                                                            const storage::CallContext& context,
+absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& services, const Call& call,
                                                             const v1::GetServerStatusRequest& request);
 
 }  // namespace enfilade::server

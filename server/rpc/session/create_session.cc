@@ -48,7 +48,7 @@ absl::StatusOr<sensor::SessionEntry> EntryFromProto(const v1::Session& session, 
 
 }  // namespace
 
-absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services, const Call& call,
                                                         const v1::CreateSessionRequest& request) {
   v1::CreateSessionResponse response;
   storage::Session session;
@@ -69,7 +69,7 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("session_id", request.session_id()));
   session.id = SessionId(std::move(id));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Session created,
-                            services.sessions.Create(context, session, request.request_id()));
+                            services.sessions.Create(call.context(), session, request.request_id()));
   *response.mutable_session() = ToProto(created);
   return response;
 }

@@ -6,10 +6,10 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::DeleteSessionResponse> DeleteSession(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::DeleteSessionResponse> DeleteSession(const Services& services, const Call& call,
                                                         const v1::DeleteSessionRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
-  ENFILADE_RETURN_IF_ERROR(services.sessions.Delete(context, name.site, name.session));
+  ENFILADE_RETURN_IF_ERROR(services.sessions.Delete(call.context(), name.site, name.session));
   return v1::DeleteSessionResponse();
 }
 

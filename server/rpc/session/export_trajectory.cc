@@ -16,10 +16,10 @@ constexpr std::size_t kPosesPerMessage = 4096;
 }  // namespace
 
 absl::StatusOr<MessageSource<v1::ExportTrajectoryResponse>> ExportTrajectory(
-    const Services& services, const storage::CallContext& context, const v1::ExportTrajectoryRequest& request) {
+    const Services& services, const Call& call, const v1::ExportTrajectoryRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(storage::Trajectory read,
-                            services.mappings.ReadTrajectory(context, name.site, name.session));
+                            services.mappings.ReadTrajectory(call.context(), name.site, name.session));
   auto trajectory = std::make_shared<const storage::Trajectory>(std::move(read));
   return [trajectory, next = std::size_t{0}](v1::ExportTrajectoryResponse& message) mutable -> absl::StatusOr<bool> {
     if (next > 0 && next >= trajectory->poses.size()) return false;

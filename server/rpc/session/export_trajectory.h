@@ -3,12 +3,13 @@
 
 #include "absl/status/statusor.h"
 #include "enfilade/v1/session_service.pb.h"
-#include "server/rpc/server_stream.h"
+#include "server/app/services.h"
+#include "server/rpc/call/server_stream.h"
 
 namespace enfilade::server {
 
 // SessionService.ExportTrajectory.
 absl::StatusOr<MessageSource<v1::ExportTrajectoryResponse>> ExportTrajectory(
-    const Services& services, const storage::CallContext& context, const v1::ExportTrajectoryRequest& request);
+    const Services& services, const Call& call, const v1::ExportTrajectoryRequest& request);
 
 }  // namespace enfilade::server

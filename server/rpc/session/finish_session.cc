@@ -6,12 +6,12 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services, const Call& call,
                                                         const v1::FinishSessionRequest& request) {
   v1::FinishSessionResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Session session,
-                            services.sessions.Finish(context, name.site, name.session, request.last_sequence()));
+                            services.sessions.Finish(call.context(), name.site, name.session, request.last_sequence()));
   services.mapping.Wake();
   *response.mutable_session() = ToProto(session);
   return response;

@@ -6,11 +6,12 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::GetSessionResponse> GetSession(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::GetSessionResponse> GetSession(const Services& services, const Call& call,
                                                   const v1::GetSessionRequest& request) {
   v1::GetSessionResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, services.sessions.Get(context, name.site, name.session));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Session session,
+                            services.sessions.Get(call.context(), name.site, name.session));
   *response.mutable_session() = ToProto(session);
   return response;
 }

@@ -16,7 +16,7 @@ constexpr char kSeparator = '/';
 
 }  // namespace
 
-absl::StatusOr<v1::ListSessionsResponse> ListSessions(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::ListSessionsResponse> ListSessions(const Services& services, const Call& call,
                                                       const v1::ListSessionsRequest& request) {
   v1::ListSessionsResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
@@ -31,7 +31,7 @@ absl::StatusOr<v1::ListSessionsResponse> ListSessions(const Services& services, 
     }
     after->id = SessionId(std::string(time.ptr + 1, key.data() + key.size()));
   }
-  ENFILADE_ASSIGN_OR_RETURN(auto sessions, services.sessions.List(context, site, {}, size + 1, after));
+  ENFILADE_ASSIGN_OR_RETURN(auto sessions, services.sessions.List(call.context(), site, {}, size + 1, after));
   if (CutToPage(sessions, size)) {
     const storage::Session& last = sessions.back();
     response.set_next_page_token(ToPageToken(std::to_string(last.create_time) + kSeparator + last.id.value()));

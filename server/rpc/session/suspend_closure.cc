@@ -6,12 +6,13 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::SuspendClosureResponse> SuspendClosure(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::SuspendClosureResponse> SuspendClosure(const Services& services, const Call& call,
                                                           const v1::SuspendClosureRequest& request) {
   v1::SuspendClosureResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::LoopClosureName name, convert::ParseLoopClosureName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const slam::LoopClosure closure,
-                            services.closures.SetSuspended(context, name.site, name.session, name.closure, true));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const slam::LoopClosure closure,
+      services.closures.SetSuspended(call.context(), name.site, name.session, name.closure, true));
   services.mapping.Wake();
   *response.mutable_closure() = ToProto({name.site, name.session}, closure);
   return response;

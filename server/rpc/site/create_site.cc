@@ -6,13 +6,14 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::CreateSiteResponse> CreateSite(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::CreateSiteResponse> CreateSite(const Services& services, const Call& call,
                                                   const v1::CreateSiteRequest& request) {
   v1::CreateSiteResponse response;
   ENFILADE_ASSIGN_OR_RETURN(storage::Site site, FromProto(request.site()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("site_id", request.site_id()));
   site.id = SiteId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Site created, services.sites.Create(context, site, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Site created,
+                            services.sites.Create(call.context(), site, request.request_id()));
   *response.mutable_site() = ToProto(created);
   return response;
 }

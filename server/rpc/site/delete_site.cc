@@ -6,11 +6,11 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::DeleteSiteResponse> DeleteSite(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::DeleteSiteResponse> DeleteSite(const Services& services, const Call& call,
                                                   const v1::DeleteSiteRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId id, convert::ParseSiteName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_RETURN_IF_ERROR(services.sites.Delete(context, id, etag, request.force()));
+  ENFILADE_RETURN_IF_ERROR(services.sites.Delete(call.context(), id, etag, request.force()));
   return v1::DeleteSiteResponse();
 }
 

@@ -23,8 +23,7 @@ v1::AuditEntry ToProto(const std::string& site_name, const storage::AuditEntry& 
 
 }  // namespace
 
-absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services,
-                                                              const storage::CallContext& context,
+absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& services, const Call& call,
                                                               const v1::ListAuditEntriesRequest& request) {
   v1::ListAuditEntriesResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
@@ -35,8 +34,8 @@ absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(const Services& se
   const std::string resource = request.resource().empty() ? "" : request.resource().substr(within.size());
   ENFILADE_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t before, FromNumericPageToken(request.page_token(), 0));
-  ENFILADE_RETURN_IF_ERROR(services.sites.Get(context, site).status());
-  ENFILADE_ASSIGN_OR_RETURN(auto entries, services.audit.List(context, site, resource, before, size + 1));
+  ENFILADE_RETURN_IF_ERROR(services.sites.Get(call.context(), site).status());
+  ENFILADE_ASSIGN_OR_RETURN(auto entries, services.audit.List(call.context(), site, resource, before, size + 1));
   if (CutToPage(entries, size)) response.set_next_page_token(ToPageToken(std::to_string(entries.back().id)));
   for (const storage::AuditEntry& entry : entries) *response.add_entries() = ToProto(NameOf(site), entry);
   return response;

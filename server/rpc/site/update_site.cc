@@ -6,14 +6,14 @@
 
 namespace enfilade::server {
 
-absl::StatusOr<v1::UpdateSiteResponse> UpdateSite(const Services& services, const storage::CallContext& context,
+absl::StatusOr<v1::UpdateSiteResponse> UpdateSite(const Services& services, const Call& call,
                                                   const v1::UpdateSiteRequest& request) {
   v1::UpdateSiteResponse response;
   const auto& mask = request.update_mask();
   ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "raw_retention"}));
   ENFILADE_ASSIGN_OR_RETURN(const SiteId id, convert::ParseSiteName("site.name", request.site().name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.site().etag()));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Site stored, services.sites.Get(context, id));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Site stored, services.sites.Get(call.context(), id));
 
   v1::Site changed = ToProto(stored);
   if (IsUpdated(mask, "display_name", !request.site().display_name().empty())) {
@@ -26,7 +26,7 @@ absl::StatusOr<v1::UpdateSiteResponse> UpdateSite(const Services& services, cons
   ENFILADE_ASSIGN_OR_RETURN(storage::Site site, FromProto(changed));
   site.id = id;
   site.etag = etag != 0 ? etag : stored.etag;
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Site updated, services.sites.Update(context, site));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Site updated, services.sites.Update(call.context(), site));
   *response.mutable_site() = ToProto(updated);
   return response;
 }

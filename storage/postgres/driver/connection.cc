@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -17,8 +18,11 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// How much longer than the server to wait for what the server should have given up at the deadline.
+// How much longer than the deadline to wait: the server should give up the statement at the deadline and say so.
 constexpr std::chrono::milliseconds kGrace{500};
+// How long a statement may run on after its caller has cancelled the call.
+constexpr std::chrono::milliseconds kCancellationCheck{50};
+constexpr char kQueryCanceled[] = "57014";
 constexpr std::size_t kCopySlice = 1 << 20;
 constexpr int kOldestServer = 150000;
 
@@ -35,7 +39,7 @@ PollOutcome PollSocket(int socket, short events, steady_clock::time_point until)
   }
 }
 
-// Whether an error leaves the connection of no further use although the socket may still be open.
+// Whether an error makes the connection useless although the socket may still be open.
 bool EndsConnection(const absl::Status& status) {
   const std::string sqlstate = SqlStateOf(status);
   return sqlstate.starts_with("57P") || sqlstate.starts_with("08") || sqlstate.starts_with("25P03") ||
@@ -149,23 +153,24 @@ void Connection::Queue(const Statement& statement, const Params& params) {
   if (!sent) queue_status_ = Broken(LostConnection(connection_.get(), statement.what));
 }
 
-absl::StatusOr<std::vector<Result>> Connection::Flush(Deadline deadline) {
+absl::StatusOr<std::vector<Result>> Connection::Flush(const CallContext& context) {
   std::vector<Queued> queue = std::exchange(queue_, {});
   absl::Status status = std::exchange(queue_status_, absl::OkStatus());
   if (status.ok()) status = EnterPipeline();
   ENFILADE_RETURN_IF_ERROR(status);
-  const char* what = queue.empty() ? "asking the database" : queue.back().statement->what;
+  const char* what = queue.empty() ? "querying the database" : queue.back().statement->what;
   if (!PQpipelineSync(connection_.get())) return Broken(LostConnection(connection_.get(), what));
   std::vector<Result> results;
   for (const Queued& queued : queue) {
-    const absl::Status taken = TakeResult(queued, deadline, results);
+    const absl::Status taken = TakeResult(queued, context, results);
     if (status.ok()) status = taken;
     if (broken()) return status;
   }
-  ENFILADE_RETURN_IF_ERROR(AwaitResult(deadline, what));
+  ENFILADE_RETURN_IF_ERROR(AwaitResult(context, what));
   const Result sync(PQgetResult(connection_.get()));
   if (PQresultStatus(sync.get()) != PGRES_PIPELINE_SYNC) return Broken(LostConnection(connection_.get(), what));
   if (EndsConnection(status)) broken_ = true;
+  status = NameCancellation(std::move(status), context);
   if (!status.ok()) {
     statement_timeout_ms_ = 0;
     return status;
@@ -173,11 +178,11 @@ absl::StatusOr<std::vector<Result>> Connection::Flush(Deadline deadline) {
   return results;
 }
 
-absl::Status Connection::TakeResult(const Queued& queued, Deadline deadline, std::vector<Result>& results) {
+absl::Status Connection::TakeResult(const Queued& queued, const CallContext& context, std::vector<Result>& results) {
   const char* what = queued.statement->what;
-  ENFILADE_RETURN_IF_ERROR(AwaitResult(deadline, what));
+  ENFILADE_RETURN_IF_ERROR(AwaitResult(context, what));
   Result result(PQgetResult(connection_.get()));
-  ENFILADE_RETURN_IF_ERROR(AwaitResult(deadline, what));
+  ENFILADE_RETURN_IF_ERROR(AwaitResult(context, what));
   const Result end(PQgetResult(connection_.get()));  // null: the statement has no further result
   if (end.get()) return Broken(Internal("{}: an unexpected second result", what));
   const ExecStatusType outcome = PQresultStatus(result.get());
@@ -192,19 +197,44 @@ absl::Status Connection::TakeResult(const Queued& queued, Deadline deadline, std
   return status;
 }
 
-absl::Status Connection::Wait(bool for_writing, Deadline deadline, std::string_view what) {
+absl::Status Connection::Wait(bool for_writing, const CallContext& context, std::string_view what) {
   const auto events = static_cast<short>(for_writing ? POLLIN | POLLOUT : POLLIN);
-  switch (PollSocket(PQsocket(connection_.get()), events, deadline + kGrace)) {
-    case PollOutcome::kReady:
-      return absl::OkStatus();
-    case PollOutcome::kTimeout:
-      return Broken(absl::DeadlineExceededError(fmt::format("{}: no answer from the database in time", what)));
-    default:
-      return Broken(LostConnection(connection_.get(), what));
+  const auto until = context.deadline + kGrace;
+  while (true) {
+    if (!cancel_sent_ && context.cancellation.stop_requested()) CancelStatement();
+    const bool may_cancel = !cancel_sent_ && context.cancellation.stop_possible();
+    const auto next = may_cancel ? std::min(until, steady_clock::now() + kCancellationCheck) : until;
+    switch (PollSocket(PQsocket(connection_.get()), events, next)) {
+      case PollOutcome::kReady:
+        return absl::OkStatus();
+      case PollOutcome::kTimeout:
+        if (next < until) break;
+        return Broken(absl::DeadlineExceededError(fmt::format("{}: no answer from the database in time", what)));
+      case PollOutcome::kError:
+        return Broken(LostConnection(connection_.get(), what));
+    }
   }
 }
 
-absl::Status Connection::AwaitResult(Deadline deadline, std::string_view what) {
+// From the waiting thread, so that a request that comes late meets a connection in the hands of the same caller:
+// PostgreSQL ignores it there once the statement has ended. Opens a connection of its own for it; if that fails the
+// statement runs on until its timeout.
+void Connection::CancelStatement() {
+  cancel_sent_ = true;
+  PGcancel* const cancel = PQgetCancel(connection_.get());
+  if (!cancel) return;
+  std::array<char, 256> error{};
+  PQcancel(cancel, error.data(), static_cast<int>(error.size()));
+  PQfreeCancel(cancel);
+}
+
+absl::Status Connection::NameCancellation(absl::Status status, const CallContext& context) {
+  const bool was_sent = std::exchange(cancel_sent_, false);
+  if (!was_sent || SqlStateOf(status) != kQueryCanceled || steady_clock::now() >= context.deadline) return status;
+  return absl::CancelledError(status.message());
+}
+
+absl::Status Connection::AwaitResult(const CallContext& context, std::string_view what) {
   bool unsent = true;
   while (true) {
     if (unsent) {
@@ -213,27 +243,27 @@ absl::Status Connection::AwaitResult(Deadline deadline, std::string_view what) {
       unsent = flushed == 1;
     }
     if (!PQisBusy(connection_.get())) return absl::OkStatus();
-    ENFILADE_RETURN_IF_ERROR(Wait(unsent, deadline, what));
+    ENFILADE_RETURN_IF_ERROR(Wait(unsent, context, what));
     if (!PQconsumeInput(connection_.get())) return Broken(LostConnection(connection_.get(), what));
   }
 }
 
-absl::Status Connection::SendAll(Deadline deadline, std::string_view what) {
+absl::Status Connection::SendAll(const CallContext& context, std::string_view what) {
   while (true) {
     const int flushed = PQflush(connection_.get());
     if (flushed == 0) return absl::OkStatus();
     if (flushed < 0) return Broken(LostConnection(connection_.get(), what));
-    ENFILADE_RETURN_IF_ERROR(Wait(true, deadline, what));
+    ENFILADE_RETURN_IF_ERROR(Wait(true, context, what));
     if (!PQconsumeInput(connection_.get())) return Broken(LostConnection(connection_.get(), what));
   }
 }
 
-absl::Status Connection::CopyIn(const Statement& statement, std::string_view data, Deadline deadline) {
+absl::Status Connection::CopyIn(const Statement& statement, std::string_view data, const CallContext& context) {
   ENFILADE_RETURN_IF_ERROR(LeavePipeline(statement.what));
   if (!PQsendQuery(connection_.get(), statement.sql)) {
     return Broken(LostConnection(connection_.get(), statement.what));
   }
-  ENFILADE_RETURN_IF_ERROR(AwaitResult(deadline, statement.what));
+  ENFILADE_RETURN_IF_ERROR(AwaitResult(context, statement.what));
   const Result start(PQgetResult(connection_.get()));
   absl::Status status;
   if (PQresultStatus(start.get()) == PGRES_COPY_IN) {
@@ -243,7 +273,7 @@ absl::Status Connection::CopyIn(const Statement& statement, std::string_view dat
       if (PQputCopyData(connection_.get(), slice.data(), static_cast<int>(slice.size())) != 1) {
         return Broken(LostConnection(connection_.get(), statement.what));
       }
-      ENFILADE_RETURN_IF_ERROR(SendAll(deadline, statement.what));
+      ENFILADE_RETURN_IF_ERROR(SendAll(context, statement.what));
     }
     if (PQputCopyEnd(connection_.get(), nullptr) != 1) {
       return Broken(LostConnection(connection_.get(), statement.what));
@@ -251,7 +281,7 @@ absl::Status Connection::CopyIn(const Statement& statement, std::string_view dat
   } else {
     status = StatusFromResult(start.get(), statement.what);
   }
-  const absl::Status finished = FinishCopy(statement, deadline);
+  const absl::Status finished = FinishCopy(statement, context);
   return status.ok() ? finished : status;
 }
 
@@ -276,10 +306,10 @@ absl::StatusOr<std::vector<std::string>> Connection::AwaitNotifications(Deadline
   }
 }
 
-absl::Status Connection::FinishCopy(const Statement& statement, Deadline deadline) {
+absl::Status Connection::FinishCopy(const Statement& statement, const CallContext& context) {
   absl::Status status;
   while (true) {
-    ENFILADE_RETURN_IF_ERROR(AwaitResult(deadline, statement.what));
+    ENFILADE_RETURN_IF_ERROR(AwaitResult(context, statement.what));
     const Result result(PQgetResult(connection_.get()));
     if (!result.get()) break;
     if (PQresultStatus(result.get()) != PGRES_COMMAND_OK && status.ok()) {
@@ -287,7 +317,7 @@ absl::Status Connection::FinishCopy(const Statement& statement, Deadline deadlin
     }
   }
   if (EndsConnection(status)) broken_ = true;
-  return status;
+  return NameCancellation(std::move(status), context);
 }
 
 }  // namespace enfilade::storage::postgres

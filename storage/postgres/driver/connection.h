@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "storage/call_context.h"
 #include "storage/postgres/driver/params.h"
 #include "storage/postgres/driver/result.h"
 
@@ -24,48 +25,51 @@ struct Statement {
 };
 
 // One connection. Statements are queued and sent together: a flush is one round trip, however many they are. Not
-// thread-safe; never blocks for longer than a deadline and a grace of half a second (in which the server's own timeout
-// should have answered).
+// thread-safe; never blocks for longer than a deadline and a grace of half a second, in which the server's own timeout
+// should have answered.
 class Connection {
  public:
   using Deadline = std::chrono::steady_clock::time_point;
 
-  // UNAVAILABLE with the reason; PERMISSION_DENIED; FAILED_PRECONDITION where the database does not exist or the server
-  // is too old.
+  // UNAVAILABLE with the reason; PERMISSION_DENIED; FAILED_PRECONDITION if the database does not exist or the server is
+  // too old.
   static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& url, const std::string& application_name,
                                                           Deadline deadline);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  // What goes wrong here shows in the flush.
+  // The flush returns the errors.
   void Queue(const Statement& statement, const Params& params);
 
   // Sends what is queued and waits for all of it; the results come in the order of the queue. The error is that of the
   // first statement that failed; those after it were not executed.
   //
   // Outside BEGIN and COMMIT all of the queue is one transaction, committed with the flush.
-  absl::StatusOr<std::vector<Result>> Flush(Deadline deadline);
+  //
+  // CANCELLED if the context's cancellation stopped a statement, which it does within a fraction of a second
+  // (PQcancel); the connection remains usable.
+  absl::StatusOr<std::vector<Result>> Flush(const CallContext& context);
 
   // COPY ... FROM STDIN (FORMAT binary) with the whole of `data` (see CopyBuffer). Nothing may be queued.
-  absl::Status CopyIn(const Statement& statement, std::string_view data, Deadline deadline);
+  absl::Status CopyIn(const Statement& statement, std::string_view data, const CallContext& context);
 
-  // Payloads of notifications on the channels that were listened to; waits for the first until the deadline, and gives
-  // none then. Nothing may be queued. UNAVAILABLE where the connection is lost.
+  // Payloads of notifications on the channels that this connection listens to. Waits for the first until the deadline,
+  // and returns none then. Nothing may be queued. UNAVAILABLE if the connection is lost.
   absl::StatusOr<std::vector<std::string>> AwaitNotifications(Deadline deadline);
-  // Not to be given back to the pool.
+  // Keeps the connection out of the pool: it is closed instead.
   void Retire() { broken_ = true; }
 
-  // The session's statement_timeout in ms as its users last set it; 0: not known. A flush that fails forgets it, as
-  // what set it may have been rolled back.
+  // The session's statement_timeout in ms as its users last set it; 0: unknown. A flush that fails resets it, as the
+  // setting may have been rolled back.
   std::int64_t statement_timeout_ms() const { return statement_timeout_ms_; }
   void set_statement_timeout_ms(std::int64_t timeout) { statement_timeout_ms_ = timeout; }
 
-  // Nothing can be done with it any more but to destroy it.
+  // It can only be destroyed.
   bool broken() const;
-  // Outside any transaction, nothing queued, nothing wrong: another caller may have it.
+  // Outside any transaction, nothing queued, not broken: another caller may have it.
   bool idle() const;
-  // Whether the server has closed an idle connection, as far as is known without asking it.
+  // Whether the server has closed an idle connection, as far as the socket shows.
   bool closed_by_server();
 
  private:
@@ -83,11 +87,15 @@ class Connection {
   absl::Status EnterPipeline();
   absl::Status LeavePipeline(std::string_view what);
   // Waits until the next result can be taken without blocking.
-  absl::Status AwaitResult(Deadline deadline, std::string_view what);
-  absl::Status SendAll(Deadline deadline, std::string_view what);
-  absl::Status Wait(bool for_writing, Deadline deadline, std::string_view what);
-  absl::Status TakeResult(const Queued& queued, Deadline deadline, std::vector<Result>& results);
-  absl::Status FinishCopy(const Statement& statement, Deadline deadline);
+  absl::Status AwaitResult(const CallContext& context, std::string_view what);
+  absl::Status SendAll(const CallContext& context, std::string_view what);
+  absl::Status Wait(bool for_writing, const CallContext& context, std::string_view what);
+  absl::Status TakeResult(const Queued& queued, const CallContext& context, std::vector<Result>& results);
+  absl::Status FinishCopy(const Statement& statement, const CallContext& context);
+  // Asks the server to stop the running statement.
+  void CancelStatement();
+  // At the end of a flush or copy: CANCELLED if CancelStatement() made it fail.
+  absl::Status NameCancellation(absl::Status status, const CallContext& context);
   absl::Status Broken(absl::Status status);
 
   std::unique_ptr<pg_conn, Disconnect> connection_;
@@ -96,6 +104,7 @@ class Connection {
   std::vector<Queued> queue_;
   absl::Status queue_status_;
   std::int64_t statement_timeout_ms_ = 0;
+  bool cancel_sent_ = false;  // by the flush or copy under way
   bool broken_ = false;
 };
 

@@ -16,6 +16,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
+// How soon a caller that waits for a connection notices that its call was cancelled.
+constexpr milliseconds kCancellationCheck{50};
+
 absl::Status ValidateUrl(const std::string& url) {
   char* error = nullptr;
   PQconninfoOption* parsed = PQconninfoParse(url.c_str(), &error);
@@ -65,7 +68,7 @@ absl::StatusOr<Pool::Lease> Pool::Acquire(const CallContext& context) {
       return Lease(this, std::move(opened));
     }
     // An empty flush asks for an answer without a statement.
-    const bool dead = take.idle->closed_by_server() || (take.check && !take.idle->Flush(context.deadline).ok());
+    const bool dead = take.idle->closed_by_server() || (take.check && !take.idle->Flush(context).ok());
     if (!dead) return Lease(this, std::move(take.idle));
     take.idle.reset();
     Forget();
@@ -75,6 +78,7 @@ absl::StatusOr<Pool::Lease> Pool::Acquire(const CallContext& context) {
 absl::StatusOr<Pool::Take> Pool::TakeOrWait(const CallContext& context) {
   const MutexLock lock(mutex_);
   while (true) {
+    if (context.cancellation.stop_requested()) return absl::CancelledError("the caller has cancelled the call");
     if (!idle_.empty()) {
       Idle idle = std::move(idle_.back());
       idle_.pop_back();
@@ -88,9 +92,11 @@ absl::StatusOr<Pool::Take> Pool::TakeOrWait(const CallContext& context) {
       return Take{};
     }
     ++stats_.waiting;
-    const bool notified = freed_.WaitUntil(mutex_, context.deadline);
+    freed_.WaitUntil(mutex_, context.cancellation.stop_possible()
+                                 ? std::min(context.deadline, steady_clock::now() + kCancellationCheck)
+                                 : context.deadline);
     --stats_.waiting;
-    if (!notified && idle_.empty() && stats_.open >= options_.max_connections) {
+    if (idle_.empty() && stats_.open >= options_.max_connections && steady_clock::now() >= context.deadline) {
       return absl::DeadlineExceededError(
           fmt::format("all {} connections to the database stayed busy", options_.max_connections));
     }
@@ -110,7 +116,7 @@ absl::StatusOr<std::unique_ptr<Connection>> Pool::Open(const CallContext& contex
   --stats_.busy;
   ++stats_.failures;
   freed_.NotifyOne();
-  if (steady_clock::now() >= context.deadline) return opened;  // too little time says nothing about the server
+  if (steady_clock::now() >= context.deadline) return opened;  // the failure may be for lack of time
   backoff_ = std::clamp(backoff_ * 2, options_.first_backoff, options_.max_backoff);
   next_attempt_ = steady_clock::now() + backoff_;
   last_failure_ = opened.status();
@@ -128,17 +134,12 @@ void Pool::GiveBack(std::unique_ptr<Connection> connection) {
   freed_.NotifyOne();
 }
 
-// A connection is gone: another may be opened.
+// A connection was closed: another may be opened.
 void Pool::Forget() {
   const MutexLock lock(mutex_);
   --stats_.open;
   --stats_.busy;
   freed_.NotifyOne();
-}
-
-absl::Status Pool::Ping(const CallContext& context) {
-  ENFILADE_ASSIGN_OR_RETURN(const Lease lease, Acquire(context));
-  return lease->Flush(context.deadline).status();
 }
 
 Pool::Stats Pool::stats() const {

@@ -23,9 +23,9 @@ struct PoolOptions {
   int max_connections = 16;
   // How long one attempt to connect may take.
   std::chrono::milliseconds connect_timeout{5000};
-  // A connection that lay idle for longer is tried with a query before it is given out.
+  // A connection that was idle for longer is checked by a query before it is handed out.
   std::chrono::milliseconds check_idle_after{10'000};
-  // After a failed attempt to connect no other is made for this time, doubled with each failure up to the maximum.
+  // After a failed attempt to connect there is no other for this time, doubled with each failure up to the maximum.
   std::chrono::milliseconds first_backoff{50};
   std::chrono::milliseconds max_backoff{2000};
   std::string application_name = "enfilade";
@@ -37,13 +37,13 @@ struct PoolOptions {
 // Connections to one database, opened when needed and kept. Thread-safe. Must outlive all leases and stores on it.
 class Pool {
  public:
-  // Connects to nothing yet. INVALID_ARGUMENT where the options or the URL are malformed.
+  // Connects to nothing yet. INVALID_ARGUMENT if the options or the URL are malformed.
   static absl::StatusOr<std::unique_ptr<Pool>> Create(PoolOptions options);
   ~Pool();
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
 
-  // A connection for exclusive use; it goes back into the pool with the lease, or is closed where it broke.
+  // A connection for exclusive use; the lease gives it back to the pool, or closes it if it is broken.
   class Lease {
    public:
     ~Lease();
@@ -61,12 +61,9 @@ class Pool {
     Pool* pool_;
     std::unique_ptr<Connection> connection_;
   };
-  // UNAVAILABLE at once where the server cannot be reached (or could not a moment ago: back-off), with its reason;
-  // DEADLINE_EXCEEDED where all connections stay busy until the deadline.
+  // UNAVAILABLE with the reason, without waiting, if the server cannot be reached or could not a moment ago (back-off);
+  // DEADLINE_EXCEEDED if all connections stay busy until the deadline; CANCELLED with the caller's call.
   absl::StatusOr<Lease> Acquire(const CallContext& context);
-
-  // One round trip to the database.
-  absl::Status Ping(const CallContext& context);
 
   struct Stats {
     int open = 0;
@@ -90,7 +87,7 @@ class Pool {
     std::unique_ptr<Connection> idle;  // to be used if it is alive
     bool check = false;                // by a query
   };
-  // An idle connection, or none and the right to open one.
+  // An idle connection, or none and the right to open one; the latter is counted as open already.
   absl::StatusOr<Take> TakeOrWait(const CallContext& context);
   absl::StatusOr<std::unique_ptr<Connection>> Open(const CallContext& context);
   void GiveBack(std::unique_ptr<Connection> connection);

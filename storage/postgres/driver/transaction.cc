@@ -20,8 +20,8 @@ constexpr Statement kSetTimeout{"setting the statement timeout", "SELECT set_con
 constexpr Statement kSetActor{"naming the actor", "SELECT set_config('enfilade.actor', $1, true)"};
 constexpr std::chrono::seconds kRollbackTime{2};
 
-// What remains, rounded down by at most 5 %, so that calls of about the same deadline have the same timeout. In
-// milliseconds; at least one, because 0 means none.
+// The time that remains, rounded down by at most 5 %, so that calls of about the same deadline have the same timeout.
+// In milliseconds; at least 1, because 0 means no timeout.
 std::int64_t TimeoutMs(Connection::Deadline deadline) {
   constexpr double kStep = 1.05;
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now()).count();
@@ -29,7 +29,7 @@ std::int64_t TimeoutMs(Connection::Deadline deadline) {
   return static_cast<std::int64_t>(std::pow(kStep, std::floor(std::log(bounded) / std::log(kStep))));
 }
 
-// Nothing where the connection has it already: setting it costs about a tenth of a small query.
+// Does nothing if the connection has this timeout: setting it costs about a tenth of a small query.
 void QueueTimeout(Connection& connection, Connection::Deadline deadline) {
   const std::int64_t timeout = TimeoutMs(deadline);
   if (connection.statement_timeout_ms() == timeout) return;
@@ -44,21 +44,20 @@ absl::StatusOr<Transaction> Transaction::Begin(Pool& pool, const CallContext& co
   return Transaction(std::move(lease), context);
 }
 
-Transaction::Transaction(Pool::Lease lease, const CallContext& context)
-    : lease_(std::move(lease)), deadline_(context.deadline), actor_(context.actor) {}
+Transaction::Transaction(Pool::Lease lease, const CallContext& context) : lease_(std::move(lease)), context_(context) {}
 
 Transaction::~Transaction() {
   if (!lease_ || !open_ || lease_->broken()) return;
   lease_->set_statement_timeout_ms(0);
   lease_->Queue(kRollback, Params());
-  // Where this fails the pool closes the connection, which rolls back as well.
-  lease_->Flush(steady_clock::now() + kRollbackTime).IgnoreError();
+  // If this fails, the pool closes the connection, which rolls back as well.
+  lease_->Flush(CallContext::WithTimeout(kRollbackTime)).IgnoreError();
 }
 
 void Transaction::QueueBegin() {
   lease_->Queue(kBegin, Params());
-  QueueTimeout(*lease_, deadline_);
-  if (!actor_.empty()) lease_->Queue(kSetActor, Params(actor_));
+  QueueTimeout(*lease_, context_.deadline);
+  if (!context_.actor.empty()) lease_->Queue(kSetActor, Params(context_.actor));
   open_ = true;
 }
 
@@ -70,7 +69,7 @@ void Transaction::Queue(const Statement& statement, const Params& params) {
 
 absl::StatusOr<std::vector<Result>> Transaction::Flush() {
   const int queued = std::exchange(queued_, 0);
-  auto results = lease_->Flush(deadline_);
+  auto results = lease_->Flush(context_);
   failed_ = failed_ || !results.ok();
   if (results.ok()) results->erase(results->begin(), results->end() - queued);  // those of BEGIN and its settings
   return results;
@@ -86,7 +85,7 @@ absl::Status Transaction::CopyIn(const Statement& statement, std::string_view da
   const bool begins = !open_;
   if (begins) QueueBegin();
   if (begins || queued_ > 0) ENFILADE_RETURN_IF_ERROR(Flush().status());
-  absl::Status copied = lease_->CopyIn(statement, data, deadline_);
+  absl::Status copied = lease_->CopyIn(statement, data, context_);
   failed_ = failed_ || !copied.ok();
   return copied;
 }
@@ -111,7 +110,7 @@ absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, cons
   QueueTimeout(*lease, context.deadline);
   if (!context.actor.empty()) lease->Queue(kSetActor, Params(context.actor));
   lease->Queue(statement, params);
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, lease->Flush(context.deadline));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, lease->Flush(context));
   return std::move(results.back());
 }
 

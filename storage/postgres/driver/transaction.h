@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -12,10 +11,12 @@
 
 namespace enfilade::storage::postgres {
 
-// BEGIN ... COMMIT on a connection of the pool, with the database's statement_timeout at what remains of the deadline
-// (rounded down by at most 5 %) and the audit trail's actor set.
-// Rolled back when it goes without a commit. Costs no round trip of its own: BEGIN goes with the first statement,
-// what was queued with the next one or the commit. Not thread-safe.
+// BEGIN ... COMMIT on a connection of the pool, with the database's statement_timeout set to the time that remains
+// until the deadline (rounded down by at most 5 %), and the audit trail's actor. The context's cancellation cancels the
+// running statement.
+//
+// Rolled back if it is destroyed without a commit. Costs no round trip of its own: BEGIN goes with the first statement,
+// and queued statements go with the next one or the commit. Not thread-safe.
 class Transaction {
  public:
   static absl::StatusOr<Transaction> Begin(Pool& pool, const CallContext& context);
@@ -23,16 +24,17 @@ class Transaction {
   Transaction(Transaction&&) = default;
   Transaction& operator=(Transaction&&) = delete;
 
-  // Executed with the next Flush, Execute, CopyIn or Commit, which then also gives its error.
+  // Executed with the next Flush, Execute, CopyIn or Commit, which returns its error.
   void Queue(const Statement& statement, const Params& params);
-  // What is queued, in one round trip, and its rows in that order. After an error only the destructor may follow.
+  // Executes the queue in one round trip and returns its rows in that order. After an error only the destructor may
+  // follow.
   absl::StatusOr<std::vector<Result>> Flush();
   // Queue and Flush; only this statement's rows.
   absl::StatusOr<Result> Execute(const Statement& statement, const Params& params);
   absl::Status CopyIn(const Statement& statement, std::string_view data);
-  // UNAVAILABLE where the connection was lost: then nobody knows whether it was committed.
+  // UNAVAILABLE if the connection was lost: then nobody knows whether it was committed.
   absl::Status Commit();
-  // The same, with the rows of what was queued.
+  // The same, with the rows of the queue.
   absl::StatusOr<std::vector<Result>> FlushAndCommit();
 
  private:
@@ -40,14 +42,13 @@ class Transaction {
   void QueueBegin();
 
   Pool::Lease lease_;
-  Connection::Deadline deadline_;
-  std::string actor_;
+  CallContext context_;
   bool open_ = false;  // BEGIN was sent and neither COMMIT nor ROLLBACK
   bool failed_ = false;
-  int queued_ = 0;  // statements of the caller that wait for the flush
+  int queued_ = 0;  // the caller's statements that wait for the flush
 };
 
-// One statement, as a transaction of its own, in one round trip; its timeout is what remains of the deadline. For
+// One statement as one transaction in one round trip; its timeout is the time that remains until the deadline. For
 // statements that write: UNAVAILABLE means that nobody knows whether it was committed.
 absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
                                     const Params& params);

@@ -18,7 +18,7 @@ constexpr Statement kListen{"listening for changes of graphs", "LISTEN enfilade_
 absl::StatusOr<std::unique_ptr<storage::GraphListener>> GraphListener::Open(Pool& pool, const CallContext& context) {
   ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
   lease->Queue(kListen, Params());
-  ENFILADE_RETURN_IF_ERROR(lease->Flush(context.deadline).status());
+  ENFILADE_RETURN_IF_ERROR(lease->Flush(context).status());
   return std::unique_ptr<storage::GraphListener>(new GraphListener(std::move(lease)));
 }
 

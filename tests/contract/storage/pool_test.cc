@@ -19,6 +19,10 @@ using ::testing::HasSubstr;
 constexpr Statement kOne{"selecting one", "SELECT 1::bigint"};
 constexpr Statement kSum{"adding", "SELECT $1 + $2"};
 
+absl::Status Ping(Pool& pool) {
+  return ExecuteAlone(pool, CallContext::WithTimeout(std::chrono::seconds(10)), kOne, Params()).status();
+}
+
 class PoolTest : public enfilade::testing::DatabaseTest {
  protected:
   std::unique_ptr<Pool> Make(PoolOptions options) {
@@ -44,7 +48,7 @@ TEST_F(PoolTest, RefusesMalformedOptions) {
 }
 
 TEST_F(PoolTest, KeepsConnectionsForTheNextCaller) {
-  for (int i = 0; i < 3; ++i) ASSERT_OK(pool_->Ping(Soon()));
+  for (int i = 0; i < 3; ++i) ASSERT_OK(Ping(*pool_));
   EXPECT_EQ(pool_->stats().opened, 1);
   EXPECT_EQ(pool_->stats().open, 1);
   EXPECT_EQ(pool_->stats().busy, 0);
@@ -81,7 +85,7 @@ TEST_F(PoolTest, AWaitingCallerGetsTheConnectionThatComesBack) {
   auto lease = std::make_unique<absl::StatusOr<Pool::Lease>>(pool->Acquire(Soon()));
   ASSERT_OK(*lease);
   absl::Status waited = absl::UnknownError("not yet");
-  std::thread waiting([&] { waited = pool->Ping(Soon()); });
+  std::thread waiting([&] { waited = Ping(*pool); });
   while (pool->stats().waiting == 0) std::this_thread::yield();
   lease.reset();
   waiting.join();
@@ -112,7 +116,7 @@ TEST_F(PoolTest, DoesNotGiveOutAConnectionWithAnOpenTransaction) {
   {
     ASSERT_OK_AND_ASSIGN(const Pool::Lease lease, pool_->Acquire(Soon()));
     lease->Queue(kBegin, Params());
-    ASSERT_OK(lease->Flush(Soon().deadline));
+    ASSERT_OK(lease->Flush(Soon()));
   }
   EXPECT_EQ(pool_->stats().open, 0);
   {
@@ -126,9 +130,9 @@ TEST_F(PoolTest, AnUnreachableServerIsUnavailableAtOnceWhileItBacksOff) {
   const auto pool = Make({.url = "postgresql:///enfilade?host=/nonexistent",
                           .first_backoff = std::chrono::seconds(60),
                           .max_backoff = std::chrono::seconds(60)});
-  const absl::Status first = pool->Ping(Soon());
+  const absl::Status first = Ping(*pool);
   EXPECT_STATUS(first, absl::StatusCode::kUnavailable, HasSubstr("/nonexistent"));
-  EXPECT_EQ(pool->Ping(Soon()), first);
+  EXPECT_EQ(Ping(*pool), first);
   EXPECT_EQ(pool->stats().failures, 1);
   EXPECT_EQ(pool->stats().open, 0);
 }
@@ -136,25 +140,25 @@ TEST_F(PoolTest, AnUnreachableServerIsUnavailableAtOnceWhileItBacksOff) {
 TEST_F(PoolTest, AMissingDatabaseIsAFailedPrecondition) {
   std::string url = database_.url();
   url.replace(url.find("/enfilade_test_"), 15, "/no_such_thing_");
-  EXPECT_STATUS(Make({.url = url})->Ping(Soon()), absl::StatusCode::kFailedPrecondition, HasSubstr("no_such_thing"));
+  EXPECT_STATUS(Ping(*Make({.url = url})), absl::StatusCode::kFailedPrecondition, HasSubstr("no_such_thing"));
 }
 
 TEST_F(PoolTest, ConnectsAgainWhenAKilledServerIsBack) {
   if (std::getenv("ENFILADE_TEST_DATABASE")) GTEST_SKIP() << "the server is not this test's own";
   const auto pool = Make({.url = database_.url(), .max_backoff = std::chrono::milliseconds(50)});
-  ASSERT_OK(pool->Ping(Soon()));
+  ASSERT_OK(Ping(*pool));
   auto& cluster = enfilade::testing::Cluster::Instance();
   ASSERT_EQ(kill(cluster.pid(), SIGKILL), 0);
   // The killed server's connections end when their processes notice.
   absl::Status status;
   for (int i = 0; i < 500 && status.ok(); ++i) {
-    status = pool->Ping(Soon());
+    status = Ping(*pool);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_CODE(status, absl::StatusCode::kUnavailable);
   cluster.Restart();
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
-  EXPECT_OK(pool->Ping(Soon()));
+  EXPECT_OK(Ping(*pool));
 }
 
 }  // namespace

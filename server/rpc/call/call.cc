@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/call/call.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "fmt/format.h"
+#include "server/rpc/call/request_id.h"
+
+namespace enfilade::server {
+namespace {
+
+using std::chrono::steady_clock;
+
+spdlog::level::level_enum LevelOfFailure(absl::StatusCode code) {
+  switch (code) {
+    case absl::StatusCode::kCancelled:  // the usual end of a watch
+      return spdlog::level::debug;
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kDataLoss:
+    case absl::StatusCode::kResourceExhausted:
+      return spdlog::level::warn;
+    default:
+      return spdlog::level::info;
+  }
+}
+
+}  // namespace
+
+Call::Call(const CallEnvironment& environment, const IncomingCall& incoming)
+    : environment_(environment),
+      rpc_(incoming.rpc),
+      request_id_(RequestIdOrNew(incoming.request_id)),
+      peer_(incoming.peer),
+      principal_(IdentifyPrincipal(incoming.actor)),
+      client_deadline_(incoming.deadline),
+      context_{.deadline = client_deadline_.value_or(begin_ + environment.default_timeout),
+               .actor = principal_.name,
+               .cancellation = cancellation_.get_token()} {}
+
+storage::CallContext Call::StepContext() const {
+  storage::CallContext step = context_;
+  step.deadline = steady_clock::now() + environment_.default_timeout;
+  if (client_deadline_) step.deadline = std::min(step.deadline, *client_deadline_);
+  return step;
+}
+
+absl::Status Call::CheckAwaited(const storage::CallContext& context) {
+  if (context.cancellation.stop_requested()) return absl::CancelledError("the client has cancelled the call");
+  if (context.deadline > steady_clock::now()) return absl::OkStatus();
+  return absl::DeadlineExceededError("the deadline passed while the call waited for its turn");
+}
+
+absl::Status Call::TooManyCalls() {
+  return absl::ResourceExhaustedError("too many calls are waiting: try again later");
+}
+
+void Call::Finish(const absl::Status& status) const {
+  const auto took = steady_clock::now() - begin_;
+  environment_.metrics.CountCall(rpc_, status.code(), took);
+  const spdlog::level::level_enum level = LevelOfFailure(status.code());
+  if (status.ok() || !environment_.logger->should_log(level)) return;
+  environment_.logger->log(
+      level, fmt::format("{} failed after {} ms: {} (request {}, peer {}, principal \"{}\", site \"{}\")", rpc_,
+                         std::chrono::duration_cast<std::chrono::milliseconds>(took).count(), status.ToString(),
+                         request_id_, peer_, principal_.name, site_));
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "server/app/runtime/executor.h"
+#include "server/app/runtime/metrics.h"
+#include "server/rpc/call/principal.h"
+#include "spdlog/logger.h"
+#include "storage/call_context.h"
+
+namespace enfilade::server {
+
+// The part of the server that all calls use. Must outlive them.
+struct CallEnvironment {
+  Executor& executor;
+  Metrics& metrics;
+  std::shared_ptr<spdlog::logger> logger;
+  // Of a call whose client set no deadline, and of each step of an open-ended stream.
+  std::chrono::steady_clock::duration default_timeout;
+};
+
+// What the transport knows about a call. ReadIncomingCall() makes it from gRPC's context.
+struct IncomingCall {
+  const char* rpc;  // its name, for metrics and logs; a string literal
+  std::string peer = {};
+  std::string_view request_id = {};  // request metadata "x-request-id"; empty if not set
+  std::string_view actor = {};       // request metadata "enfilade-actor"; empty if not set
+  std::optional<std::chrono::steady_clock::time_point> deadline = {};  // unset: the client set none
+};
+
+// One call of the API, whatever its shape, from its arrival to its end. Every RPC gets one. Authentication, quotas and
+// tracing belong here and in the functions that this calls. Thread-safe but for set_site().
+class Call {
+ public:
+  Call(const CallEnvironment& environment, const IncomingCall& incoming);
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  const char* rpc() const { return rpc_; }
+  // As the client chose it, or a new one. It is in the log line of a failure and in the response's metadata.
+  const std::string& request_id() const { return request_id_; }
+  const std::string& peer() const { return peer_; }
+  const Principal& principal() const { return principal_; }
+  spdlog::logger& logger() const { return *environment_.logger; }
+
+  // The id of the site that the request names; empty if it names none.
+  const std::string& site() const { return site_; }
+  // Called before the call is handed to other threads.
+  void set_site(std::string site) { site_ = std::move(site); }
+
+  // For calls of the stores: the client's deadline, or the default from the call's arrival if it set none; the
+  // principal as the actor; cancelled with the call.
+  const storage::CallContext& context() const { return context_; }
+  // The same for one step of an open-ended stream: the default timeout from now, at most up to the client's deadline.
+  storage::CallContext StepContext() const;
+
+  // The client has gone. May be repeated.
+  void Cancel() { cancellation_.request_stop(); }
+
+  // Calls task(status, context) on the executor in its turn: with OK, or with the reason why it must not do its work,
+  // because nobody waits for the answer any more (CANCELLED, DEADLINE_EXCEEDED) or, from this thread, because too many
+  // calls wait (RESOURCE_EXHAUSTED). Quotas belong here.
+  template <typename Task>
+  void Run(Task task) const {
+    const auto run = [this, task] { task(CheckAwaited(context_), context_); };
+    if (!environment_.executor.Post(run)) task(TooManyCalls(), context_);
+  }
+  // The same with StepContext().
+  template <typename Task>
+  void RunStep(Task task) const {
+    const storage::CallContext step = StepContext();
+    const auto run = [task, step] { task(CheckAwaited(step), step); };
+    if (!environment_.executor.Post(run)) task(TooManyCalls(), step);
+  }
+  // Queues the next step of a stream that has begun, however many calls wait.
+  void Continue(std::function<void()> step) const { environment_.executor.PostNext(std::move(step)); }
+
+  // Counts the call, and logs it if it failed. Call it once, right before the client gets the status.
+  void Finish(const absl::Status& status) const;
+
+ private:
+  static absl::Status CheckAwaited(const storage::CallContext& context);
+  static absl::Status TooManyCalls();
+
+  const CallEnvironment& environment_;
+  const char* const rpc_;
+  const std::string request_id_;
+  const std::string peer_;
+  const Principal principal_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  const std::optional<std::chrono::steady_clock::time_point> client_deadline_;
+  std::stop_source cancellation_;
+  const storage::CallContext context_;
+  std::string site_;
+};
+
+}  // namespace enfilade::server

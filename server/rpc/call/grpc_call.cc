@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/call/grpc_call.h"
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/rpc/call/request_id.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr char kActorKey[] = "enfilade-actor";
+constexpr char kRequestIdKey[] = "x-request-id";
+
+std::string_view MetadataOf(const grpc::CallbackServerContext& context, const char* key) {
+  const auto found = context.client_metadata().find(key);
+  if (found == context.client_metadata().end()) return {};
+  return {found->second.data(), found->second.size()};
+}
+
+// A call without a deadline reports one far beyond all times.
+std::optional<std::chrono::steady_clock::time_point> DeadlineOf(const grpc::CallbackServerContext& context) {
+  const auto left = context.deadline() - std::chrono::system_clock::now();
+  if (left > std::chrono::hours(24)) return std::nullopt;
+  return std::chrono::steady_clock::now() + left;
+}
+
+}  // namespace
+
+IncomingCall ReadIncomingCall(const CallEntry& entry) {
+  return {.rpc = entry.rpc,
+          .peer = entry.context.peer(),
+          .request_id = MetadataOf(entry.context, kRequestIdKey),
+          .actor = MetadataOf(entry.context, kActorKey),
+          .deadline = DeadlineOf(entry.context)};
+}
+
+Call BeginCall(const CallEntry& entry) {
+  IncomingCall incoming = ReadIncomingCall(entry);
+  const std::string request_id = RequestIdOrNew(incoming.request_id);
+  incoming.request_id = request_id;
+  entry.context.AddInitialMetadata(kRequestIdKey, request_id);
+  return Call(entry.environment, incoming);
+}
+
+}  // namespace enfilade::server

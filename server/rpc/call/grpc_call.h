@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "grpcpp/server_context.h"
+#include "server/rpc/call/call.h"
+
+namespace enfilade::server {
+
+// How a call enters the server: what every shape (unary, streams, watch) needs to make its Call.
+struct CallEntry {
+  const CallEnvironment& environment;
+  const char* rpc;  // a string literal
+  grpc::CallbackServerContext& context;
+};
+
+// The metadata's texts are those of `context`.
+IncomingCall ReadIncomingCall(const CallEntry& entry);
+
+// Makes the Call of an RPC, and sends its request id back in the initial metadata "x-request-id". All shapes begin with
+// it.
+Call BeginCall(const CallEntry& entry);
+
+}  // namespace enfilade::server
