@@ -33,7 +33,7 @@ class Plan {
         const Eigen::Vector2d at(level_.lower().x() + x / scale_, level_.upper().y() - y / scale_);
         const int area = level_.RasterAreaAt(at.x(), at.y());
         if (area < 0) continue;
-        const grid::Rgb color = world.look(area).indoor ? kIndoor : kOutdoor;
+        const grid::Rgb color = world.surfaces(area).indoor ? kIndoor : kOutdoor;
         std::copy(color.begin(), color.end(),
                   image_.samples.begin() + 3 * (static_cast<std::ptrdiff_t>(y) * image_.width + x));
       }

@@ -12,10 +12,10 @@
 namespace enfilade::simulator {
 namespace {
 
-constexpr double kArrived = 0.15;      // m, near enough to a point of the route to head for the next
+constexpr double kArrived = 0.15;      // m, close enough to a point to head for the next
 constexpr double kTurned = 0.02;       // rad
-constexpr double kDoorApproach = 0.9;  // m before and behind a door that a route names
-constexpr double kObstacle = 0.5;      // m: what begins lower stops the robot
+constexpr double kDoorApproach = 0.9;  // m in front of and behind a door in the route
+constexpr double kObstacle = 0.5;      // m: faces that begin lower stop the robot
 
 }  // namespace
 
@@ -25,7 +25,7 @@ RouteDriver::RouteDriver(std::shared_ptr<const World> world, const Robot& robot,
   if (robot_.speed) limits_.speed = *robot_.speed;
   const Eigen::Vector2d start = robot_.route[0].point;
   pose_ = {start.x(), start.y(), 0.0};
-  // It stands heading for its first point or door.
+  // It starts heading for its first point or door.
   for (std::size_t i = 1; i < robot_.route.size(); ++i) {
     const RouteStep& step = robot_.route[i];
     if (step.kind == RouteStep::Kind::kTurnTo) {
@@ -87,7 +87,7 @@ absl::StatusOr<RouteDriver::Step> RouteDriver::Advance(Step step) {
 absl::StatusOr<std::optional<RouteDriver::Step>> RouteDriver::Ride(Goal& goal) {
   const Area* here = world_->campus().AreaAt(level_, pose_.translation());
   if (gate_ < 0 && (!here || here->id != goal.step.name)) {
-    return FailedPrecondition("robot {}: not in lift {} where it is to ride it", robot_.id, goal.step.name);
+    return FailedPrecondition("robot {}: is to ride lift {} but is not in it", robot_.id, goal.step.name);
   }
   gate_ = world_->GateOf(goal.step.name);
   goal.left -= dt_;
@@ -129,7 +129,7 @@ absl::StatusOr<std::optional<RouteDriver::Step>> RouteDriver::Next() {
     }
     const double off_course = WrapAngle(std::atan2(way.y(), way.x()) - pose_.yaw);
     const double turn = std::clamp(2.0 * off_course, -limits_.turn_rate, limits_.turn_rate) * dt_;
-    // Off course the robot slows down, and far off it turns on the spot.
+    // The robot slows down off course, and turns on the spot far off course.
     const double forward = limits_.speed * std::max(0.0, 1.0 - std::abs(off_course) / 0.8) * dt_;
     return Advance({forward, turn});
   }

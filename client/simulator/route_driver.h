@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "client/simulator/world.h"
+#include "client/simulator/world/world.h"
 #include "core/geometry/pose2.h"
 
 namespace enfilade::simulator {
@@ -22,8 +22,8 @@ inline Pose2 ArcStep(double forward, double turn) {
   return {forward * std::cos(turn / 2.0), forward * std::sin(turn / 2.0), turn};
 }
 
-// Drives a robot along its route, without noise: towards each point in turn, slower where off course, turning on the
-// spot where far off.
+// Drives a robot along its route without noise: towards one point after the other, slower when off course, turning on
+// the spot when far off course.
 class RouteDriver {
  public:
   RouteDriver(std::shared_ptr<const World> world, const Robot& robot, const MotionLimits& limits, double step_seconds);
@@ -32,12 +32,13 @@ class RouteDriver {
     double forward = 0.0;  // m
     double turn = 0.0;     // rad
   };
-  // The next step; nullopt at the route's end. FAILED_PRECONDITION where it runs into a wall or a lift is not there.
+  // The next step; nullopt at the route's end. FAILED_PRECONDITION: it runs into a wall, or is to ride a lift
+  // in which it is not.
   absl::StatusOr<std::optional<Step>> Next();
 
   const Pose2& T_campus_robot() const { return pose_; }
   const std::string& level() const { return level_; }
-  int gate() const { return gate_; }  // the lift that it rides, or -1
+  int gate() const { return gate_; }  // the lift in which it rides, or -1
 
  private:
   struct Goal {

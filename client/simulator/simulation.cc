@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "client/simulator/campus_yaml.h"
+#include "client/simulator/campus/shipped_campuses.h"
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
@@ -16,7 +16,7 @@ namespace {
 
 enum Sensor : int { kWheelSizes, kWheels, kScanner, kCloudScanner, kFrontCamera, kRearCamera };
 
-constexpr double kBesideDoor = 0.4;  // m from a door: where its two areas are asked for
+constexpr double kBesideDoor = 0.4;  // m from a door: where the areas on its two sides are looked up
 
 sensor::BlobRef RefOf(const std::string& content) {
   return {Sha256(content), static_cast<std::int64_t>(content.size())};
@@ -27,7 +27,7 @@ sensor::BlobRef RefOf(const std::string& content) {
 absl::Status SimulationOptions::Validate() const {
   const auto positive = [](const char* name, double value) {
     if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
-    return InvalidArgument("{} is {}: expected above 0", name, value);
+    return InvalidArgument("{} is {}: expected a number above 0", name, value);
   };
   if (laps && (*laps < 1 || *laps > 1000)) return InvalidArgument("laps is {}: expected 1 to 1000", *laps);
   ENFILADE_RETURN_IF_ERROR(positive("speed", motion.speed));
@@ -37,14 +37,14 @@ absl::Status SimulationOptions::Validate() const {
   for (const auto& [name, hz] :
        {std::pair{"scan_hz", scan_hz}, {"cloud_hz", cloud_hz}, {"image_hz", image_hz}, {"depth_hz", depth_hz}}) {
     if (!(hz >= 0.0 && hz <= odometry_hz)) {
-      return InvalidArgument("{} is {}: expected 0 to odometry_hz, {}", name, hz, odometry_hz);
+      return InvalidArgument("{} is {}: expected 0 to odometry_hz ({})", name, hz, odometry_hz);
     }
   }
   if (!(wheel_sigma >= 0.0 && slip >= 0.0 && near_doors >= 0.0)) {
-    return InvalidArgument("wheel_sigma, slip or near_doors is negative");
+    return InvalidArgument("wheel_sigma, slip and near_doors must not be negative");
   }
   if (motion.speed / odometry_hz > 0.15) {
-    return InvalidArgument("speed is {} m/s: too fast for {} Hz", motion.speed, odometry_hz);
+    return InvalidArgument("speed is {} m/s: too fast for an odometry rate of {} Hz", motion.speed, odometry_hz);
   }
   ENFILADE_RETURN_IF_ERROR(scanner.Validate());
   return camera.Validate();
@@ -93,7 +93,7 @@ bool RobotSimulation::NearADoor() const {
   });
 }
 
-// Each wheel measures its own way.
+// Each wheel measures the distance that it rolls.
 void RobotSimulation::MeasureStep(const RouteDriver::Step& step) {
   Noise noise = NoiseOf(kWheels, steps_);
   const auto measured = [&](double way) { return way + options_.slip * std::sqrt(std::abs(way)) * noise.Normal(); };

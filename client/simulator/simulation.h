@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "client/simulator/route_driver.h"
 #include "client/simulator/sensors/sensors.h"
-#include "client/simulator/world.h"
+#include "client/simulator/world/world.h"
 #include "core/base/time.h"
 #include "core/sensor/record.h"
 
@@ -23,21 +23,22 @@ struct SimulationOptions {
   MotionLimits motion;
   std::optional<int> laps;  // instead of the robot's
 
-  // Rates, Hz; 0 switches a sensor off. Odometry is the clock: each other sensor reads at its nearest whole divisor.
+  // Rates, Hz; 0 switches a sensor off. The rates are rounded so that a whole number of odometry steps lies between two
+  // readings.
   double odometry_hz = 20.0;
   double scan_hz = 5.0;
   double cloud_hz = 0.0;
   double image_hz = 0.0;  // front and rear
   double depth_hz = 0.0;  // front
-  // Clouds, images and depth only within this distance of a door, m; 0: everywhere.
+  // m: clouds, images and depth only within this distance of a door; 0: everywhere.
   double near_doors = 0.0;
 
   ScannerOptions scanner;
   CloudScannerOptions cloud;
   CameraOptions camera;
 
-  // Wheels, as odometry sees them: each one's size is off by a constant factor drawn from this, and every way driven
-  // is off at random by slip * sqrt(way in m) metres.
+  // Odometry: each wheel's size is wrong by a constant factor with this standard deviation, and each distance d (m)
+  // that a wheel rolls has a random error with the standard deviation slip * sqrt(d).
   double wheel_sigma = 0.006;
   double slip = 0.004;
   double track = 0.4;  // m, between the wheels
@@ -55,7 +56,7 @@ struct TruePose {
   TimeNs time = 0;
   Pose2 T_campus_robot;
   std::string level;
-  std::string area;  // the map that the robot is in; empty where in none
+  std::string area;  // where the robot is; empty: in no area
 };
 
 // The robot's centre crosses the line between a door's jambs.
@@ -67,7 +68,7 @@ struct TruePassage {
   std::string from;  // areas
   std::string to;
   double width = 0.0;      // m
-  double incidence = 0.0;  // rad, between the way and the door's normal; 0: straight through
+  double incidence = 0.0;  // rad, between the direction of travel and the door's normal
 };
 
 struct GroundTruth {
@@ -76,19 +77,19 @@ struct GroundTruth {
   double travelled = 0.0;  // m
 };
 
-// One robot's drive, record by record in the order of time. Every reading's noise comes from (seed, robot, sensor,
-// index) alone: the same campus, robot and options give the same records whatever else is simulated, and a sensor that
-// is switched off changes nothing of the others. Odometry starts at zero.
+// One robot's drive, record by record in order of time. The noise of each reading depends only on (seed, robot, sensor,
+// index): the same campus, robot and options give the same records whatever else is simulated, and switching a sensor
+// off does not change the others. Odometry starts at zero.
 class RobotSimulation {
  public:
-  // INVALID_ARGUMENT on bad options, NOT_FOUND where the campus has no such robot.
+  // INVALID_ARGUMENT on bad options, NOT_FOUND: the campus has no such robot.
   static absl::StatusOr<RobotSimulation> Start(std::shared_ptr<const World> world, const std::string& robot,
                                                const SimulationOptions& options);
 
-  // nullopt at the end of the route. FAILED_PRECONDITION where the route runs into a wall.
+  // nullopt at the end of the route. FAILED_PRECONDITION: the route runs into a wall.
   absl::StatusOr<std::optional<SimulatedRecord>> Next();
 
-  // Up to the record given last.
+  // Up to the record returned last.
   const GroundTruth& truth() const { return truth_; }
   const std::string& robot() const { return robot_; }
 
@@ -124,12 +125,11 @@ struct Drive {
   GroundTruth truth;
 };
 
-// A whole drive at once.
+// A whole drive.
 absl::StatusOr<Drive> SimulateDrive(std::shared_ptr<const World> world, const std::string& robot,
                                     const SimulationOptions& options);
 
-// What `enfilade simulate` drives: the shipped campus "rooms" (three rooms in a row along a corridor, 19 m x 10.5 m)
-// with a scanner of 270 degrees and 12 m.
+// Three rooms along a corridor, 19 m x 10.5 m (the shipped campus "rooms"), and a scanner of 270 degrees and 12 m.
 SimulationOptions RoomsOptions();
 absl::StatusOr<Drive> SimulateRooms(const SimulationOptions& options);
 

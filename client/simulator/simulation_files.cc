@@ -6,9 +6,10 @@
 #include <system_error>
 #include <utility>
 
-#include "client/simulator/campus_yaml.h"
-#include "client/simulator/random_building.h"
-#include "client/sources/json_lines_writer.h"
+#include "client/simulator/campus/campus_yaml.h"
+#include "client/simulator/campus/random_building.h"
+#include "client/simulator/campus/shipped_campuses.h"
+#include "client/sources/formats/json_lines_writer.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "io/file.h"
@@ -23,7 +24,7 @@ absl::Status MakeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (!error) return absl::OkStatus();
-  return FailedPrecondition("{}: cannot be made: {}", folder.string(), error.message());
+  return FailedPrecondition("{}: the folder cannot be created: {}", folder.string(), error.message());
 }
 
 absl::Status CannotWrite(const fs::path& path) {

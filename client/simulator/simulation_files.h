@@ -12,7 +12,7 @@
 
 namespace enfilade::simulator {
 
-// What a drive came to.
+// A summary of a drive.
 struct DriveReport {
   std::string robot;
   std::filesystem::path log;
@@ -24,20 +24,20 @@ struct DriveReport {
   GroundTruth truth;
 };
 
-// A campus by the name of a shipped one, "random:SEED" for a random building, or the path of a YAML file. NOT_FOUND
-// where it is none of these.
+// A shipped campus by its name, a random building by "random:SEED", or a campus file by its path. NOT_FOUND: it is none
+// of these.
 absl::StatusOr<Campus> LoadCampus(const std::string& name);
 
 // Drives one robot and writes `folder`: log.jsonl (docs/logs.md) with images and clouds beside it, truth.jsonl
-// (docs/simulator.md) and truth.txt (lines "t x y yaw"). FAILED_PRECONDITION where a file cannot be written.
+// (docs/simulator.md) and truth.txt (lines "t x y yaw"). FAILED_PRECONDITION: a file cannot be written.
 absl::StatusOr<DriveReport> WriteDrive(std::shared_ptr<const World> world, const std::string& robot,
                                        const SimulationOptions& options, const std::filesystem::path& folder);
 
-// The ground truth's lines.
+// The ground truth as text: truth.jsonl and truth.txt.
 std::string TruthLines(const GroundTruth& truth);
 std::string TruthTrajectory(const GroundTruth& truth);  // "t x y yaw", as `enfilade trajectory export`
 
-// The mounts and intrinsics of the sensors as JSON, which logs have no room for.
+// The mounts and intrinsics of the sensors as JSON; logs do not contain them.
 std::string SensorDescription(const SimulationOptions& options);
 
 }  // namespace enfilade::simulator

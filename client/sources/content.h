@@ -10,11 +10,11 @@
 
 namespace enfilade::sources {
 
-// The whole content of a file of an image or a point cloud. NOT_FOUND, or INVALID_ARGUMENT where it is empty, no
-// regular file, or larger than kMaxBlobBytes.
+// The content of the file of an image or a point cloud. NOT_FOUND; INVALID_ARGUMENT: it is empty, not a regular file,
+// or larger than kMaxBlobBytes.
 absl::StatusOr<std::string> ReadContent(const std::filesystem::path& path);
 
-// How a record refers to these bytes.
+// The reference by which a record names these bytes.
 sensor::BlobRef RefOf(std::string_view content);
 
 }  // namespace enfilade::sources

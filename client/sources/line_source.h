@@ -12,19 +12,19 @@
 
 namespace enfilade::sources {
 
-// The lines of a text file, plain or gzip-compressed (told by content, not by name). Not thread-safe.
+// The lines of a text file, plain or gzip-compressed (detected by content, not by name). Not thread-safe.
 class LineSource {
  public:
-  // NOT_FOUND where there is no such file, INVALID_ARGUMENT for a directory, PERMISSION_DENIED or UNKNOWN otherwise.
+  // NOT_FOUND: no such file; INVALID_ARGUMENT: a directory; PERMISSION_DENIED or UNKNOWN otherwise.
   static absl::StatusOr<LineSource> Open(const std::filesystem::path& path);
 
-  // The next line without its end ("\n" or "\r\n"), nullopt at the end of the file. The view holds until the next
-  // call. INVALID_ARGUMENT "file:line: ..." on binary content, a line over kMaxLineBytes, damaged or truncated
-  // compressed data; nothing more can be read then, except after binary content, which spoils its line only.
+  // The next line without its end ("\n" or "\r\n"), nullopt at the end of the file. The view is valid until the next
+  // call. INVALID_ARGUMENT "file:line: ...": binary content, a line over kMaxLineBytes, damaged or truncated compressed
+  // data. After binary content reading can continue with the next line, after the others it cannot.
   absl::StatusOr<std::optional<std::string_view>> Next();
 
   const std::filesystem::path& path() const { return path_; }
-  // Of the line that Next gave last, counted from 1.
+  // Of the line that Next returned last, counted from 1.
   std::int64_t line_number() const { return line_number_; }
   // "file:line", for messages.
   std::string Where() const;
@@ -41,7 +41,7 @@ class LineSource {
 
   std::filesystem::path path_;
   std::unique_ptr<void, CloseGz> file_;  // gzFile
-  std::string buffer_;                   // read, not yet given; the line given last lies before begin_
+  std::string buffer_;                   // read, not yet returned; the line returned last lies before begin_
   std::size_t begin_ = 0;
   bool at_end_ = false;
   std::int64_t line_number_ = 0;

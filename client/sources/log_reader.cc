@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "client/sources/log_parser.h"
+#include "client/sources/formats/log_parser.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
@@ -23,7 +23,7 @@ bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> word
   return false;
 }
 
-// By the first line that is neither empty nor a comment.
+// `line`: the first one that is neither empty nor a comment.
 std::optional<LogFormat> FormatOf(std::string_view line) {
   const std::string_view text = line.substr(line.find_first_not_of(" \t\f"));
   const std::string_view tag = text.substr(0, text.find_first_of(" \t\f"));
@@ -50,11 +50,10 @@ absl::StatusOr<LogFormat> DetectFormat(const std::filesystem::path& path) {
     if (IsComment(*line)) continue;
     if (const std::optional<LogFormat> format = FormatOf(*line)) return *format;
     return InvalidArgument(
-        "{}: not a format that is known (CARMEN, Wean Hall, Mines Paris, JSON lines): the line begins \"{}\"",
+        "{}: unknown format (expected CARMEN, Wean Hall, Mines Paris or JSON lines): the line begins with \"{}\"",
         lines.Where(), line->substr(0, 40));
   }
-  return InvalidArgument("{}: the log is empty: it has {} lines and none of them is data", path.string(),
-                         lines.line_number());
+  return InvalidArgument("{}: the log is empty: it has {} lines without data", path.string(), lines.line_number());
 }
 
 std::unique_ptr<LogParser> NewParser(LogFormat format, const LogOptions& options, const std::filesystem::path& path) {
@@ -71,8 +70,8 @@ std::unique_ptr<LogParser> NewParser(LogFormat format, const LogOptions& options
   return nullptr;
 }
 
-// The line numbers of a LineSource stop where it does; what it could not read at all ends the log.
-bool CanGoOn(const LineSource& lines, std::int64_t line_before) { return lines.line_number() > line_before; }
+// A LineSource that cannot continue after an error does not advance its line number.
+bool CanContinue(const LineSource& lines, std::int64_t line_before) { return lines.line_number() > line_before; }
 
 }  // namespace
 
@@ -120,7 +119,7 @@ absl::Status LogReader::Survey() {
   while (true) {
     const std::int64_t before = lines.line_number();
     const auto line = lines.Next();
-    if (!line.ok() && !CanGoOn(lines, before)) break;  // the second pass reports it, behind what can be read
+    if (!line.ok() && !CanContinue(lines, before)) break;  // the second pass reports it, after what can be read
     if (!line.ok()) continue;
     if (!line->has_value()) break;
     if (!IsComment(**line)) parser_->Survey(**line);
@@ -135,7 +134,7 @@ absl::StatusOr<std::optional<LogEntry>> LogReader::Next() {
     const std::int64_t before = lines_.line_number();
     const auto line = lines_.Next();
     if (line.ok() && !line->has_value()) return std::nullopt;
-    if (!line.ok() && !CanGoOn(lines_, before)) return line.status();
+    if (!line.ok() && !CanContinue(lines_, before)) return line.status();
     ++counts_.lines;
     const absl::Status status = line.ok() ? ReadLine(**line) : line.status();
     if (status.ok()) continue;

@@ -16,7 +16,7 @@
 
 namespace enfilade::sources {
 
-// One thing that a robot recorded; the caller gives it its sequence.
+// One record of a robot; the caller assigns its sequence.
 struct LogEntry {
   sensor::RecordPayload payload;
   std::filesystem::path content;  // of an image or point cloud: the file that holds its bytes
@@ -28,25 +28,25 @@ enum class LogFormat { kCarmen, kWeanHall, kMinesParis, kJsonLines };
 std::string ToString(LogFormat format);
 
 struct LogOptions {
-  std::optional<LogFormat> format;      // default: told by the first line that is no comment
-  bool skip_bad_lines = false;          // count lines that cannot be read and go on
+  std::optional<LogFormat> format;      // default: detected from the first line that is not a comment
+  bool skip_bad_lines = false;          // count lines that cannot be read, and continue
   bool odometry = true;                 // false: scans only
   std::optional<double> range_max;      // m, instead of the range found in the log (docs/logs.md)
   std::optional<double> field_of_view;  // rad, of CARMEN FLASER and Wean Hall scans, instead of 180 degrees
 };
 
-// What was found out about the whole log before its first entry is delivered.
+// Properties of the whole log, known before its first entry is delivered.
 struct LogFacts {
   LogFormat format = LogFormat::kCarmen;
   std::int64_t lines = 0;
   std::int64_t scans = 0;
-  std::int64_t entries = 0;      // that Next will deliver if no line is bad
-  float range_max = 0.0F;        // m, where one holds for the whole log; otherwise 0
-  std::string times;             // which times are used, in words
+  std::int64_t entries = 0;      // that Next delivers if no line is bad
+  float range_max = 0.0F;        // m, if one applies to the whole log; otherwise 0
+  std::string times;             // which times are used, as text
   bool synthetic_times = false;  // the log's own times were unusable
 };
 
-// What has been read so far.
+// Counts of what has been read so far.
 struct LogCounts {
   std::int64_t lines = 0;
   std::int64_t scans = 0;
@@ -64,20 +64,20 @@ struct LogCounts {
 
 class LogParser;
 
-// Reads a recorded log (formats: docs/logs.md) and yields core values in the order of the lines. A file is read twice:
-// Open surveys it (which times are usable, which range means "no return", how many entries), Next delivers.
+// Reads a recorded log (formats: docs/logs.md) and delivers its entries in the order of the lines. A file is read
+// twice: Open surveys it (which times are usable, which range means "no return", how many entries), Next delivers.
 //
-// Errors name file, line and field. A line is delivered whole or not at all. Not thread-safe. Movable.
+// Errors name file, line and field. A line is delivered completely or not at all. Not thread-safe. Movable.
 class LogReader {
  public:
-  // NOT_FOUND: no such file. INVALID_ARGUMENT: a directory, an empty file, a format that is not known.
+  // NOT_FOUND: no such file. INVALID_ARGUMENT: a directory, an empty file, an unknown format.
   static absl::StatusOr<LogReader> Open(const std::filesystem::path& path, const LogOptions& options = {});
   ~LogReader();
   LogReader(LogReader&&) noexcept;
   LogReader& operator=(LogReader&&) noexcept;
 
-  // The next entry, nullopt at the end. INVALID_ARGUMENT "file:line: ..." for a line that cannot be read, unless
-  // skip_bad_lines; the call after goes on behind that line.
+  // The next entry, nullopt at the end. INVALID_ARGUMENT "file:line: ...": a line cannot be read (not with
+  // skip_bad_lines); the next call continues after that line.
   absl::StatusOr<std::optional<LogEntry>> Next();
 
   const LogFacts& facts() const { return facts_; }

@@ -7,15 +7,15 @@ namespace enfilade::yaml_options {
 namespace {
 
 absl::Status Flatten(const YAML::Node& node, const std::string& prefix, std::string_view what, Values& values) {
-  if (!node.IsMap()) return InvalidArgument("{}, line {}: expected a map of options", what, node.Mark().line + 1);
+  if (!node.IsMap()) return InvalidArgument("{}: expected a mapping of options", Location(what, node.Mark()));
   for (const auto& entry : node) {
     const std::string name = prefix + entry.first.Scalar();
-    if (entry.second.IsMap() && prefix.empty()) {
+    if (entry.second.IsMap()) {
       ENFILADE_RETURN_IF_ERROR(Flatten(entry.second, name + ".", what, values));
     } else if (!entry.second.IsScalar()) {
-      return InvalidArgument("{}, line {}: {} is not a single value", what, entry.first.Mark().line + 1, name);
+      return InvalidArgument("{}: {} is not a single value", Location(what, entry.first.Mark()), name);
     } else if (!values.emplace(name, entry.second).second) {
-      return InvalidArgument("{}, line {}: {} comes twice", what, entry.first.Mark().line + 1, name);
+      return InvalidArgument("{}: {} is set twice", Location(what, entry.first.Mark()), name);
     }
   }
   return absl::OkStatus();
@@ -24,14 +24,11 @@ absl::Status Flatten(const YAML::Node& node, const std::string& prefix, std::str
 }  // namespace
 
 absl::StatusOr<Values> Load(std::string_view yaml, std::string_view what) {
-  Values values;
-  try {
-    const YAML::Node root = YAML::Load(std::string(yaml));
+  return ReadYaml(yaml, what, [&](const YAML::Node& root) -> absl::StatusOr<Values> {
+    Values values;
     if (!root.IsNull()) ENFILADE_RETURN_IF_ERROR(Flatten(root, "", what, values));
-  } catch (const YAML::Exception& error) {
-    return InvalidArgument("{}: {}", what, error.what());
-  }
-  return values;
+    return values;
+  });
 }
 
 }  // namespace enfilade::yaml_options

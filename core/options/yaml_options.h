@@ -12,27 +12,21 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/error.h"
+#include "core/options/yaml_document.h"
 
 // Options structs as YAML and back, for structs with a function that visits every option by its name: "name", or
-// "group.name" for those in a nested map. Include it in source files only.
+// "group.name" for those in a nested mapping. Include it in source files only.
 namespace enfilade::yaml_options {
 
 // "group.name" -> its scalar.
 using Values = std::map<std::string, YAML::Node>;
 
-// `what` begins the messages, such as "slam options". INVALID_ARGUMENT naming the line: no YAML, no map, a list, an
-// option that comes twice. An empty text has no values.
+// `what` begins the messages, such as "slam options". INVALID_ARGUMENT with the line: not valid YAML, not a mapping, a
+// list, an option that is set twice. An empty text has no values.
 absl::StatusOr<Values> Load(std::string_view yaml, std::string_view what);
 
-template <typename T>
-constexpr const char* kTypeName = "a number";
-template <>
-inline constexpr const char* kTypeName<bool> = "true or false";
-template <>
-inline constexpr const char* kTypeName<int> = "a whole number";
-
-// Writes the values into the options: `visit(visitor)` calls visitor(name, value&) for each of them. `also_known`:
-// names that the caller reads itself. INVALID_ARGUMENT naming the line: an unknown name, a value of another type.
+// Writes the values into the options: `visit(visitor)` calls visitor(name, value&) for each option. `also_known`: names
+// that the caller reads itself. INVALID_ARGUMENT with the line: an unknown name, a value of the wrong type.
 template <typename Visit>
 absl::Status Assign(const Values& values, std::string_view what, const Visit& visit,
                     std::set<std::string> also_known = {}) {
@@ -43,29 +37,31 @@ absl::Status Assign(const Values& values, std::string_view what, const Visit& vi
     const auto found = values.find(name);
     if (found == values.end() || !status.ok()) return;
     using Value = std::decay_t<decltype(value)>;
-    if (!YAML::convert<Value>::decode(found->second, value)) {
-      status = InvalidArgument("{}, line {}: {} is \"{}\", expected {}", what, found->second.Mark().line + 1, name,
-                               found->second.Scalar(), kTypeName<Value>);
+    if (auto scalar = ScalarAs<Value>(found->second)) {
+      value = *std::move(scalar);
+    } else {
+      status = InvalidArgument("{}: {} is \"{}\", expected {}", Location(what, found->second.Mark()), name,
+                               found->second.Scalar(), TypeName<Value>());
     }
   });
   if (!status.ok()) return status;
   for (const auto& [name, node] : values) {
     if (known.contains(name)) continue;
-    return InvalidArgument("{}, line {}: there is no option {}", what, node.Mark().line + 1, name);
+    return InvalidArgument("{}: there is no option {}", Location(what, node.Mark()), name);
   }
   return absl::OkStatus();
 }
 
-// What Load reads, groups in the order in which they are visited.
+// The text that Load reads, with groups in the order in which they are visited.
 template <typename Visit>
 std::string Format(const Visit& visit) {
   std::string text;
   std::string group;
   visit([&](const std::string& name, const auto& value) {
     const std::size_t dot = name.find('.');
-    const std::string of = dot == std::string::npos ? "" : name.substr(0, dot);
-    if (of != group) text += fmt::format("{}:\n", of);
-    group = of;
+    const std::string group_of_name = dot == std::string::npos ? "" : name.substr(0, dot);
+    if (group_of_name != group) text += fmt::format("{}:\n", group_of_name);
+    group = group_of_name;
     text += dot == std::string::npos ? fmt::format("{}: {}\n", name, value)
                                      : fmt::format("  {}: {}\n", name.substr(dot + 1), value);
   });

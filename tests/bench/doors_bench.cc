@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/simulator/random_building.h"
+#include "client/simulator/campus/random_building.h"
 #include "client/simulator/simulation.h"
 #include "core/doors/door_detector.h"
 #include "core/sensor/scan_pairing.h"

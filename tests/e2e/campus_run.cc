@@ -10,7 +10,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "client/simulator/campus_yaml.h"
+#include "client/simulator/campus/shipped_campuses.h"
 #include "client/simulator/simulation.h"
 #include "core/geometry/pose2.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
@@ -38,7 +38,7 @@ std::vector<json> LinesOf(const std::filesystem::path& file) {
   return lines;
 }
 
-// One robot's drive: the truth, and what it was told.
+// One robot's drive: the truth, and what the server reported.
 struct Drive {
   std::string robot;
   std::map<std::int64_t, Pose2> poses;  // by time
@@ -74,19 +74,19 @@ Pose2 TruthAt(const Drive& drive, std::int64_t time) {
   return Interpolate(before->second, after->second, t);
 }
 
-// Which of the server's names stand for what there is.
+// Which of the server's names stand for which true names.
 class Names {
  public:
-  // `name` was met as `true_name`. False where it stands for another already.
+  // The server called `true_name` `name`. False if `name` already stands for another.
   bool Note(const std::string& true_name, const std::string& name) {
     const auto known = true_names_.emplace(name, true_name).first;
     if (known->second == true_name) names_[true_name].insert(name);
     return known->second == true_name;
   }
-  // Those that have several names.
-  void TellWrong(const char* what, std::vector<std::string>& wrong) const {
+  // Adds those with several names.
+  void AddDuplicates(const char* what, std::vector<std::string>& wrong) const {
     for (const auto& [true_name, names] : names_) {
-      if (names.size() > 1) wrong.push_back(fmt::format("{} {} is there {} times", what, true_name, names.size()));
+      if (names.size() > 1) wrong.push_back(fmt::format("{} {} exists {} times", what, true_name, names.size()));
     }
   }
   std::size_t size() const { return names_.size(); }
@@ -109,7 +109,7 @@ class Judgement {
   // The first robot's first map is the root.
   void Begin(const Drive& drive) { areas_.Note(drive.first_area, graph_.root_map()); }
 
-  // What became of all passages, in the order in which they were judged.
+  // Compares all passages in the order in which they were judged.
   void Compare(const std::vector<Drive>& drives, CampusResult& result) {
     struct Judged {
       const Drive* drive;
@@ -148,8 +148,8 @@ class Judgement {
       candidates += link_point.maps_size() == 1 ? 1 : 0;
       joining += link_point.joins() ? 1 : 0;
     }
-    areas_.TellWrong("area", wrong_);
-    doors_.TellWrong("door", wrong_);
+    areas_.AddDuplicates("area", wrong_);
+    doors_.AddDuplicates("door", wrong_);
     const bool all_passed = doors_.size() == doors;
     if (static_cast<std::size_t>(graph_.maps_size()) != areas_.size() || joining != doors_.size() ||
         (all_passed && candidates != 0)) {
@@ -199,7 +199,7 @@ class Judgement {
   std::vector<std::string> wrong_;
 };
 
-// Where a robot begins, in the frame of the map that begins with `root_robot`: X,Y,YAW.
+// A robot's start in the frame of the map that begins with `root_robot`: X,Y,YAW.
 std::string StartOf(const std::string& campus, const std::string& root_robot, const std::string& robot) {
   const auto world = std::make_shared<const simulator::World>(*simulator::ShippedCampus(campus));
   const auto start_of = [&](const std::string& name) {
@@ -214,17 +214,15 @@ std::string StartOf(const std::string& campus, const std::string& root_robot, co
   return fmt::format("{},{},{}", start.x, start.y, start.yaw);
 }
 
-// Until the first robot's first map is there, for the others to begin in.
+// Waits until the first robot's first map exists, in which the others begin.
 void AwaitFirstMap(const client::Connection& connection, const std::string& site) {
-  const bool there = Eventually(
-      [&] {
-        v1::GetGraphRequest request;
-        request.set_site("sites/" + site);
-        const auto graph = connection.Call(&v1::GraphService::Stub::GetGraph, request);
-        return graph.ok() && graph->graph().maps_size() > 0;
-      },
-      std::chrono::seconds(60));
-  if (!there) throw std::runtime_error("the first robot's map is not there");
+  const bool exists = Eventually([&] {
+    v1::GetGraphRequest request;
+    request.set_site("sites/" + site);
+    const auto graph = connection.Call(&v1::GraphService::Stub::GetGraph, request);
+    return graph.ok() && graph->graph().maps_size() > 0;
+  });
+  if (!exists) throw std::runtime_error("the first robot's map does not exist");
 }
 
 }  // namespace
@@ -268,7 +266,7 @@ CampusResult RunCampus(WholeSystem& system, const CampusRun& run) {
     if (running.empty()) {
       command.insert(command.end(), {"--map", "M0"});
     } else {
-      command.insert(command.end(), {"--on-old-map", "M0," + StartOf(run.campus, robots[0], robot)});
+      command.insert(command.end(), {"--on-existing-map", "M0," + StartOf(run.campus, robots[0], robot)});
     }
     one.process = std::make_unique<Process>(command, one.output);
     running.push_back(std::move(one));

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/simulator/campus_yaml.h"
+#include "client/simulator/campus/campus_yaml.h"
 #include "client/simulator/simulation_files.h"
 #include "core/doors/door_detector.h"
 #include "tests/support/status_assertions.h"

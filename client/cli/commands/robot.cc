@@ -16,7 +16,7 @@
 #include "client/cli/place.h"
 #include "client/cli/remote.h"
 #include "client/cli/replay/replay_session.h"
-#include "client/robot/commands.h"
+#include "client/robot/input/commands.h"
 #include "client/robot/run.h"
 #include "core/base/error.h"
 #include "core/base/mutex.h"
@@ -76,7 +76,7 @@ absl::Status CheckRobot(const RobotCommandOptions& options) {
     return InvalidArgument("--robot is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\"", options.robot);
   }
   if (!options.map.empty() && !options.on_existing_map.empty()) {
-    return InvalidArgument("--map begins a new map, --on-old-map goes on with one: not both");
+    return InvalidArgument("--map begins a new map, --on-existing-map continues one: not both");
   }
   return absl::OkStatus();
 }
@@ -96,7 +96,7 @@ absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const RobotCommandOpti
   if (!options.source.empty()) return robot::OpenLog(options.source, options.reading);
   simulator::SimulationOptions simulation = options.simulation;
   if (options.laps > 0) simulation.laps = options.laps;
-  const bool by_depth = robot_options.choice.criterion == 1 || robot_options.choice.criterion == 2;
+  const bool by_depth = robot_options.environment.criterion == 1 || robot_options.environment.criterion == 2;
   if (by_depth && simulation.depth_hz == 0.0) simulation.depth_hz = 2.0;
   return robot::OpenSimulation(options.campus, options.robot, simulation, options.truth);
 }
@@ -111,17 +111,17 @@ class Console {
  public:
   explicit Console(const Globals& globals) : json_(globals.json), quiet_(globals.quiet) {}
 
-  void Show(const robot::News& news) {
+  void Show(const robot::Notification& notification) {
     MutexLock lock(mutex_);
     if (json_) {
-      nlohmann::json line = news.fields.is_object() ? news.fields : nlohmann::json::object();
-      line["event"] = news.event;
+      nlohmann::json line = notification.fields.is_object() ? notification.fields : nlohmann::json::object();
+      line["event"] = notification.event;
       std::cout << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
-    } else if (!quiet_ && !news.text.empty()) {
+    } else if (!quiet_ && !notification.text.empty()) {
       const std::time_t now = std::time(nullptr);
       std::tm local{};
       localtime_r(&now, &local);
-      std::cout << fmt::format("{:%H:%M:%S} {}", local, news.text) << std::endl;
+      std::cout << fmt::format("{:%H:%M:%S} {}", local, notification.text) << std::endl;
     }
   }
 
@@ -131,7 +131,7 @@ class Console {
   Mutex mutex_;
 };
 
-robot::News Summary(const robot::Agent& agent, const absl::Status& status) {
+robot::Notification Summary(const robot::Agent& agent, const absl::Status& status) {
   const robot::AgentCounts& counts = agent.counts();
   return {
       "end",
@@ -173,7 +173,7 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   ENFILADE_ASSIGN_OR_RETURN(setup.start, StartOf(options, run.pose_covariance));
   ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<robot::Source> source,
                             OpenSource(options, robot_options, run.pose_covariance));
-  std::optional<robot::LineInput> commands;
+  std::optional<robot::LineReader> commands;
   if (!run.live && (isatty(STDIN_FILENO) || options.commands == "-")) commands.emplace(STDIN_FILENO);
 
   ENFILADE_ASSIGN_OR_RETURN(const std::string spool_path, SpoolPathOf(options));
@@ -181,18 +181,21 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   spool_options.max_bytes = std::llround(robot_options.spool.max_mib * 1024.0 * 1024.0);
   ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<client::Spool> spool, client::Spool::Open(spool_path, spool_options));
   Console console(globals);
-  const robot::NewsListener listener = [&console](const robot::News& news) { console.Show(news); };
+  const robot::NotificationListener listener = [&console](const robot::Notification& notification) {
+    console.Show(notification);
+  };
   const client::Connection connection = ConnectionOf(globals);
   const InterruptGuard interrupt;
   const std::function<bool()> interrupted = [&interrupt] { return interrupt.interrupted(); };
   robot::UploaderOptions uploader_options;
   uploader_options.global_pose = robot_options.use_global_tracker;
   robot::Uploader uploader(connection, *spool, {setup.site, setup.robot}, listener, uploader_options);
-  ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<robot::Agent> agent,
-                            robot::Agent::Make(std::move(setup), connection, *spool, uploader, listener, interrupted));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::unique_ptr<robot::Agent> agent,
+      robot::Agent::Make(std::move(setup), {connection, *spool, uploader, listener, interrupted}));
   uploader.Start();
   const absl::Status status =
-      robot::Run(*agent, uploader, *source, commands ? &*commands : nullptr, run, interrupted, listener);
+      robot::Run({*agent, uploader, *source, commands ? &*commands : nullptr, interrupted, listener}, run);
   uploader.Stop();
   console.Show(Summary(*agent, status));
   if (status.ok() || spool->usage().records == 0) return status;
@@ -228,7 +231,8 @@ void AddRobot(CLI::App& app, const Globals& globals) {
   command->add_option("--robot", options->robot, "Its id; created where missing. Campus: the robot that drives")
       ->capture_default_str();
   command->add_option("--map", options->map, "The name of the map to begin with; default: made up");
-  command->add_option("--on-old-map", options->on_existing_map, "Begin in a map that is there: MAP,X,Y,YAW (m, rad)");
+  command->add_option("--on-existing-map,--on-old-map", options->on_existing_map,
+                      "Begin in an existing map: MAP,X,Y,YAW (m, rad)");
   command->add_flag("--hand", options->hand,
                     "No detectors: commands say where doors are, beginning with the main menu");
   command->add_option("--preset", options->preset, "default, original-yaml or original-code")->capture_default_str();

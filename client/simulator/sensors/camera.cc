@@ -13,7 +13,7 @@ namespace enfilade::simulator {
 namespace {
 
 constexpr float kSky = 0.85F;
-constexpr double kHorizon = 80.0;  // m, to which floors are painted
+constexpr double kHorizon = 80.0;  // m, up to which surfaces are drawn
 
 struct Column {
   double t;
@@ -34,7 +34,7 @@ class Picture {
         T_campus_camera_(view.T_campus_robot * options.T_robot_camera),
         focal_(options.focal_length()) {}
 
-  CameraFrame Take() {
+  CameraFrame Render() {
     CameraFrame frame;
     frame.width = options_.width;
     frame.height = options_.height;
@@ -43,11 +43,11 @@ class Picture {
     frame.depth.resize(pixels);
     const auto exposure = static_cast<float>(1.0 + 0.05 * noise_.Normal());
     for (int x = 0; x < options_.width; ++x) {
-      SeeColumn(x);
+      CastColumn(x);
       for (int y = 0; y < options_.height; ++y) {
         const auto pixel =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(options_.width) + static_cast<std::size_t>(x);
-        const auto [brightness, depth] = SeePixel(y);
+        const auto [brightness, depth] = ShadePixel(y);
         const double grey = 255.0 * static_cast<double>(brightness * exposure) + options_.noise * GaussianLike();
         frame.grey[pixel] = static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0));
         frame.depth[pixel] = DepthOf(depth);
@@ -57,7 +57,7 @@ class Picture {
   }
 
  private:
-  // Near enough to normal for pixel noise, and cheap: the sum of four uniform numbers.
+  // Close enough to a normal distribution for pixel noise, and cheap: the sum of four uniform numbers.
   double GaussianLike() {
     const double sum = noise_.Uniform() + noise_.Uniform() + noise_.Uniform() + noise_.Uniform();
     return (sum - 2.0) * std::sqrt(3.0);
@@ -69,16 +69,16 @@ class Picture {
     return static_cast<std::uint16_t>(std::clamp(1000.0 * noisy, 0.0, 65535.0));
   }
 
-  void SeeColumn(int x) {
+  void CastColumn(int x) {
     const double right = (x + 0.5 - options_.width / 2.0) / focal_;
     const double c = std::cos(T_campus_camera_.yaw);
     const double s = std::sin(T_campus_camera_.yaw);
     from_ = T_campus_camera_.translation();
-    direction_ = {c + s * right, s - c * right};  // t is then the depth along the optical axis
+    direction_ = {c + s * right, s - c * right};  // so that t is the depth along the optical axis
     columns_.clear();
-    for (const World::Standing& person : view_.world.PeopleOn(view_.level, view_.seconds)) {
-      const double t = MeetCircle(from_, direction_, person.at, person.radius);
-      if (t == kNever) continue;
+    for (const World::PersonPosition& person : view_.world.PeopleOn(view_.level, view_.seconds)) {
+      const double t = IntersectCircle(from_, direction_, person.at, person.radius);
+      if (t == kNoHit) continue;
       const Eigen::Vector2d at = from_ + t * direction_ - person.at;
       columns_.push_back({t, person.radius * std::atan2(at.y(), at.x()), 0.0, person.height, {}, 0.5F});
     }
@@ -94,46 +94,46 @@ class Picture {
     std::stable_sort(columns_.begin(), columns_.end(), [](const Column& p, const Column& q) { return p.t < q.t; });
   }
 
-  std::pair<float, double> SeePixel(int y) const {
+  std::pair<float, double> ShadePixel(int y) const {
     const double slope = (options_.height / 2.0 - y - 0.5) / focal_;
     for (const Column& column : columns_) {
       const double z = options_.mount_height + column.t * slope;
       if (z < column.bottom || z >= column.top) {
-        if (const auto seen = SeeHorizontal(slope, column.t)) return *seen;
+        if (const auto seen = ShadeHorizontal(slope, column.t)) return *seen;
         continue;
       }
-      if (const auto seen = SeeHorizontal(slope, column.t)) return *seen;
+      if (const auto seen = ShadeHorizontal(slope, column.t)) return *seen;
       return {column.shade * BrightnessOf(column.paint, column.u, z, column.t / focal_), column.t};
     }
-    if (const auto seen = SeeHorizontal(slope, kHorizon)) return *seen;
-    return {kSky, kNever};
+    if (const auto seen = ShadeHorizontal(slope, kHorizon)) return *seen;
+    return {kSky, kNoHit};
   }
 
-  // Floor or ceiling, where met before `limit`.
-  std::optional<std::pair<float, double>> SeeHorizontal(double slope, double limit) const {
+  // Floor or ceiling, if the ray hits it before `limit`.
+  std::optional<std::pair<float, double>> ShadeHorizontal(double slope, double limit) const {
     if (slope < 0.0) {
       const double t = -options_.mount_height / slope;
       if (t >= limit) return std::nullopt;
-      return Painted(t, slope, false);
+      return ShadeFloorOrCeiling(t, slope, false);
     }
     const int here = level_.RasterAreaAt(from_.x(), from_.y());
-    const double ceiling = here >= 0 ? view_.world.look(here).ceiling : 3.0;
-    const double t = slope > 0.0 ? (ceiling - options_.mount_height) / slope : kNever;
+    const double ceiling = here >= 0 ? view_.world.surfaces(here).ceiling_height : 3.0;
+    const double t = slope > 0.0 ? (ceiling - options_.mount_height) / slope : kNoHit;
     if (t >= limit) return std::nullopt;
     const Eigen::Vector2d at = from_ + t * direction_;
     const int there = level_.RasterAreaAt(at.x(), at.y());
-    if (there < 0 || !view_.world.look(there).indoor) return std::nullopt;
-    return Painted(t, slope, true);
+    if (there < 0 || !view_.world.surfaces(there).indoor) return std::nullopt;
+    return ShadeFloorOrCeiling(t, slope, true);
   }
-  std::pair<float, double> Painted(double t, double slope, bool ceiling) const {
+  std::pair<float, double> ShadeFloorOrCeiling(double t, double slope, bool ceiling) const {
     const Eigen::Vector2d at = from_ + t * direction_;
     const int area = level_.RasterAreaAt(at.x(), at.y());
     if (area < 0) return {0.4F, t};
-    const AreaLook& look = view_.world.look(area);
-    const Paint& paint = ceiling ? look.above : look.floor;
+    const AreaSurfaces& surfaces = view_.world.surfaces(area);
+    const Paint& paint = ceiling ? surfaces.ceiling : surfaces.floor;
     double v = at.y();
     if (paint.period > 0.0F) v -= std::floor(v / paint.period) * paint.period;
-    // Foreshortened along the view by the slope.
+    // Seen at an angle, a pixel covers more of the surface.
     const double footprint = t / focal_ / std::max(0.05, std::abs(slope));
     return {0.8F * BrightnessOf(paint, at.x(), v, footprint), t};
   }
@@ -184,7 +184,7 @@ absl::Status CameraOptions::Validate() const {
 }
 
 CameraFrame ReadCamera(const Viewpoint& view, const CameraOptions& options, Noise noise) {
-  return Picture(view, options, noise).Take();
+  return Picture(view, options, noise).Render();
 }
 
 absl::StatusOr<std::string> CameraFrame::GreyPng() const {

@@ -8,12 +8,12 @@
 namespace enfilade::simulator {
 namespace {
 
-// Glass throws a beam back near its normal and lets it through elsewhere (Foster, Sun, Park, Kuipers 2013). `cosine`
-// of the angle between the beam and the normal.
-bool GlassAnswers(double cosine, Noise& noise) {
-  constexpr double kSurely = 0.985;    // 10 deg
-  constexpr double kNotAtAll = 0.906;  // 25 deg
-  const double probability = std::clamp((cosine - kNotAtAll) / (kSurely - kNotAtAll), 0.0, 1.0);
+// Glass reflects a beam near its normal and lets it through otherwise (Foster, Sun, Park, Kuipers 2013). `cosine`: of
+// the angle between the beam and the normal.
+bool GlassReflects(double cosine, Noise& noise) {
+  constexpr double kAlways = 0.985;  // 10 deg
+  constexpr double kNever = 0.906;   // 25 deg
+  const double probability = std::clamp((cosine - kNever) / (kAlways - kNever), 0.0, 1.0);
   return probability > 0.0 && noise.Chance(0.95 * probability);
 }
 
@@ -22,26 +22,115 @@ double CosineTo(const Face& face, const Eigen::Vector2d& direction) {
   return std::abs(edge.x() * direction.y() - edge.y() * direction.x()) / direction.norm();
 }
 
+// One turn of a scanner with several rings. Each ring's reach is the horizontal distance of its return.
+class CloudReader {
+ public:
+  CloudReader(const Viewpoint& view, const CloudScannerOptions& options, Noise& noise)
+      : view_(view),
+        options_(options),
+        noise_(noise),
+        level_(view.world.level(view.level)),
+        people_(view.world.PeopleOn(view.level, view.seconds)),
+        T_campus_scanner_(view.T_campus_robot * options.T_robot_scanner),
+        from_(T_campus_scanner_.translation()),
+        rings_(static_cast<std::size_t>(options.rings)),
+        tangents_(rings_) {
+    for (std::size_t r = 0; r < rings_; ++r) {
+      tangents_[r] = std::tan(options.lowest + options.step * static_cast<double>(r));
+    }
+  }
+
+  // Appends the returns of all rings at `angle` in the scanner's frame.
+  void ReadAzimuth(double angle, std::vector<float>& cloud) {
+    const double bearing = T_campus_scanner_.yaw + angle;
+    const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
+    std::vector<double> reach(rings_);
+    for (std::size_t r = 0; r < rings_; ++r) reach[r] = ReachWithoutFaces(direction, tangents_[r]);
+    HitFaces(direction, reach);
+    for (std::size_t r = 0; r < rings_; ++r) {
+      const double slant = std::sqrt(1.0 + tangents_[r] * tangents_[r]);
+      const double error = options_.range_sigma * noise_.Normal();
+      const bool missing = noise_.Chance(options_.dropout);
+      if (missing || !(reach[r] * slant < options_.range_max)) continue;
+      const double t = std::max(0.0, reach[r] + error / slant);
+      const Eigen::Vector2d point =
+          options_.T_robot_scanner * Eigen::Vector2d(t * std::cos(angle), t * std::sin(angle));
+      cloud.push_back(static_cast<float>(point.x()));
+      cloud.push_back(static_cast<float>(point.y()));
+      cloud.push_back(static_cast<float>(options_.height + t * tangents_[r]));
+    }
+  }
+
+ private:
+  // Up to the floor, a person or the ceiling.
+  double ReachWithoutFaces(const Eigen::Vector2d& direction, double tangent) const {
+    double reach = kNoHit;
+    if (tangent < 0.0) reach = -options_.height / tangent;
+    for (const World::PersonPosition& person : people_) {
+      const double t = IntersectCircle(from_, direction, person.at, person.radius);
+      const double z = options_.height + t * tangent;
+      if (t < reach && z >= 0.0 && z < person.height) reach = t;
+    }
+    if (tangent <= 0.0) return reach;
+    const int here = level_.RasterAreaAt(from_.x(), from_.y());
+    if (here < 0 || !view_.world.surfaces(here).indoor) return reach;
+    const double t = (view_.world.surfaces(here).ceiling_height - options_.height) / tangent;
+    const int there = level_.RasterAreaAt(from_.x() + t * direction.x(), from_.y() + t * direction.y());
+    if (there >= 0 && view_.world.surfaces(there).indoor) reach = std::min(reach, t);
+    return reach;
+  }
+
+  // Shortens each ring's reach to the first face that it hits.
+  void HitFaces(const Eigen::Vector2d& direction, std::vector<double>& reach) {
+    std::size_t open = rings_;
+    std::vector<bool> done(rings_, false);
+    level_.Traverse(from_, direction, options_.range_max, view_.gate, [&](double t, const Face& face) {
+      const bool reflects = !face.glass || GlassReflects(CosineTo(face, direction), noise_);
+      for (std::size_t r = 0; reflects && r < rings_; ++r) {
+        if (done[r]) continue;
+        const double z = options_.height + t * tangents_[r];
+        const bool hit = reach[r] > t && z >= face.bottom && z < face.top;
+        if (hit) reach[r] = t;
+        if (!hit && reach[r] > t) continue;
+        done[r] = true;
+        --open;
+      }
+      return open > 0;
+    });
+  }
+
+  const Viewpoint& view_;
+  const CloudScannerOptions& options_;
+  Noise& noise_;
+  const LevelWorld& level_;
+  const std::vector<World::PersonPosition> people_;
+  const Pose2 T_campus_scanner_;
+  const Eigen::Vector2d from_;
+  const std::size_t rings_;
+  std::vector<double> tangents_;
+};
+
 }  // namespace
 
 absl::Status ScannerOptions::Validate() const {
   if (beams < 2 || beams > static_cast<int>(sensor::kMaxBeams))
-    return InvalidArgument("beams is {}: expected 2 or more", beams);
+    return InvalidArgument("beams is {}: expected 2 to {}", beams, sensor::kMaxBeams);
   if (!(field_of_view > 0.0 && field_of_view <= 2.0 * M_PI + 1e-9)) {
     return InvalidArgument("field_of_view is {} rad: expected up to a full turn", field_of_view);
   }
   if (!(range_min >= 0.0 && range_max > range_min && range_max <= 1000.0)) {
-    return InvalidArgument("ranges from {} to {} m are none", range_min, range_max);
+    return InvalidArgument("range_min is {} m and range_max {} m: expected 0 to 1000 and range_min below range_max",
+                           range_min, range_max);
   }
   if (!(range_sigma >= 0.0) || !(dropout >= 0.0 && dropout <= 1.0)) {
-    return InvalidArgument("range_sigma {} m or dropout {} is none", range_sigma, dropout);
+    return InvalidArgument("range_sigma is {} m and dropout {}: expected 0 or more, and 0 to 1", range_sigma, dropout);
   }
   return absl::OkStatus();
 }
 
 sensor::LaserScan ReadScan(const Viewpoint& view, const ScannerOptions& options, Noise noise) {
   const LevelWorld& level = view.world.level(view.level);
-  const std::vector<World::Standing> people = view.world.PeopleOn(view.level, view.seconds);
+  const std::vector<World::PersonPosition> people = view.world.PeopleOn(view.level, view.seconds);
   sensor::LaserScan scan;
   const bool full_turn = options.field_of_view > 2.0 * M_PI - 1e-6;
   scan.angle_min = -options.field_of_view / 2.0;
@@ -55,14 +144,14 @@ sensor::LaserScan ReadScan(const Viewpoint& view, const ScannerOptions& options,
   for (int i = 0; i < options.beams; ++i) {
     const double bearing = T_campus_laser.yaw + scan.angle(static_cast<std::size_t>(i));
     const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
-    double nearest = kNever;
-    for (const World::Standing& person : people) {
+    double nearest = kNoHit;
+    for (const World::PersonPosition& person : people) {
       if (person.height > options.height)
-        nearest = std::min(nearest, MeetCircle(from, direction, person.at, person.radius));
+        nearest = std::min(nearest, IntersectCircle(from, direction, person.at, person.radius));
     }
     level.Traverse(from, direction, std::min(nearest, options.range_max), view.gate, [&](double t, const Face& face) {
       if (options.height < face.bottom || options.height >= face.top) return true;
-      if (face.glass && !GlassAnswers(CosineTo(face, direction), noise)) return true;
+      if (face.glass && !GlassReflects(CosineTo(face, direction), noise)) return true;
       nearest = t;
       return false;
     });
@@ -76,66 +165,9 @@ sensor::LaserScan ReadScan(const Viewpoint& view, const ScannerOptions& options,
 }
 
 std::vector<float> ReadCloud(const Viewpoint& view, const CloudScannerOptions& options, Noise noise) {
-  const LevelWorld& level = view.world.level(view.level);
-  const std::vector<World::Standing> people = view.world.PeopleOn(view.level, view.seconds);
-  const Pose2 T_campus_scanner = view.T_campus_robot * options.T_robot_scanner;
-  const Eigen::Vector2d from = T_campus_scanner.translation();
-  const auto rings = static_cast<std::size_t>(options.rings);
-  std::vector<double> tangents(rings);
-  for (std::size_t r = 0; r < rings; ++r)
-    tangents[r] = std::tan(options.lowest + options.step * static_cast<double>(r));
+  CloudReader reader(view, options, noise);
   std::vector<float> cloud;
-  for (int i = 0; i < options.azimuths; ++i) {
-    const double angle = 2.0 * M_PI * i / options.azimuths;
-    const double bearing = T_campus_scanner.yaw + angle;
-    const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
-    std::vector<double> reach(rings, kNever);  // horizontal distance of each ring's return
-    for (std::size_t r = 0; r < rings; ++r) {
-      const double tangent = tangents[r];
-      if (tangent < 0.0) reach[r] = -options.height / tangent;  // the floor
-      for (const World::Standing& person : people) {
-        const double t = MeetCircle(from, direction, person.at, person.radius);
-        const double z = options.height + t * tangent;
-        if (t < reach[r] && z >= 0.0 && z < person.height) reach[r] = t;
-      }
-      if (tangent <= 0.0) continue;
-      // The ceiling, where there is one above.
-      const int here = level.RasterAreaAt(from.x(), from.y());
-      if (here < 0 || !view.world.look(here).indoor) continue;
-      const double t = (view.world.look(here).ceiling - options.height) / tangent;
-      const int there = level.RasterAreaAt(from.x() + t * direction.x(), from.y() + t * direction.y());
-      if (there >= 0 && view.world.look(there).indoor) reach[r] = std::min(reach[r], t);
-    }
-    std::size_t open = rings;
-    std::vector<bool> met(rings, false);
-    level.Traverse(from, direction, options.range_max, view.gate, [&](double t, const Face& face) {
-      const bool answers = !face.glass || GlassAnswers(CosineTo(face, direction), noise);
-      for (std::size_t r = 0; answers && r < rings; ++r) {
-        const double z = options.height + t * tangents[r];
-        if (met[r]) continue;
-        if (reach[r] <= t) {
-          met[r] = true;
-          --open;
-        } else if (z >= face.bottom && z < face.top) {
-          reach[r] = t;
-          met[r] = true;
-          --open;
-        }
-      }
-      return open > 0;
-    });
-    for (std::size_t r = 0; r < rings; ++r) {
-      const double slant = std::sqrt(1.0 + tangents[r] * tangents[r]);
-      const double error = options.range_sigma * noise.Normal();
-      const bool missing = noise.Chance(options.dropout);
-      if (missing || !(reach[r] * slant < options.range_max)) continue;
-      const double t = std::max(0.0, reach[r] + error / slant);
-      const Eigen::Vector2d point = options.T_robot_scanner * Eigen::Vector2d(t * std::cos(angle), t * std::sin(angle));
-      cloud.push_back(static_cast<float>(point.x()));
-      cloud.push_back(static_cast<float>(point.y()));
-      cloud.push_back(static_cast<float>(options.height + t * tangents[r]));
-    }
-  }
+  for (int i = 0; i < options.azimuths; ++i) reader.ReadAzimuth(2.0 * M_PI * i / options.azimuths, cloud);
   return cloud;
 }
 

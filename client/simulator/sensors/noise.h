@@ -17,16 +17,16 @@ constexpr std::uint64_t Mix(std::uint64_t value) {
 constexpr std::uint64_t Mix(std::uint64_t a, std::uint64_t b) { return Mix(Mix(a) ^ b); }
 constexpr std::uint64_t Mix(std::uint64_t a, std::uint64_t b, std::uint64_t c) { return Mix(Mix(a, b), c); }
 
-// A text as a seed (FNV-1a).
+// The seed of a text (FNV-1a).
 constexpr std::uint64_t SeedOf(std::string_view text) {
   std::uint64_t hash = 0xCBF29CE484222325ULL;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3ULL;
   return hash;
 }
 
-// Random numbers that are the same with every standard library (std::normal_distribution is not): SplitMix64. Cheap to
-// make: each reading of each sensor gets its own from (seed, robot, sensor, index), so that no reading depends on what
-// else was simulated before it.
+// Random numbers that are the same with every standard library (std::normal_distribution is not): SplitMix64. A
+// generator is cheap to construct: each reading of each sensor has its own, seeded by (seed, robot, sensor, index), so
+// that no reading depends on what was simulated before it.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : state_(Mix(seed)) {}

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "client/simulator/campus_yaml.h"
+#include "client/simulator/campus/shipped_campuses.h"
 #include "client/simulator/simulation.h"
 #include "tests/contract/closure/door_closures_fixture.h"
 

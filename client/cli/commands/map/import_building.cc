@@ -6,7 +6,7 @@
 
 #include "client/cli/commands/map/import_report.h"
 #include "client/cli/remote.h"
-#include "client/sources/building_file.h"
+#include "client/sources/imports/building_file.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"

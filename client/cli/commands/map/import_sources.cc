@@ -9,7 +9,7 @@
 #include "client/cli/commands/map/import_report.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
-#include "client/sources/map_manager_database.h"
+#include "client/sources/imports/map_manager_database.h"
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"

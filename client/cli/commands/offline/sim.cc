@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "client/cli/output.h"
-#include "client/simulator/campus_yaml.h"
+#include "client/simulator/campus/shipped_campuses.h"
 #include "client/simulator/plan_picture.h"
 #include "client/simulator/simulation_files.h"
 #include "core/base/error.h"

@@ -7,7 +7,7 @@
 
 #include "client/cli/output.h"
 #include "client/simulator/simulation_files.h"
-#include "client/sources/json_lines_writer.h"
+#include "client/sources/formats/json_lines_writer.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "io/file.h"

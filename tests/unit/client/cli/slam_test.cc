@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "client/sources/json_lines_writer.h"
+#include "client/sources/formats/json_lines_writer.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/cli/command_test.h"

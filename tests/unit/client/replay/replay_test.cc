@@ -7,7 +7,7 @@
 #include "client/cli/replay/log_feeder.h"
 #include "client/cli/replay/replay_report.h"
 #include "client/cli/replay/replay_session.h"
-#include "client/sources/json_lines_writer.h"
+#include "client/sources/formats/json_lines_writer.h"
 #include "core/base/uuid.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"

@@ -5,8 +5,9 @@
 
 #include <cmath>
 
-#include "client/simulator/campus_yaml.h"
-#include "client/simulator/random_building.h"
+#include "client/simulator/campus/campus_yaml.h"
+#include "client/simulator/campus/random_building.h"
+#include "client/simulator/campus/shipped_campuses.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "client/sources/fields.h"
+#include "client/sources/formats/fields.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/sources/log_files.h"
@@ -33,7 +33,7 @@ TEST(LogReader, RefusesWhatIsNoLog) {
   EXPECT_STATUS(ReadAll(files.Write("empty.log", "")).status, kMalformed, HasSubstr("the log is empty"));
   EXPECT_STATUS(ReadAll(files.Write("comments.log", "# nothing\n\n")).status, kMalformed, HasSubstr("2 lines"));
   EXPECT_STATUS(ReadAll(files.Write("prose.log", "once upon a time\n")).status, kMalformed,
-                HasSubstr("prose.log:1: not a format that is known"));
+                HasSubstr("prose.log:1: unknown format"));
   EXPECT_STATUS(ReadAll(files.Write("elf.log", std::string("\x7f"
                                                            "ELF\x02\x01\x01\0\0",
                                                            9)))
@@ -52,11 +52,11 @@ TEST(LogReader, ReadsCompressedLogsLikePlainOnes) {
 TEST(LogReader, ReadsLinesThatEndAsOnOtherSystems) {
   const LogFiles files;
   std::string text = Contents(testing::ProjectData("logs/small.clf"));
-  const ReadLog original = ReadAll(testing::ProjectData("logs/small.clf"));
+  const ReadLog plain = ReadAll(testing::ProjectData("logs/small.clf"));
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.replace(at, 1, "\r\n");
-  EXPECT_EQ(ReadAll(files.Write("dos.clf", text)).entries, original.entries);
+  EXPECT_EQ(ReadAll(files.Write("dos.clf", text)).entries, plain.entries);
   text.resize(text.size() - 2);
-  EXPECT_EQ(ReadAll(files.Write("unended.clf", text)).entries, original.entries);
+  EXPECT_EQ(ReadAll(files.Write("unended.clf", text)).entries, plain.entries);
 }
 
 TEST(LogReader, NamesTheLineWhereCompressedDataIsCutOffOrDamaged) {
@@ -102,7 +102,7 @@ TEST(LogReader, ReadsWeanHallLogsInCentimetres) {
   EXPECT_EQ(sensor::CountBeams(scan).no_returns, 10U);
 }
 
-TEST(LogReader, ReadsMinesParisLogsAndReckonsTheirWheels) {
+TEST(LogReader, ReadsMinesParisLogsAndIntegratesTheirWheelTicks) {
   const ReadLog log = ReadAll(testing::ProjectData("logs/mines_paris.dat"));
   ASSERT_OK(log.status);
   EXPECT_EQ(log.facts.format, LogFormat::kMinesParis);

@@ -8,7 +8,7 @@
 #include <memory>
 #include <random>
 
-#include "client/simulator/campus_yaml.h"
+#include "client/simulator/campus/campus_yaml.h"
 #include "client/simulator/simulation.h"
 #include "core/sensor/scan_pairing.h"
 #include "tests/support/pose_matchers.h"

@@ -34,7 +34,7 @@ TEST(SlamOptionsYaml, RefusesWhatItDoesNotKnow) {
   EXPECT_STATUS(ParseSlamOptions("max_range: far"), kBad, HasSubstr("max_range is \"far\", expected a number"));
   EXPECT_STATUS(ParseSlamOptions("loop: {max_attempts: 1.5}"), kBad, HasSubstr("expected a whole number"));
   EXPECT_STATUS(ParseSlamOptions("match_scans: 3"), kBad, HasSubstr("expected true or false"));
-  EXPECT_STATUS(ParseSlamOptions("max_range: 3\nmax_range: 4"), kBad, HasSubstr("max_range comes twice"));
+  EXPECT_STATUS(ParseSlamOptions("max_range: 3\nmax_range: 4"), kBad, HasSubstr("max_range is set twice"));
   EXPECT_STATUS(ParseSlamOptions("max_range: [3]"), kBad, HasSubstr("not a single value"));
   EXPECT_STATUS(ParseSlamOptions("- 3"), kBad, HasSubstr("expected a map"));
   EXPECT_STATUS(ParseSlamOptions("loop: {"), kBad, HasSubstr("slam options"));

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/sources/imports/building_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/pose_matchers.h"
+#include "tests/support/status_assertions.h"
+#include "tests/support/test_data.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// Two levels of 10 x 5 m, drawn at 0.1 and 0.05 m per pixel; the upper drawing is shifted.
+constexpr char kTwoLevels[] = R"(
+name: house
+levels:
+  Upper:
+    elevation: 4
+    fiducials: [[100, 100, a], [300, 100, b]]
+    measurements: [[0, 1, {distance: [3, 10]}]]
+    vertices: [[100, 100, 0, ""], [300, 100, 0, ""], [300, 200, 0, ""], [100, 200, 0, ""]]
+    walls: [[0, 1, {}], [1, 2, {}], [2, 3, {}], [3, 0, {}]]
+  Ground:
+    elevation: 0
+    doors: [[1, 2, {name: [1, "Door 'A'"], type: [1, hinged]}]]
+    fiducials: [[0, 0, a], [100, 0, b]]
+    floors: [{parameters: {}, vertices: [0, 1, 2, 3]}]
+    measurements: [[0, 1, {distance: [3, 10]}]]
+    vertices: [[0, 0, 0, ""], [100, 0, 0, ""], [100, 50, 0, ""], [0, 50, 0, ""]]
+  Roof:
+    elevation: 8
+    vertices: [[0, 0, 0, ""]]
+lifts:
+  Lift:
+    reference_floor_name: Ground
+    x: 50
+    y: 20
+    yaw: 0.5
+    level_doors: {Ground: [d], Upper: [d], Roof: [d]}
+  Nowhere:
+    reference_floor_name: Cellar
+    x: 0
+    y: 0
+    level_doors: {Ground: [d]}
+)";
+
+TEST(BuildingFileTest, ReadsLevelsDoorsAndLiftsInMetres) {
+  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoLevels));
+  EXPECT_EQ(building.name, "house");
+  ASSERT_THAT(building.levels, SizeIs(2));
+  const sources::BuildingLevel& ground = building.levels[0];
+  EXPECT_EQ(ground.name, "Ground");
+  EXPECT_EQ(ground.level, 0);
+  ASSERT_THAT(ground.outline, SizeIs(4));
+  double left = 0, right = 0, bottom = 0;
+  for (const Eigen::Vector2d& corner : ground.outline) {
+    left = std::min(left, corner.x());
+    right = std::max(right, corner.x());
+    bottom = std::min(bottom, corner.y());
+  }
+  EXPECT_NEAR(left, 0.0, 1e-12);
+  EXPECT_NEAR(right, 10.0, 1e-12);
+  EXPECT_NEAR(bottom, -5.0, 1e-12);
+  ASSERT_THAT(ground.doors, SizeIs(1));
+  EXPECT_EQ(ground.doors[0].name, "Door 'A'");
+  EXPECT_THAT(ground.doors[0].T_level_door, PoseNear(Pose2{10, -2.5, 0}, 1e-9, 1e-9));
+  EXPECT_EQ(building.levels[1].level, 1);
+  EXPECT_THAT(building.levels[1].outline, SizeIs(4));
+
+  ASSERT_THAT(building.lifts, SizeIs(1));
+  ASSERT_THAT(building.lifts[0].stops, SizeIs(2));
+  EXPECT_THAT(building.lifts[0].stops[0].T_level_cabin, PoseNear(Pose2{5, -2, 0.5}, 1e-9, 1e-9));
+  EXPECT_THAT(building.lifts[0].stops[1].T_level_cabin, PoseNear(Pose2{10, -7, 0.5}, 1e-9, 1e-9));
+}
+
+TEST(BuildingFileTest, TellsWhatItDidNotTake) {
+  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoLevels));
+  ASSERT_THAT(building.remarks, SizeIs(2));
+  EXPECT_EQ(building.remarks[0].item, "levels Roof");
+  EXPECT_TRUE(building.remarks[0].refused);
+  EXPECT_EQ(building.remarks[1].item, "lifts Nowhere");
+  EXPECT_THAT(building.remarks[1].why, HasSubstr("Cellar"));
+  ASSERT_OK_AND_ASSIGN(const sources::Building broken, sources::ParseBuilding(R"(
+levels:
+  A:
+    measurements: [[0, 1, {distance: [3, 10]}]]
+    vertices: [[0, 0, 0, ""], [100, 0, 0, ""]]
+    walls: [[0, 7, {}]]
+  B:
+    vertices: [nonsense]
+)"));
+  EXPECT_THAT(broken.levels, IsEmpty());
+  ASSERT_THAT(broken.remarks, SizeIs(2));
+  EXPECT_THAT(broken.remarks[0].why, HasSubstr("vertex"));
+  EXPECT_CODE(sources::ParseBuilding("levels: [1, 2]"), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(sources::ParseBuilding("{"), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(BuildingFileTest, ReadsTheHotelOfTheRmfDemos) {
+  ENFILADE_RECORDING_OR_SKIP(path, "maps/rmf_demos/hotel.building.yaml");
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(text.str()));
+  ASSERT_THAT(building.levels, SizeIs(3));
+  EXPECT_THAT(building.lifts, SizeIs(2));
+  for (const sources::BuildingLift& lift : building.lifts) EXPECT_THAT(lift.stops, SizeIs(3));
+  for (const sources::BuildingLevel& level : building.levels) {
+    EXPECT_GE(level.outline.size(), 3U);
+    EXPECT_FALSE(level.doors.empty());
+  }
+}
+
+}  // namespace
+}  // namespace enfilade::testing
