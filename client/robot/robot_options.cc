@@ -12,38 +12,40 @@ namespace {
 
 constexpr std::string_view kWhat = "robot options";
 
-// Calls visit("group.name", value, comment) for every option of our own; `Options` is RobotOptions, const or not.
+// Calls visit("group.name", value, comment) for every option but those of the door detector. `Options` is RobotOptions,
+// const or not.
 template <typename Options, typename Visit>
 void VisitOwn(Options& o, Visit visit) {
-  visit("automatic", o.automatic, "doors are found by the detector; false: a person says all");
+  visit("automatic", o.automatic, "doors come from the detector; false: from commands");
   visit("record_imgs_and_pc", o.record_imgs_and_pc, "images and clouds near doors are recorded");
-  visit("use_global_tracker", o.use_global_tracker, "asks for and shows the pose in the world");
-  visit("initial_variance_x", o.initial_variance_x, "m^2, of a pose that is given by hand");
+  visit("use_global_tracker", o.use_global_tracker, "the pose in the world is polled and shown");
+  visit("initial_variance_x", o.initial_variance_x, "m^2, of a pose given by a command");
   visit("initial_variance_y", o.initial_variance_y, "m^2");
   visit("initial_variance_theta", o.initial_variance_theta, "rad^2");
-  visit("config_criterion", o.choice.criterion, "indoors or outdoors by: 0 range, 1 SSIM, 2 PSNR, 3 scene classifier");
-  visit("range_thr", o.choice.range_thr, "m: criterion 0, two sides beyond it are outdoors");
-  visit("low_pass_filter_size", o.choice.low_pass_filter_size, "beams to either side: criterion 0");
-  visit("ssim_thr", o.choice.ssim_thr, "criterion 1: below it is outdoors");
-  visit("psnr_thr", o.choice.psnr_thr, "dB: criterion 2, below it is outdoors");
-  visit("num_depth_imgs", o.choice.num_depth_imgs, "criteria 1 and 2");
-  visit("scene_model", o.choice.scene_model, "criterion 3: the network, ONNX");
-  visit("scene_labels", o.choice.scene_labels, "criterion 3: its classes");
-  visit("scene_mapping", o.choice.scene_mapping, "criterion 3: each class indoor (1) or outdoor (2)");
-  visit("num_last_imgs", o.evidence.images, "of each camera behind a door");
-  visit("evidence.max_age", o.evidence.max_age, "s: what is farther from a moment than this is not of it");
-  visit("evidence.spacing", o.evidence.spacing, "m to be driven between two images kept in memory");
-  visit("evidence.turn", o.evidence.turn, "deg to be turned, likewise");
+  visit("config_criterion", o.environment.criterion,
+        "indoors or outdoors by: 0 range, 1 SSIM, 2 PSNR, 3 scene classifier");
+  visit("range_thr", o.environment.range_thr, "m: criterion 0, outdoors if two sides are farther");
+  visit("low_pass_filter_size", o.environment.low_pass_filter_size, "criterion 0: beams to either side");
+  visit("ssim_thr", o.environment.ssim_thr, "criterion 1: below it is outdoors");
+  visit("psnr_thr", o.environment.psnr_thr, "dB: criterion 2, below it is outdoors");
+  visit("num_depth_imgs", o.environment.num_depth_imgs, "criteria 1 and 2");
+  visit("scene_model", o.environment.scene_model, "criterion 3: the network, ONNX");
+  visit("scene_labels", o.environment.scene_labels, "criterion 3: its classes");
+  visit("scene_mapping", o.environment.scene_mapping, "criterion 3: each class indoor (1) or outdoor (2)");
+  visit("num_last_imgs", o.evidence.images, "images from each camera behind a door");
+  visit("evidence.max_age", o.evidence.max_age, "s: images and clouds farther from a moment than this do not show it");
+  visit("evidence.spacing", o.evidence.spacing, "m driven between two images kept in memory");
+  visit("evidence.turn", o.evidence.turn, "deg turned between them, instead");
   visit("evidence.kept", o.evidence.kept, "images of each camera, and clouds, in memory");
   visit("evidence.report_behind", o.evidence.report_behind, "m behind the door at which a passage is reported");
   visit("evidence.report_after", o.evidence.report_after, "s after which it is reported in any case");
-  visit("evidence.all_hz", o.evidence.all_hz, "images and clouds recorded everywhere; 0: near doors only");
-  visit("spool.max_mib", o.spool.max_mib, "the most that is kept until the server has it");
+  visit("evidence.all_hz", o.evidence.all_hz, "rate of images and clouds recorded everywhere; 0: near doors only");
+  visit("spool.max_mib", o.spool.max_mib, "the largest size of the spool file");
   visit("spool.wait_when_full", o.spool.wait_when_full,
-        "a full spool holds the source up; false: it refuses what comes");
+        "true: the source waits while the spool is full; false: sensor data is refused");
 }
 
-// The original's names of door options, and ours.
+// map_manager's names of door options, and the names here.
 constexpr std::array<std::pair<const char*, const char*>, 4> kAliases = {{
     {"deriv_door_thr", "derivative.threshold"},
     {"time_limit_door_detection", "time_limit"},
@@ -51,16 +53,16 @@ constexpr std::array<std::pair<const char*, const char*>, 4> kAliases = {{
     {"low_pass_filter_size_env", "environment.filter_half_width"},
 }};
 
-// The original's parameters of what the server does here.
-constexpr std::array<const char*, 4> kServers = {"feature_matching_thr", "NNDR_akaze", "NNDR_sift",
-                                                 "icp_fitness_score_thr"};
+// map_manager's parameters of what the server does here.
+constexpr std::array<const char*, 4> kServerOptions = {"feature_matching_thr", "NNDR_akaze", "NNDR_sift",
+                                                       "icp_fitness_score_thr"};
 
 absl::Status Positive(const char* name, double value) {
   if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
-  return InvalidArgument("{} is {}: expected more than 0", name, value);
+  return InvalidArgument("{} is {}: expected a number above 0", name, value);
 }
 
-absl::Status ValidateChoice(const ChoiceOptions& o) {
+absl::Status ValidateEnvironment(const EnvironmentOptions& o) {
   if (o.criterion < 0 || o.criterion > 3) {
     return InvalidArgument("config_criterion is {}: expected 0 (range), 1 (SSIM), 2 (PSNR) or 3 (scene classifier)",
                            o.criterion);
@@ -95,22 +97,21 @@ absl::Status ValidateEvidence(const EvidenceOptions& o) {
 }
 
 absl::Status ApplyAliases(yaml_options::Values& values) {
-  for (const char* name : kServers) {
+  for (const char* name : kServerOptions) {
     if (const auto found = values.find(name); found != values.end()) {
       return InvalidArgument(
-          "{}, line {}: {} is none of the robot's options: doors are judged on the server "
-          "(docs/robot.md tells its option for it)",
-          kWhat, found->second.Mark().line + 1, name);
+          "{}: {} is not an option of the robot: doors are judged on the server (docs/robot.md names its option)",
+          yaml_options::Location(kWhat, found->second.Mark()), name);
     }
   }
-  for (const auto& [original, ours] : kAliases) {
-    const auto found = values.find(original);
+  for (const auto& [alias, option] : kAliases) {
+    const auto found = values.find(alias);
     if (found == values.end()) continue;
-    if (!values.emplace(ours, found->second).second) {
-      return InvalidArgument("{}, line {}: {} comes twice: it is {}, too", kWhat, found->second.Mark().line + 1,
-                             original, ours);
+    if (!values.emplace(option, found->second).second) {
+      return InvalidArgument("{}: {} is set twice: it is an alias of {}",
+                             yaml_options::Location(kWhat, found->second.Mark()), alias, option);
     }
-    values.erase(original);
+    values.erase(alias);
   }
   return absl::OkStatus();
 }
@@ -127,7 +128,7 @@ absl::Status RobotOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(Positive("initial_variance_x", initial_variance_x));
   ENFILADE_RETURN_IF_ERROR(Positive("initial_variance_y", initial_variance_y));
   ENFILADE_RETURN_IF_ERROR(Positive("initial_variance_theta", initial_variance_theta));
-  ENFILADE_RETURN_IF_ERROR(ValidateChoice(choice));
+  ENFILADE_RETURN_IF_ERROR(ValidateEnvironment(environment));
   ENFILADE_RETURN_IF_ERROR(ValidateEvidence(evidence));
   if (!(spool.max_mib >= 1.0)) return InvalidArgument("spool.max_mib is {}: expected 1 or more", spool.max_mib);
   return doors.Validate();
@@ -137,8 +138,8 @@ absl::StatusOr<RobotOptions> RobotPreset(std::string_view name) {
   RobotOptions options;
   ENFILADE_ASSIGN_OR_RETURN(options.doors, doors::DoorPreset(name));
   if (name == "original-code") {
-    options.choice.range_thr = 10.0;
-    options.choice.num_depth_imgs = 5;
+    options.environment.range_thr = 10.0;
+    options.environment.num_depth_imgs = 5;
   }
   return options;
 }
@@ -149,7 +150,7 @@ absl::StatusOr<RobotOptions> ParseRobotOptions(std::string_view yaml, const Robo
   if (const auto preset = values.find("preset"); preset != values.end()) {
     absl::StatusOr<RobotOptions> named = RobotPreset(preset->second.Scalar());
     if (!named.ok()) {
-      return WithContext(named.status(), fmt::format("{}, line {}", kWhat, preset->second.Mark().line + 1));
+      return WithContext(named.status(), yaml_options::Location(kWhat, preset->second.Mark()));
     }
     options = *std::move(named);
   }
@@ -165,7 +166,7 @@ absl::StatusOr<RobotOptions> ParseRobotOptions(std::string_view yaml, const Robo
 
 std::string FormatRobotOptions(const RobotOptions& options) {
   const bool gap = options.doors.method == doors::DoorMethod::kGap;
-  std::string text = fmt::format("preset: {}  # or {}; all that follows is set on top of it\n",
+  std::string text = fmt::format("preset: {}  # or {}; everything below is set on top of it\n",
                                  gap ? "default" : "original-yaml", gap ? "original-yaml, original-code" : "default");
   std::string group;
   const auto line = [&](const std::string& name, const std::string& value, const std::string& comment) {
@@ -182,8 +183,8 @@ std::string FormatRobotOptions(const RobotOptions& options) {
   text += "# doors: docs/doors.md\n";
   doors::VisitDoorOptions(options.doors, [&](const char* name, const auto& value) {
     std::string comment;
-    for (const auto& [original, ours] : kAliases) {
-      if (std::string_view(ours) == name) comment = original;
+    for (const auto& [alias, option] : kAliases) {
+      if (std::string_view(option) == name) comment = alias;
     }
     line(name, fmt::format("{}", value), comment);
   });

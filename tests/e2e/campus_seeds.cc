@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // usage: campus_seeds [--campus NAME] [--seeds N] [--first SEED] [--robots r1,r2] [--verdicts yes]
-// Automatic mapping of a simulated campus over many seeds of noise, each on a site of its own of a private server
-// and database: a table, and what it comes to, with every verdict where asked for. Exit code 1 where less than 95 % of
-// the graphs are exact or a closure is false.
+// Automatic mapping of a simulated campus with many seeds of noise, each on its own site of a private server and
+// database. Prints a table and a summary, with every verdict if requested. Exit code 1 if less than 95 % of the graphs
+// are exact or a closure is false.
 #include <algorithm>
 #include <cmath>
 #include <iostream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Automatic mapping of the campus of figure 1, from the robot's sensors to the solved graph: one seed of noise. `make
-// campus` does many.
+// Automatic mapping of the campus "figure1", from the robot's sensors to the solved graph, with one seed of noise.
+// `make campus` runs many.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -10,7 +10,7 @@
 namespace enfilade::testing {
 namespace {
 
-TEST(Figure1, IsMappedWithoutAHandOnIt) {
+TEST(Figure1, IsMappedAutomatically) {
   WholeSystem system(Cluster::Durability::kFast, {});
   const CampusResult result = RunCampus(system, {.campus = "figure1", .robots = {"r1"}, .seed = 1});
   EXPECT_TRUE(result.exact) << result.graph;
@@ -20,8 +20,8 @@ TEST(Figure1, IsMappedWithoutAHandOnIt) {
   EXPECT_GT(result.samples, 0);
 }
 
-// Each of them enters areas that the other one is in for the first time, too, by other doors.
-TEST(Figure1, IsTheSameGraphWhenTwoRobotsMapItAtOnce) {
+// Each robot enters areas that the other one enters for the first time, too, by other doors.
+TEST(Figure1, IsTheSameGraphWhenTwoRobotsMapItTogether) {
   WholeSystem system(Cluster::Durability::kFast, {});
   const CampusResult result = RunCampus(system, {.campus = "figure1", .robots = {"r1", "r2"}, .seed = 1});
   for (const std::string& verdict : result.verdicts) std::cout << verdict << "\n";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Server, robot and database are killed (kill -9) at random moments of a drive, and what is stored and mapped in the
-// end is what an undisturbed drive leaves.
+// Server, robot and database are killed (kill -9) at random moments of a drive. In the end the stored records and the
+// map must equal those of an undisturbed drive.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -18,7 +18,7 @@ namespace {
 enum class Victim { kServer, kRobot, kDatabase, kDatabaseBackend };
 
 constexpr int kLaps = 6;
-constexpr char kPace[] = "1.5";  // times faster than it was driven: slow enough to outlast the kills
+constexpr char kPace[] = "1.5";  // times the recorded speed: slow enough to outlast the kills
 constexpr int kKillsOfEach = 5;  // of a backend and of the whole database; server and robot twice as often
 
 std::vector<Victim> VictimsInRandomOrder(std::mt19937_64& random) {
@@ -31,8 +31,8 @@ std::vector<Victim> VictimsInRandomOrder(std::mt19937_64& random) {
   return victims;
 }
 
-// A robot that has failed many times in a row waits for half a minute before the next try.
-constexpr auto kPatience = std::chrono::seconds(180);
+// A robot that has failed many times in a row waits for half a minute before the next attempt.
+constexpr auto kPatience = std::chrono::seconds(300 * kSlowdown);
 
 class KillTest : public ::testing::Test {
  protected:
@@ -49,7 +49,7 @@ class KillTest : public ::testing::Test {
   std::chrono::milliseconds RandomTime(int max_ms) {
     return std::chrono::milliseconds(std::uniform_int_distribution<int>(0, max_ms)(random_));
   }
-  // Neither robot nor server ends by itself, whatever happens to the others.
+  // Neither robot nor server ends on its own, whatever happens to the others.
   void ExpectAllAlive() {
     ASSERT_TRUE(robot_->running()) << TailOf(system_.ReplayLog(storm_));
     ASSERT_TRUE(system_.server().process().running()) << TailOf(system_.server().log());
@@ -68,7 +68,7 @@ void KillTest::KillBackend() {
       "SELECT pid FROM pg_stat_activity WHERE backend_type = 'client backend' AND application_name LIKE 'enfilade%'"
       " AND pid <> pg_backend_pid() ORDER BY pid");
   if (!backends || backends->empty()) {
-    system_.KillDatabase();  // it was just recovering: all of it, then
+    system_.KillDatabase();  // it is recovering: kill the whole database instead
     system_.cluster().Restart();
     return;
   }
@@ -76,7 +76,7 @@ void KillTest::KillBackend() {
   kill(std::stoi((*backends)[which]), SIGKILL);  // the postmaster ends all others and recovers
 }
 
-// What was killed comes back at once or a moment later; the next kill may hit it while it still starts.
+// What was killed restarts immediately or a moment later. The next kill may come while it is still starting.
 void KillTest::KillAndRestart(Victim victim) {
   switch (victim) {
     case Victim::kServer:
@@ -116,7 +116,7 @@ TEST_F(KillTest, NothingIsLostOrDoubledAndTheMapIsTheSame) {
   int kills = 0;
   int kills_amid_mapping = 0;
   for (const Victim victim : VictimsInRandomOrder(random_)) {
-    // Most kills hit when records flow again after the one before, the others whenever they come.
+    // Most kills wait until records flow again after the previous kill, the others do not.
     if (std::uniform_int_distribution<int>(0, 3)(random_) > 0) {
       const std::int64_t before = system_.AcknowledgedSequence(storm_.site);
       ASSERT_TRUE(Eventually([&] { return system_.AcknowledgedSequence(storm_.site) > before; }, kPatience))
@@ -132,11 +132,11 @@ TEST_F(KillTest, NothingIsLostOrDoubledAndTheMapIsTheSame) {
   EXPECT_GE(kills, 30);
   EXPECT_GE(kills_amid_mapping, 10);
   std::cout << kills << " kills, the last one after " << system_.AcknowledgedSequence(storm_.site) << " of " << records
-            << " records; " << kills_amid_mapping << " of server or database with a checkpoint to go on from"
+            << " records; " << kills_amid_mapping << " of server or database with a checkpoint to continue from"
             << std::endl;
 
   robot_->Kill();
-  storm_.rate = "max";  // what is left is of no interest
+  storm_.rate = "max";  // the rest needs no pace
   robot_ = system_.StartReplay(storm_, system_.server());
   ASSERT_EQ(robot_->Wait(std::chrono::minutes(10)), 0)
       << TailOf(system_.ReplayLog(storm_)) << TailOf(system_.server().log());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What robots and people see while a server ends, the database or the server is away, or another server takes over.
+// What robots and people see while a server ends, while database or server are down, and when another server takes
+// over.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -22,7 +23,7 @@ class OutageTest : public ::testing::Test {
   absl::Status ListSites() const {
     return system_.server().Connect().Call(&v1::SiteService::Stub::ListSites, v1::ListSitesRequest()).status();
   }
-  // Until the robot has put more into its spool than it had.
+  // Waits until the robot has added to its spool.
   bool SpoolGrows(const Replay& replay) const {
     const std::int64_t before = system_.SpooledSequence(replay);
     return Eventually([&] { return system_.SpooledSequence(replay) > before; });
@@ -54,7 +55,7 @@ TEST_F(OutageTest, SigtermAnswersOpenStreamsAndEndsInTime) {
   EXPECT_EQ(system_.server().process().Wait(std::chrono::seconds(60)), 0) << TailOf(system_.server().log());
   EXPECT_EQ(HealthOf(connection), Health::kUnreachable);
 
-  // The robot has lost nothing: it goes on with the next server.
+  // The robot has lost nothing and continues with the next server.
   const std::int64_t acknowledged = system_.AcknowledgedSequence("s");
   ASSERT_TRUE(robot->running());
   system_.server().StartAndWait();
@@ -92,7 +93,7 @@ TEST_F(OutageTest, RobotsSpoolOnWhileNoServerIsThere) {
 TEST_F(OutageTest, AnotherServerTakesOverTheMappingOfAKilledOne) {
   const Replay replay{.site = "s", .wait = false};
   const auto robot = system_.StartReplay(replay, system_.server());
-  // Killed while it holds the lease: stopped, so that it cannot give the lease back between the look and the kill.
+  // Killed while it holds the lease. It is stopped first, so that it cannot release the lease between check and kill.
   const auto holds_lease = [&] {
     const auto held = system_.TryQuery("SELECT token FROM session_leases WHERE expires_at > now()");
     return held && !held->empty();

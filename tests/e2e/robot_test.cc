@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A robot's agent and the whole server, with the server away in the middle of the drive.
+// A robot's agent and a real server that is down in the middle of the drive.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,14 +47,14 @@ class RobotTest : public ::testing::Test {
   WholeSystem system_;
 };
 
-TEST_F(RobotTest, LosesNothingWhileTheServerIsAwayAndChainsItsSessions) {
+TEST_F(RobotTest, LosesNothingWhileTheServerIsDownAndChainsItsSessions) {
   const auto robot = StartRobot(
       {"--campus", "rooms", "--rate", "15", "--image-hz", "0", "--cloud-hz", "0", "--map", "Rooms", "--wait"},
       "robot.jsonl");
   ASSERT_TRUE(Eventually([&] { return system_.AcknowledgedSequence("s") > 100; }))
       << TailOf(system_.directory() / "robot.jsonl");
   system_.server().Kill();
-  // It goes through a door meanwhile.
+  // Meanwhile it passes a door.
   const std::size_t sessions = EventsOf("robot.jsonl", "session").size();
   ASSERT_TRUE(Eventually([&] { return EventsOf("robot.jsonl", "session").size() > sessions || !robot->running(); }));
   EXPECT_TRUE(robot->running());
@@ -77,7 +77,7 @@ TEST_F(RobotTest, LosesNothingWhileTheServerIsAwayAndChainsItsSessions) {
   }
 }
 
-TEST_F(RobotTest, BringsWhatAKilledRunLeftAndGoesOnInAnotherSession) {
+TEST_F(RobotTest, UploadsWhatAKilledRunLeftAndContinuesInAnotherSession) {
   const auto killed = StartRobot({"--campus", "rooms", "--rate", "5", "--image-hz", "0", "--cloud-hz", "0"}, "1.jsonl");
   ASSERT_TRUE(Eventually([&] { return system_.AcknowledgedSequence("s") > 0; }))
       << TailOf(system_.directory() / "1.jsonl");
@@ -93,9 +93,9 @@ TEST_F(RobotTest, BringsWhatAKilledRunLeftAndGoesOnInAnotherSession) {
   EXPECT_EQ(system_.Query("SELECT state FROM sessions WHERE session_id = '" + session + "'"), "3");
 }
 
-TEST_F(RobotTest, TellsTheServerThatItBeginsOutdoors) {
+TEST_F(RobotTest, ReportsThatItBeginsOutdoors) {
   const std::filesystem::path options = system_.directory() / "robot.yaml";
-  std::ofstream(options) << "range_thr: 0.5\n";  // what no room is smaller than
+  std::ofstream(options) << "range_thr: 0.5\n";  // every room is larger
   const auto robot = StartRobot({"--campus", "rooms", "--laps", "1", "--image-hz", "0", "--cloud-hz", "0", "--map",
                                  "Yard", "--options", options.string()},
                                 "robot.jsonl");
@@ -103,7 +103,7 @@ TEST_F(RobotTest, TellsTheServerThatItBeginsOutdoors) {
   EXPECT_EQ(system_.Query("SELECT environment FROM maps WHERE display_name = 'Yard'"), "2");
 }
 
-TEST_F(RobotTest, SaysWhyWhereTheServerRefusesASession) {
+TEST_F(RobotTest, SaysWhyTheServerRefusesASession) {
   const auto robot = StartRobot(
       {"--campus", "rooms", "--laps", "1", "--image-hz", "0", "--cloud-hz", "0", "--on-old-map", "Nowhere,0,0,0"},
       "robot.jsonl");

@@ -32,27 +32,27 @@ class WholeSystem {
   Cluster& cluster() { return cluster_; }
   ServerProcess& server() { return server_; }
   const std::filesystem::path& directory() const { return directory_.path(); }
-  // kill -9 of the postmaster. Throws where none is running.
+  // kill -9 of the postmaster. Throws if none is running.
   void KillDatabase();
-  // A further server on the same database; not yet started.
+  // Another server on the same database, not yet started.
   std::unique_ptr<ServerProcess> AnotherServer(const std::string& name) const;
 
-  // Runs `enfilade ARGUMENTS` against the server; throws where it fails.
+  // Runs `enfilade ARGUMENTS` against the server; throws if it fails.
   void Tool(const std::string& site, const std::vector<std::string>& arguments) const;
   void CreateSite(const std::string& site) const;
-  // Simulates a drive of so many laps for the replays to come.
+  // Simulates a drive of `laps` laps for later replays.
   void RecordDrive(int laps);
-  // Starts a replay against `server`. The same site and session: the same spool, so that it goes on where it was.
+  // Starts a replay against `server`. The same site and session use the same spool, so that it continues where it was.
   std::unique_ptr<Process> StartReplay(const Replay& replay, const ServerProcess& server) const;
   std::filesystem::path ReplayLog(const Replay& replay) const;
-  // The highest sequence that the robot has put into its spool; 0 where there is none.
+  // The highest sequence in the robot's spool; 0 if there is none.
   std::int64_t SpooledSequence(const Replay& replay) const;
 
-  // The first column of all rows, as text; nullopt where the database does not answer.
+  // The first column of all rows, as text; nullopt if the database does not answer.
   std::optional<std::vector<std::string>> TryQuery(const std::string& sql) const;
-  // Its first value; throws where there is none.
+  // Its first value; throws if there is none.
   std::string Query(const std::string& sql) const;
-  // Of a session; 0 where the database does not answer or has none.
+  // Of the site's session; 0 if the database does not answer or has none.
   std::int64_t AcknowledgedSequence(const std::string& site) const;
   std::int64_t MappedSequence(const std::string& site) const;
 

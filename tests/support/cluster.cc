@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Waits for the end of its input, which this process holds open for as long as it lives.
+// Waits for the end of its input, which this process keeps open as long as it runs.
 constexpr char kGuardScript[] = R"sh(
   read -r _
   pid=$(head -n 1 "$1/data/postmaster.pid" 2>/dev/null)
@@ -42,7 +42,8 @@ Cluster::Cluster(Durability durability) {
   std::string name = (fs::temp_directory_path() / "enfilade-db-XXXXXX").string();
   if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a temporary directory " + name);
   directory_ = name;
-  fs::permissions(directory_, fs::perms(0755));  // run by root the server is postgres' and has to enter it
+  fs::permissions(directory_,
+                  fs::perms(0755));  // if root runs the tests, the server runs as postgres and must be able to enter it
   StartGuard();
   std::ofstream settings(directory_ / "test.conf");
   if (durability == Durability::kFast) {
@@ -64,7 +65,7 @@ void Cluster::StartGuard() {
   guard_ = fork();
   if (guard_ < 0) throw std::runtime_error("cannot start the cluster's guard");
   if (guard_ == 0) {
-    setsid();  // what ends the test's group leaves it alone
+    setsid();  // signals to the test's process group do not reach it
     dup2(ends[0], STDIN_FILENO);
     execl("/bin/sh", "sh", "-c", kGuardScript, "sh", directory_.c_str(), nullptr);
     _exit(127);

@@ -8,11 +8,11 @@
 
 namespace enfilade::testing {
 
-// A throwaway PostgreSQL cluster of this test program, made by deploy/database/cluster. A second process stops and
-// removes it as soon as this one has ended, also when it was killed.
+// A temporary PostgreSQL cluster of this test program, created by deploy/database/cluster. A second process stops and
+// removes it as soon as this one has ended, even if it was killed.
 class Cluster {
  public:
-  // kFast: what is lost when the machine dies does not matter (fsync off); kDurable: settings as in service.
+  // kFast: data may be lost if the machine crashes (fsync off); kDurable: the settings of production.
   enum class Durability { kFast, kDurable };
 
   // Starts a new one.
@@ -21,13 +21,13 @@ class Cluster {
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
-  // The one that the program's tests share; starts it at the first call.
+  // The cluster that the program's tests share; the first call starts it.
   static Cluster& Instance();
 
   const std::string& url() const { return url_; }
   // The server's process.
   pid_t pid() const;
-  // Starts it again where the test has killed it.
+  // Starts it again after the test has killed it.
   void Restart();
 
  private:

@@ -25,7 +25,7 @@ std::string ProjectFile(const std::string& relative) { return std::string(ENFILA
 
 CommandResult RunCommand(const std::vector<std::string>& command, const std::vector<std::string>& environment) {
   std::vector<std::string> arguments = command;
-  std::vector<std::string> variables = environment;  // the first of a name counts
+  std::vector<std::string> variables = environment;  // the first of a name is used
   for (char** variable = environ; *variable; ++variable) variables.emplace_back(*variable);
   std::array<int, 2> pipe_ends{};
   if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("cannot make a pipe");

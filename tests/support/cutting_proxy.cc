@@ -91,25 +91,25 @@ void CuttingProxy::Serve(int client, int server, Cut cut) {
     pollfd polled[3] = {{client, POLLIN, 0}, {server, POLLIN, 0}, {stop_pipe_[0], POLLIN, 0}};
     poll(polled, 3, -1);
     if (polled[2].revents != 0) break;
-    if (polled[0].revents != 0) open = Pass(client, server, cut.upstream_bytes);
-    if (open && polled[1].revents != 0) open = Pass(server, client, cut.downstream_bytes);
+    if (polled[0].revents != 0) open = Forward(client, server, cut.upstream_bytes);
+    if (open && polled[1].revents != 0) open = Forward(server, client, cut.downstream_bytes);
   }
   close(client);
   close(server);
 }
 
-bool CuttingProxy::Pass(int from, int to, std::int64_t& left) {
+bool CuttingProxy::Forward(int from, int to, std::int64_t& left) {
   std::array<char, 16384> buffer{};
   const ssize_t got = read(from, buffer.data(), buffer.size());
   if (got <= 0) return false;
-  const std::int64_t passed = left < 0 ? got : std::min<std::int64_t>(got, left);
-  for (std::int64_t sent = 0; sent < passed;) {
-    const ssize_t wrote = send(to, buffer.data() + sent, static_cast<std::size_t>(passed - sent), MSG_NOSIGNAL);
+  const std::int64_t forwarded = left < 0 ? got : std::min<std::int64_t>(got, left);
+  for (std::int64_t sent = 0; sent < forwarded;) {
+    const ssize_t wrote = send(to, buffer.data() + sent, static_cast<std::size_t>(forwarded - sent), MSG_NOSIGNAL);
     if (wrote <= 0) return false;
     sent += wrote;
   }
   if (left < 0) return true;
-  left -= passed;
+  left -= forwarded;
   if (left > 0) return true;
   MutexLock lock(mutex_);
   ++cuts_made_;

@@ -12,16 +12,16 @@
 
 namespace enfilade::testing {
 
-// Passes bytes between a client and a server, both on Unix sockets, and cuts connections off after a given number of
-// bytes, wherever in a message, a frame or the handshake that may be.
+// Forwards bytes between a client and a server, both on Unix sockets, and closes connections after a given number of
+// bytes, which may be in the middle of a message, a frame or the handshake.
 class CuttingProxy {
  public:
   struct Cut {
-    std::int64_t upstream_bytes = -1;    // from the client, of one connection; -1: never
+    std::int64_t upstream_bytes = -1;    // from the client, on one connection; -1: never
     std::int64_t downstream_bytes = -1;  // from the server
   };
 
-  // The first connection gets the first cut, and so on; those after the last are not cut.
+  // The first connection gets the first cut, and so on. Connections after the last cut are not closed.
   CuttingProxy(std::string listen_path, std::string server_path, std::vector<Cut> cuts);
   ~CuttingProxy();
   CuttingProxy(const CuttingProxy&) = delete;
@@ -34,8 +34,8 @@ class CuttingProxy {
  private:
   void Accept();
   void Serve(int client, int server, Cut cut);
-  // False: the connection is over. `left` counts down; at zero the connection is cut.
-  bool Pass(int from, int to, std::int64_t& left);
+  // False: the connection has ended. `left` counts down; at zero the connection is closed.
+  bool Forward(int from, int to, std::int64_t& left);
 
   const std::string listen_path_;
   const std::string server_path_;

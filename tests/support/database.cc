@@ -39,7 +39,7 @@ std::string WithDatabase(const std::string& url, const std::string& name) {
   return url.substr(0, std::min(path, query)) + "/" + name + rest;
 }
 
-// For destructors: a test may have stopped the server, or filled its disk.
+// For destructors: a test may have stopped the server or filled its disk.
 void TryExecute(const std::string& url, const std::string& sql) {
   try {
     Execute(url, sql);
@@ -47,7 +47,7 @@ void TryExecute(const std::string& url, const std::string& sql) {
   }
 }
 
-// The server of all of the program's databases, with the migrated one that they are copies of.
+// The server of all of the program's databases, with the migrated database from which they are copied.
 class Server {
  public:
   static Server& Instance() {

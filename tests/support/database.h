@@ -12,9 +12,9 @@
 
 namespace enfilade::testing {
 
-// A new database with all migrations, dropped with the guard. It is in a private cluster that starts with the first
-// guard of a test program and ends with the program, however that ends; or, where the environment variable
-// ENFILADE_TEST_DATABASE names a server (postgresql://user@host/database), in that server.
+// A new database with all migrations; the destructor drops it. It is in a private cluster that starts with the first
+// TestDatabase of a test program and ends with the program, even if that is killed. If the environment variable
+// ENFILADE_TEST_DATABASE names a server (postgresql://user@host/database), it is in that server instead.
 class TestDatabase {
  public:
   enum class Content { kMigrated, kEmpty };
@@ -25,9 +25,9 @@ class TestDatabase {
 
   const std::string& url() const { return url_; }
 
-  // Executes SQL and gives the first column of its rows, as text. A failure fails the test.
+  // Executes SQL and returns the first column of its rows, as text. An error fails the test.
   std::vector<std::string> Sql(const std::string& sql) const;
-  // The first of them; empty where there is none.
+  // The first of them; empty if there is none.
   std::string SqlValue(const std::string& sql) const;
 
  private:
@@ -35,12 +35,12 @@ class TestDatabase {
   std::string url_;
 };
 
-// A test with a database of its own and a pool on it.
+// A test with its own database and a pool on it.
 class DatabaseTest : public ::testing::Test {
  protected:
   DatabaseTest();
 
-  // Time enough for any one call.
+  // Enough time for any single call.
   static storage::CallContext Soon() { return storage::CallContext::WithTimeout(std::chrono::seconds(60)); }
 
   TestDatabase database_;

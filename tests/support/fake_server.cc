@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/base/sha256.h"
 #include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server_builder.h"
+#include "tests/support/fake_ingest_service.h"
 
 namespace enfilade::testing {
 namespace {
@@ -15,127 +15,6 @@ namespace {
 grpc::Status NotFound(const std::string& what) { return {grpc::StatusCode::NOT_FOUND, what + " does not exist"}; }
 
 }  // namespace
-
-class FakeServer::Ingest final : public v1::IngestService::Service {
- public:
-  explicit Ingest(FakeServer& owner) : owner_(owner) {}
-
-  using Stream = grpc::ServerReaderWriter<v1::StreamRecordsResponse, v1::StreamRecordsRequest>;
-
-  grpc::Status StreamRecords(grpc::ServerContext* context, Stream* stream) override {
-    v1::StreamRecordsRequest request;
-    if (!stream->Read(&request) || !request.has_open()) {
-      return {grpc::StatusCode::INVALID_ARGUMENT, "the first message must be open"};
-    }
-    if (auto status = owner_.At(Moment::kOpenReceived); !status.ok()) return status;
-    const std::string name = request.open().session();
-    v1::StreamRecordsResponse response;
-    {
-      MutexLock lock(owner_.mutex_);
-      ++owner_.streams_opened_;
-      const auto session = owner_.sessions_.find(name);
-      if (session == owner_.sessions_.end()) return NotFound(name);
-      response.mutable_opened()->set_acknowledged_sequence(AcknowledgedOf(session->second));
-    }
-    stream->Write(response);
-    if (auto status = owner_.At(Moment::kOpenedSent); !status.ok()) return status;
-    if (owner_.behaviour_.map_entered) {
-      *response.mutable_map_entered() = *owner_.behaviour_.map_entered;
-      stream->Write(response);
-    }
-    std::string blob;
-    while (stream->Read(&request)) {
-      if (request.has_pose_report()) {
-        TakePose(*stream, request.pose_report());
-        continue;
-      }
-      const auto status = request.has_batch() ? TakeBatch(context, *stream, name, request.batch())
-                                              : TakeChunk(request.blob_chunk(), blob);
-      if (!status.ok()) return status;
-    }
-    return owner_.At(Moment::kHalfClosed);
-  }
-
- private:
-  grpc::Status TakeChunk(const v1::BlobChunk& chunk, std::string& blob) {
-    if (auto status = owner_.At(Moment::kChunkReceived); !status.ok()) return status;
-    if (chunk.offset() == 0) blob.clear();
-    if (chunk.offset() != static_cast<std::int64_t>(blob.size()) || chunk.data().size() > (1U << 20)) {
-      return {grpc::StatusCode::INVALID_ARGUMENT, "a chunk that does not follow, or is too large"};
-    }
-    blob += chunk.data();
-    if (static_cast<std::int64_t>(blob.size()) < chunk.blob().size_bytes()) return grpc::Status::OK;
-    if (Sha256(blob) != chunk.blob().sha256()) return {grpc::StatusCode::DATA_LOSS, "the hash does not fit"};
-    MutexLock lock(owner_.mutex_);
-    owner_.blobs_[chunk.blob().sha256()] = blob;
-    return grpc::Status::OK;
-  }
-
-  void TakePose(Stream& stream, const v1::PoseReport& report) {
-    std::optional<std::string> reason;
-    if (owner_.behaviour_.refuse_pose) reason = owner_.behaviour_.refuse_pose(report);
-    if (reason) {
-      v1::StreamRecordsResponse response;
-      response.mutable_pose_report_refused()->set_message(*reason);
-      stream.Write(response);
-      return;
-    }
-    MutexLock lock(owner_.mutex_);
-    owner_.pose_reports_.push_back(report);
-  }
-
-  grpc::Status TakeBatch(grpc::ServerContext* context, Stream& stream, const std::string& name,
-                         const v1::RecordBatch& batch) {
-    if (auto status = owner_.At(Moment::kBatchReceived); !status.ok()) return status;
-    v1::StreamRecordsResponse response = Store(name, batch);
-    if (response.has_refused()) {
-      stream.Write(response);
-      return grpc::Status::OK;
-    }
-    if (auto status = owner_.At(Moment::kBatchStored); !status.ok()) return status;
-    {
-      MutexLock lock(owner_.mutex_);
-      while (owner_.hold_acknowledgements_ && !owner_.stopping_ && !context->IsCancelled()) {
-        owner_.changed_.WaitUntil(owner_.mutex_, std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
-      }
-    }
-    stream.Write(response);
-    return owner_.At(Moment::kAcknowledged);
-  }
-
-  v1::StreamRecordsResponse Store(const std::string& name, const v1::RecordBatch& batch) {
-    v1::StreamRecordsResponse response;
-    MutexLock lock(owner_.mutex_);
-    Session& session = owner_.sessions_[name];
-    owner_.records_received_ += batch.records_size();
-    for (const v1::Record& record : batch.records()) {
-      std::optional<std::string> reason;
-      if (owner_.behaviour_.refuse) reason = owner_.behaviour_.refuse(record);
-      if (record.has_image() && !owner_.blobs_.contains(record.image().content().sha256())) reason = "blob missing";
-      if (!reason) continue;
-      v1::BatchRefused& refused = *response.mutable_refused();
-      refused.set_first_sequence(batch.records(0).sequence());
-      refused.set_sequence(record.sequence());
-      refused.set_reason(v1::BatchRefused::REASON_INVALID_RECORD);
-      refused.set_message(*reason);
-      return response;
-    }
-    for (const v1::Record& record : batch.records()) {
-      const auto [stored, fresh] = session.records.emplace(record.sequence(), record);
-      if (fresh) continue;
-      ++(stored->second.SerializeAsString() == record.SerializeAsString() ? session.duplicates : session.conflicts);
-    }
-    if (session.conflicts > 0) {
-      response.mutable_refused()->set_first_sequence(batch.records(0).sequence());
-      response.mutable_refused()->set_reason(v1::BatchRefused::REASON_CONFLICTING_RECORD);
-    } else {
-      response.mutable_acknowledgement()->set_acknowledged_sequence(AcknowledgedOf(session));
-    }
-    return response;
-  }
-
-  FakeServer& owner_;
-};
 
 class FakeServer::Sessions final : public v1::SessionService::Service {
  public:
@@ -170,6 +49,15 @@ class FakeServer::Sessions final : public v1::SessionService::Service {
     return grpc::Status::OK;
   }
 
+  grpc::Status ListDoorVerdicts(grpc::ServerContext*, const v1::ListDoorVerdictsRequest* request,
+                                v1::ListDoorVerdictsResponse* response) override {
+    MutexLock lock(owner_.mutex_);
+    const auto session = owner_.sessions_.find(request->parent());
+    if (session == owner_.sessions_.end()) return NotFound(request->parent());
+    response->mutable_verdicts()->Assign(session->second.verdicts.begin(), session->second.verdicts.end());
+    return grpc::Status::OK;
+  }
+
   grpc::Status FinishSession(grpc::ServerContext*, const v1::FinishSessionRequest* request,
                              v1::FinishSessionResponse* response) override {
     if (auto status = owner_.At(Moment::kFinishRequested); !status.ok()) return status;
@@ -178,7 +66,7 @@ class FakeServer::Sessions final : public v1::SessionService::Service {
       const auto session = owner_.sessions_.find(request->name());
       if (session == owner_.sessions_.end()) return NotFound(request->name());
       if (AcknowledgedOf(session->second) != request->last_sequence()) {
-        return {grpc::StatusCode::FAILED_PRECONDITION, "the log has holes or ends too early"};
+        return {grpc::StatusCode::FAILED_PRECONDITION, "the log has gaps or ends too early"};
       }
       session->second.finished = true;
       *response->mutable_session() = session->second.session;
@@ -228,6 +116,7 @@ class FakeServer::Maps final : public v1::MapService::Service {
     const auto map = owner_.maps_.find(request->name());
     if (map == owner_.maps_.end()) return NotFound(request->name());
     response->mutable_map()->set_name(map->first);
+    response->mutable_map()->set_display_name(map->second);
     return grpc::Status::OK;
   }
 

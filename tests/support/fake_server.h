@@ -20,7 +20,7 @@
 
 namespace enfilade::testing {
 
-// Where in a conversation a fake server may step in.
+// The points of a conversation at which a fake server can interfere.
 enum class Moment {
   kCreateSession,  // before it is created
   kOpenReceived,
@@ -29,23 +29,24 @@ enum class Moment {
   kBatchReceived,  // not yet stored
   kBatchStored,    // not yet acknowledged
   kAcknowledged,
-  kHalfClosed,       // the client has no more to send
+  kHalfClosed,       // the client will send no more
   kFinishRequested,  // before the session is finished
   kFinished,         // before the answer goes out
 };
 
-// A server of the ingest API in memory, over real gRPC on a socket, for tests of clients: it keeps the rules of the
-// protos and can be told to misbehave.
+// An in-memory server of the ingest API behind real gRPC on a socket, for tests of clients. It follows the rules of the
+// protos and can be made to misbehave. It also answers for sessions, robots, maps, and whatever else robots ask for.
 class FakeServer {
  public:
   struct Behaviour {
-    // Asked at every moment, with how often that moment has come (from 1): a status that is not OK ends the call.
+    // Called at every moment, with the number of times that it has come (from 1): a status that is not OK ends the
+    // call.
     std::function<grpc::Status(Moment, int)> interfere;
-    // Asked for every record: a reason refuses the batch.
+    // Called for every record: a reason refuses the batch.
     std::function<std::optional<std::string>(const v1::Record&)> refuse;
-    // Told on every stream, after `opened`.
+    // Sent on every stream, after `opened`.
     std::optional<v1::MapEntered> map_entered;
-    // Asked for every pose report: a reason refuses it.
+    // Called for every pose report: a reason refuses it.
     std::function<std::optional<std::string>(const v1::PoseReport&)> refuse_pose;
   };
 
@@ -58,7 +59,7 @@ class FakeServer {
 
   // While held, batches are received and stored but not acknowledged.
   void HoldAcknowledgements(bool hold);
-  // Ends the connections and listens no more; what is stored stays for the next Start.
+  // Closes the connections and the socket. What is stored remains for the next Start.
   void Stop();
   void Start();
 
@@ -66,23 +67,24 @@ class FakeServer {
     v1::Session session;
     std::string request_id;
     std::map<std::int64_t, v1::Record> records;
-    int conflicts = 0;   // another content under a stored sequence
+    int conflicts = 0;   // different content under a stored sequence
     int duplicates = 0;  // the same content again
     bool finished = false;
+    std::vector<v1::DoorVerdict> verdicts = {};  // as ListDoorVerdicts gives them
   };
   // By resource name.
   std::map<std::string, Session> sessions();
   std::set<std::string> robots();
   std::map<std::string, std::string> maps();   // resource name -> display name
   std::map<std::string, std::string> blobs();  // SHA-256 -> bytes
-  std::int64_t records_received();             // in all, duplicates too
+  std::int64_t records_received();             // in total, with duplicates
   int streams_opened();
-  std::vector<v1::PoseReport> pose_reports();  // that were taken
+  std::vector<v1::PoseReport> pose_reports();  // that were accepted
 
-  // Of the highest sequence without a hole before it.
+  // The highest sequence without a gap before it.
   static std::int64_t AcknowledgedOf(const Session& session);
 
-  // For tests that change what is stored.
+  // Changes what is stored.
   void Edit(const std::string& session, const std::function<void(Session&)>& change);
 
  private:

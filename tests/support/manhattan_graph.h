@@ -8,8 +8,8 @@
 
 namespace enfilade::testing {
 
-// A robot drives a grid of streets with edges of 1 m, turning left or right at random corners, and closes loops where
-// it passes within 1.5 m of an earlier pose.
+// A robot drives through a grid of streets with edges of 1 m, turns left or right at random corners, and closes loops
+// when it is within 1.5 m of an earlier pose.
 struct ManhattanOptions {
   int nodes = 400;
   int streets = 12;  // the world is streets x streets corners

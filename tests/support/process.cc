@@ -26,7 +26,7 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
 Process::Process(const std::vector<std::string>& command, const std::filesystem::path& output,
                  const std::vector<std::string>& environment) {
   std::vector<std::string> arguments = command;
-  std::vector<std::string> variables = environment;  // the first of a name counts
+  std::vector<std::string> variables = environment;  // the first of a name is used
   for (char** variable = environ; *variable; ++variable) variables.emplace_back(*variable);
   const std::vector<char*> argv = Pointers(arguments);
   const std::vector<char*> envp = Pointers(variables);

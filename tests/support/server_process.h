@@ -5,29 +5,29 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "client/sdk/connection.h"
+#include "tests/support/eventually.h"
 #include "tests/support/process.h"
 
 namespace enfilade::testing {
 
 enum class Health { kServing, kNotServing, kUnreachable };
 
-// What grpc.health.v1 says of the whole server.
+// The health of the whole server by grpc.health.v1.
 Health HealthOf(const client::Connection& connection);
 
-// enfilade-server as a process of its own on a Unix socket. It may be killed and started again at the same address.
+// enfilade-server as a separate process on a Unix socket. It can be killed and started again at the same address.
 class ServerProcess {
  public:
-  // `directory`: for its socket, log and files; `name` tells several in one directory apart. `settings`: KEY=VALUE.
+  // `directory`: for its socket, log and files; `name` is unique in it. `settings`: KEY=VALUE.
   ServerProcess(const std::filesystem::path& directory, const std::string& name, std::string database_url,
                 std::vector<std::string> settings = {});
 
-  // Starts it; ready or not, it listens soon. Nothing where it is running.
+  // Starts it, without waiting until it is ready. No-op if it is running.
   void Start();
-  // Start, and waits until its health is kServing. Throws with the end of its log where it ends instead.
+  // Starts it and waits until its health is kServing. Throws with the end of its log if it ends instead.
   void StartAndWait();
   void Kill() { process_->Kill(); }
   Process& process() { return *process_; }
@@ -44,18 +44,7 @@ class ServerProcess {
   std::unique_ptr<Process> process_;
 };
 
-// The end of a text file, for messages of failures.
+// The end of a text file, for failure messages.
 std::string TailOf(const std::filesystem::path& file);
-
-// Waits until `condition` holds; false after a time that is long for anything a test waits for.
-template <typename Condition>
-bool Eventually(const Condition& condition, std::chrono::seconds limit = std::chrono::seconds(60)) {
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
-}
 
 }  // namespace enfilade::testing

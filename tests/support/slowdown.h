@@ -3,7 +3,7 @@
 
 namespace enfilade::testing {
 
-// How many times as long as in a release build things take: what a wait is multiplied by.
+// How much slower than a release build this build is: a factor for timeouts.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 inline constexpr int kSlowdown = 10;
 #else

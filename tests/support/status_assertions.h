@@ -14,8 +14,8 @@
 // EXPECT_CODE(store.Get(id), absl::StatusCode::kNotFound);
 // EXPECT_STATUS(Load(path), absl::StatusCode::kNotFound, HasSubstr("no such file"));
 //
-// Each takes an absl::Status or an absl::StatusOr. They look at the status by functions: a matcher of GoogleMock would
-// be made anew by the compiler for each type of value, and hardly anything is asserted as often.
+// Each takes an absl::Status or an absl::StatusOr. They are functions and not matchers of GoogleMock, because the
+// compiler would instantiate a matcher for each type of value, which takes long for what is asserted so often.
 
 namespace enfilade::testing {
 

@@ -7,16 +7,16 @@
 
 namespace enfilade::testing {
 
-// Recordings by others: $ENFILADE_DATA, or else ../shared/data beside the project. Empty where absent.
+// A recording by others, in $ENFILADE_DATA or else in ../shared/data beside the project; nullopt if it is not there.
 std::optional<std::filesystem::path> FindRecording(const std::string& relative);
 
-// Small files made by the project: tests/data.
+// A small file of the project's own, in tests/data.
 std::filesystem::path ProjectData(const std::string& relative);
 
-// A program of ours, built into the same folder as the running test.
+// A program of the project, built into the same folder as the running test.
 std::filesystem::path Program(const std::string& name);
 
-// A new empty directory that is removed with its content when the guard goes.
+// A new empty directory; the destructor removes it with its content.
 class TemporaryDirectory {
  public:
   TemporaryDirectory();
@@ -32,7 +32,7 @@ class TemporaryDirectory {
 
 }  // namespace enfilade::testing
 
-// Ends the test as skipped, with a message, where a recording is not on this machine.
+// Skips the test, with a message, if the recording is not on this machine.
 #define ENFILADE_RECORDING_OR_SKIP(variable, relative)                                                    \
   const auto variable##_found = enfilade::testing::FindRecording(relative);                               \
   if (!variable##_found) GTEST_SKIP() << "recording " << (relative) << " is not here: set ENFILADE_DATA"; \

@@ -19,12 +19,12 @@ TEST(RobotOptions, WhatIsPrintedReadsBackTheSame) {
   for (const char* preset : {"default", "original-yaml", "original-code"}) {
     ASSERT_OK_AND_ASSIGN(RobotOptions options, RobotPreset(preset));
     options.evidence.images = 7;
-    options.choice.scene_model = "a model.onnx";
+    options.environment.scene_model = "a model.onnx";
     const std::string text = FormatRobotOptions(options);
     ASSERT_OK_AND_ASSIGN(const RobotOptions read, Parse(text));
     EXPECT_EQ(FormatRobotOptions(read), text);
     EXPECT_EQ(read.evidence.images, 7);
-    EXPECT_EQ(read.choice.scene_model, "a model.onnx");
+    EXPECT_EQ(read.environment.scene_model, "a model.onnx");
     EXPECT_EQ(read.doors.method, options.doors.method);
   }
 }
@@ -40,19 +40,19 @@ TEST(RobotOptions, EveryOptionIsExplained) {
   }
 }
 
-TEST(RobotOptions, PresetsDifferAsTheOriginalsDo) {
+TEST(RobotOptions, PresetsDifferAsMapManagersYamlAndCodeDo) {
   ASSERT_OK_AND_ASSIGN(const RobotOptions yaml, Parse("preset: original-yaml"));
-  EXPECT_EQ(yaml.choice.range_thr, 13.0);
-  EXPECT_EQ(yaml.choice.num_depth_imgs, 10);
+  EXPECT_EQ(yaml.environment.range_thr, 13.0);
+  EXPECT_EQ(yaml.environment.num_depth_imgs, 10);
   EXPECT_EQ(yaml.doors.derivative.threshold, 0.8);
   ASSERT_OK_AND_ASSIGN(const RobotOptions code, Parse("preset: original-code\nnum_depth_imgs: 6"));
-  EXPECT_EQ(code.choice.range_thr, 10.0);
-  EXPECT_EQ(code.choice.num_depth_imgs, 6);
+  EXPECT_EQ(code.environment.range_thr, 10.0);
+  EXPECT_EQ(code.environment.num_depth_imgs, 6);
   EXPECT_EQ(code.doors.derivative.threshold, 1.0);
   EXPECT_STATUS(Parse("range_thr: 9\npreset: best").status(), kInvalid, HasSubstr("line 2"));
 }
 
-TEST(RobotOptions, TakesTheOriginalsNames) {
+TEST(RobotOptions, AcceptsMapManagersNames) {
   ASSERT_OK_AND_ASSIGN(const RobotOptions options,
                        Parse("preset: original-yaml\nderiv_door_thr: 0.9\ntime_limit_door_detection: 20\n"
                              "deriv_range_thr: 2.5\nlow_pass_filter_size_env: 55\ninitial_variance_theta: 0.01\n"
@@ -73,10 +73,10 @@ TEST(RobotOptions, RefusesWhatItDoesNotKnowWithTheLine) {
   EXPECT_STATUS(Parse("range_thr: far").status(), kInvalid, HasSubstr("expected a number"));
   EXPECT_STATUS(Parse("- 1").status(), kInvalid, HasSubstr("line 1"));
   EXPECT_STATUS(Parse("deriv_door_thr: 0.9\nderivative:\n  threshold: 0.8").status(), kInvalid,
-                HasSubstr("comes twice"));
+                HasSubstr("is set twice"));
 }
 
-TEST(RobotOptions, TellsWhichOfTheOriginalsTheServerHas) {
+TEST(RobotOptions, RefusesMapManagersParametersThatTheServerHas) {
   for (const char* name : {"feature_matching_thr", "NNDR_akaze", "NNDR_sift", "icp_fitness_score_thr"}) {
     EXPECT_STATUS(Parse(std::string(name) + ": 1").status(), kInvalid, HasSubstr("on the server"));
   }

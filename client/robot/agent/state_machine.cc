@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/robot/agent/state_machine.h"
+
+#include "fmt/format.h"
+
+namespace enfilade::robot {
+namespace {
+
+// The detector numbers doors from 1.
+constexpr std::int64_t kByHand = 0;
+
+sensor::DoorReport ReportOf(const doors::DoorEvent& event, sensor::DoorReport::Kind kind, TimeNs time) {
+  sensor::DoorReport report;
+  report.time = time;
+  report.kind = kind;
+  report.door_time = event.door_time;
+  report.T_odom_door = event.T_odom_door;
+  report.width = event.width;
+  report.reason = event.reason;
+  return report;
+}
+
+}  // namespace
+
+const char* NameOf(State state) {
+  switch (state) {
+    case State::kInitialize:
+      return "Initialize";
+    case State::kStartMapping:
+      return "StartMapping";
+    case State::kMapping:
+      return "Mapping";
+    case State::kStopMapping:
+      return "StopMapping";
+    case State::kMainMenu:
+      return "MainMenu";
+    case State::kAbort:
+      return "Abort";
+    case State::kEnd:
+      return "End";
+  }
+  return "?";
+}
+
+std::vector<Action> StateMachine::Handle(const Event& event) {
+  actions_.clear();
+  std::visit([this](const auto& one) { On(one); }, event);
+  return std::move(actions_);
+}
+
+void StateMachine::On(const Ready&) {
+  if (state_ != State::kInitialize) return;
+  if (!options_.automatic) return Leave(State::kMainMenu);
+  if (const auto* fresh = std::get_if<RecordNewMap>(&options_.start)) return Begin({fresh->map, std::nullopt, false});
+  const auto& existing = std::get<MapOnExistingMap>(options_.start);
+  Begin({existing.map, existing.T_map_robot, false});
+}
+
+void StateMachine::On(const SessionBegun&) {
+  if (state_ != State::kStartMapping) return;
+  state_ = State::kMapping;
+  const std::vector<doors::DoorEvent> deferred = std::move(deferred_);
+  deferred_.clear();
+  for (const doors::DoorEvent& event : deferred) On(DoorDetected{event});
+}
+
+void StateMachine::On(const SessionFinished&) {
+  if (state_ == State::kAbort) {
+    state_ = State::kEnd;
+  } else if (state_ == State::kStopMapping && next_) {
+    Begin(*std::exchange(next_, std::nullopt));
+  } else if (state_ == State::kStopMapping) {
+    Leave(left_for_);
+  }
+}
+
+void StateMachine::On(const DoorDetected& seen) {
+  const doors::DoorEvent& event = seen.event;
+  if (state_ != State::kMapping && state_ != State::kStopMapping && state_ != State::kStartMapping) return;
+  if (event.kind == doors::DoorEvent::Kind::kLatched) {
+    Emit(KeepEvidence{event.door, event.door_time});
+    return Emit(ShowMessage{fmt::format("door of {:.2f} m ahead", event.width)});
+  }
+  // Behind a passage that is not reported yet, or between two sessions: it belongs to the next session.
+  if (state_ != State::kMapping || (passage_ && event.door_time > passage_->door_time)) {
+    deferred_.push_back(event);
+    if (passage_ && event.kind == doors::DoorEvent::Kind::kPassage) ReportPassage();
+    return;
+  }
+  if (event.kind == doors::DoorEvent::Kind::kPassage) {
+    OnPassage(event);
+  } else {
+    ReportCandidate(event);
+  }
+}
+
+void StateMachine::OnPassage(const doors::DoorEvent& event) {
+  passage_ = event;
+  Emit(ShowMessage{fmt::format("passed a door of {:.2f} m: {}", event.width, event.reason)});
+  On(Moved{event.time, event.T_odom_robot});
+}
+
+void StateMachine::On(const Moved& moved) {
+  now_ = moved.time;
+  T_odom_robot_ = moved.T_odom_robot;
+  has_pose_ = true;
+  if (!passage_ || state_ != State::kMapping) return;
+  const double behind = (passage_->T_odom_door.translation() - T_odom_robot_.translation()).norm();
+  const double since = ToSeconds(now_ - passage_->time);
+  if (behind >= options_.report_behind || since >= options_.report_after) ReportPassage();
+}
+
+void StateMachine::On(const SourceEnded&) {
+  if (state_ == State::kEnd || state_ == State::kAbort) return;
+  deferred_.clear();
+  if (state_ == State::kMapping && passage_) {
+    ReportPassage();
+    next_.reset();
+    left_for_ = State::kEnd;
+    return;
+  }
+  if (state_ == State::kStopMapping) {
+    next_.reset();
+    left_for_ = State::kEnd;
+    return;
+  }
+  Leave(State::kEnd);
+}
+
+void StateMachine::On(const Failed& failed) {
+  Emit(ShowMessage{"cannot continue: " + failed.reason});
+  Leave(State::kAbort);
+}
+
+void StateMachine::On(const Command& command) {
+  std::visit([this](const auto& one) { Do(one); }, command);
+}
+
+void StateMachine::Do(const RecordNewMap& command) {
+  if (RequireState(State::kMainMenu, "record new map")) Begin({command.map, std::nullopt, false});
+}
+
+void StateMachine::Do(const MapOnExistingMap& command) {
+  if (RequireState(State::kMainMenu, "map on existing map")) Begin({command.map, command.T_map_robot, false});
+}
+
+void StateMachine::Do(const DeleteMap& command) {
+  if (!RequireState(State::kMainMenu, "delete map")) return;
+  Emit(RemoveMap{command.map});
+  Emit(ShowMenu{});
+}
+
+void StateMachine::Do(const DeleteLinkPoint& command) {
+  if (!RequireState(State::kMainMenu, "delete link point")) return;
+  Emit(RemoveLinkPoint{command.link_point});
+  Emit(ShowMenu{});
+}
+
+void StateMachine::Do(const SetLinkPoint& command) {
+  if (!RequireState(State::kMapping, "set link point") || !RequirePose("set link point")) return;
+  if (!evidence_saved_) Emit(KeepEvidence{kByHand, now_});
+  sensor::DoorReport report;
+  report.time = report.door_time = now_;
+  report.kind = sensor::DoorReport::Kind::kPassage;
+  report.place = command.place;
+  report.T_odom_door = T_odom_robot_;
+  report.entered_level = command.level;
+  report.by_hand = true;
+  report.reason = "set by hand";
+  passage_.reset();  // the command overrides the detector
+  evidence_saved_ = false;
+  Emit(WriteReport{kByHand, std::move(report)});
+  next_ = BeginSession{"", std::nullopt, true};
+  Stop();
+}
+
+void StateMachine::Do(const SaveRearImage&) {
+  if (!RequireState(State::kMapping, "save rear image") || !RequirePose("save rear image")) return;
+  evidence_saved_ = true;
+  Emit(KeepEvidence{kByHand, now_});
+  Emit(ShowMessage{"this view is kept for the next link point or candidate"});
+}
+
+void StateMachine::Do(const SetCandidate& command) {
+  if (!RequireState(State::kMapping, "set candidate") || !RequirePose("set candidate")) return;
+  if (!evidence_saved_) Emit(KeepEvidence{kByHand, now_});
+  sensor::DoorReport report;
+  report.time = report.door_time = now_;
+  report.place = command.place;
+  report.T_odom_door = T_odom_robot_;
+  report.by_hand = true;
+  report.reason = "set by hand";
+  evidence_saved_ = false;
+  Emit(WriteReport{kByHand, std::move(report)});
+}
+
+void StateMachine::Do(const StopMapping&) {
+  if (RequireState(State::kMapping, "stop")) Leave(State::kMainMenu);
+}
+
+void StateMachine::Do(const Abort&) { Leave(State::kAbort); }
+
+void StateMachine::Do(const AskStatus&) { Emit(ShowStatus{}); }
+
+void StateMachine::Begin(BeginSession session) {
+  state_ = State::kStartMapping;
+  evidence_saved_ = false;
+  Emit(std::move(session));
+}
+
+void StateMachine::Stop() {
+  state_ = State::kStopMapping;
+  Emit(FinishSession{});
+}
+
+void StateMachine::Leave(State state) {
+  const bool open = state_ == State::kMapping || state_ == State::kStartMapping;
+  if (state != State::kMainMenu || open) {
+    passage_.reset();
+    next_.reset();
+    deferred_.clear();
+  }
+  if (state_ == State::kEnd) return;
+  if (state == State::kAbort) {
+    const bool finishing = state_ == State::kStopMapping || state_ == State::kAbort;
+    state_ = open || finishing ? State::kAbort : State::kEnd;
+    if (open) Emit(FinishSession{});
+    return;
+  }
+  if (open) {
+    left_for_ = state;
+    return Stop();
+  }
+  state_ = state;
+  if (state == State::kMainMenu) Emit(ShowMenu{});
+}
+
+bool StateMachine::RequireState(State state, std::string_view command) {
+  if (state_ == state) return true;
+  Emit(ShowMessage{fmt::format("{}: not possible now: the robot is in {}, and this command is for {}", command,
+                               NameOf(state_), NameOf(state))});
+  return false;
+}
+
+bool StateMachine::RequirePose(std::string_view command) {
+  if (has_pose_) return true;
+  Emit(ShowMessage{fmt::format("{}: there is no scan with odometry yet, so the pose is unknown", command)});
+  return false;
+}
+
+void StateMachine::ReportPassage() {
+  const doors::DoorEvent event = *std::exchange(passage_, std::nullopt);
+  Emit(WriteReport{event.door, ReportOf(event, sensor::DoorReport::Kind::kPassage, now_)});
+  next_ = BeginSession{"", std::nullopt, true};
+  Stop();
+}
+
+void StateMachine::ReportCandidate(const doors::DoorEvent& event) {
+  Emit(ShowMessage{fmt::format("candidate for a link point: {}", event.reason)});
+  Emit(WriteReport{event.door, ReportOf(event, sensor::DoorReport::Kind::kCandidate, event.time)});
+}
+
+}  // namespace enfilade::robot
