@@ -57,7 +57,7 @@ EnvironmentClassifier::Verdict EnvironmentClassifier::ByRange() const {
   if (!choice.ok()) return {std::nullopt, std::string(choice.status().message())};
   if (!choice->environment) return {std::nullopt, "the scan has no hit"};
   return {choice->environment, fmt::format("{}: {} of 4 sides beyond {} m", ToString(*choice->environment),
-                                            choice->far_sides, options_.range_thr)};
+                                           choice->far_sides, options_.range_thr)};
 }
 
 absl::StatusOr<EnvironmentClassifier::Verdict> EnvironmentClassifier::BySimilarity(TimeNs since) const {
@@ -74,9 +74,9 @@ absl::StatusOr<EnvironmentClassifier::Verdict> EnvironmentClassifier::BySimilari
   criterion.frames = options_.num_depth_imgs;
   ENFILADE_ASSIGN_OR_RETURN(const perception::SimilarityChoice choice,
                             perception::ChooseBySimilarity(frames, criterion));
-  return Verdict{choice.environment, fmt::format("{}: {} of {} pairs of depth images is {:.3f}, threshold {}",
-                                                  ToString(choice.environment), ssim ? "SSIM" : "PSNR", choice.pairs,
-                                                  choice.mean, criterion.threshold)};
+  return Verdict{choice.environment,
+                 fmt::format("{}: {} of {} pairs of depth images is {:.3f}, threshold {}", ToString(choice.environment),
+                             ssim ? "SSIM" : "PSNR", choice.pairs, choice.mean, criterion.threshold)};
 }
 
 absl::StatusOr<EnvironmentClassifier::Verdict> EnvironmentClassifier::ByScene(TimeNs since) {
