@@ -117,12 +117,13 @@ class GraphListener {
   virtual absl::StatusOr<std::vector<Change>> Await(const CallContext& context) = 0;
 };
 
-// The graph of a site's maps and link points as a whole. Thread-safe; errors common to all stores: see SiteStore.
-class GraphStore {
+// Read access to the graph of a site's maps and link points as a whole. Thread-safe; errors common to all stores: see
+// SiteStore.
+class GraphReader {
  public:
   static constexpr int kKeptOptimizations = 50;
 
-  virtual ~GraphStore() = default;
+  virtual ~GraphReader() = default;
 
   // 0 if the site has no map, or does not exist.
   virtual absl::StatusOr<std::int64_t> GetVersion(const CallContext& context, const SiteId& site) const = 0;
@@ -130,16 +131,6 @@ class GraphStore {
   // site has not reached (it was deleted and created again). NOT_FOUND if the site does not exist.
   virtual absl::StatusOr<GraphChanges> ReadChanges(const CallContext& context, const SiteId& site,
                                                    std::int64_t since) const = 0;
-  // Stores `solution` and returns the new version. ABORTED if the graph is no longer at `version`; NOT_FOUND if the
-  // site has no graph.
-  virtual absl::StatusOr<std::int64_t> Apply(const CallContext& context, const SiteId& site, std::int64_t version,
-                                             const GraphSolution& solution) const = 0;
-  // Locks the graph, calls `solve` with the changes since `since` (as ReadChanges returns them), stores its solution
-  // and returns the new version. For a graph that is edited too often for Apply to succeed. Writers of the graph wait
-  // meanwhile, readers do not; keep `solve` short. If `solve` fails, nothing is stored and its error is returned.
-  virtual absl::StatusOr<std::int64_t> SolveHeld(
-      const CallContext& context, const SiteId& site, std::int64_t since,
-      const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const = 0;
   // Versions below `before` (0: all), newest first.
   virtual absl::StatusOr<std::vector<GraphVersion>> ListVersions(const CallContext& context, const SiteId& site,
                                                                  std::int64_t before, int limit) const = 0;
@@ -153,14 +144,27 @@ class GraphStore {
   // The current poses of those of `maps` that have one; of all maps if `maps` is empty.
   virtual absl::StatusOr<std::vector<MapPose>> GetPlaces(const CallContext& context, const SiteId& site,
                                                          const std::vector<MapId>& maps) const = 0;
+  virtual absl::StatusOr<std::vector<ControlPoint>> GetControlPoints(const CallContext& context,
+                                                                     const SiteId& site) const = 0;
+};
 
+// The graph of a site's maps and link points as a whole. Thread-safe; errors common to all stores: see SiteStore.
+class GraphStore : public GraphReader {
+ public:
+  // Stores `solution` and returns the new version. ABORTED if the graph is no longer at `version`; NOT_FOUND if the
+  // site has no graph.
+  virtual absl::StatusOr<std::int64_t> Apply(const CallContext& context, const SiteId& site, std::int64_t version,
+                                             const GraphSolution& solution) const = 0;
+  // Locks the graph, calls `solve` with the changes since `since` (as ReadChanges returns them), stores its solution
+  // and returns the new version. For a graph that is edited too often for Apply to succeed. Writers of the graph wait
+  // meanwhile, readers do not; keep `solve` short. If `solve` fails, nothing is stored and its error is returned.
+  virtual absl::StatusOr<std::int64_t> SolveHeld(
+      const CallContext& context, const SiteId& site, std::int64_t since,
+      const std::function<absl::StatusOr<GraphSolution>(const GraphChanges&)>& solve) const = 0;
   // Replaces all control points of the site and returns the new graph version. NOT_FOUND if the site or a map does not
   // exist; INVALID_ARGUMENT if a coordinate is out of range.
   virtual absl::StatusOr<std::int64_t> SetControlPoints(const CallContext& context, const SiteId& site,
                                                         const std::vector<ControlPoint>& points) const = 0;
-  virtual absl::StatusOr<std::vector<ControlPoint>> GetControlPoints(const CallContext& context,
-                                                                     const SiteId& site) const = 0;
-
   // Receives every version that is committed after this returns. UNAVAILABLE if the database cannot be reached. The
   // listener holds a connection until it is destroyed, which must be before the store is.
   virtual absl::StatusOr<std::unique_ptr<GraphListener>> Listen(const CallContext& context) const = 0;

@@ -91,12 +91,34 @@ absl::Status ValidateLinkPoint(const StoredLinkPoint& link_point);
 // INVALID_ARGUMENT: an area that is not finite, a negative radius, fewer than three corners.
 absl::Status ValidateQuery(const LinkPointQuery& query);
 
+// Read access to link points. Thread-safe; errors common to all stores: see SiteStore.
+class LinkPointReader {
+ public:
+  virtual ~LinkPointReader() = default;
+
+  // NOT_FOUND.
+  virtual absl::StatusOr<StoredLinkPoint> Get(const CallContext& context, const SiteId& site,
+                                              const LinkPointId& id) const = 0;
+  // By id.
+  virtual absl::StatusOr<std::vector<StoredLinkPoint>> List(const CallContext& context, const SiteId& site,
+                                                            const LinkPointFilter& filter,
+                                                            const PageRequest& page) const = 0;
+  // One indexed query. Distances are to the positions that the last solution of the graph gave. INVALID_ARGUMENT as
+  // in ValidateQuery.
+  virtual absl::StatusOr<FoundLinkPoints> Find(const CallContext& context, const SiteId& site,
+                                               const LinkPointQuery& query) const = 0;
+  // Those without a pose in the world frame, by id.
+  virtual absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplaced(const CallContext& context, const SiteId& site,
+                                                                    int limit) const = 0;
+  // Of `link_points`, by link point, map and kind; within a kind by distance in time from the passage of the door.
+  virtual absl::StatusOr<std::vector<Evidence>> ListEvidence(const CallContext& context, const SiteId& site,
+                                                             const std::vector<LinkPointId>& link_points) const = 0;
+};
+
 // Link points, candidates and their evidence. Every change raises the site's graph version; changes of one site are
 // made one after another. Thread-safe; errors common to all stores: see SiteStore.
-class LinkPointStore {
+class LinkPointStore : public LinkPointReader {
  public:
-  virtual ~LinkPointStore() = default;
-
   // With one anchor it is a candidate. NOT_FOUND naming the missing site or map; ALREADY_EXISTS if the id is taken, or
   // the link point is redundant (graph::FindRedundant), naming the other one; INVALID_ARGUMENT naming the anchor that
   // is not finite, has an invalid covariance, or repeats a map. `request_id` as in SiteStore.
@@ -106,13 +128,6 @@ class LinkPointStore {
   // that map, or becomes redundant without `force`.
   virtual absl::StatusOr<StoredLinkPoint> AddAnchor(const CallContext& context, const SiteId& site,
                                                     const NewAnchor& added) const = 0;
-  // NOT_FOUND.
-  virtual absl::StatusOr<StoredLinkPoint> Get(const CallContext& context, const SiteId& site,
-                                              const LinkPointId& id) const = 0;
-  // By id.
-  virtual absl::StatusOr<std::vector<StoredLinkPoint>> List(const CallContext& context, const SiteId& site,
-                                                            const LinkPointFilter& filter,
-                                                            const PageRequest& page) const = 0;
   // Writes all fields but `use` and those set by the store. Removing an anchor removes its evidence. ABORTED on a stale
   // `etag`, NOT_FOUND, ALREADY_EXISTS as in Create.
   virtual absl::StatusOr<StoredLinkPoint> Update(const CallContext& context,
@@ -125,21 +140,9 @@ class LinkPointStore {
   // Deletes its evidence, too. ABORTED on a stale `etag` (0: any); NOT_FOUND.
   virtual absl::Status Delete(const CallContext& context, const SiteId& site, const LinkPointId& id,
                               std::int64_t etag) const = 0;
-
-  // One indexed query. Distances are to the positions that the last solution of the graph gave. INVALID_ARGUMENT as
-  // in ValidateQuery.
-  virtual absl::StatusOr<FoundLinkPoints> Find(const CallContext& context, const SiteId& site,
-                                               const LinkPointQuery& query) const = 0;
-  // Those without a pose in the world frame, by id.
-  virtual absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplaced(const CallContext& context, const SiteId& site,
-                                                                    int limit) const = 0;
-
   // Replaces the anchor's evidence of this kind. The blob must be stored: INVALID_ARGUMENT otherwise; NOT_FOUND if the
   // link point has no anchor in that map.
   virtual absl::Status PutEvidence(const CallContext& context, const SiteId& site, const Evidence& evidence) const = 0;
-  // Of `link_points`, by link point, map and kind; within a kind by distance in time from the passage of the door.
-  virtual absl::StatusOr<std::vector<Evidence>> ListEvidence(const CallContext& context, const SiteId& site,
-                                                             const std::vector<LinkPointId>& link_points) const = 0;
 };
 
 }  // namespace enfilade::storage

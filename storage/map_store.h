@@ -49,15 +49,11 @@ struct MapUse {
 // FAILED_PRECONDITION naming what refers to it.
 absl::Status ValidateUnused(const SiteId& site, const MapId& map, const MapUse& use);
 
-// Every change raises the version of the site's graph. Thread-safe; errors common to all stores: see SiteStore.
-class MapStore {
+// Read access to maps. Thread-safe; errors common to all stores: see SiteStore.
+class MapReader {
  public:
-  virtual ~MapStore() = default;
+  virtual ~MapReader() = default;
 
-  // ALREADY_EXISTS naming whether the id or the display name is taken; NOT_FOUND if the site does not exist;
-  // INVALID_ARGUMENT if the outline is not a simple polygon. `request_id` as in SiteStore.
-  virtual absl::StatusOr<Map> Create(const CallContext& context, const Map& map,
-                                     const std::string& request_id) const = 0;
   // NOT_FOUND.
   virtual absl::StatusOr<Map> Get(const CallContext& context, const SiteId& site, const MapId& map) const = 0;
   // NOT_FOUND if no map of the site has that name.
@@ -66,6 +62,15 @@ class MapStore {
   // By id.
   virtual absl::StatusOr<std::vector<Map>> List(const CallContext& context, const SiteId& site,
                                                 const PageRequest& page) const = 0;
+};
+
+// Every change raises the version of the site's graph. Thread-safe; errors common to all stores: see SiteStore.
+class MapStore : public MapReader {
+ public:
+  // ALREADY_EXISTS naming whether the id or the display name is taken; NOT_FOUND if the site does not exist;
+  // INVALID_ARGUMENT if the outline is not a simple polygon. `request_id` as in SiteStore.
+  virtual absl::StatusOr<Map> Create(const CallContext& context, const Map& map,
+                                     const std::string& request_id) const = 0;
   // Writes display name, level, environment, profile and outline. ABORTED on a stale `map.etag`; NOT_FOUND;
   // ALREADY_EXISTS if the display name is taken; INVALID_ARGUMENT as in Create. A new revision keeps the etag.
   virtual absl::StatusOr<Map> Update(const CallContext& context, const Map& map) const = 0;

@@ -64,7 +64,7 @@ absl::Status ReadOnlyFile::Read(std::int64_t offset, std::size_t size, char* out
 }
 
 absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptions::Transfers& options,
-                                                               const storage::MapStore& maps,
+                                                               const storage::MapReader& maps,
                                                                const storage::RevisionStore& revisions) {
   std::error_code error;
   const fs::path parent =
@@ -79,7 +79,7 @@ absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptio
   return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, directory));
 }
 
-MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps,
+MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
                        const storage::RevisionStore& revisions, fs::path directory)
     : options_(options), maps_(maps), revisions_(revisions), directory_(std::move(directory)) {}
 

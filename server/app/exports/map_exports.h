@@ -54,7 +54,7 @@ class MapExports {
  public:
   // FAILED_PRECONDITION naming the folder if it cannot be created. Removes the folders of killed servers.
   static absl::StatusOr<std::unique_ptr<MapExports>> Create(const ServerOptions::Transfers& options,
-                                                            const storage::MapStore& maps,
+                                                            const storage::MapReader& maps,
                                                             const storage::RevisionStore& revisions);
   // Removes the cache.
   ~MapExports();
@@ -71,7 +71,7 @@ class MapExports {
     std::int64_t bytes = 0;
   };
 
-  MapExports(const ServerOptions::Transfers& options, const storage::MapStore& maps,
+  MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
              const storage::RevisionStore& revisions, std::filesystem::path directory);
   // Moves the entry to the front; the result has `revision`, which may be another one with the same content.
   std::optional<ExportedMap> Find(const std::string& key, const storage::MapRevision& revision);
@@ -82,7 +82,7 @@ class MapExports {
   void Evict() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ServerOptions::Transfers options_;
-  const storage::MapStore& maps_;
+  const storage::MapReader& maps_;
   const storage::RevisionStore& revisions_;
   const std::filesystem::path directory_;
 

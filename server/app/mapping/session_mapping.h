@@ -30,7 +30,7 @@ struct SessionMappingStores {
   const storage::BlobStore& blobs;
   const storage::RevisionStore& revisions;
   const storage::RobotPoseStore& robot_poses;
-  const storage::MapStore& maps;
+  const storage::MapReader& maps;
 };
 
 struct SessionMappingOptions {
