@@ -14,9 +14,16 @@ namespace {
 constexpr std::size_t kKeptVersions = 8;
 constexpr auto kListenTimeout = std::chrono::milliseconds(500);
 constexpr auto kReadTimeout = std::chrono::seconds(30);
+constexpr auto kConnectTimeout = std::chrono::seconds(5);
 constexpr auto kReconnectInterval = std::chrono::seconds(1);
 
 }  // namespace
+
+// What has to be applied to a snapshot at an earlier version.
+struct SiteGraphs::Update {
+  storage::GraphChanges changes;
+  std::int64_t solution_version = 0;  // of the last optimisation, at most changes.version; 0: none since
+};
 
 SiteGraphs::SiteGraphs(const storage::GraphStore& store, ChangedSites& changed) : store_(store), changed_(changed) {
   listener_ = std::thread([this] { Listen(); });
@@ -93,24 +100,38 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const st
                   site.value(), current->graph().version(), version, entry->recent.size());
 }
 
+// The store reads the changes and the last optimisation separately. If an optimisation is committed in between, its
+// poses belong to a later version than the changes, which are then read again.
+absl::StatusOr<SiteGraphs::Update> SiteGraphs::ReadUpdate(const storage::CallContext& context, const SiteId& site,
+                                                          std::int64_t since, std::int64_t known_solution) const {
+  Update update;
+  do {
+    ENFILADE_ASSIGN_OR_RETURN(update.changes, store_.ReadChanges(context, site, since));
+    const bool unchanged = since != 0 && update.changes.version == since;
+    if (unchanged) return update;
+    // Optimisations up to `since` have been considered before.
+    const std::int64_t considered = update.changes.complete ? 0 : std::max(known_solution, since);
+    ENFILADE_ASSIGN_OR_RETURN(update.solution_version, store_.FindLastOptimization(context, site, considered));
+  } while (update.solution_version > update.changes.version);
+  return update;
+}
+
 absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage::CallContext& context,
                                                                   const SiteId& site,
                                                                   const std::shared_ptr<const SiteGraph>& old) const {
   const std::int64_t since = old == nullptr ? 0 : old->graph().version();
-  ENFILADE_ASSIGN_OR_RETURN(const storage::GraphChanges changes, store_.ReadChanges(context, site, since));
+  ENFILADE_ASSIGN_OR_RETURN(const Update update,
+                            ReadUpdate(context, site, since, old == nullptr ? 0 : old->solution_version));
+  const storage::GraphChanges& changes = update.changes;
   if (old != nullptr && changes.version == since) return old;
   graph::SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
   const bool complete = changes.complete || old == nullptr;
-  const std::int64_t known = complete ? 0 : old->solution_version;
-  // Optimisations up to `since` have been considered before.
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t optimized,
-                            store_.FindLastOptimization(context, site, complete ? 0 : std::max(known, since)));
-  std::int64_t solution_version = known;
-  if (optimized > known) {
-    const auto poses = store_.GetMapPoses(context, site, optimized);
+  std::int64_t solution_version = complete ? 0 : old->solution_version;
+  if (update.solution_version > 0) {
+    const auto poses = store_.GetMapPoses(context, site, update.solution_version);
     if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
-    if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, optimized, changes.root);
-    if (snapshot_changes.solution != nullptr) solution_version = optimized;
+    if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, update.solution_version, changes.root);
+    if (snapshot_changes.solution != nullptr) solution_version = update.solution_version;
   }
   ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot,
                             graph::Apply(complete ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
@@ -142,7 +163,7 @@ void SiteGraphs::MarkAllChanged() {
 
 void SiteGraphs::Listen() {
   while (!stop_.is_set()) {
-    auto listener = store_.Listen(storage::CallContext::WithTimeout(std::chrono::seconds(5)));
+    auto listener = store_.Listen(storage::CallContext::WithTimeout(kConnectTimeout));
     if (!listener.ok()) {
       stop_.WaitFor(kReconnectInterval);
       continue;

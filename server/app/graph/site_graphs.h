@@ -62,6 +62,10 @@ class SiteGraphs {
   // The current version: `old` itself if nothing has changed since.
   absl::StatusOr<std::shared_ptr<const SiteGraph>> Read(const storage::CallContext& context, const SiteId& site,
                                                         const std::shared_ptr<const SiteGraph>& old) const;
+  // The changes since `since` (0: the whole graph), and the last optimisation among them, for graph::Apply.
+  struct Update;
+  absl::StatusOr<Update> ReadUpdate(const storage::CallContext& context, const SiteId& site, std::int64_t since,
+                                    std::int64_t known_solution) const;
   void Listen();
   // Until the connection is lost or Stop.
   void ProcessChanges(storage::GraphListener& listener);
