@@ -173,16 +173,21 @@ void Ingest::WriteBlobs(std::vector<Work>& work) {
 }
 
 void Ingest::WriteBatches(std::vector<Work>& work) {
+  struct Origin {
+    Work* work;
+    std::size_t event;  // the place of the batch's result in work->events
+  };
   std::vector<storage::RecordBatch> batches;
-  std::vector<Work*> origins;  // of each batch
+  std::vector<Origin> origins;
   for (Work& one : work) {
     if (one.stream->failed) continue;
     for (const Stream::Entry& entry : one.entries) {
       if (const auto* batch = std::get_if<IngestBatch>(&entry.item)) {
         batches.push_back({one.stream->session.site, one.stream->session.session, batch->records, {}});
-        origins.push_back(&one);
+        origins.push_back({&one, one.events.size()});
+        one.events.emplace_back(Stored{});
       } else if (const auto* refusal = std::get_if<Refusal>(&entry.item)) {
-        one.events.push_back(*refusal);
+        one.events.emplace_back(*refusal);
         metrics_.CountBatchRefused();
       }
     }
@@ -192,30 +197,27 @@ void Ingest::WriteBatches(std::vector<Work>& work) {
   const auto results = records_.AppendGroup(storage::CallContext::WithTimeout(kWriteTimeout), batches);
   bool any_inserted = false;
   for (std::size_t i = 0; i < batches.size(); ++i) {
-    any_inserted = ReportResult(results[i], batches[i], *origins[i]) || any_inserted;
+    origins[i].work->events[origins[i].event] = ReportResult(batches[i], results[i]);
+    any_inserted = any_inserted || (results[i].ok() && results[i]->inserted > 0);
   }
   if (any_inserted) on_stored_();
 }
 
-// Returns whether new records were stored.
-bool Ingest::ReportResult(const absl::StatusOr<storage::AppendResult>& result, const storage::RecordBatch& batch,
-                          Work& work) {
+IngestEvent Ingest::ReportResult(const storage::RecordBatch& batch,
+                                 const absl::StatusOr<storage::AppendResult>& result) {
   if (result.ok()) {
     metrics_.CountRecordsStored(result->inserted, result->duplicates);
-    work.events.push_back(Stored{result->acknowledged_sequence});
-    return result->inserted > 0;
+    return Stored{result->acknowledged_sequence};
   }
   const absl::Status& status = result.status();
   if (const std::int64_t sequence = storage::RefusedSequenceOf(status); sequence > 0) {
+    metrics_.CountBatchRefused();
     const auto reason =
         absl::IsAlreadyExists(status) ? Refusal::Reason::kConflictingRecord : Refusal::Reason::kInvalidRecord;
-    work.events.push_back(Refusal{batch.records.front().sequence, sequence, reason, std::string(status.message())});
-    metrics_.CountBatchRefused();
-  } else {
-    work.events.push_back(Failed{status});
-    spdlog::warn("ingest: a batch of session {} was not stored: {}", batch.session.value(), status.ToString());
+    return Refusal{batch.records.front().sequence, sequence, reason, std::string(status.message())};
   }
-  return false;
+  spdlog::warn("ingest: a batch of session {} was not stored: {}", batch.session.value(), status.ToString());
+  return Failed{status};
 }
 
 // Releases the streams: queues those that have new items, and notifies those that may continue.

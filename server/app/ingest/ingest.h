@@ -14,6 +14,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/base/mutex.h"
 #include "core/sensor/record.h"
 #include "proto/convert/names.h"
@@ -89,7 +90,8 @@ class Ingest {
   void Write(std::vector<Work>& work);
   void WriteBlobs(std::vector<Work>& work);
   void WriteBatches(std::vector<Work>& work);
-  bool ReportResult(const absl::StatusOr<storage::AppendResult>& result, const storage::RecordBatch& batch, Work& work);
+  // Counts and logs the result.
+  IngestEvent ReportResult(const storage::RecordBatch& batch, const absl::StatusOr<storage::AppendResult>& result);
   void Return(const std::vector<Work>& work);
   std::vector<std::shared_ptr<Stream>> StreamsWithRoomAgain() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
