@@ -64,19 +64,19 @@ class Server::Impl {
     readiness = std::make_unique<Readiness>(
         [this] { return storage::CheckSchema(storage::CallContext::WithTimeout(kReadinessTimeout), *pool); },
         [this](const Readiness::State& state) { SetReady(state); });
-    services = std::make_unique<Services>(Services{options,       std::chrono::steady_clock::now(),
-                                                   executor,      *metrics,
-                                                   *readiness,    sites,
-                                                   robots,        maps,
-                                                   revisions,     sessions,
-                                                   records,       blobs,
-                                                   mappings,      closures,
-                                                   link_points,   graph_store,
-                                                   robot_poses,   audit,
-                                                   door_verdicts, ingest,
-                                                   mapping,       *exports,
-                                                   graphs,        graph_optimizer,
-                                                   map_entries});
+    services = std::make_unique<Services>(Services{options,         std::chrono::steady_clock::now(),
+                                                   executor,        *metrics,
+                                                   *readiness,      sites,
+                                                   robots,          maps,
+                                                   revisions,       sessions,
+                                                   records,         blobs,
+                                                   mappings,        closures,
+                                                   link_points,     graph_store,
+                                                   robot_poses,     audit,
+                                                   door_verdicts,   ingest,
+                                                   mapping,         *exports,
+                                                   graphs,          graph_editor,
+                                                   graph_optimizer, map_entries});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -170,6 +170,7 @@ class Server::Impl {
   Ingest ingest;
   ChangedSites changed_sites;
   SiteGraphs graphs{graph_store, changed_sites};
+  GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};
   MapEntries map_entries{sessions, maps, door_verdicts};
   DoorClosures door_closures{

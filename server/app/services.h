@@ -5,6 +5,7 @@
 
 #include "server/app/closure/map_entries.h"
 #include "server/app/exports/map_exports.h"
+#include "server/app/graph/graph_editor.h"
 #include "server/app/graph/graph_optimizer.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/ingest/ingest.h"
@@ -57,6 +58,7 @@ struct Services {
   Mapping& mapping;
   MapExports& exports;
   SiteGraphs& graphs;
+  GraphEditor& graph_editor;
   GraphOptimizer& graph_optimizer;
   MapEntries& map_entries;
 };
