@@ -65,10 +65,6 @@ struct LinkPoint {
     }
     return nullptr;
   }
-  // The state that holds at `time`.
-  PassageState StateAt(TimeNs time) const {
-    return state_valid_until.has_value() && time >= *state_valid_until ? PassageState::kOpen : state;
-  }
 
   friend bool operator==(const LinkPoint&, const LinkPoint&) = default;
 };

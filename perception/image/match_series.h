@@ -22,9 +22,6 @@ enum class Heading {
   kOpposite,  // front matches stored rear, rear matches stored front
 };
 
-// The number of moments in map_manager's series.
-constexpr int kDefaultSeriesLength = 6;
-
 struct SeriesMatch {
   bool accepted = false;
   Heading heading = Heading::kSame;  // of the better hypothesis

@@ -20,7 +20,7 @@ using testing::M;
 using testing::Numbered;
 using testing::PoseNear;
 
-// The predecessor's canonical scenario: M0 in, M1 out, M2 in, M3 out; L0 joins M0 and M1, L1 M1 and M2, L2 M2 and M3,
+// map_manager's canonical scenario: M0 in, M1 out, M2 in, M3 out; L0 joins M0 and M1, L1 M1 and M2, L2 M2 and M3,
 // L3 M3 and M0, L4 M0 and M2; L3 and L4 close candidates seen before.
 class Figure1Test : public ::testing::Test {
  protected:

@@ -53,7 +53,7 @@ TEST(GeoJsonTest, WritesMapsLinkPointsAndEdges) {
   EXPECT_EQ(FeatureOf(graph, "maps/b/edges/x/y")["properties"]["length_m"], 2.0);
 }
 
-TEST(GeoJsonTest, WhatIsNotJoinedHasNoGeometry) {
+TEST(GeoJsonTest, DisconnectedFeaturesHaveNoGeometry) {
   const json graph = json::parse(GraphToGeoJson(WorldPoses(TwoRooms())));
   EXPECT_TRUE(FeatureOf(graph, "maps/far")["geometry"].is_null());
   const json candidate = FeatureOf(graph, "linkPoints/c");

@@ -280,7 +280,7 @@ TEST(GraphOptimizationTest, FullCovariancesCount) {
   EXPECT_THAT(solution.map_poses.at(M("b")).pose, PoseNear(Pose2{1.5, 0.5, 0}, 0.01, 1e-3));
 }
 
-TEST(GraphOptimizationTest, RefusesWhatMakesNoSense) {
+TEST(GraphOptimizationTest, RefusesInvalidArguments) {
   EXPECT_CODE(OptimizeGraph(GraphSnapshot()), absl::StatusCode::kFailedPrecondition);
   const GraphSnapshot graph = Graph({"a"}, {});
   EXPECT_CODE(OptimizeGraph(graph, {.gate_probability = 1.0}), absl::StatusCode::kInvalidArgument);

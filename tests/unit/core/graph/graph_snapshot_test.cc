@@ -50,7 +50,7 @@ TEST(GraphSnapshotTest, KnowsWhichLinkPointsJoinWhichMaps) {
   EXPECT_THAT(graph.map_node(graph.MapSlot(M("a"))).link_points, SizeIs(2));
 }
 
-TEST(GraphSnapshotTest, ACandidateJoinsWhenTheSecondAnchorComes) {
+TEST(GraphSnapshotTest, ASecondAnchorMakesACandidateALinkPoint) {
   const GraphSnapshot before = Graph({"a", "b"}, {Joining("x", {AnchorIn("a", {})})});
   const GraphSnapshot after = Graph({}, {Joining("x", {AnchorIn("a", {}), AnchorIn("b", {})})}, before);
   EXPECT_THAT(DoorwaysOf(before, "b"), IsEmpty());
@@ -58,7 +58,7 @@ TEST(GraphSnapshotTest, ACandidateJoinsWhenTheSecondAnchorComes) {
   EXPECT_EQ(after.link_point_count(), 1u);
 }
 
-TEST(GraphSnapshotTest, SuspendedAndSwitchedOffLinkPointsJoinNothing) {
+TEST(GraphSnapshotTest, SuspendedAndSwitchedOffLinkPointsAreNotUsed) {
   LinkPoint suspended = Joining("s", {AnchorIn("a", {}), AnchorIn("b", {})});
   suspended.use = LinkPointUse::kSuspended;
   LinkPoint off = Joining("o", {AnchorIn("a", {}), AnchorIn("b", {})});

@@ -88,7 +88,7 @@ TEST(LogOddsGrid, ChangesEachCellOncePerScanAfterHundredsOfScans) {
   }
 }
 
-TEST(LogOddsGrid, GrowsInAllDirectionsAndKeepsWhatItHas) {
+TEST(LogOddsGrid, GrowsInAllDirectionsAndKeepsItsCells) {
   LogOddsGrid grid(0.5, {});
   ASSERT_OK(grid.Insert({.origin = {0.25, 0.25}, .hits = {{2.25, 0.25}}, .free_ends = {}}));
   for (const Eigen::Vector2d& far :
@@ -162,7 +162,7 @@ TEST(LogOddsGrid, CropKeepsTheMapAndTakesMoreScans) {
   EXPECT_EQ(cropped.ToOccupancyGrid(), whole.ToOccupancyGrid());
 }
 
-TEST(LogOddsGrid, GoesOnUnchangedAfterWriteAndRead) {
+TEST(LogOddsGrid, ContinuesUnchangedAfterWriteAndRead) {
   LogOddsGrid grid = RandomDrive(2);
   std::string bytes;
   BinaryWriter writer(bytes);

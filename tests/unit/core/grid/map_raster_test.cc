@@ -45,7 +45,7 @@ TEST(MapRaster, TakesUnitsForProbabilities) {
   EXPECT_THAT(ToOccupancyGrid(raster).cells, ElementsAre(1, 128, 255));
 }
 
-TEST(MapRaster, GivesAnOccupancyGridBack) {
+TEST(MapRaster, RestoresAnOccupancyGrid) {
   const OccupancyGrid grid{Row(3), {0, 1, 255}};
   EXPECT_EQ(ToOccupancyGrid(FromOccupancyGrid(grid)), grid);
 }

@@ -65,7 +65,7 @@ TEST_P(Nav2Load, ReadsTheNegativeOfItWithNegate) {
   EXPECT_EQ(LoadedValue(negated, expected.grey), expected.raw) << "raw ignores negate";
 }
 
-TEST(Nav2Load, TakesWhatIsNotOpaqueForUnknown) {
+TEST(Nav2Load, TreatsTransparentPixelsAsUnknown) {
   for (const MapMode mode : {MapMode::kTrinary, MapMode::kScale}) {
     const GreyInterpretation reading = Reading(mode, 0.65, 0.196);
     EXPECT_EQ(LoadedValue(reading, 0, 254), -1);
@@ -162,7 +162,7 @@ TEST(Nav2Save, WritesScaleAndRaw) {
   EXPECT_EQ(SavedGrey(raw, -1), (GreyAlpha{255}));
 }
 
-TEST(Nav2Save, WhatIsSavedLoadsAsItWas) {
+TEST(Nav2Save, SavedValuesLoadUnchanged) {
   const GreySaveOptions raw{.mode = MapMode::kRaw};
   for (int value = -1; value <= 100; ++value) {
     const auto saved = SavedGrey(raw, static_cast<std::int8_t>(value));

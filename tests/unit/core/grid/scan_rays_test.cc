@@ -46,11 +46,11 @@ TEST(ScanRays, TakesNoReturnAsFreeForAShortWay) {
   EXPECT_NEAR(rays.free_ends[0].norm(), 5.0, 1e-12);
 }
 
-TEST(ScanRays, SaysNothingForNoReturnWhereSwitchedOff) {
+TEST(ScanRays, IgnoresBeamsWithoutReturnIfSwitchedOff) {
   EXPECT_TRUE(RaysOf(ScanOf({kInfiniteRange}), {}, {.no_return_range = 0.0}).free_ends.empty());
 }
 
-TEST(ScanRays, LeavesOutBeamsThatTellNothing) {
+TEST(ScanRays, SkipsBeamsWithoutInformation) {
   const ScanRays rays = RaysOf(ScanOf({kNanRange, -kInfiniteRange, 0.05F, -1.0F}), {}, {});
   EXPECT_TRUE(rays.hits.empty());
   EXPECT_TRUE(rays.free_ends.empty());

@@ -76,13 +76,13 @@ INSTANTIATE_TEST_SUITE_P(
                       GreyRaster(GeometryAt(-700, 130, 600, 300), false), GreyRaster(GeometryAt(0, 0, 513, 100), true),
                       UnitRaster(GeometryAt(10, 10, 401, 401))));
 
-TEST_P(EveryRaster, ComesBackUnchanged) {
+TEST_P(EveryRaster, IsRestoredUnchanged) {
   const TiledRaster tiled = SplitIntoTiles(GetParam());
   ASSERT_OK_AND_ASSIGN(const MapRaster joined, Assemble(tiled));
   EXPECT_EQ(joined, GetParam());
 }
 
-TEST_P(EveryRaster, MakesTheSameBytesAgain) { EXPECT_EQ(SplitIntoTiles(GetParam()), SplitIntoTiles(GetParam())); }
+TEST_P(EveryRaster, IsDeterministic) { EXPECT_EQ(SplitIntoTiles(GetParam()), SplitIntoTiles(GetParam())); }
 
 TEST_P(EveryRaster, RefusesDamagedTiles) {
   TiledRaster tiled = SplitIntoTiles(GetParam());
@@ -184,7 +184,7 @@ TEST(TiledRaster, RefusesTilesOutsideTheRaster) {
   }
 }
 
-TEST(TiledRaster, SaysWhereANewerReleaseIsNeeded) {
+TEST(TiledRaster, NamesANewerFormatVersion) {
   TiledRaster tiled = SplitIntoTiles(OccupancyRaster(GeometryAt(0, 0, 30, 30)));
   tiled.tiles.begin()->second[0] = 2;
   EXPECT_STATUS(Assemble(tiled), absl::StatusCode::kFailedPrecondition, HasSubstr("newer release"));

@@ -30,7 +30,7 @@ SceneRaster Raster(const Pose2& T_scene_map) {
   return raster;
 }
 
-TEST(ViewTest, HoldsEverythingWithTheLongerSideAsAsked) {
+TEST(ViewTest, ShowsEverythingWithTheRequestedLongerSide) {
   Scene scene;
   scene.lines.push_back({{{-10.0, 2.0}, {30.0, 12.0}}, grid::kRed, 1});
   const auto view = ViewOf(scene, 800);
@@ -46,7 +46,7 @@ TEST(ViewTest, HoldsEverythingWithTheLongerSideAsAsked) {
   EXPECT_LT(view->ToPixel({0.0, 12.0}).y(), view->ToPixel({0.0, 2.0}).y());
 }
 
-TEST(ViewTest, RefusesNothingAndNowhere) {
+TEST(ViewTest, RefusesEmptyScenesAndInfinitePositions) {
   EXPECT_FALSE(ViewOf(Scene(), 800).ok());
   Scene scene;
   scene.markers.push_back({{std::nan(""), 0.0}, SceneMarker::Shape::kDot, grid::kRed});

@@ -23,7 +23,7 @@ LaserScan ValidScan() {
   return scan;
 }
 
-TEST(LaserScan, CountsWhatEachRangeMeans) {
+TEST(LaserScan, CountsHitsNoReturnsAndUnknownBeams) {
   LaserScan scan = ValidScan();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   scan.ranges = {1.0F, 0.1F, 0.05F, -3.0F, std::nanf(""), -kInf, 10.0F, 81.83F, kInf};
@@ -43,7 +43,7 @@ TEST(LaserScan, HitPointsAreInTheRobotsFrame) {
   EXPECT_NEAR(points[0].y(), 0.0, 1e-6);
 }
 
-TEST(LaserScan, RefusesWhatNoScannerSends) {
+TEST(LaserScan, RefusesImplausibleScans) {
   const auto refused = [](auto change, const char* field) {
     LaserScan scan = ValidScan();
     change(scan);

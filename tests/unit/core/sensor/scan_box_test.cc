@@ -49,7 +49,7 @@ TEST(MeanFilteredRangesTest, AveragesHitsOnly) {
                                                        std::nullopt, Optional(5.0), Optional(5.0)));
 }
 
-TEST(MeanFilteredRangesTest, GoesOnAroundAFullTurn) {
+TEST(MeanFilteredRangesTest, WrapsAroundAFullTurn) {
   const LaserScan scan = Scan({1.0F, 2.0F, 3.0F, 6.0F}, 0.0, M_PI / 2.0);
   EXPECT_THAT(MeanFilteredRanges(scan, 1),
               ElementsAre(Optional(3.0), Optional(2.0), Optional(DoubleNear(11.0 / 3.0, 1e-9)),
@@ -63,7 +63,7 @@ TEST(MeanFilteredRangesTest, TakesScansShorterThanItsWindow) {
   EXPECT_TRUE(MeanFilteredRanges(Scan({}, 0.0, 0.01), 60).empty());
 }
 
-TEST(FilteredBoxTest, SurroundsTheRoomInTheFrameAskedFor) {
+TEST(FilteredBoxTest, BoundsTheRoomInTheGivenFrame) {
   const Eigen::AlignedBox2d box = FilteredBox(InRectangle(4.0, 4.0, 2.0, 2.0), 0);
   EXPECT_NEAR(box.max().x(), 4.0, 1e-3);
   EXPECT_NEAR(box.min().y(), -2.0, 1e-3);

@@ -86,7 +86,7 @@ TEST(DecodeCloudTest, ReadsPly) {
   EXPECT_THAT(text.points, ElementsAre(Eigen::Vector3f(1, 2, 3)));
 }
 
-TEST(DecodeCloudTest, SaysWhatIsWrong) {
+TEST(DecodeCloudTest, NamesTheFault) {
   const auto pcd = [](const std::string& header) { return DecodeCloud("VERSION .7\n" + header); };
   const std::string xyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
   constexpr auto kBad = absl::StatusCode::kInvalidArgument;

@@ -92,7 +92,7 @@ TEST(RegistrationTest, IsPoseOfSourceInTarget) {
   EXPECT_LT(ErrorOf(back.T_target_source, truth.inverse()).metres, 0.03);
 }
 
-// The original composed T_candidate * Rz(180) * T_icp^-1 and doubted the inverse.
+// Without an inverse: T_map_robot = T_map_target * T_target_source.
 TEST(RegistrationTest, GivesTheRobotsPoseInTheExistingMap) {
   const Eigen::Isometry3d T_map_candidate = PoseOf(1.2, -0.8, 0.5);
   const Eigen::Isometry3d T_map_robot = PoseOf(0.4, -0.3, 0.5 + 170.0 * kDegree);
@@ -125,7 +125,7 @@ TEST(RegistrationTest, StatesItsErrorWithinAFewTimes) {
 }
 
 // Two walls and a floor leave the way along them open.
-TEST(RegistrationTest, SaysThatABareCorridorLeavesOneDirectionOpen) {
+TEST(RegistrationTest, ABareCorridorLeavesOneDirectionUnconstrained) {
   const auto corridor = [](std::uint32_t seed) {
     std::mt19937 rng(seed);
     std::uniform_real_distribution<float> unit(0.0F, 1.0F);
@@ -178,7 +178,7 @@ TEST(RegistrationTest, TakesAMillionPoints) {
   EXPECT_LT(ErrorOf(found.T_target_source, truth).metres, 0.02);
 }
 
-TEST(RegistrationTest, GivesTheSameTwice) {
+TEST(RegistrationTest, IsDeterministic) {
   const Cloud source = SeenFrom(PoseOf(0.3, 0.2, 0.1), 10, 7);
   const Cloud target = Room(10, 8);
   const Registration first = Register(source, target, Eigen::Isometry3d::Identity());
@@ -187,7 +187,7 @@ TEST(RegistrationTest, GivesTheSameTwice) {
   EXPECT_EQ(first.covariance, second.covariance);
 }
 
-TEST(RegistrationTest, RefusesWhatMakesNoSense) {
+TEST(RegistrationTest, RefusesInvalidArguments) {
   const Cloud room = Room(1, 1);
   Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
   nowhere.translation().x() = std::numeric_limits<double>::quiet_NaN();

@@ -61,7 +61,7 @@ TEST(PeakSignalToNoiseTest, FollowsItsFormula) {
   EXPECT_NEAR(PeakSignalToNoise(Flat(0), Flat(255)).value(), 0.0, 1e-9);
 }
 
-// The original's gave 0 dB, the least of all.
+// Not 0 dB, which would be the lowest similarity.
 TEST(PeakSignalToNoiseTest, IsInfiniteForEqualImages) {
   EXPECT_TRUE(std::isinf(PeakSignalToNoise(Noise(3), Noise(3)).value()));
   const std::vector<DepthFrame> standing(5, Depth(1, 0.0));
@@ -77,7 +77,7 @@ TEST(FrameSimilarityTest, RefusesImagesOfDifferentSizes) {
   EXPECT_NEAR(StructuralSimilarity(Flat(7, 1, 1), Flat(7, 1, 1)).value(), 1.0, 1e-12);
 }
 
-TEST(BrightnessOfTest, ScalesDepthAndBlackensWhatIsNotMeasured) {
+TEST(BrightnessOfTest, ScalesDepthAndBlackensMissingMeasurements) {
   const GreyFrame grey = BrightnessOf({5, 1, {0.0F, 5.0F, 20.0F, NAN, INFINITY}}, 10.0);
   EXPECT_THAT(std::vector<int>(grey.pixels.begin(), grey.pixels.end()), ::testing::ElementsAre(0, 128, 255, 0, 0));
 }

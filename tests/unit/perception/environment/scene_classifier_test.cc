@@ -75,7 +75,7 @@ TEST(SceneClassifierTest, RefusesAModelOfAnotherShape) {
   EXPECT_CODE(make(one_channel), absl::StatusCode::kInvalidArgument);
 }
 
-TEST(SceneClassifierTest, RefusesWhatIsNoModel) {
+TEST(SceneClassifierTest, RefusesBytesThatAreNoModel) {
   const std::string model = ColorModel();
   for (const std::string& onnx : {std::string(), std::string("not a network"), model.substr(0, model.size() / 2)}) {
     EXPECT_CODE(SceneClassifier::Make(onnx, Classes()), absl::StatusCode::kInvalidArgument) << onnx.size();

@@ -40,7 +40,7 @@ TEST(DecodeTest, WeighsColorsByRec601InEveryFormat) {
   }
 }
 
-TEST(DecodeTest, GivesColorsAsRgb) {
+TEST(DecodeTest, DecodesColorsAsRgb) {
   ASSERT_OK_AND_ASSIGN(const ColorFrame frame, DecodeColor(Encode(OneColor(200, 100, 50), ".png")));
   EXPECT_THAT(std::vector<int>(frame.samples.begin(), frame.samples.begin() + 3), ::testing::ElementsAre(200, 100, 50));
 }

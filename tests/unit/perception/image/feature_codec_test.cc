@@ -16,7 +16,7 @@ class FeatureCodecTest : public ::testing::Test {
   std::string bytes_ = EncodeFeatures(features_);
 };
 
-TEST_F(FeatureCodecTest, GivesBackWhatWasEncoded) {
+TEST_F(FeatureCodecTest, RestoresFeatures) {
   ASSERT_FALSE(features_.sift.empty());
   ASSERT_FALSE(features_.akaze.empty());
   ASSERT_OK_AND_ASSIGN(const FeatureSet decoded, DecodeFeatures(bytes_));
@@ -49,7 +49,7 @@ TEST_F(FeatureCodecTest, RefusesImpossibleCounts) {
   EXPECT_CODE(DecodeFeatures(bytes_), absl::StatusCode::kDataLoss);
 }
 
-TEST_F(FeatureCodecTest, RefusesKeypointsThatAreNowhere) {
+TEST_F(FeatureCodecTest, RefusesKeypointsThatAreNotFinite) {
   for (std::size_t i = 17; i < 21; ++i) bytes_[i] = '\xff';  // the first x is NaN
   EXPECT_CODE(DecodeFeatures(bytes_), absl::StatusCode::kDataLoss);
 }

@@ -34,7 +34,7 @@ TEST(MatchImagesTest, KnowsAPlaceFromTheSide) {
   }
 }
 
-TEST(MatchImagesTest, TellsPlacesApart) {
+TEST(MatchImagesTest, DistinguishesPlaces) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const ImageMatch match = Match(testing::Place(seed), testing::Place(seed + 100));
     EXPECT_FALSE(match.accepted) << match.reason;
@@ -71,7 +71,7 @@ TEST(MatchImagesTest, RejectsDifferentDoorsInTheSameTexture) {
   }
 }
 
-TEST(MatchImagesTest, SaysThatThereIsNothingToSee) {
+TEST(MatchImagesTest, ReportsImagesWithoutTexture) {
   const FeatureSet place = FeaturesOf(testing::Place(1));
   for (const cv::Size size :
        {cv::Size(1, 1), cv::Size(31, 31), cv::Size(33, 33), cv::Size(3000, 2), cv::Size(512, 384)}) {
@@ -84,7 +84,7 @@ TEST(MatchImagesTest, SaysThatThereIsNothingToSee) {
   }
 }
 
-TEST(MatchImagesTest, GivesTheSameWhateverTheThreads) {
+TEST(MatchImagesTest, DoesNotDependOnTheNumberOfThreads) {
   const cv::Mat place = testing::Place(6);
   const cv::Mat again = testing::SeenAgain(place, 7);
   const int threads = cv::getNumThreads();
@@ -135,7 +135,7 @@ TEST(MatchImagesTest, FindsThePlaceInAnImageOfAnotherSize) {
   }
 }
 
-TEST(MatchImagesTest, CountsAllMatchesAsTheOriginal) {
+TEST(MatchImagesTest, CountsAllMatchesAsMapManagerDoes) {
   const cv::Mat door = testing::DoorInTiles(10, 60);
   const ImageMatch match =
       Match(door, testing::SeenAgain(testing::DoorInTiles(60, 60), 10), MapManagerImageMatchOptions());
@@ -163,8 +163,7 @@ class SeriesTest : public ::testing::Test {
 
   static std::vector<FeatureSet> Again(const cv::Mat& place, std::uint32_t seed) {
     std::vector<FeatureSet> series;
-    for (std::uint32_t k = 0; k < kDefaultSeriesLength; ++k)
-      series.push_back(FeaturesOf(testing::SeenAgain(place, seed + k)));
+    for (std::uint32_t k = 0; k < 6; ++k) series.push_back(FeaturesOf(testing::SeenAgain(place, seed + k)));
     return series;
   }
 };
@@ -180,7 +179,7 @@ TEST_F(SeriesTest, ComparesACandidatesRearImageWithFrontImages) {
   EXPECT_EQ(match.scores.size(), 6U);
 }
 
-TEST_F(SeriesTest, TellsTheHeading) {
+TEST_F(SeriesTest, FindsTheHeading) {
   const std::vector<FeatureSet> front = Again(front_, 40);
   const std::vector<FeatureSet> rear = Again(rear_, 50);
   std::vector<Views> same;

@@ -66,7 +66,7 @@ TEST(RoutesTest, GivesAlternativesTheBestFirst) {
   EXPECT_LT(routes.routes[0].length_m, routes.routes[1].length_m);
 }
 
-TEST(RoutesTest, NoWayIsNoRoute) {
+TEST(RoutesTest, ReturnsNoRouteIfThereIsNoWay) {
   ASSERT_OK_AND_ASSIGN(const Routes routes, FindRoutes(Graph({"r1", "r2"}, {}), FromR1ToR2(), {.max_routes = 3}));
   EXPECT_THAT(routes.routes, IsEmpty());
 }

@@ -78,13 +78,13 @@ TEST(ShortestPathsTest, UncertaintyCountsTheYawAtItsLever) {
                    0.2 + 0.01 * 49.0 + 0.4 + 0.02 * 25.0);
 }
 
-TEST(ShortestPathsTest, WithinOneMapThereIsNothingToPass) {
+TEST(ShortestPathsTest, APathWithinOneMapHasNoLinkPoints) {
   const Path path = Find(TwoWays(), "a", "a", {.cost = PathCost::kDistance}, {0, 0}, {3, 4}).value();
   EXPECT_THAT(path.link_points, IsEmpty());
   EXPECT_DOUBLE_EQ(path.cost, 5.0);
 }
 
-TEST(ShortestPathsTest, NoWayIsNoPath) {
+TEST(ShortestPathsTest, ReturnsNoPathIfThereIsNoWay) {
   const GraphSnapshot graph = Graph({"a", "b"}, {Joining("x", {AnchorIn("a", {})})});
   EXPECT_EQ(Find(graph, "a", "b"), std::nullopt);
 }

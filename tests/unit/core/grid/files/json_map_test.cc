@@ -77,7 +77,7 @@ TEST(JsonMap, ReadsA400x400Map) {
   EXPECT_DOUBLE_EQ(parsed.raster.geometry.T_map_grid.x, -3.0);
 }
 
-TEST(JsonMap, GivesEveryNumberBack) {
+TEST(JsonMap, RestoresEveryNumber) {
   std::mt19937_64 rng(9);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   UnitLimits limits{-3, 3, -3, 3, 0.015, 0.015, 10};
@@ -120,7 +120,7 @@ TEST(JsonMap, CarriesEveryKnownCellOfAGrid) {
   EXPECT_NEAR(parsed.raster.geometry.T_map_grid.y, 7.2, 1e-12);
 }
 
-TEST(JsonMap, SaysUnknownAsOneHalf) {
+TEST(JsonMap, WritesUnknownCellsAsOneHalf) {
   const std::vector<std::uint8_t> cells = {kUnknownCell};
   EXPECT_THAT(FormatJsonMap(UnitLimits{}, cells), HasSubstr("[\n0.5\n"));
 }

@@ -48,7 +48,7 @@ std::string ReadBytes(const fs::path& path) {
   return out.str();
 }
 
-TEST(MapFiles, AnImportedPgmGoesOutByteForByteWithItsThresholds) {
+TEST(MapFiles, ExportsAnImportedPgmByteForByteWithItsThresholds) {
   ASSERT_OK_AND_ASSIGN(const ImportedMap map, ImportFiles(Room(), MapDialect::kNav2));
   EXPECT_EQ(map.format, MapFileFormat::kPgm);
   EXPECT_THAT(map.warnings, IsEmpty());
@@ -77,7 +77,7 @@ TEST(MapFiles, FindsTheImageByItsNameWithoutFolders) {
   EXPECT_EQ(image, "/home/someone/maps/room.pgm");
 }
 
-TEST(MapFiles, AnImportedJsonGoesOutNumberForNumber) {
+TEST(MapFiles, ExportsAnImportedJsonMapNumberForNumber) {
   const std::string json =
       "{\n  \"xmin\": -3,\n  \"xmax\": -2.985,\n  \"ymin\": 0,\n  \"ymax\": 0,\n  \"stepx\": 0.015,\n"
       "  \"stepy\": 0.015,\n  \"level\": 20,\n  \"data\": [\n0.14084787333043428,\n1\n  ]\n}\n";
@@ -97,7 +97,7 @@ TEST(MapFiles, AGridIsSavedAsNav2Saves) {
 }
 
 // Every way out and in again, for every kind of raster.
-TEST(MapFiles, AnyRasterGoesOutInAnyFormatAndComesIn) {
+TEST(MapFiles, AnyRasterSurvivesAnyFormat) {
   ASSERT_OK_AND_ASSIGN(ImportedMap pgm, ImportFiles(Room(), MapDialect::kNav2));
   pgm.raster.geometry.T_map_grid.yaw = 0.0;  // which JSON cannot say
   const MapRaster unit{{.resolution = 0.5, .T_map_grid = {-0.25, -0.25, 0}, .width = 2, .height = 1},
@@ -122,7 +122,7 @@ TEST(MapFiles, AnyRasterGoesOutInAnyFormatAndComesIn) {
   }
 }
 
-TEST(MapFiles, AnImportedPngGoesOutWithItsGreysAndAlphas) {
+TEST(MapFiles, ExportsAnImportedPngWithItsGreysAndAlphas) {
   const PixelImage image{.width = 2,
                          .height = 2,
                          .channels = 4,
@@ -185,7 +185,7 @@ TEST(MapFiles, RefusesToWriteAMapWithoutCells) {
   EXPECT_STATUS(RenderFiles(FromOccupancyGrid({}), "x", {}), absl::StatusCode::kInvalidArgument, HasSubstr("no cells"));
 }
 
-TEST(MapFiles, SaysWhichFileIsMissingOrTooMuch) {
+TEST(MapFiles, NamesTheMissingOrSuperfluousFile) {
   const auto import = [](std::vector<MapFile> files) { return ImportFiles(files, MapDialect::kNav2); };
   constexpr auto kBad = absl::StatusCode::kInvalidArgument;
   EXPECT_STATUS(import({}), kBad, HasSubstr("the .yaml file is missing"));
@@ -229,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(MapFiles, RecordedMap,
                                            "strands/movecare_map", "acg/maps_blank_map",
                                            "acg/maps_blank_map_with_obstacle"));
 
-TEST_P(RecordedMap, GoesInAndOutByteForByte) {
+TEST_P(RecordedMap, IsExportedByteForByte) {
   ENFILADE_RECORDING_OR_SKIP(yaml_path, std::string("maps/") + GetParam() + ".yaml");
   ENFILADE_RECORDING_OR_SKIP(pgm_path, std::string("maps/") + GetParam() + ".pgm");
   const std::string pgm = ReadBytes(pgm_path);
@@ -249,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(MapFiles, RecordedPngMap,
                                            "floor_1_localization", "basement_routes", "basement_localization",
                                            "rooftop_routes", "rooftop_localization"));
 
-TEST_P(RecordedPngMap, GoesOutAndInWithTheSameGreys) {
+TEST_P(RecordedPngMap, IsExportedWithTheSameGreys) {
   ENFILADE_RECORDING_OR_SKIP(yaml_path, std::string("maps/multimap_server/maps_") + GetParam() + ".yaml");
   ENFILADE_RECORDING_OR_SKIP(png_path, std::string("maps/multimap_server/maps_") + GetParam() + ".png");
   const std::string yaml = ReadBytes(yaml_path);

@@ -125,7 +125,7 @@ TEST(MapYaml, WritesNav2sKeysInItsOrder) {
             "free_thresh: 0.196\n");
 }
 
-TEST(MapYaml, EveryDoubleComesBack) {
+TEST(MapYaml, RestoresEveryDouble) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> exponent(-18.0, 18.0);
   std::uniform_real_distribution<double> mantissa(-1.0, 1.0);

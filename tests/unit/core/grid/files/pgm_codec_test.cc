@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(PgmCodec, Spelling,
                                            "P5\n2 2\n7\n\1\2\7\3",    //
                                            "P5\n2 2\n255\nabcdP5\n1 1\n255\nz"));
 
-TEST_P(Spelling, ComesBackByteForByte) {
+TEST_P(Spelling, IsRestoredByteForByte) {
   ASSERT_OK_AND_ASSIGN(const PgmImage image, DecodePgm(GetParam()));
   EXPECT_EQ(image.width, 2);
   EXPECT_EQ(image.height, 2);

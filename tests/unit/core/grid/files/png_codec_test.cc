@@ -35,7 +35,7 @@ std::string FromHex(std::string_view hex) {
 class EveryChannelCount : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(PngCodec, EveryChannelCount, ::testing::Values(1, 2, 3, 4));
 
-TEST_P(EveryChannelCount, ComesBackUnchanged) {
+TEST_P(EveryChannelCount, IsRestoredUnchanged) {
   const PixelImage image = RandomImage(37, 11, GetParam());
   ASSERT_OK_AND_ASSIGN(const std::string png, EncodePng(image));
   ASSERT_OK_AND_ASSIGN(const PixelImage decoded, DecodePng(png));
@@ -99,7 +99,7 @@ TEST(PngCodec, RefusesHugeImagesBeforeAllocating) {
   EXPECT_STATUS(DecodePng(FromHex(kHuge)), absl::StatusCode::kInvalidArgument, HasSubstr("too large"));
 }
 
-TEST(PngCodec, RefusesWhatIsNoPng) {
+TEST(PngCodec, RefusesOtherFormats) {
   EXPECT_STATUS(DecodePng(""), absl::StatusCode::kInvalidArgument, HasSubstr("signature"));
   EXPECT_STATUS(DecodePng("P5\n1 1\n255\nx"), absl::StatusCode::kInvalidArgument, HasSubstr("signature"));
 }
