@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 // How soon a caller that waits for a connection notices that its call was cancelled.
-constexpr milliseconds kCancellationCheck{50};
+constexpr milliseconds kWaitCancellationCheck{50};
 
 absl::Status ValidateUrl(const std::string& url) {
   char* error = nullptr;
@@ -93,7 +93,7 @@ absl::StatusOr<Pool::Take> Pool::TakeOrWait(const CallContext& context) {
     }
     ++stats_.waiting;
     freed_.WaitUntil(mutex_, context.cancellation.stop_possible()
-                                 ? std::min(context.deadline, steady_clock::now() + kCancellationCheck)
+                                 ? std::min(context.deadline, steady_clock::now() + kWaitCancellationCheck)
                                  : context.deadline);
     --stats_.waiting;
     if (idle_.empty() && stats_.open >= options_.max_connections && steady_clock::now() >= context.deadline) {
