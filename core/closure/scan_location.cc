@@ -10,7 +10,7 @@
 #include "core/graph/search_radius.h"
 #include "core/slam/loops/loop_matching.h"
 #include "core/slam/matching/field_pyramid.h"
-#include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/robot_rays.h"
 #include "fmt/format.h"
 
 namespace enfilade::closure {
@@ -96,13 +96,12 @@ ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vect
   }
   if (known.empty()) return Refused("no robot has seen it from inside yet");
   slam::SlamOptions slam;
-  const slam::SubmapGrid grid = GridOf(known, slam);
-  const slam::FieldPyramid pyramid(grid, slam.pyramid);
+  const slam::SearchableSubmap map(GridOf(known, slam), slam.pyramid);
   slam::LoopCandidate window;
   window.half_width = std::max(kSigmas / std::sqrt(graph::kChiSquared2Dof95) * radius, kMinHalfWidth);
   window.half_angle = std::max(kSigmas * yaw_sigma, kMinHalfAngle);
   window.is_entry = true;
-  const slam::LoopMatch match = slam::MatchLoop(grid, pyramid, points, predicted.pose, window, slam);
+  const slam::LoopMatch match = slam::MatchLoop(map, points, predicted.pose, window, slam);
   if (!match.accepted) return Refused(match.reason);
   ScanLocation location;
   location.matched_share = match.score;

@@ -7,7 +7,7 @@
 
 namespace enfilade::optimize {
 
-// A relative measurement with what every evaluation needs of it.
+// A relative measurement, and the part of its inverse that every evaluation needs.
 struct EdgeMeasurement {
   EdgeMeasurement() = default;
   explicit EdgeMeasurement(const Pose2& measured);
@@ -19,7 +19,7 @@ struct EdgeMeasurement {
 // The SE(2) error of the measurement, in its frame (see PoseGraphEdge): m, m, rad.
 Eigen::Vector3d EdgeError(const Pose2& T_world_from, const Pose2& T_world_to, const EdgeMeasurement& measurement);
 
-// The error with its derivatives by (x, y, yaw) of both poses. The translation's error is
+// The error with its derivatives with respect to (x, y, yaw) of both poses. The translation's error is
 //   R(a)^T (t_to - t_from) - R_m^T t_m   with a = yaw_from + yaw_m,
 // so that J_from = -J_to K, where K moves `to` rigidly with `from`.
 struct LinearizedEdge {

@@ -8,7 +8,7 @@
 
 namespace enfilade::optimize {
 
-// Where the nodes and edges of a graph are in its block matrices; depends on its topology and held nodes only.
+// Where the nodes and edges of a graph are in its block matrices. Depends only on the topology and the held nodes.
 struct GraphLayout {
   BlockStructure structure;
   std::vector<int> position;  // per node: its block row in elimination order, -1 where held

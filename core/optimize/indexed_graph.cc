@@ -21,7 +21,7 @@ absl::StatusOr<NodeIndex> IndexNodes(const PoseGraph& graph) {
     if (!IsFinite(node.T_world_node))
       return InvalidArgument("pose graph: node {} has a pose that is not finite", node.id);
     if (!index.emplace(node.id, static_cast<int>(index.size())).second) {
-      return InvalidArgument("pose graph: node {} occurs twice", node.id);
+      return InvalidArgument("pose graph: node {} appears twice", node.id);
     }
   }
   return index;

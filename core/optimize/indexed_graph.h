@@ -11,7 +11,7 @@
 
 namespace enfilade::optimize {
 
-// An enabled edge by the positions of its nodes.
+// An enabled edge; its nodes by their positions in IndexedGraph.
 struct IndexedEdge {
   int from = 0;
   int to = 0;
@@ -21,15 +21,16 @@ struct IndexedEdge {
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
 };
 
-// One connected component of a pose graph, checked, with contiguous indices.
+// One connected component of a pose graph, validated, with contiguous indices.
 struct IndexedGraph {
   std::vector<int> sources;  // per node: position in PoseGraph::nodes
   std::vector<Pose2> poses;
-  std::vector<char> held;  // at least one node is
+  std::vector<char> held;  // per node; at least one is true
   std::vector<IndexedEdge> edges;
 };
 
-// The components in the order of their first nodes. Errors as SolvePoseGraph's.
+// The components in the order of their first nodes. `fixed`: ids of the nodes to hold; a component without any has its
+// first node held. Same errors as SolvePoseGraph.
 absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph,
                                                           const std::vector<std::int64_t>& fixed);
 

@@ -7,7 +7,7 @@
 
 namespace enfilade::optimize {
 
-// INVALID_ARGUMENT saying what is wrong unless the matrix is finite, symmetric and positive definite.
+// INVALID_ARGUMENT, naming the reason, unless the matrix is finite, symmetric and positive definite.
 absl::Status CheckInformation(const Eigen::Matrix3d& information);
 
 }  // namespace enfilade::optimize

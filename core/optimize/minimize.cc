@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "core/optimize/ceres/ceres_minimize.h"
 #include "core/optimize/graph_layout.h"
 #include "core/optimize/indexed_graph.h"
 #include "core/optimize/initialization/translations.h"
@@ -15,9 +14,9 @@
 namespace enfilade::optimize {
 namespace {
 
-// A share of the predicted decrease below which the model is not trusted in the translations.
+// Below this share of the predicted decrease the model is not trusted in the translations.
 constexpr double kPoorGain = 0.75;
-// A decrease below this, in a sum of squares of standard deviations, is rounding.
+// A decrease of chi2 below this is rounding error.
 constexpr double kNoDecrease = 1e-15;
 constexpr double kFirstDamping = 1e-6;
 constexpr double kLeastDamping = 1e-9;
@@ -54,7 +53,7 @@ class Descent {
       } else {
         RaiseDamping();
       }
-      // A damped step may be short for another reason than a near minimum.
+      // A step may be short because it is damped, not because the minimum is near.
       minimum.converged = (minimum.converged || at_rest) && damping_ <= kFirstDamping;
     }
     minimum.converged = minimum.converged || layout_.structure.size == 0;
@@ -67,8 +66,8 @@ class Descent {
     return decrease <= options_.relative_tolerance * cost_ || decrease <= kNoDecrease;
   }
 
-  // What further steps will still lower the cost by if each does so by the same share of the one before as this one
-  // did; close to the minimum the shares become smaller.
+  // How much all further steps will still lower the cost, if the decreases go on as a geometric series with the ratio
+  // of the last two. An upper estimate: close to the minimum the ratio falls.
   double Remaining(double decrease) {
     const double share = decrease / std::exchange(last_decrease_, decrease);
     return share < 1.0 ? decrease * share / (1.0 - share) : std::numeric_limits<double>::infinity();
@@ -77,7 +76,7 @@ class Descent {
   void RaiseDamping() { damping_ = std::max(10.0 * damping_, kFirstDamping); }
   void LowerDamping() { damping_ = damping_ <= kLeastDamping ? 0.0 : 0.1 * damping_; }
 
-  // Of (H + damping diag(H)) dx = b.
+  // Solves (H + damping diag(H)) dx = b; empty if that fails.
   std::optional<Eigen::VectorXd> SolveStep() {
     factor_ = equations_.H;
     for (Eigen::Matrix3d& block : factor_.diagonal) block.diagonal() *= 1.0 + damping_;
@@ -112,7 +111,6 @@ class Descent {
 }  // namespace
 
 Minimum Minimize(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
-  if (options.backend == Backend::kCeres) return MinimizeWithCeres(options, graph);
   return Descent(options, layout, graph).Run();
 }
 

@@ -8,13 +8,7 @@ namespace enfilade::optimize {
 struct GraphLayout;
 struct IndexedGraph;
 
-enum class Backend {
-  kBlocks,  // ours: 3 x 3 blocks, variable projection
-  kCeres,   // Ceres: Levenberg-Marquardt, sparse normal Cholesky, one thread; the reference that ours is tested against
-};
-
 struct MinimizeOptions {
-  Backend backend = Backend::kBlocks;
   RobustKernel kernel = {};
   int max_iterations = 100;
   double relative_tolerance = 1e-9;
@@ -27,11 +21,14 @@ struct Minimum {
   bool converged = false;
 };
 
-// Moves the graph's poses to the minimum of its cost whose valley they are in, by Gauss-Newton steps, damped (Levenberg
-// 1944, Marquardt 1963) where they do not descend. Where the cost fell clearly less than a step's model said, the step
-// is taken in the yaws only and followed by SolveTranslations (variable projection, Golub and Pereyra 1973): relative
-// poses known to tenths of a millimetre make narrow valleys, bent because the translations turn with the yaws, in
-// which straight steps all but stop. (Backend::kCeres has steps of its own.)
+// Moves the graph's poses from where they are to a local minimum of its cost.
+using Minimizer = Minimum (*)(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph);
+
+// The default Minimizer. It takes Gauss-Newton steps, damped (Levenberg 1944, Marquardt 1963) when they do not descend.
+// When the cost falls clearly less than a step's model predicts, only the step's yaws are taken, followed by
+// SolveTranslations (variable projection, Golub and Pereyra 1973). The reason: relative poses known to tenths of a
+// millimetre make narrow valleys in the cost, bent because the translations turn with the yaws, and along these
+// straight steps make hardly any progress.
 Minimum Minimize(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph);
 
 }  // namespace enfilade::optimize

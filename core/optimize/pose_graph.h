@@ -13,7 +13,7 @@ namespace enfilade::optimize {
 // One pose to be estimated.
 struct PoseGraphNode {
   std::int64_t id = 0;  // unique in its graph; need not be contiguous
-  Pose2 T_world_node;   // the initial guess, and after solving the estimate
+  Pose2 T_world_node;   // the initial guess; after solving, the estimate
 };
 
 // One relative measurement between two nodes. The residual is the SE(2) error in the measurement's frame,
@@ -24,8 +24,8 @@ struct PoseGraphEdge {
   std::int64_t to = 0;
   Pose2 T_from_to;                                            // measured
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // full, symmetric, positive definite
-  bool robust = true;                                         // the options' kernel applies to it
-  bool enabled = true;  // false: kept, but contributes nothing (a switched-off loop closure)
+  bool robust = true;                                         // the kernel of the options applies
+  bool enabled = true;  // false: kept in the graph but ignored, such as a rejected loop closure
 };
 
 struct PoseGraph {

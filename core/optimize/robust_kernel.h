@@ -3,15 +3,15 @@
 
 namespace enfilade::optimize {
 
-// A kernel rho(s) of the squared Mahalanobis error s = e^T Omega e, which replaces s in the cost so that a wrong edge
-// pulls less. Its weight rho'(s) is what the edge's information counts (iteratively reweighted least squares).
+// A kernel rho(s) of the squared Mahalanobis error s = e^T Omega e. It replaces s in the cost, so that a wrong edge
+// pulls less. Its derivative rho'(s) scales the edge's information (iteratively reweighted least squares).
 struct RobustKernel {
   enum class Type {
     kNone,    // rho = s
-    kHuber,   // s up to w^2, then 2 w sqrt(s) - w^2
+    kHuber,   // Huber 1964: s up to w^2, then 2 w sqrt(s) - w^2
     kCauchy,  // w^2 log(1 + s / w^2)
-    kDcs,     // dynamic covariance scaling (Agarwal et al. 2013) with Phi = w^2; its kernel form is that of
-              // MacTavish and Barfoot 2015: s up to Phi, then Phi (3 s - Phi) / (s + Phi)
+    kDcs,     // dynamic covariance scaling (Agarwal et al. 2013) with Phi = w^2, as a kernel (MacTavish and Barfoot
+              // 2015): s up to Phi, then Phi (3 s - Phi) / (s + Phi)
   };
   Type type = Type::kNone;
   double width = 1.0;  // w, in standard deviations; positive

@@ -29,21 +29,22 @@ absl::Status Check(const SolveOptions& options) {
 }
 
 Minimum SolveComponent(const SolveOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
-  const MinimizeOptions minimize{options.backend, options.kernel, options.max_iterations, options.relative_tolerance,
+  const MinimizeOptions minimize{options.kernel, options.max_iterations, options.relative_tolerance,
                                  options.step_tolerance};
   switch (options.initialisation) {
     case Initialisation::kAuto:
-      return MinimizeFromSeveralStarts(minimize, layout, graph);
+      return MinimizeFromSeveralStarts(options.minimizer, minimize, layout, graph);
     case Initialisation::kChordal:
       if (std::optional<std::vector<Pose2>> poses = ChordalPoses(graph, layout)) graph.poses = *std::move(poses);
       break;
     case Initialisation::kNone:
       break;
   }
-  return Minimize(minimize, layout, graph);
+  return options.minimizer(minimize, layout, graph);
 }
 
-// Positions of the wanted ids in SolveOptions::covariance_of, by the node's position in the graph.
+// For each node whose covariance is wanted, by its position in the graph: its positions in
+// SolveOptions::covariance_of.
 absl::StatusOr<std::unordered_map<int, std::vector<int>>> WantedCovariances(const SolveOptions& options,
                                                                             const PoseGraph& graph) {
   std::unordered_map<int, std::vector<int>> wanted;
@@ -53,7 +54,7 @@ absl::StatusOr<std::unordered_map<int, std::vector<int>>> WantedCovariances(cons
   for (std::size_t k = 0; k < options.covariance_of.size(); ++k) {
     const auto found = index.find(options.covariance_of[k]);
     if (found == index.end()) {
-      return InvalidArgument("pose graph: there is no node {} to give a covariance of", options.covariance_of[k]);
+      return InvalidArgument("pose graph: there is no node {} to compute the covariance of", options.covariance_of[k]);
     }
     wanted[found->second].push_back(static_cast<int>(k));
   }
@@ -74,7 +75,8 @@ absl::Status AddCovariances(const SolveOptions& options, const std::unordered_ma
   NormalEquations equations;
   Linearize(graph, layout, options.kernel, equations);
   if (!Factorize(layout.structure, equations.H)) {
-    return FailedPrecondition("pose graph: no covariances, the equations at the solution are singular");
+    return FailedPrecondition(
+        "pose graph: there are no covariances: the normal equations at the solution are singular");
   }
   const std::vector<Eigen::Matrix3d> blocks = InverseDiagonal(layout.structure, equations.H, columns);
   for (std::size_t k = 0; k < blocks.size(); ++k) {

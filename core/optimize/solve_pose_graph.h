@@ -13,18 +13,18 @@
 namespace enfilade::optimize {
 
 enum class Initialisation {
-  kNone,     // the given poses: what a caller with a warm start wants
+  kNone,     // the given poses: for a warm start
   kChordal,  // chordal relaxation (Carlone et al. 2015); the given poses are used only where a node is held
-  kAuto,     // several starts, the given poses among them; the least minimum found (starts.h)
+  kAuto,     // several starts, the given poses among them; the lowest minimum found (starts.h)
 };
 
 struct SolveOptions {
   Initialisation initialisation = Initialisation::kAuto;
 
-  // For edges with `robust`. Its width is in units of one standard deviation (see RobustKernel).
+  // Applied to edges with `robust`. The width is in standard deviations (see RobustKernel).
   RobustKernel kernel = {};
 
-  Backend backend = Backend::kBlocks;
+  Minimizer minimizer = &Minimize;  // or MinimizeWithCeres (ceres/ceres_minimize.h)
 
   int max_iterations = 100;  // Gauss-Newton / Levenberg-Marquardt steps per start
   // Converged when a step lowers the cost by no more than this fraction of it, or moves no pose by more than
@@ -32,7 +32,7 @@ struct SolveOptions {
   double relative_tolerance = 1e-9;
   double step_tolerance = 1e-10;
 
-  // Ids of the nodes held at their given poses. In a component with none of them its first node is held.
+  // Ids of the nodes held at their given poses. A component without any has its first node held.
   std::vector<std::int64_t> fixed = {};
 
   // Ids of the nodes whose marginal covariance is wanted.
@@ -47,25 +47,25 @@ struct NodeCovariance {
 };
 
 struct SolveReport {
-  // Sums of e^T Omega e over the enabled edges, no kernel applied: of the given poses and of the result.
+  // Sum of e^T Omega e over the enabled edges, without kernel: at the given poses and at the result.
   double initial_chi2 = 0.0;
   double final_chi2 = 0.0;
-  // The same under the kernel: what is minimised. Equal to chi2 without a kernel.
+  // The same with the kernel: what is minimised. Equal to chi2 without a kernel.
   double initial_cost = 0.0;
   double final_cost = 0.0;
-  // Of the result, one per edge of the graph in its order, disabled ones included; no kernel applied.
+  // At the result, without kernel: one per edge in the graph's order, disabled edges included.
   std::vector<double> edge_chi2;
   // The kernel's final weight of each edge in [0, 1]: 1 = counts fully, 0 = disabled or rejected.
   std::vector<double> edge_weight;
 
   int iterations = 0;                       // steps taken, over all starts
   bool converged = false;                   // in every component
-  int components = 0;                       // of nodes joined by enabled edges; a node without edges is one too
+  int components = 0;                       // connected by enabled edges; a node without edges is one
   std::vector<NodeCovariance> covariances;  // in the order of `covariance_of`
 };
 
-// Minimises sum_k rho(e_k^T Omega_k e_k) over the poses and writes them into `graph`. A component is solved as if it
-// were alone: nothing but its held node says where it lies. An empty graph is solved.
+// Minimises sum_k rho(e_k^T Omega_k e_k) over the poses and writes them into `graph`. Each component is solved on its
+// own: only its held nodes fix where it lies. An empty graph is valid.
 // Errors (the graph is unchanged): INVALID_ARGUMENT for a duplicate id, an edge to an absent node or to itself, a
 // number that is not finite, an information matrix that is not symmetric positive definite, an unknown id in the
 // options.

@@ -12,7 +12,7 @@ void SlamMap::Apply(SlamDelta delta) {
     if (submap.content.empty()) submap.content = std::move(stored.content);
     stored = std::move(submap);
   }
-  for (LoopClosure& closure : delta.closures) closures[closure.id] = std::move(closure);
+  for (LoopClosure& closure : delta.loop_closures) loop_closures[closure.id] = std::move(closure);
   trajectory.insert(trajectory.end(), delta.trajectory.begin(), delta.trajectory.end());
 }
 

@@ -12,18 +12,19 @@
 
 namespace enfilade::slam {
 
-// What SLAM knows about one map, in the pieces in which it is stored: rows that are added once and whose poses move
-// when the pose graph is solved. Poses are in the map's frame: that of the first keyframe's robot pose, or of the old
-// map that mapping goes on in, which is submap 0 then.
+// One session's map as rows, the form in which it is stored. Rows are added, and their poses change when the pose graph
+// is solved. Poses are in the map frame: the robot's pose at the first keyframe; or the frame of the existing map,
+// which is then submap 0.
 
 // A keyframe.
 struct SlamNode {
   std::int64_t id = 0;        // 0, 1, 2, ... in order of time
   std::int64_t sequence = 0;  // of the scan's record in the session's log
   TimeNs time = 0;
-  Pose2 T_map_node;                                      // the robot's pose at the keyframe
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of T_map_node, against the first node or the old map
-  std::int64_t submap = 0;                               // the submap that it was matched in
+  Pose2 T_map_node;  // the robot's pose at the keyframe
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  // of T_map_node, relative to the first node or the existing map
+  std::int64_t submap = 0;      // the submap that it was matched in
 
   friend bool operator==(const SlamNode&, const SlamNode&) = default;
 };
@@ -33,7 +34,7 @@ struct SlamSubmap {
   std::int64_t version = 0;  // counts the changes of its content
   Pose2 T_map_submap;
   bool finished = false;
-  // The content (grid, keyframes' places), compressed, in the submap's frame; set once, when the submap is finished.
+  // The content (grid, poses of keyframes), compressed, in the submap's frame. Empty until the submap is finished.
   std::string content;
 
   friend bool operator==(const SlamSubmap&, const SlamSubmap&) = default;
@@ -41,7 +42,7 @@ struct SlamSubmap {
 
 enum class LoopClosureState : std::int16_t { kAccepted = 1, kRejected = 2, kSuspended = 3 };
 
-// A loop closure that was tried: `node` seen in `submap`.
+// A loop closure that was tried: `node` recognised in `submap`, or not.
 struct LoopClosure {
   std::int64_t id = 0;
   std::int64_t submap = 0;
@@ -50,13 +51,13 @@ struct LoopClosure {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   LoopClosureState state = LoopClosureState::kRejected;
   double score = 0.0;  // share of inlier beams at the finest level, 0..1
-  double chi2 = 0.0;   // of the edge after the last solve; 0 where it was not in the graph
-  std::string reason;  // in words, e.g. "inlier share 0.31 below 0.45 at 0.2 m"
+  double chi2 = 0.0;   // of the edge after the last solution; 0 if it was not in the graph
+  std::string reason;  // for people, such as "inlier share 0.31 below 0.45 at 0.2 m"
 
   friend bool operator==(const LoopClosure&, const LoopClosure&) = default;
 };
 
-// Where the robot was at one scan, keyframe or not: relative to a node, so that it follows when nodes move.
+// The robot's pose at one scan, keyframe or not. It is relative to a node, so that it follows when nodes move.
 struct TrajectoryPoint {
   std::int64_t sequence = 0;
   TimeNs time = 0;
@@ -66,21 +67,21 @@ struct TrajectoryPoint {
   friend bool operator==(const TrajectoryPoint&, const TrajectoryPoint&) = default;
 };
 
-// Rows added or changed since the last account. A row stands for the whole row, not for a difference.
+// The rows added or changed since the last delta, each as a whole.
 struct SlamDelta {
   std::vector<SlamNode> nodes;
-  std::vector<SlamSubmap> submaps;  // `content` empty where it has not changed
-  std::vector<LoopClosure> closures;
+  std::vector<SlamSubmap> submaps;  // `content` is empty if unchanged
+  std::vector<LoopClosure> loop_closures;
   std::vector<TrajectoryPoint> trajectory;  // appended only
 
-  bool empty() const { return nodes.empty() && submaps.empty() && closures.empty() && trajectory.empty(); }
+  bool empty() const { return nodes.empty() && submaps.empty() && loop_closures.empty() && trajectory.empty(); }
 };
 
-// The sum of all deltas: what storage gives back, and what the offline tool keeps.
+// The sum of all deltas.
 struct SlamMap {
   std::map<std::int64_t, SlamNode> nodes;
   std::map<std::int64_t, SlamSubmap> submaps;
-  std::map<std::int64_t, LoopClosure> closures;
+  std::map<std::int64_t, LoopClosure> loop_closures;
   std::vector<TrajectoryPoint> trajectory;
 
   void Apply(SlamDelta delta);
@@ -91,7 +92,7 @@ struct StampedPose {
   Pose2 T_map_robot;
 };
 
-// Every scan's pose by the present estimate, in the order of time.
+// Every used scan's pose by the current estimate, in the order of the log.
 std::vector<StampedPose> TrajectoryOf(const SlamMap& map);
 
 }  // namespace enfilade::slam

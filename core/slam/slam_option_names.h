@@ -6,7 +6,7 @@
 namespace enfilade::slam {
 
 // Calls visit("group.name", value) for every option, in the order of slam_options.h. `Options` is SlamOptions, const or
-// not; values are bool, int or double. The one list of names, for the YAML file and for whoever else needs one.
+// not; values are bool, int or double. The only list of the names.
 template <typename Options, typename Visit>
 void VisitSlamOptions(Options& o, Visit visit) {
   visit("resolution", o.resolution);

@@ -9,10 +9,11 @@
 
 namespace enfilade::slam {
 
-// SLAM options from YAML: nested maps with the names of slam_options.h, e.g. `loop: {drift_per_metre: 0.05}`. What is
-// not named keeps its default; an empty text gives the defaults. INVALID_ARGUMENT naming the key and the line: a key
-// that does not exist or comes twice, a value of another type, text that is no YAML, and what Validate refuses.
-absl::StatusOr<SlamOptions> ParseSlamOptions(std::string_view yaml);
+// SLAM options from YAML: nested mappings with the names of slam_options.h, such as `loop: {drift_per_metre: 0.05}`.
+// Options not given keep their defaults; an empty text gives the defaults. Messages begin with `name`, such as the file
+// that the text comes from. INVALID_ARGUMENT, naming key and line: a key that does not exist or appears twice, a value
+// of the wrong type, text that is not YAML, and what Validate rejects.
+absl::StatusOr<SlamOptions> ParseSlamOptions(std::string_view yaml, std::string_view name = "");
 
 // All options as YAML that ParseSlamOptions reads back to the same values.
 std::string FormatSlamOptions(const SlamOptions& options);

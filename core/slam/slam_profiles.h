@@ -9,23 +9,22 @@
 
 namespace enfilade::slam {
 
-// SLAM options by name: each map is mapped with the one that suits it.
+// SLAM options by name, so that each map can be mapped with suitable ones.
 class SlamProfiles {
  public:
   static constexpr const char* kIndoor = "indoor";
   static constexpr const char* kOutdoor = "outdoor";
 
-  // "indoor" is `base`. "outdoor" is the same seen farther, in larger submaps: what the predecessor's long-range
-  // profile (range 50 m, 60 nodes in memory against 40) changes and this mapper has as well. Implicit: one set of
-  // options is profiles enough.
+  // "indoor" is `base`. "outdoor" is `base` with a range of at least 50 m and submaps of half as many keyframes more.
+  // Implicit, so that one set of options can be passed as profiles.
   SlamProfiles(const SlamOptions& base = {});  // NOLINT(google-explicit-constructor)
 
-  // Adds one, or takes the place of the one of that name.
+  // Adds a profile, or replaces the one of that name.
   void Set(const std::string& name, const SlamOptions& options) { profiles_[name] = options; }
 
-  // Null where there is none.
+  // Null if there is no profile of that name.
   const SlamOptions* Find(const std::string& name) const;
-  // In the order of the alphabet.
+  // In alphabetical order.
   std::vector<std::string> Names() const;
 
  private:

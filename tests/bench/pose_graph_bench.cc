@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "core/optimize/graph_text.h"
+#include "core/optimize/io/graph_text.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "fmt/format.h"
 #include "tests/bench/support/pose_graph_ceres_example.h"

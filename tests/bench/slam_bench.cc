@@ -45,7 +45,7 @@ nlohmann::json Run(std::vector<sensor::PairedScan> scans, int laps) {
     const slam::Footprint footprint = mapper.footprint();
     total += seconds;
     for (const slam::SlamSubmap& submap : delta.submaps) submaps = std::max(submaps, submap.id + 1);
-    for (const slam::LoopClosure& closure : delta.closures) closures = std::max(closures, closure.id + 1);
+    for (const slam::LoopClosure& closure : delta.loop_closures) closures = std::max(closures, closure.id + 1);
     report["laps"].push_back({{"seconds", seconds},
                               {"ms_per_scan", 1e3 * seconds / static_cast<double>(scans.size())},
                               {"submaps", submaps},

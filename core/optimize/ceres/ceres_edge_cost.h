@@ -11,9 +11,9 @@ class CostFunction;
 
 namespace enfilade::optimize {
 
-// A pose graph's edge for Ceres, as new as ceres::Problem wants it (the caller owns it): the residual L^T e with
-// Omega = L L^T, so that its square is e^T Omega e, of two parameter blocks (x, y, yaw) in the world frame, with
-// analytic Jacobians. The yaw error is wrapped; the blocks need no manifold.
+// The cost of one pose-graph edge for ceres::Problem, which takes ownership. With Omega = L L^T the residual is L^T e,
+// whose squared norm is e^T Omega e. It depends on two parameter blocks (x, y, yaw) in the world frame and has analytic
+// Jacobians. The yaw error is wrapped, so the blocks need no manifold.
 ceres::CostFunction* NewEdgeCost(const EdgeMeasurement& measurement, const Eigen::Matrix3d& information);
 
 }  // namespace enfilade::optimize

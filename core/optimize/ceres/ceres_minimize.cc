@@ -29,7 +29,7 @@ class KernelLoss : public ceres::LossFunction {
 
 }  // namespace
 
-Minimum MinimizeWithCeres(const MinimizeOptions& options, IndexedGraph& graph) {
+Minimum MinimizeWithCeres(const MinimizeOptions& options, const GraphLayout&, IndexedGraph& graph) {
   std::vector<std::array<double, 3>> poses;
   for (const Pose2& pose : graph.poses) poses.push_back({pose.x, pose.y, pose.yaw});
   KernelLoss loss(options.kernel);

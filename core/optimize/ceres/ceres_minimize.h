@@ -6,7 +6,8 @@
 
 namespace enfilade::optimize {
 
-// Backend::kCeres of Minimize.
-Minimum MinimizeWithCeres(const MinimizeOptions& options, IndexedGraph& graph);
+// A Minimizer by Ceres: Levenberg-Marquardt, sparse normal Cholesky, one thread. The reference that Minimize is tested
+// against. `layout` is not used; `options.step_tolerance` has no effect.
+Minimum MinimizeWithCeres(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph);
 
 }  // namespace enfilade::optimize

@@ -10,19 +10,20 @@
 namespace enfilade::optimize {
 namespace {
 
+// The information of the yaw with the translation marginalised out (Schur complement).
 double YawInformation(const Eigen::Matrix3d& information) {
   const Eigen::Vector2d coupling = information.topRightCorner<2, 1>();
   return information(2, 2) - coupling.dot(information.topLeftCorner<2, 2>().inverse() * coupling);
 }
 
-// Multiplication by the unit complex number of angle yaw.
+// Multiplication by the complex number e^(i yaw).
 Eigen::Matrix2d Rotation(double yaw) {
   const double c = std::cos(yaw);
   const double s = std::sin(yaw);
   return (Eigen::Matrix2d() << c, -s, s, c).finished();
 }
 
-// The relaxed z of every node that is not held, in elimination order.
+// The relaxed z of every free node, in elimination order.
 std::optional<Eigen::VectorXd> RelaxedRotations(const IndexedGraph& graph, const GraphLayout& layout) {
   BlockMatrix<2> H;
   H.SetZero(layout.structure);

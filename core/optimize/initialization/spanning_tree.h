@@ -7,8 +7,8 @@
 
 namespace enfilade::optimize {
 
-// The graph's poses with those of all nodes that are not held replaced: each is composed from its neighbour nearer (in
-// edges) to a held node and the edge between them.
+// The poses composed along a breadth-first spanning tree: each free node's from a neighbour that is fewer edges from a
+// held node, and the edge between them. Held nodes keep their poses.
 std::vector<Pose2> SpanningTreePoses(const IndexedGraph& graph);
 
 }  // namespace enfilade::optimize

@@ -28,21 +28,21 @@ std::vector<Start> Starts(const MinimizeOptions& options, const GraphLayout& lay
   };
   if (std::optional<std::vector<Pose2>> chordal = ChordalPoses(graph, layout)) add(*std::move(chordal), true);
   add(graph.poses, false);
-  // One wrong edge in a spanning tree puts all that hangs on it wrong.
+  // One wrong edge in a spanning tree misplaces every node behind it.
   if (options.kernel.type == RobustKernel::Type::kNone) add(SpanningTreePoses(graph), false);
   std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.cost < b.cost; });
   return starts;
 }
 
-// An integer per edge: how many whole turns its yaw error is wrapped by more at `b` than at `a`, apart from those that
-// come with how b's yaws happen to be written down.
+// For one edge: by how many more whole turns its yaw error is wrapped at poses `b` than at poses `a`. The turns also
+// depend on how the yaws are written (yaw or yaw + 2 pi); around a loop that cancels out.
 struct EdgeTurns {
   int from = 0;
   int to = 0;
   int turns = 0;
 };
 
-// Of the edges that the kernel counts for at least half at `a`: wrong ones may turn as they like.
+// For the edges with a kernel weight of at least one half at `a`. The turns of edges taken for wrong do not matter.
 std::vector<EdgeTurns> TurnsBetween(const IndexedGraph& graph, const RobustKernel& kernel, const std::vector<Pose2>& a,
                                     const std::vector<Pose2>& b) {
   std::vector<EdgeTurns> all;
@@ -57,9 +57,9 @@ std::vector<EdgeTurns> TurnsBetween(const IndexedGraph& graph, const RobustKerne
   return all;
 }
 
-// Whether the yaws can be carried from one to the other with no edge's yaw error passing pi: then they turn equally
-// often around every loop, and the turns of the edges are differences of whole turns of the nodes.
-bool TurnAlike(const std::vector<EdgeTurns>& edges, std::size_t nodes) {
+// Whether the yaws turn equally often around every loop: the yaws can then be moved from one set of poses to the other
+// without any edge's yaw error passing pi, and the edges' turns are differences of whole turns of the nodes.
+bool HaveEqualWinding(const std::vector<EdgeTurns>& edges, std::size_t nodes) {
   std::vector<std::vector<std::pair<int, int>>> neighbours(nodes);
   for (const EdgeTurns& edge : edges) {
     neighbours[edge.from].emplace_back(edge.to, edge.turns);
@@ -83,14 +83,15 @@ bool TurnAlike(const std::vector<EdgeTurns>& edges, std::size_t nodes) {
   return true;
 }
 
-// Whether noise of the stated information explains the cost: chi-squared with that many degrees of freedom, of which
-// the mean plus five standard deviations is as good as never passed by chance.
+// Whether noise of the stated information explains the cost. The cost is then chi-squared with `freedom` degrees of
+// freedom: mean `freedom`, variance 2 `freedom`. Chance hardly ever exceeds the mean by five standard deviations.
 bool ExplainedByNoise(const IndexedGraph& graph, const GraphLayout& layout, double cost) {
   const double freedom = 3.0 * (static_cast<double>(graph.edges.size()) - layout.structure.size);
   return cost <= freedom + 5.0 * std::sqrt(2.0 * std::max(freedom, 0.0));
 }
 
-Minimum LeastOfSeveralStarts(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
+Minimum LeastOfSeveralStarts(Minimizer minimize, const MinimizeOptions& options, const GraphLayout& layout,
+                             IndexedGraph& graph) {
   const std::vector<Start> starts = Starts(options, layout, graph);
   const bool chordal_is_least = starts.empty() || starts.front().chordal;
   std::optional<Minimum> least;
@@ -99,19 +100,19 @@ Minimum LeastOfSeveralStarts(const MinimizeOptions& options, const GraphLayout& 
   IndexedGraph attempt = graph;
   for (const Start& start : starts) {
     if (least && chordal_is_least && ExplainedByNoise(graph, layout, least->cost)) break;
-    const auto turns_alike = [&](const std::vector<Pose2>& minimum) {
-      return TurnAlike(TurnsBetween(graph, options.kernel, minimum, start.poses), graph.poses.size());
+    const auto has_equal_winding = [&](const std::vector<Pose2>& minimum) {
+      return HaveEqualWinding(TurnsBetween(graph, options.kernel, minimum, start.poses), graph.poses.size());
     };
-    if (std::any_of(minima.begin(), minima.end(), turns_alike)) continue;
+    if (std::any_of(minima.begin(), minima.end(), has_equal_winding)) continue;
     attempt.poses = start.poses;
-    const Minimum minimum = Minimize(options, layout, attempt);
+    const Minimum minimum = minimize(options, layout, attempt);
     iterations += minimum.iterations;
     minima.push_back(attempt.poses);
     if (least && least->cost <= minimum.cost) continue;
     least = minimum;
     graph.poses = attempt.poses;
   }
-  if (!least) return Minimize(options, layout, graph);
+  if (!least) return minimize(options, layout, graph);
   least->iterations = iterations;
   return *least;
 }
@@ -122,15 +123,16 @@ bool HasManyMinima(const RobustKernel& kernel) {
 
 }  // namespace
 
-Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
-  if (!HasManyMinima(options.kernel)) return LeastOfSeveralStarts(options, layout, graph);
+Minimum MinimizeFromSeveralStarts(Minimizer minimize, const MinimizeOptions& options, const GraphLayout& layout,
+                                  IndexedGraph& graph) {
+  if (!HasManyMinima(options.kernel)) return LeastOfSeveralStarts(minimize, options, layout, graph);
   MinimizeOptions coarse = options;
   coarse.relative_tolerance = std::max(options.relative_tolerance, 1e-2);
   coarse.kernel.width = 10.0 * options.kernel.width;
-  int iterations = LeastOfSeveralStarts(coarse, layout, graph).iterations;
+  int iterations = LeastOfSeveralStarts(minimize, coarse, layout, graph).iterations;
   coarse.kernel.width = 3.0 * options.kernel.width;
-  iterations += Minimize(coarse, layout, graph).iterations;
-  Minimum minimum = Minimize(options, layout, graph);
+  iterations += minimize(coarse, layout, graph).iterations;
+  Minimum minimum = minimize(options, layout, graph);
   minimum.iterations += iterations;
   return minimum;
 }

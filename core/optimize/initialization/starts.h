@@ -7,15 +7,19 @@
 
 namespace enfilade::optimize {
 
-// Initialisation::kAuto. The cost has many minima: each edge's yaw error is wrapped, and a start decides how often the
-// yaws turn around each loop (Carlone and Censi 2014, From Angular Manifolds to the Integer Lattice); for given turns
-// one minimum is the rule. So from several starts - the given poses, the chordal relaxation, the poses composed along
-// a spanning tree - the one of least cost is minimised first, and a further one only where it turns otherwise around
-// some loop than every minimum so far and there is reason to doubt: the least minimum so far is more than noise
-// explains (chi-squared test), or the chordal start was not the one of least cost.
-// Kernels that flatten out (Cauchy, DCS) make minima of their own, wherever an edge may be taken for wrong: with them
-// all this is done with a kernel of ten times the width, from whose minimum the width is narrowed in two steps
-// (graduated non-convexity, Blake and Zisserman 1987; Yang et al. 2020).
-Minimum MinimizeFromSeveralStarts(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph);
+// Initialisation::kAuto. Moves the graph's poses to the lowest minimum found.
+//
+// The cost has many minima: each edge's yaw error is wrapped, so the start decides how often the yaws turn around each
+// loop (Carlone and Censi 2014, From Angular Manifolds to the Integer Lattice). For given turns there is usually one
+// minimum. There are up to three starts: the given poses, the chordal relaxation and the poses composed along a
+// spanning tree. The start of least cost is minimised first. A further one is tried only if it turns differently around
+// some loop than every minimum so far, and there is reason to doubt: noise does not explain the lowest minimum so far
+// (chi-squared test), or the chordal start was not the one of least cost.
+//
+// Redescending kernels (Cauchy, DCS) add minima of their own, one for each choice of edges taken for wrong. With them
+// the above is done with ten times the kernel's width, which is then narrowed in two steps (graduated non-convexity,
+// Blake and Zisserman 1987; Yang et al. 2020).
+Minimum MinimizeFromSeveralStarts(Minimizer minimize, const MinimizeOptions& options, const GraphLayout& layout,
+                                  IndexedGraph& graph);
 
 }  // namespace enfilade::optimize

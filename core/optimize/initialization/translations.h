@@ -9,9 +9,9 @@
 
 namespace enfilade::optimize {
 
-// Given all yaws the chi2 is quadratic in the translations: replaces those of the nodes that are not held by the
-// minimiser. Edges count with the kernel's weights at `weighted_at` (with kernel kNone: with 1).
-// False, and no change, if the equations are singular to the machine's precision.
+// With all yaws given, chi2 is quadratic in the translations: replaces the translations of the free nodes by the
+// minimiser. Edges count with the kernel's weights at `weighted_at` (with 1 for kernel kNone).
+// False, and `poses` unchanged, if the equations are numerically singular.
 bool SolveTranslations(const IndexedGraph& graph, const GraphLayout& layout, const RobustKernel& kernel,
                        const std::vector<Pose2>& weighted_at, std::vector<Pose2>& poses);
 

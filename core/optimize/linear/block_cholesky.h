@@ -23,12 +23,12 @@ struct BlockMatrix {
   }
 };
 
-// Replaces A by its Cholesky factor L, left-looking by columns of blocks. False if A is not positive definite; A is
-// then of no use.
+// Replaces A by its Cholesky factor L (left-looking, by block columns). False if A is not positive definite; A is then
+// undefined.
 template <int B>
 bool Factorize(const BlockStructure& structure, BlockMatrix<B>& A) {
   using Block = typename BlockMatrix<B>::Block;
-  std::vector<int> target(structure.size);  // per row: the block of the column at work
+  std::vector<int> target(structure.size);  // per row: the block in the current column
   for (int j = 0; j < structure.size; ++j) {
     const int begin = structure.column_begin[j];
     const int end = structure.column_begin[j + 1];

@@ -15,7 +15,7 @@ using Columns = std::vector<std::vector<int>>;
 std::vector<int> MinimumDegreeOrder(int size, const std::vector<std::pair<int, int>>& pairs) {
   std::vector<Eigen::Triplet<char>> entries;
   entries.reserve(2 * pairs.size() + size);
-  for (int k = 0; k < size; ++k) entries.emplace_back(k, k, 1);  // Eigen puts those without a diagonal last
+  for (int k = 0; k < size; ++k) entries.emplace_back(k, k, 1);  // Eigen orders variables without a diagonal last
   for (const auto& [a, b] : pairs) {
     entries.emplace_back(a, b, 1);
     entries.emplace_back(b, a, 1);

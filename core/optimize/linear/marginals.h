@@ -9,9 +9,9 @@
 
 namespace enfilade::optimize {
 
-// The diagonal blocks of (L L^T)^-1 of the columns `wanted` (in elimination order), by the recursion of Takahashi,
-// Fagan and Chen 1973 over those columns and their ancestors in the elimination tree: entries of the inverse where L
-// has a block follow from one another, from the last column to the first.
+// The diagonal blocks of (L L^T)^-1 for the columns `wanted` (in elimination order). The recursion of Takahashi, Fagan
+// and Chen 1973 computes the inverse where L has blocks, from the last column to the first; here only for those columns
+// and their ancestors in the elimination tree.
 std::vector<Eigen::Matrix3d> InverseDiagonal(const BlockStructure& structure, const BlockMatrix<3>& L,
                                              const std::vector<int>& wanted);
 

@@ -22,7 +22,7 @@ void Linearize(const IndexedGraph& graph, const GraphLayout& layout, const Robus
     const LinearizedEdge l = LinearizeEdge(graph.poses[edge.from], graph.poses[edge.to], edge.measurement);
     const Eigen::Vector3d weighted_error = edge.information * l.error;
     const double weight = edge.robust ? Evaluate(kernel, l.error.dot(weighted_error)).weight : 1.0;
-    // With J_from = -J_to K all blocks follow from A = J_to^T Omega J_to.
+    // With J_from = -J_to K, all blocks follow from A = J_to^T Omega J_to.
     const Eigen::Matrix3d A = weight * (l.J_to.transpose() * edge.information * l.J_to);
     const Eigen::Vector3d g = weight * (l.J_to.transpose() * weighted_error);
     const Eigen::Matrix3d AK = A * l.K;

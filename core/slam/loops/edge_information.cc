@@ -8,13 +8,13 @@
 namespace enfilade::slam {
 namespace {
 
-// So little that it never matters: about 30 m and 30 rad.
-constexpr double kNothing = 1e-3;
+// Makes a singular matrix regular; negligible: standard deviations of about 30 m and 30 rad.
+constexpr double kRegularisation = 1e-3;
 
 }  // namespace
 
 Eigen::Matrix3d WithFloor(const Eigen::Matrix3d& information, double sigma, double yaw_sigma) {
-  const Eigen::Matrix3d regular = information + kNothing * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d regular = information + kRegularisation * Eigen::Matrix3d::Identity();
   Eigen::Matrix3d covariance = regular.inverse();
   covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, yaw_sigma * yaw_sigma);
   const Eigen::Matrix3d result = covariance.inverse();

@@ -7,15 +7,17 @@
 
 namespace enfilade::slam {
 
-// `information` (of (x, y, yaw), perhaps singular) with an independent error of `sigma` (m) and `yaw_sigma` (rad)
-// added: what the matching's own account of its precision leaves out. Symmetric positive definite.
+// `information` of (x, y, yaw), possibly singular, after adding an independent error of `sigma` (m) and `yaw_sigma`
+// (rad):
+//   (information^-1 + diag(sigma^2, sigma^2, yaw_sigma^2))^-1.
+// It stands for what scan matching does not model. Symmetric positive definite.
 Eigen::Matrix3d WithFloor(const Eigen::Matrix3d& information, double sigma, double yaw_sigma);
 
-// The information about a pose T_a_b, whose error is additive in (x, y, yaw) of frame a, as that of an edge a -> b with
-// measurement T_a_b, whose error is in the measurement's frame: R' Omega R.
+// Converts the information Omega of a pose T_a_b from errors in (x, y, yaw) of frame a to errors in the measurement's
+// frame, as pose-graph edges have it: R' Omega R with R the rotation by `yaw` of T_a_b.
 Eigen::Matrix3d InMeasurementFrame(const Eigen::Matrix3d& information, double yaw);
 
-// The standard deviation of the translation in the direction in which it is the largest, m; infinite where open.
+// The largest standard deviation of the translation over all directions, m; infinite if a direction is unconstrained.
 double WeakestDirection(const Eigen::Matrix3d& information);
 
 }  // namespace enfilade::slam

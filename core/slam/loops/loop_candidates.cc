@@ -10,7 +10,7 @@
 namespace enfilade::slam {
 namespace {
 
-// An old map, which has no keyframes, is near where anything is known.
+// For an existing map, which has no keyframes: the distance to the box of its known cells.
 double NearestKeyframe(const FinishedSubmap& submap, const Pose2& T_map_node) {
   const Eigen::Vector2d p = (Inverse(submap.T_map_submap) * T_map_node).translation();
   if (submap.nodes.empty()) return submap.known.exteriorDistance(p);
@@ -21,14 +21,13 @@ double NearestKeyframe(const FinishedSubmap& submap, const Pose2& T_map_node) {
   return std::sqrt(nearest);
 }
 
-// The last nodes of the current submap from which `submap` was tried: in general, and with success.
+// The last nodes from which a submap was tried: with any result, and with success.
 struct LastTried {
   std::int64_t any = std::numeric_limits<std::int64_t>::min() / 2;
   std::int64_t accepted = std::numeric_limits<std::int64_t>::min() / 2;
 };
 
-// What the search in an old map has to cover beside the drift: all that the entry leaves open, until the robot has been
-// found in it.
+// Until the robot has been found in the existing map, the search must also cover the uncertainty of the entry.
 void WidenByEntry(const MapperState& state, LoopCandidate& candidate) {
   candidate.is_entry = !state.joined.contains(0);
   if (!candidate.is_entry) return;
@@ -40,7 +39,7 @@ void WidenByEntry(const MapperState& state, LoopCandidate& candidate) {
 }  // namespace
 
 std::vector<double> DriftLengths(const MapperState& state, std::int64_t from) {
-  std::vector<double> own;  // of each submap's way to the next
+  std::vector<double> own;  // from each submap to the next
   own.reserve(state.finished.size());
   for (const auto& [id, submap] : state.finished) own.push_back(submap.length);
   std::vector<double> lengths(own.size() + 1, std::numeric_limits<double>::infinity());
@@ -72,7 +71,7 @@ std::vector<LoopCandidate> SelectLoopCandidates(const MapperState& state, const 
   std::vector<LoopCandidate> candidates;
   if (state.finished.empty()) return candidates;
   std::map<std::int64_t, LastTried> tried;
-  for (auto it = state.closures.rbegin(); it != state.closures.rend(); ++it) {  // the latest first
+  for (auto it = state.loop_closures.rbegin(); it != state.loop_closures.rend(); ++it) {  // the latest first
     const LoopClosure& closure = it->second;
     if (node.id - closure.node > options.accepted_spacing) break;
     if (node.id - closure.node < options.attempt_interval) return candidates;

@@ -6,18 +6,17 @@
 
 namespace enfilade::slam {
 
-// The constraint's frames: the submap's pose and the node's are both in the map, so the node is guessed in the submap
-// at T_submap_node = T_map_submap^-1 T_map_node, and the match corrects that; no third frame comes in.
+// Frames: both poses are in the map frame, so the guess is T_submap_node = T_map_submap^-1 T_map_node, and the match
+// corrects it. No other frame is involved.
 std::vector<LoopClosure> TryLoopClosures(const MapperState& state, const SlamNode& node, const grid::ScanRays& rays,
                                          const SlamOptions& options, SubmapCache& cache) {
   std::vector<LoopClosure> closures;
   for (const LoopCandidate& candidate : SelectLoopCandidates(state, node, options.loop)) {
     const FinishedSubmap& submap = state.finished.at(candidate.submap);
-    const SubmapCache::Entry& entry = cache.Get(candidate.submap, submap);
     const Pose2 guess = Between(submap.T_map_submap, node.T_map_node);
-    LoopMatch match = MatchLoop(entry.grid, entry.pyramid, rays.hits, guess, candidate, options);
+    LoopMatch match = MatchLoop(cache.Get(candidate.submap, submap), rays.hits, guess, candidate, options);
     LoopClosure closure;
-    closure.id = static_cast<std::int64_t>(state.closures.size() + closures.size());
+    closure.id = static_cast<std::int64_t>(state.loop_closures.size() + closures.size());
     closure.submap = candidate.submap;
     closure.node = node.id;
     closure.T_submap_node = match.T_submap_node;

@@ -11,62 +11,87 @@
 #include "fmt/format.h"
 
 namespace enfilade::slam {
-LoopMatch MatchLoop(const SubmapGrid& grid, const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& hits,
-                    const Pose2& guess, const LoopCandidate& candidate, const SlamOptions& options) {
-  const LoopOptions& loop = options.loop;
-  LoopMatch result;
-  result.T_submap_node = guess;
-  const std::vector<Eigen::Vector2d> points = Thinned(hits, options.local.point_spacing);
-  if (points.size() < static_cast<std::size_t>(loop.min_points)) {
-    result.reason = fmt::format("{} points, fewer than {}", points.size(), loop.min_points);
-    return result;
-  }
+namespace {
+
+SearchWindow WindowOf(const LoopCandidate& candidate, const Pose2& guess, const LoopOptions& options) {
   SearchWindow window;
   window.centre = guess;
   window.half_width = candidate.half_width;
   window.half_angle = candidate.half_angle;
   window.sigma_translation = candidate.half_width;
   window.sigma_yaw = candidate.half_angle;
-  window.min_score = loop.min_search_score;
+  window.min_score = options.min_search_score;
+  return window;
+}
+
+// Whether a window is so large that another place in it may look like the one found.
+bool MayBeAmbiguous(const LoopCandidate& candidate, const LoopOptions& options) {
+  return candidate.half_width > options.ambiguity_distance || candidate.half_angle > options.ambiguity_angle;
+}
+
+// Searches once more, without the surroundings of `found`. Returns why `found` is ambiguous; empty if it is not.
+std::string FindAmbiguity(const SearchTable& table, const std::vector<Eigen::Vector2d>& points,
+                          const SearchResult& found, SearchWindow window, const LoopOptions& options) {
+  window.excluded = found.pose;
+  window.excluded_distance = options.ambiguity_distance;
+  window.excluded_angle = options.ambiguity_angle;
+  const SearchResult other = SearchPose(table, points, window);
+  if (other.score <= options.max_ambiguity * found.score) return "";
+  return fmt::format("another place {:.1f} m away scores {:.2f}, this one {:.2f}",
+                     Between(found.pose, other.pose).translation().norm(), other.score, found.score);
+}
+
+}  // namespace
+
+LoopMatch MatchLoop(const SearchableSubmap& submap, const std::vector<Eigen::Vector2d>& hits, const Pose2& guess,
+                    const LoopCandidate& candidate, const SlamOptions& options) {
+  const LoopOptions& loop = options.loop;
+  const FieldPyramid& pyramid = submap.pyramid;
+  LoopMatch result;
+  result.T_submap_node = guess;
+  const auto reject = [&result](std::string reason) {
+    result.reason = std::move(reason);
+    return result;
+  };
+
+  const std::vector<Eigen::Vector2d> points = Thinned(hits, options.local.point_spacing);
+  if (points.size() < static_cast<std::size_t>(loop.min_points)) {
+    return reject(fmt::format("{} points, fewer than {}", points.size(), loop.min_points));
+  }
+
+  const SearchWindow window = WindowOf(candidate, guess, loop);
   const std::vector<Eigen::Vector2d> searched = Subsampled(points, static_cast<std::size_t>(loop.search_points));
   const SearchResult found = SearchPose(pyramid.table, searched, window);
   result.score = found.score;
   if (found.score < loop.min_search_score) {
-    result.reason = fmt::format("nothing scores {:.2f} within {:.1f} m and {:.2f} rad", loop.min_search_score,
-                                window.half_width, window.half_angle);
-    return result;
+    return reject(fmt::format("nothing scores {:.2f} within {:.1f} m and {:.2f} rad", loop.min_search_score,
+                              window.half_width, window.half_angle));
   }
+
   const PyramidMatch refined = MatchToPyramid(pyramid, points, found.pose, options.pyramid, options.local.field);
   result.T_submap_node = refined.match.T_submap_robot;
   result.score = refined.match.matched_share;
-  if (!refined.inliers_suffice) {
-    result.reason = refined.reason;
-    return result;
-  }
-  const Agreement agreement =
-      MeasureAgreement(grid, pyramid.levels.back(), points, result.T_submap_node, options.local.field.matched_distance);
+  if (!refined.inliers_suffice) return reject(refined.reason);
+
+  const Agreement agreement = MeasureAgreement(submap.grid, pyramid.levels.back(), points, result.T_submap_node,
+                                               options.local.field.matched_distance);
   const double min_agreement = candidate.is_entry ? loop.min_entry_agreement : loop.min_agreement;
   if (agreement.agreement() < min_agreement) {
-    result.reason = fmt::format("{:.2f} of the hits lie in free space of the submap: agreement {:.2f} below {:.2f}",
-                                agreement.contradicted_share, agreement.agreement(), min_agreement);
-    return result;
+    return reject(fmt::format("{:.2f} of the hits lie in free space of the submap: agreement {:.2f} below {:.2f}",
+                              agreement.contradicted_share, agreement.agreement(), min_agreement));
   }
+
   const double weakest = WeakestDirection(refined.match.information);
   if (weakest > loop.max_sigma) {
-    result.reason = fmt::format("the walls leave {:.2f} m open along them, more than {:.2f}", weakest, loop.max_sigma);
-    return result;
+    return reject(fmt::format("the position along the walls is known to {:.2f} m only, not to {:.2f} m", weakest,
+                              loop.max_sigma));
   }
-  if (candidate.half_width > loop.ambiguity_distance || candidate.half_angle > loop.ambiguity_angle) {
-    window.excluded = found.pose;
-    window.excluded_distance = loop.ambiguity_distance;
-    window.excluded_angle = loop.ambiguity_angle;
-    const SearchResult other = SearchPose(pyramid.table, searched, window);
-    if (other.score > loop.max_ambiguity * found.score) {
-      result.reason = fmt::format("another place {:.1f} m away scores {:.2f} beside {:.2f}",
-                                  Between(found.pose, other.pose).translation().norm(), other.score, found.score);
-      return result;
-    }
+
+  if (MayBeAmbiguous(candidate, loop)) {
+    std::string ambiguity = FindAmbiguity(pyramid.table, searched, found, window, loop);
+    if (!ambiguity.empty()) return reject(std::move(ambiguity));
   }
+
   result.information = WithFloor(refined.match.information, loop.sigma_floor, loop.yaw_floor);
   result.accepted = true;
   result.reason = fmt::format("inlier share {:.2f}, agreement {:.2f}", result.score, agreement.agreement());

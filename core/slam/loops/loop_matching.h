@@ -8,23 +8,22 @@
 #include "core/slam/loops/loop_candidates.h"
 #include "core/slam/matching/field_pyramid.h"
 #include "core/slam/slam_options.h"
-#include "core/slam/submaps/submap_grid.h"
 
 namespace enfilade::slam {
 
-// What came of looking for a node in a submap.
+// The result of looking for a node in a submap.
 struct LoopMatch {
   bool accepted = false;
   Pose2 T_submap_node;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of T_submap_node
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of T_submap_node; zero unless accepted
   double score = 0.0;                                     // share of inliers at the finest level
-  std::string reason;
+  std::string reason;                                     // why it was accepted or rejected
 };
 
-// Searches the candidate's window about `guess`, refines what it finds through the pyramid, and accepts it where the
-// scan fits, little of it lies in space that the submap knows to be free, the match says where the robot is in all
-// directions, and no other place in the window fits nearly as well. `hits` in the robot's frame.
-LoopMatch MatchLoop(const SubmapGrid& grid, const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& hits,
-                    const Pose2& guess, const LoopCandidate& candidate, const SlamOptions& options);
+// Searches the candidate's window about `guess` and refines the result through the pyramid. Accepts it if the scan
+// fits, few hits lie in known free space, the translation is constrained in all directions, and no other place in the
+// window fits nearly as well. `hits` in the robot's frame.
+LoopMatch MatchLoop(const SearchableSubmap& submap, const std::vector<Eigen::Vector2d>& hits, const Pose2& guess,
+                    const LoopCandidate& candidate, const SlamOptions& options);
 
 }  // namespace enfilade::slam

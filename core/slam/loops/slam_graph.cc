@@ -16,14 +16,14 @@ namespace {
 std::int64_t SubmapVertex(std::int64_t submap) { return 2 * submap; }
 std::int64_t NodeVertex(std::int64_t node) { return 2 * node + 1; }
 
-bool TakesPart(const LoopClosure& closure) {
+bool IsInGraph(const LoopClosure& closure) {
   return closure.state != LoopClosureState::kSuspended && !closure.information.isZero();
 }
 
 struct Problem {
   optimize::PoseGraph graph;
-  std::set<std::int64_t> free_nodes;   // those that have vertices of their own
-  std::vector<std::int64_t> closures;  // of the edges at the graph's end, in order
+  std::set<std::int64_t> free_nodes;   // keyframes with a vertex
+  std::vector<std::int64_t> closures;  // ids of the edges from `first_closure` on
   std::size_t first_closure = 0;
 };
 
@@ -43,8 +43,8 @@ void AddSubmap(std::int64_t id, const Pose2& pose, const std::vector<SubmapNode>
 Problem BuildProblem(const MapperState& state) {
   Problem problem;
   if (!state.entry) problem.free_nodes.insert(0);
-  for (const auto& [id, closure] : state.closures) {
-    if (TakesPart(closure)) problem.free_nodes.insert(closure.node);
+  for (const auto& [id, closure] : state.loop_closures) {
+    if (IsInGraph(closure)) problem.free_nodes.insert(closure.node);
   }
   for (const auto& [id, submap] : state.finished) AddSubmap(id, submap.T_map_submap, submap.nodes, problem);
   if (state.active) AddSubmap(state.active->id, state.active->T_map_submap, state.active->content.nodes, problem);
@@ -58,8 +58,8 @@ Problem BuildProblem(const MapperState& state) {
                                    true});
   }
   problem.first_closure = problem.graph.edges.size();
-  for (const auto& [id, closure] : state.closures) {
-    if (!TakesPart(closure)) continue;
+  for (const auto& [id, closure] : state.loop_closures) {
+    if (!IsInGraph(closure)) continue;
     problem.closures.push_back(id);
     problem.graph.edges.push_back({SubmapVertex(closure.submap), NodeVertex(closure.node), closure.T_submap_node,
                                    InMeasurementFrame(closure.information, closure.T_submap_node.yaw), true, true});
@@ -67,12 +67,12 @@ Problem BuildProblem(const MapperState& state) {
   return problem;
 }
 
-// Which closures hold, by what the robust solution says of them.
+// Accepts or rejects the loop closures by their chi2 in the robust solution.
 void JudgeLoopClosures(const optimize::SolveReport& report, const GraphOptions& options, MapperState& state,
                        Problem& problem, GraphChange& change) {
   for (std::size_t i = 0; i < problem.closures.size(); ++i) {
     optimize::PoseGraphEdge& edge = problem.graph.edges[problem.first_closure + i];
-    LoopClosure& closure = state.closures.at(problem.closures[i]);
+    LoopClosure& closure = state.loop_closures.at(problem.closures[i]);
     const double chi2 = report.edge_chi2[problem.first_closure + i];
     const bool valid = chi2 < options.max_chi2;
     edge.robust = false;
@@ -82,11 +82,12 @@ void JudgeLoopClosures(const optimize::SolveReport& report, const GraphOptions& 
     closure.state = judged;
     closure.reason = valid ? fmt::format("fits the pose graph again: inlier share {:.2f}", closure.score)
                            : fmt::format("chi2 {:.1f} in the pose graph, more than {:.1f}", chi2, options.max_chi2);
-    change.closures.insert(closure.id);
+    change.loop_closures.insert(closure.id);
   }
 }
 
-void PutBack(const optimize::SolveReport& report, const Problem& problem, MapperState& state, GraphChange& change) {
+// Copies the solution into the state.
+void UpdateState(const optimize::SolveReport& report, const Problem& problem, MapperState& state, GraphChange& change) {
   std::map<std::int64_t, Pose2> poses;
   for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) poses[vertex.id] = vertex.T_world_node;
   std::map<std::int64_t, Eigen::Matrix3d> covariances;
@@ -116,11 +117,11 @@ void PutBack(const optimize::SolveReport& report, const Problem& problem, Mapper
   for (auto& [id, submap] : state.finished) put(id, submap.T_map_submap, submap.nodes);
   if (state.active) put(state.active->id, state.active->T_map_submap, state.active->content.nodes);
   for (std::size_t i = 0; i < problem.closures.size(); ++i) {
-    LoopClosure& closure = state.closures.at(problem.closures[i]);
+    LoopClosure& closure = state.loop_closures.at(problem.closures[i]);
     const double chi2 = report.edge_chi2[problem.first_closure + i];
     if (closure.chi2 == chi2) continue;
     closure.chi2 = chi2;
-    change.closures.insert(closure.id);
+    change.loop_closures.insert(closure.id);
   }
 }
 
@@ -142,7 +143,7 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
   for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) solve.covariance_of.push_back(vertex.id);
   const absl::StatusOr<optimize::SolveReport> second = optimize::SolvePoseGraph(solve, problem.graph);
   if (!second.ok()) return change;
-  PutBack(*second, problem, state, change);
+  UpdateState(*second, problem, state, change);
   change.solved = true;
   return change;
 }

@@ -61,8 +61,9 @@ absl::StatusOr<LogMapper> LogMapper::Restore(const sensor::ScanPairingOptions& p
                                              const SlamOptions& slam_options, const SlamMap& stored,
                                              std::string_view checkpoint) {
   BinaryReader reader(checkpoint);
-  if (reader.Get<std::uint8_t>() != kLogMapperVersion)
-    return DataLoss("the checkpoint has a version unknown to this program");
+  if (reader.Get<std::uint8_t>() != kLogMapperVersion) {
+    return DataLoss("the checkpoint has a version that this program does not know");
+  }
   LogMapperCounts counts;
   counts.used = reader.Get<std::int64_t>();
   counts.keyframes = reader.Get<std::int64_t>();

@@ -16,28 +16,28 @@ namespace enfilade::slam {
 
 struct LogMapperCounts {
   sensor::ScanPairingCounts pairing;
-  std::int64_t used = 0;       // scans with a place in the trajectory
-  std::int64_t keyframes = 0;  // among them
+  std::int64_t used = 0;       // scans that are in the trajectory
+  std::int64_t keyframes = 0;  // scans that became keyframes
   std::int64_t lost = 0;       // scans at which the robot was lost
 };
 
-// A session's log in, a map out: pairs the records by time and gives the scans to the mapper. The one way from a log to
-// a map, taken by the server and by the offline tool alike, so that both give the same result. Pure, like the mapper:
-// also across Checkpoint and Restore anywhere.
+// Makes a map from a session's log: pairs scans with odometry by time and feeds them to the mapper. The server and the
+// offline tool both use it, so both give the same result. Deterministic like the mapper, also across Checkpoint and
+// Restore at any record.
 class LogMapper {
  public:
   LogMapper(const sensor::ScanPairingOptions& pairing, const SlamOptions& slam) : pairing_(pairing), mapper_(slam) {}
-  // Goes on in a map that is there already.
+  // Continues an existing map.
   LogMapper(const sensor::ScanPairingOptions& pairing, const SlamOptions& slam, const ExistingMap& existing_map)
       : pairing_(pairing), mapper_(slam, existing_map) {}
 
-  // `stored` is the sum of the deltas up to the checkpoint. DATA_LOSS where they do not fit.
+  // `stored`: the sum of the deltas up to the checkpoint. DATA_LOSS if they do not belong together.
   static absl::StatusOr<LogMapper> Restore(const sensor::ScanPairingOptions& pairing, const SlamOptions& slam,
                                            const SlamMap& stored, std::string_view checkpoint);
 
-  // In the order of the log. Images, clouds and withheld records pass by.
+  // In the order of the log. Images, clouds and withheld records are ignored.
   void Add(sensor::Record record);
-  // The log is complete: settles what waits and finishes the map.
+  // The log is complete: maps the scans that still wait for odometry and finishes the map.
   void Finish();
 
   SlamDelta TakeDelta() { return mapper_.TakeDelta(); }

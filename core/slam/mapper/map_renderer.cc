@@ -9,7 +9,7 @@
 namespace enfilade::slam {
 namespace {
 
-// A map of more cells than this (800 m x 800 m at 5 cm) is not drawn as one grid: submaps outside are left out.
+// The largest grid: 800 m x 800 m at 5 cm. Submaps that would make it larger are left out.
 constexpr double kMaxCells = 1 << 28;
 constexpr int kTileBits = 7;
 constexpr int kTile = 1 << kTileBits;        // cells: 6.4 m at 5 cm
@@ -97,7 +97,7 @@ CellWindow MapRenderer::KnownWindow(const Tiles& tiles) {
   CellWindow known;
   for (const auto& [index, cells] : tiles) {
     const CellWindow w = WindowOf(index);
-    // A tile inside of what is known already adds nothing.
+    // A tile inside the known window adds nothing.
     if (Union(known, w) == known) continue;
     for (int row = w.min.row; row < w.top(); ++row) {
       for (int column = w.min.column; column < w.right(); ++column) {
@@ -112,19 +112,19 @@ CellWindow MapRenderer::KnownWindow(const Tiles& tiles) {
 void MapRenderer::Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const {
   const CellWindow mapped = MappedWindow(grid, T_map_submap);
   if (mapped.empty()) return;
-  const Pose2 T_submap_map = Inverse(T_map_submap);
+  const PlacedGrid placed{grid, Inverse(T_map_submap), mapped};
   for (int row = mapped.min.row >> kTileBits; row <= (mapped.top() - 1) >> kTileBits; ++row) {
     for (int column = mapped.min.column >> kTileBits; column <= (mapped.right() - 1) >> kTileBits; ++column) {
-      AddToTile(tiles, {row, column}, mapped, grid, T_submap_map, sign);
+      AddToTile(tiles, {row, column}, placed, sign);
     }
   }
 }
 
-void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const CellWindow& mapped, const SubmapGrid& grid,
-                            const Pose2& T_submap_map, int sign) const {
-  const grid::LogOddsGrid& cells = grid.log_odds();
+void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const PlacedGrid& placed, int sign) const {
+  const grid::LogOddsGrid& cells = placed.grid.log_odds();
+  const Pose2& T_submap_map = placed.T_submap_map;
   const CellWindow tile = WindowOf(index);
-  const CellWindow w = Intersection(tile, mapped);
+  const CellWindow w = Intersection(tile, placed.window);
   const double c = std::cos(T_submap_map.yaw);
   const double s = std::sin(T_submap_map.yaw);
   std::vector<Cell>* sums = nullptr;

@@ -13,20 +13,20 @@
 
 namespace enfilade::slam {
 
-// The map's grid as the sum of the finished submaps' grids, kept up to date by taking out and putting in only the
-// submaps that moved. Sums of whole numbers at poses rounded to a fraction of a cell: however the sum came about, the
-// same submaps at the same poses give the same grid, bit for bit. The sum is kept in tiles, of those places only that
-// a submap knows: a long way across a campus costs what was seen of it.
+// The map's grid as the sum of the submaps' grids. When submaps move, only these are subtracted and added again. The
+// sums are of integers at poses rounded to a fraction of a cell, so the same submaps at the same poses give the same
+// grid, bit for bit, whatever was placed before. The sum is kept in tiles, and only where a submap has known cells:
+// memory grows with the area seen, not with its bounding box.
 class MapRenderer {
  public:
   MapRenderer(double resolution, const grid::LogOddsOptions& options);
 
-  // Puts a submap in, or moves it. `grid` is called only where something is to be drawn, and must always give the
-  // submap's same grid. Returns whether anything was drawn.
+  // Adds a submap, or moves it. `grid` is called only if the submap must be drawn, and must always return the same grid
+  // for the submap. Returns whether it was drawn.
   bool Place(std::int64_t submap, const Pose2& T_map_submap, const std::function<const SubmapGrid&()>& grid);
 
-  // The grid of all that was placed, and of `active`, a submap that still changes (may be null), cropped to what is
-  // known. Cells of the map lie on multiples of the resolution.
+  // The grid of all placed submaps and of `active`, a submap that still changes (may be null), cropped to the known
+  // cells. Cell borders lie on multiples of the resolution.
   grid::OccupancyGrid Render(const SubmapGrid* active, const Pose2& T_map_active) const;
 
   // Bytes of memory held.
@@ -37,6 +37,12 @@ class MapRenderer {
     std::int32_t log_odds = 0;  // the sum over submaps, in LogOddsGrid's units
     std::int32_t known = 0;     // the number of submaps
   };
+  // A submap's grid at a pose.
+  struct PlacedGrid {
+    const SubmapGrid& grid;
+    Pose2 T_submap_map;
+    CellWindow window;  // the cells of the map that it can touch
+  };
   using TileIndex = std::pair<int, int>;  // row, column
   using Tiles = std::map<TileIndex, std::vector<Cell>>;
 
@@ -45,16 +51,16 @@ class MapRenderer {
   static CellWindow KnownWindow(const Tiles& tiles);
 
   Pose2 Rounded(const Pose2& pose) const;
+  // `sign` +1 adds the submap's cells to the sums, -1 subtracts them.
   void Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const;
-  void AddToTile(Tiles& tiles, const TileIndex& index, const CellWindow& mapped, const SubmapGrid& grid,
-                 const Pose2& T_submap_map, int sign) const;
+  void AddToTile(Tiles& tiles, const TileIndex& index, const PlacedGrid& placed, int sign) const;
   void DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active, grid::OccupancyGrid& grid) const;
 
   double resolution_;
   double min_log_odds_;
   double max_log_odds_;
   std::map<std::int64_t, Pose2> placed_;
-  CellWindow window_;  // of all that was ever placed
+  CellWindow window_;  // of all submaps ever placed
   Tiles tiles_;
 };
 

@@ -6,20 +6,20 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/slam/loops/edge_information.h"
 #include "core/slam/loops/loop_closer.h"
 #include "core/slam/loops/slam_graph.h"
+#include "core/slam/loops/submap_cache.h"
+#include "core/slam/mapper/delta_tracker.h"
+#include "core/slam/mapper/locate_scan.h"
 #include "core/slam/mapper/map_renderer.h"
-#include "core/slam/mapper/mapper_state.h"
-#include "core/slam/mapper/motion_model.h"
 #include "core/slam/mapper/policies.h"
-#include "core/slam/mapper/row_account.h"
 #include "core/slam/matching/local_matching.h"
-#include "core/slam/matching/locate.h"
-#include "core/slam/matching/scan_points.h"
-#include "core/slam/submaps/submap_cache.h"
+#include "core/slam/matching/motion_model.h"
+#include "core/slam/state/checkpoint.h"
+#include "core/slam/state/mapper_state.h"
+#include "core/slam/submaps/robot_rays.h"
 
 namespace enfilade::slam {
 namespace {
@@ -30,7 +30,7 @@ ScanReport NotUsed(std::string reason) {
   return report;
 }
 
-// How unsure the way into a submap is that was begun because the robot was lost: it may be anywhere near.
+// Standard deviations of the edge to a submap begun because the robot was lost: it may be anywhere near.
 constexpr double kLostTranslation = 10.0;  // m
 constexpr double kLostYaw = 3.0;           // rad
 
@@ -43,8 +43,8 @@ class Mapper::Impl {
 
   Impl(const SlamOptions& options, const ExistingMap& existing_map) : Impl(options) {
     state_.entry = existing_map.entry;
-    state_.finished[0] = FinishedExistingMap(1, ContentOf(existing_map.grid, options_));
-    TouchExistingMap();
+    state_.finished[0] = FinishExistingMap(1, ContentOf(existing_map.grid, options_));
+    changes_.MarkContent(0);
   }
 
   Impl(const SlamOptions& options, MapperState state) : Impl(options) {
@@ -61,20 +61,22 @@ class Mapper::Impl {
     if (rays.hits.empty() && options_.match_scans && (!state_.track || !scan.T_odom_robot)) {
       return NotUsed("no beam hit anything in range");
     }
-    const Place place =
-        state_.track ? Locate(*state_.track, scan, rays, state_.active->content.grid, *fields_, options_) : Begin(scan);
-    state_.track = place.track;
+    const LocatedScan located =
+        state_.track ? LocateScan(*state_.track, scan, rays, {state_.active->content.grid, *fields_}, options_)
+                     : Begin(scan);
+    state_.track = located.track;
+    const bool is_elsewhere = IsElsewhere(located.track.quality, options_.quality);
     const bool is_keyframe =
-        state_.nodes.empty() || IsElsewhere(place.track.quality, options_.quality) ||
-        IsKeyframeDue(Between(LastNode().T_submap_node, place.track.T_submap_robot), options_.keyframe);
+        state_.nodes.empty() || is_elsewhere ||
+        IsKeyframeDue(Between(LastNode().T_submap_node, located.track.T_submap_robot), options_.keyframe);
     ScanReport report;
     report.used = true;
-    report.keyframe = is_keyframe && (place.may_insert || IsElsewhere(place.track.quality, options_.quality));
-    if (report.keyframe) AddKeyframe(scan, rays, place.information);
+    report.keyframe = is_keyframe && (located.may_insert || is_elsewhere);
+    if (report.keyframe) AddKeyframe(scan, rays, located.information);
     report.lost = IsLost(state_.track->quality, options_.quality) || state_.adrift_since.has_value();
-    report.matched_share = place.matched_share;
+    report.matched_share = located.matched_share;
     if (options_.match_scans) report.match_age = ToSeconds(state_.track->time - state_.track->matched_at);
-    account_.Append({scan.sequence, scan.scan.time, LastNode().node,
+    changes_.Append({scan.sequence, scan.scan.time, LastNode().node,
                      Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
     return report;
   }
@@ -85,22 +87,7 @@ class Mapper::Impl {
     if (options_.match_scans) Solve();
   }
 
-  absl::Status SetLoopClosureSuspended(std::int64_t id, bool suspended) {
-    const auto found = state_.closures.find(id);
-    if (found == state_.closures.end()) return NotFound("there is no closure {}", id);
-    LoopClosure& closure = found->second;
-    if ((closure.state == LoopClosureState::kSuspended) == suspended) return absl::OkStatus();
-    if (!suspended && closure.information.isZero()) {
-      return FailedPrecondition("closure {} never matched: {}", id, closure.reason);
-    }
-    // Taken up again it is judged by the graph like a new one.
-    closure.state = suspended ? LoopClosureState::kSuspended : LoopClosureState::kAccepted;
-    account_.TouchLoopClosure(id);
-    Solve();
-    return absl::OkStatus();
-  }
-
-  SlamDelta TakeDelta() { return account_.Take(state_); }
+  SlamDelta TakeDelta() { return changes_.Take(state_); }
 
   std::string Checkpoint() const { return EncodeCheckpoint(state_); }
 
@@ -118,7 +105,7 @@ class Mapper::Impl {
       if (state_.is_existing_map(id)) continue;
       std::optional<SubmapContent> content;
       renderer_.Place(id, submap.T_map_submap, [&]() -> const SubmapGrid& {
-        content = DecodeSubmapContent(submap.content, options_.occupancy).value();  // our own bytes
+        content = DecodeSubmapContent(submap.content, options_.occupancy).value();  // written by this program
         return content->grid;
       });
     }
@@ -131,7 +118,7 @@ class Mapper::Impl {
  private:
   const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
 
-  Place Begin(const sensor::PairedScan& scan) {
+  LocatedScan Begin(const sensor::PairedScan& scan) {
     Submap first{0, 0, Pose2{}, EmptyContent()};
     if (state_.entry) {
       const PoseWithCovariance T_map_first = PoseAtScan(*state_.entry, scan.T_odom_robot, options_);
@@ -141,21 +128,17 @@ class Mapper::Impl {
     }
     state_.active = std::move(first);
     fields_.emplace(options_.resolution, options_.local);
-    return FirstPlace(scan, options_.motion);
+    return LocateFirstScan(scan, options_.motion);
   }
 
   void TieToExistingMap(const PoseWithCovariance& T_map_first) {
-    FinishedSubmap& old = state_.finished.at(0);
-    SubmapContent content = DecodeSubmapContent(old.content, options_.occupancy).value();  // our own bytes
+    FinishedSubmap& existing = state_.finished.at(0);
+    SubmapContent content =
+        DecodeSubmapContent(existing.content, options_.occupancy).value();  // written by this program
     const Eigen::Matrix3d information = T_map_first.covariance.inverse();
     content.next = NextSubmap{T_map_first.pose, 0.5 * (information + information.transpose())};
-    old = FinishedExistingMap(old.version + 1, content);
-    TouchExistingMap();
-  }
-
-  void TouchExistingMap() {
-    account_.TouchSubmap(0);
-    account_.AddContent(0);
+    existing = FinishExistingMap(existing.version + 1, content);
+    changes_.MarkContent(0);
   }
 
   void AddKeyframe(const sensor::PairedScan& scan, const grid::ScanRays& rays, const Eigen::Matrix3d& information) {
@@ -173,18 +156,18 @@ class Mapper::Impl {
     node.time = scan.scan.time;
     node.T_map_node = submap.T_map_submap * state_.track->T_submap_robot;
     node.submap = submap.id;
-    Put({node.id, false, std::exchange(state_.track->length_since_keyframe, 0.0), state_.track->T_submap_robot,
-         floored},
-        rays);
+    Insert({node.id, false, std::exchange(state_.track->length_since_keyframe, 0.0), state_.track->T_submap_robot,
+            floored},
+           rays);
     ++submap.version;
     state_.nodes[node.id] = node;
-    account_.TouchNode(node.id);
-    account_.TouchSubmap(submap.id);
+    changes_.MarkNode(node.id);
+    changes_.MarkSubmap(submap.id);
     if (options_.close_loops && options_.match_scans) CloseLoops(node, rays);
   }
 
-  // Into the active submap. A scan that its grid refuses (absurdly far from the rest) leaves only its pose there.
-  void Put(SubmapNode node, const grid::ScanRays& rays) {
+  // Adds a keyframe to the active submap. If the grid refuses the scan (absurdly far away), only the pose is added.
+  void Insert(SubmapNode node, const grid::ScanRays& rays) {
     SubmapContent& content = state_.active->content;
     const auto changed = content.grid.Insert(node.T_submap_node, rays);
     if (changed.ok()) fields_->Update(content.grid, *changed);
@@ -194,13 +177,13 @@ class Mapper::Impl {
 
   void CloseLoops(const SlamNode& node, const grid::ScanRays& rays) {
     for (LoopClosure& closure : TryLoopClosures(state_, node, rays, options_, cache_)) {
-      account_.TouchLoopClosure(closure.id);
+      changes_.MarkLoopClosure(closure.id);
       if (closure.state == LoopClosureState::kAccepted) {
         state_.unsolved_closures = true;
         Join(closure, state_);
         if (LoopClosureChi2(state_, closure) > options_.graph.urgent_chi2) state_.urgent_closures = true;
       }
-      state_.closures[closure.id] = std::move(closure);
+      state_.loop_closures[closure.id] = std::move(closure);
     }
     const auto nodes = static_cast<std::int64_t>(state_.nodes.size());
     if (state_.unsolved_closures && IsSolveDue(nodes, state_.nodes_at_solve, state_.urgent_closures, options_.graph)) {
@@ -209,7 +192,7 @@ class Mapper::Impl {
   }
 
   void Solve() {
-    account_.Touch(SolveSlamGraph(options_.graph, state_));
+    changes_.Mark(SolveSlamGraph(options_.graph, state_));
     JoinAll(state_);
     state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
     state_.unsolved_closures = false;
@@ -219,29 +202,30 @@ class Mapper::Impl {
 
   SubmapContent EmptyContent() const { return {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}; }
 
-  // The new submap's origin is the present pose.
+  // Finishes the active submap and begins one with its origin at the robot. Returns the finished one.
   Submap BeginSubmap(const Eigen::Matrix3d& information) {
-    const Pose2 T_old_new = std::exchange(state_.track->T_submap_robot, Pose2{});
-    Submap old = FinishActive(NextSubmap{T_old_new, information});
+    const Pose2 T_last_new = std::exchange(state_.track->T_submap_robot, Pose2{});
+    Submap last = FinishActive(NextSubmap{T_last_new, information});
     fields_.emplace(options_.resolution, options_.local);
-    state_.active = Submap{old.id + 1, 0, old.T_map_submap * T_old_new, EmptyContent()};
-    return old;
+    state_.active = Submap{last.id + 1, 0, last.T_map_submap * T_last_new, EmptyContent()};
+    return last;
   }
 
-  // Goes on from the last submap, whose last keyframes are copied over.
+  // Begins a submap with copies of the last keyframes of the one before.
   void BeginNextSubmap(const Eigen::Matrix3d& information) {
-    const Submap old = BeginSubmap(information);
-    const std::size_t count = old.content.nodes.size();
+    const Submap last = BeginSubmap(information);
+    const std::size_t count = last.content.nodes.size();
     const std::size_t carried = std::min(count, static_cast<std::size_t>(options_.submap.carried_keyframes));
     for (std::size_t i = count - carried; i < count; ++i) {
-      SubmapNode node = old.content.nodes[i];
+      SubmapNode node = last.content.nodes[i];
       node.carried = true;
-      node.T_submap_node = Between(old.content.next->T_submap_next, node.T_submap_node);
-      Put(std::move(node), old.content.scans[i]);
+      node.T_submap_node = Between(last.content.next->T_submap_next, node.T_submap_node);
+      Insert(std::move(node), last.content.scans[i]);
     }
   }
 
-  // Begins afresh where the robot is thought to be, held to the rest by next to nothing until it is recognised.
+  // Begins an empty submap at the estimated pose, tied to the last one so weakly that it is free until it is
+  // recognised.
   void BeginSubmapElsewhere() {
     BeginSubmap(InformationOf(kLostTranslation, kLostYaw));
     state_.track->quality = {};
@@ -251,19 +235,19 @@ class Mapper::Impl {
   }
 
   Submap FinishActive(const std::optional<NextSubmap>& next) {
-    Submap old = *std::exchange(state_.active, std::nullopt);
-    ++old.version;
-    old.content.next = next;
-    state_.finished[old.id] = Finished(old.T_map_submap, old.version, Encode(old.content), old.content.nodes, next);
-    account_.TouchSubmap(old.id);
-    account_.AddContent(old.id);
-    return old;
+    Submap last = *std::exchange(state_.active, std::nullopt);
+    ++last.version;
+    last.content.next = next;
+    state_.finished[last.id] =
+        FinishSubmap(last.T_map_submap, last.version, Encode(last.content), last.content.nodes, next);
+    changes_.MarkContent(last.id);
+    return last;
   }
 
   SlamOptions options_;
   MapperState state_;
-  RowAccount account_;
-  // What follows from the state and is only kept to spare work.
+  DeltaTracker changes_;
+  // Derived from the state, kept to save work.
   std::optional<LocalFields> fields_;
   SubmapCache cache_;
   mutable MapRenderer renderer_;
@@ -284,9 +268,6 @@ absl::StatusOr<Mapper> Mapper::Restore(const SlamOptions& options, const SlamMap
 
 ScanReport Mapper::AddScan(const sensor::PairedScan& scan) { return impl_->AddScan(scan); }
 void Mapper::Finish() { impl_->Finish(); }
-absl::Status Mapper::SetLoopClosureSuspended(std::int64_t id, bool suspended) {
-  return impl_->SetLoopClosureSuspended(id, suspended);
-}
 SlamDelta Mapper::TakeDelta() { return impl_->TakeDelta(); }
 std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
 Footprint Mapper::footprint() const { return impl_->footprint(); }

@@ -6,7 +6,7 @@
 namespace enfilade::slam {
 namespace {
 
-// A scan contradicts the map where it falls on known ground and yet does not fit.
+// A scan contradicts the map if enough of it falls on known ground and it does not fit.
 bool Contradicts(const LocalMatch& match, const LocalMatchOptions& options) {
   return !match.good && match.agreement.known_share() >= options.min_matched_share;
 }

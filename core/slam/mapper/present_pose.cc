@@ -3,8 +3,8 @@
 
 #include <Eigen/Dense>
 
-#include "core/slam/mapper/mapper_state.h"
 #include "core/slam/mapper/policies.h"
+#include "core/slam/state/mapper_state.h"
 
 namespace enfilade::slam {
 namespace {
@@ -29,14 +29,14 @@ struct PlacedSubmap {
   PoseWithCovariance T_map_submap;
 };
 
-// The submap of the last keyframe whose covariance the graph has given; before that, the first submap.
+// The submap of the last keyframe with a covariance from the graph; the first submap if there is none.
 PlacedSubmap LastSolvedSubmap(const MapperState& state) {
   const auto solved = state.nodes.find(state.nodes_at_solve - 1);
   if (solved == state.nodes.end() || solved->second.covariance.isZero()) return {};
   const SlamNode& node = solved->second;
   for (const SubmapNode& measured : NodesOf(state, node.submap)) {
     if (measured.carried || measured.node != node.id) continue;
-    // Seen backwards from the keyframe, whose own measurement is part of its covariance: not counted twice.
+    // Composed backwards from the keyframe without the measurement's own error: the keyframe's covariance includes it.
     const PoseWithCovariance T_node_submap{Inverse(measured.T_submap_node), Eigen::Matrix3d::Zero()};
     return {node.submap, Compose({node.T_map_node, node.covariance}, T_node_submap)};
   }
@@ -59,7 +59,7 @@ std::optional<PresentPose> FindPresentPose(const MapperState& state, const Quali
   const Pose2 T_last_robot = Between(last.T_submap_node, state.track->T_submap_robot);
   present.T_map_robot = Compose({PoseOf(state, now), submap.T_map_submap.covariance},
                                 Measured(state.track->T_submap_robot, last.information));
-  // As the trajectory has it: relative to the keyframe, which closures may have moved against its submap.
+  // As in the trajectory: relative to the keyframe, which loop closures may have moved in its submap.
   present.T_map_robot.pose = state.nodes.at(last.node).T_map_node * T_last_robot;
   present.lost = IsLost(state.track->quality, options) || state.adrift_since.has_value();
   return present;

@@ -11,16 +11,17 @@ namespace enfilade::slam {
 
 struct MapperState;
 
-// Where the robot was at a scan, by the present estimate.
+// Where the robot was at a scan, by the current estimate.
 struct PresentPose {
   TimeNs time = 0;  // of the scan
-  // With the covariance against the map: the first keyframe, or the old map that mapping goes on in.
+  // The covariance is relative to the first keyframe, or to the existing map if mapping continues one.
   PoseWithCovariance T_map_robot;
   bool lost = false;  // the last good match is too long ago
 };
 
-// At the last scan. The covariance is what the last solution of the graph says of a keyframe, and from there along the
-// submaps what was measured since; before the first solution, from the map's beginning on.
+// The pose at the last used scan; empty before the first. The covariance starts from that of the last keyframe in the
+// last solution of the graph (before the first solution: from zero at the first submap), and adds what was measured
+// from there along the submaps.
 std::optional<PresentPose> FindPresentPose(const MapperState& state, const QualityOptions& options);
 
 }  // namespace enfilade::slam

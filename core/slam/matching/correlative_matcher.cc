@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPriorWeight = 0.02;  // one sigma away costs as much as 2 % of the points
 
-// The points turned by one of the angles and moved to the window's centre, as cells.
+// The points as cells, with the robot at the window's centre and one of the searched yaws.
 struct TurnedScan {
   double yaw = 0.0;
   double prior_cost = 0.0;
@@ -59,7 +59,7 @@ class Search {
     return level;
   }
 
-  // Angles at which points at the far end of the scan move by about a cell.
+  // One scan per yaw. From yaw to yaw, points at the 90th percentile of range move by about one cell.
   void TurnScan(const std::vector<Eigen::Vector2d>& points) {
     std::vector<double> ranges;
     for (const Eigen::Vector2d& p : points) ranges.push_back(p.norm());
@@ -87,7 +87,7 @@ class Search {
     }
   }
 
-  // The least that the prior takes off in the candidate's block.
+  // The lowest prior cost in the candidate's block.
   double PriorCost(const Candidate& candidate) const {
     const int last = (1 << candidate.level) - 1;
     const double dx = std::max({candidate.dx, -(candidate.dx + last), 0}) * table_.resolution();
@@ -114,7 +114,7 @@ class Search {
     return std::hypot(x, y) < window_.excluded_distance && std::abs(WrapAngle(yaw)) < window_.excluded_angle;
   }
 
-  // Depth first, the most promising first. Ties go to the one made first, so that the result is always the same.
+  // Depth first, best bound first. Ties go to the candidate created first, so that the result is deterministic.
   void Descend(std::vector<Candidate>& candidates) {
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; });

@@ -10,15 +10,15 @@
 
 namespace enfilade::slam {
 
-// Where to look: all poses within the half-widths about `centre`, and how much a pose away from it must score more.
+// Which poses to search: all within the half-widths about `centre`. The sigmas are those of the prior (see SearchPose).
 struct SearchWindow {
   Pose2 centre;
   double half_width = 0.5;         // m, in x and in y
-  double half_angle = 0.35;        // rad; pi and more: all headings
+  double half_angle = 0.35;        // rad; pi or more: all headings
   double sigma_translation = 1e9;  // m
   double sigma_yaw = 1e9;          // rad
-  double min_score = 0.0;          // what scores less is not looked for
-  // Poses nearer than this to `excluded`, in both, are left out.
+  double min_score = 0.0;          // poses that score less are not found
+  // Poses nearer than this to `excluded`, in both distance and angle, are left out.
   std::optional<Pose2> excluded = std::nullopt;
   double excluded_distance = 0.0;  // m
   double excluded_angle = 0.0;     // rad
@@ -26,12 +26,13 @@ struct SearchWindow {
 
 struct SearchResult {
   Pose2 pose;
-  double score = 0.0;  // mean likelihood of the points, 0..1; 0 where nothing reaches the minimum
+  double score = 0.0;  // mean likelihood of the points, 0..1; 0 if no pose reaches the minimum
 };
 
-// The pose in the window with the largest  mean likelihood - kPriorWeight * (squared distance from the centre in
-// sigmas), to a cell and to the angle at which the farthest points move by a cell: exhaustive, by branch and bound
-// (Olson 2009 and 2015, Hess et al. 2016). `points` are in the robot's frame.
+// Correlative scan matching: the pose in the window with the largest
+//   mean likelihood - kPriorWeight * (squared distance from the centre, in sigmas),
+// to a resolution of one cell and of the angle at which the farthest points move by one cell. The result is that of the
+// exhaustive search, found by branch and bound (Olson 2009 and 2015, Hess et al. 2016). `points` in the robot's frame.
 SearchResult SearchPose(const SearchTable& table, const std::vector<Eigen::Vector2d>& points,
                         const SearchWindow& window);
 

@@ -13,7 +13,7 @@ constexpr int kReachInCells = 8;
 constexpr int kMinReachInCells = 6;
 constexpr int kPyramidLevels = 7;
 
-// The level at which poses are searched: not coarser than `cell`.
+// The level at which poses are searched: the coarsest with cells of at most `cell` (m).
 std::size_t SearchLevel(const std::vector<LikelihoodField>& levels, double cell) {
   std::size_t level = 0;
   while (level + 1 < levels.size() && levels[level].resolution() > cell * 1.001) ++level;

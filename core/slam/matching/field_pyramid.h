@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/slam/matching/likelihood_field.h"
@@ -13,8 +14,8 @@
 
 namespace enfilade::slam {
 
-// A finished submap as loop closing sees it: its likelihood field at resolutions from low to high, and the table for
-// searching poses over all of it.
+// What a finished submap is matched by: its likelihood field at several resolutions, and the table for searching poses
+// anywhere in it.
 struct FieldPyramid {
   std::vector<LikelihoodField> levels;  // from the coarsest to the submap's own resolution
   SearchTable table;
@@ -25,15 +26,25 @@ struct FieldPyramid {
   std::size_t bytes() const;
 };
 
-struct PyramidMatch {
-  MatchResult match;  // at the last level that was tried
-  bool inliers_suffice = false;
-  std::string reason;  // where they do not: which share failed which floor at which resolution
+// A finished submap, ready to be searched and matched.
+struct SearchableSubmap {
+  SubmapGrid grid;
+  FieldPyramid pyramid;
+
+  SearchableSubmap(SubmapGrid submap_grid, const PyramidOptions& options)
+      : grid(std::move(submap_grid)), pyramid(grid, options) {}
 };
 
-// Refines `guess` level by level, each level beginning where the one before ended, with a robust kernel as wide as the
-// level's cells. Stops where too few of the points are inliers: a floor at the coarsest level, where even a poor
-// guess must fit, rising to the full demand at the finest (seed 001).
+struct PyramidMatch {
+  MatchResult match;  // at the last level tried
+  bool inliers_suffice = false;
+  std::string reason;  // if they do not: which share is below which minimum at which resolution
+};
+
+// Refines `guess` level by level. Each level starts at the result of the one before, with a robust kernel as wide as
+// the level's cells. Stops at a level with too few inliers. The required share of inliers goes linearly from
+// `min_inliers_coarsest`, where a scan that belongs there fits even from a poor guess, to `min_inliers` at the finest
+// level.
 PyramidMatch MatchToPyramid(const FieldPyramid& pyramid, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
                             const PyramidOptions& options, const FieldMatchOptions& field);
 

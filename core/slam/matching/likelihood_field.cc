@@ -7,12 +7,12 @@
 namespace enfilade::slam {
 namespace {
 
-constexpr int kBorder = 3;  // cells: the interpolation reads two beyond a point's
-constexpr int kBlock = 64;  // cells by which the array grows
+constexpr int kBorder = 3;  // cells: the interpolation reads up to two cells beyond the point's
+constexpr int kBlock = 64;  // cells: the array grows in multiples of this
 
 int FloorToBlock(int v) { return static_cast<int>(std::floor(static_cast<double>(v) / kBlock)) * kBlock; }
 
-// Keys' cubic convolution with a = -1/2: the weights of the values at -1, 0, 1, 2 at `t` in [0, 1), and their
+// Cubic convolution (Keys 1981) with a = -1/2: the weights at `t` in [0, 1) of the samples at -1, 0, 1 and 2, and their
 // derivatives.
 void CubicWeights(double t, double* w, double* dw) {
   w[0] = t * (-0.5 + t * (1.0 - 0.5 * t));
@@ -41,9 +41,9 @@ void LikelihoodField::Add(const std::vector<Eigen::Vector2d>& points) {
   for (const Eigen::Vector2d& p : points) Stamp(p);
 }
 
-// A changed cell's stamp is cleared, and all that can reach into a cleared cell is stamped again.
+// Clears the surroundings of each changed cell, then stamps every point again that can reach into a cleared cell.
 CellWindow LikelihoodField::Update(const SubmapGrid& grid, const std::vector<grid::CellIndex>& changed) {
-  const int margin = reach_cells_ + 1;  // rounding may put a mean just beyond its cell
+  const int margin = reach_cells_ + 1;  // rounding may put a mean just outside its cell
   CellWindow bounds;
   for (const grid::CellIndex& cell : changed) bounds = Union(bounds, {cell, 1, 1});
   Cover(bounds);

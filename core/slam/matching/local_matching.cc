@@ -9,46 +9,47 @@
 namespace enfilade::slam {
 namespace {
 
-constexpr double kFieldReach = 0.5;  // m: farther points pull nowhere
+constexpr double kFieldReach = 0.5;  // m: farther points have no gradient
 constexpr int kLocalSearchLevels = 5;
 constexpr std::size_t kSearchPoints = 120;
 constexpr double kMinWideScore = 0.5;  // mean likelihood
 constexpr double kWider = 3.0;
 constexpr int kMaxWidenings = 2;
-// What a pose farther away than the motion may be must explain more of the scan, as a share of it, to be believed.
-constexpr double kWorthIt = 0.30;
-// Less of the scan than this contradicting a nearer one, it must be unmistakable.
+// A pose outside of the predicted window is believed only if it fits this share of the scan better than the best pose
+// within.
+constexpr double kMinGain = 0.30;
+// If less than this share of the scan contradicts the pose within, the pose outside must also be unmistakable.
 constexpr double kTenable = 0.05;
 constexpr double kUnmistakableShare = 0.9;
-constexpr double kUnmistakableHits = 60;  // a point_spacing apart at least
+constexpr double kUnmistakableHits = 60;  // at least point_spacing apart
 
 double Fit(const LocalMatch& match) { return match.agreement.matched_share - match.agreement.contradicted_share; }
 
-// Whether to believe a pose that is farther away than the robot should have come in place of the nearer one. Where
-// nothing speaks against that but that its surroundings have not been seen yet, much speaks for it.
+// Whether to prefer `match`, from a wider window than the prediction allows, to `nearer`. If nothing contradicts
+// `nearer` (the robot may be on ground not yet seen), the evidence for `match` must be overwhelming.
 bool IsBetter(const LocalMatch& match, const LocalMatch& nearer, const LocalMatchOptions& options) {
-  return IsSure(match, options) && Fit(match) > Fit(nearer) + kWorthIt &&
+  return IsSure(match, options) && Fit(match) > Fit(nearer) + kMinGain &&
          (nearer.agreement.contradicted_share >= kTenable || IsUnmistakable(match));
 }
 
-LocalMatch MatchFrom(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
-                     const Pose2& guess, const PosePrior& prior, const LocalMatchOptions& options) {
+LocalMatch MatchFrom(const LocalMap& map, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
+                     const PosePrior& prior, const LocalMatchOptions& options) {
   LocalMatch result;
-  result.match = MatchToField(fields.field, points, guess, prior, options.field);
+  result.match = MatchToField(map.fields.field, points, guess, prior, options.field);
   result.agreement =
-      MeasureAgreement(grid, fields.field, points, result.match.T_submap_robot, options.field.matched_distance);
+      MeasureAgreement(map.grid, map.fields.field, points, result.match.T_submap_robot, options.field.matched_distance);
   result.good = result.agreement.matched_share >= options.min_matched_share &&
                 result.agreement.agreement() >= options.min_agreement;
   return result;
 }
 
-LocalMatch MatchWithin(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& points,
-                       const SearchWindow& window, const PosePrior& prior, const LocalMatchOptions& options) {
-  const SearchResult found = SearchPose(fields.table, Subsampled(points, kSearchPoints), window);
-  if (found.score > 0.0) return MatchFrom(grid, fields, points, found.pose, prior, options);
+LocalMatch MatchWithin(const LocalMap& map, const std::vector<Eigen::Vector2d>& points, const SearchWindow& window,
+                       const PosePrior& prior, const LocalMatchOptions& options) {
+  const SearchResult found = SearchPose(map.fields.table, Subsampled(points, kSearchPoints), window);
+  if (found.score > 0.0) return MatchFrom(map, points, found.pose, prior, options);
   LocalMatch result;
   result.match.T_submap_robot = found.pose;
-  result.agreement = MeasureAgreement(grid, fields.field, points, found.pose, options.field.matched_distance);
+  result.agreement = MeasureAgreement(map.grid, map.fields.field, points, found.pose, options.field.matched_distance);
   return result;
 }
 
@@ -96,8 +97,8 @@ Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
   return agreement;
 }
 
-LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& hits,
-                        const Pose2& T_submap_last, const PredictedMotion& motion, const LocalMatchOptions& options) {
+LocalMatch MatchLocally(const LocalMap& map, const std::vector<Eigen::Vector2d>& hits, const Pose2& T_submap_last,
+                        const PredictedMotion& motion, const LocalMatchOptions& options) {
   const std::vector<Eigen::Vector2d> points = Thinned(hits, options.point_spacing);
   const Pose2 predicted = T_submap_last * motion.T_last_now;
   LocalMatch best;
@@ -111,16 +112,16 @@ LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const
     window.sigma_yaw = wider * motion.sigma_yaw;
     window.half_width = std::min(options.window_sigmas * window.sigma_translation, options.max_half_width);
     window.half_angle = std::min(options.window_sigmas * window.sigma_yaw, M_PI);
-    // Far and wide only what would be believed is worth the search; it is this that bounds its cost.
+    // In wide windows only a pose that would be believed is worth finding. This minimum bounds the cost of the search.
     if (widening > 0) window.min_score = kMinWideScore;
     const PosePrior prior{predicted, InformationOf(window.sigma_translation, window.sigma_yaw)};
-    const LocalMatch match = MatchWithin(grid, fields, points, window, prior, options);
+    const LocalMatch match = MatchWithin(map, points, window, prior, options);
     if (widening == 0) {
       best = match;
       if (motion.by_odometry) continue;
-      // The search counts what has not been seen yet against a pose, and so for standing still; the agreement does
-      // not. Going on as before is believed where it fits the known ground as well.
-      const LocalMatch ahead = MatchFrom(grid, fields, points, predicted, prior, options);
+      // The search scores points on ground not yet seen as misses and so favours standing still. The agreement ignores
+      // them: constant velocity is preferred if it fits the known ground as well.
+      const LocalMatch ahead = MatchFrom(map, points, predicted, prior, options);
       if (IsSure(ahead, options) && ahead.agreement.agreement() >= best.agreement.agreement()) best = ahead;
     } else if (IsBetter(match, best, options)) {
       best = match;

@@ -4,16 +4,16 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/slam/mapper/motion_model.h"
 #include "core/slam/matching/correlative_matcher.h"
 #include "core/slam/matching/likelihood_field.h"
+#include "core/slam/matching/motion_model.h"
 #include "core/slam/matching/scan_matcher.h"
 #include "core/slam/matching/search_table.h"
 #include "core/slam/submaps/submap_grid.h"
 
 namespace enfilade::slam {
 
-// What the active submap is matched by, kept up to date with its grid.
+// What the active submap is matched by. Kept up to date with its grid.
 struct LocalFields {
   LikelihoodField field;
   SearchTable table;
@@ -25,14 +25,20 @@ struct LocalFields {
 
   // `changed`: what SubmapGrid::Insert returned.
   void Update(const SubmapGrid& grid, const std::vector<grid::CellIndex>& changed);
-  // From nothing: the same as all updates together.
+  // From scratch, into new fields: the same result as all updates together.
   void Rebuild(const SubmapGrid& grid);
 };
 
-// How a scan at a pose fits a grid.
+// The active submap: its grid and the fields made of it.
+struct LocalMap {
+  const SubmapGrid& grid;
+  const LocalFields& fields;
+};
+
+// How well a scan at a pose fits a grid.
 struct Agreement {
-  double matched_share = 0.0;       // of all hits: a wall within the matched distance
-  double contradicted_share = 0.0;  // of all hits: in space known to be free, no wall near
+  double matched_share = 0.0;       // share of hits with a wall within the matched distance
+  double contradicted_share = 0.0;  // share of hits in known free space without a wall near
   int hits = 0;
 
   double known_share() const { return matched_share + contradicted_share; }
@@ -48,15 +54,15 @@ struct LocalMatch {
   bool good = false;
 };
 
-// Whether nothing better need be looked for.
+// Whether the match is so good that no wider search is needed.
 bool IsSure(const LocalMatch& match, const LocalMatchOptions& options);
-// Whether nearly all of a scan that shows much fits: no other place looks like that by chance.
+// Whether nearly all of a scan with many hits fits: that does not happen by chance elsewhere.
 bool IsUnmistakable(const LocalMatch& match);
 
-// The scan's pose in the active submap: a correlative search about the prediction, wider where a narrow one finds
-// nothing good, refined by Gauss-Newton with the prediction as a prior. Where nothing good is found the pose is the
-// prediction.
-LocalMatch MatchLocally(const SubmapGrid& grid, const LocalFields& fields, const std::vector<Eigen::Vector2d>& hits,
-                        const Pose2& T_submap_last, const PredictedMotion& motion, const LocalMatchOptions& options);
+// The scan's pose in the active submap: a correlative search about the predicted pose, in wider windows if a narrow one
+// finds no sure match, refined by MatchToField with the prediction as prior. If there is no good match the pose is the
+// prediction and its information zero.
+LocalMatch MatchLocally(const LocalMap& map, const std::vector<Eigen::Vector2d>& hits, const Pose2& T_submap_last,
+                        const PredictedMotion& motion, const LocalMatchOptions& options);
 
 }  // namespace enfilade::slam

@@ -2,6 +2,7 @@
 #include "core/slam/matching/scan_matcher.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 namespace enfilade::slam {
@@ -9,15 +10,15 @@ namespace {
 
 constexpr double kSmallStep = 5e-4;  // m
 constexpr double kSmallTurn = 2e-4;  // rad
-constexpr double kOnTheWall = 1e-5;  // m: nearer than this a point pulls nowhere
+constexpr double kOnTheWall = 1e-5;  // m: nearer points have no gradient
 
 double BeamWeight(std::size_t points, const FieldMatchOptions& options) {
   return std::min(1.0, options.effective_beams / static_cast<double>(points));
 }
 
-// Half the second derivatives of the squared distance, by differences as far as doors' frames and niches are deep: n n'
-// at a wall with normal n, the identity at a corner or a post. Nearer by, noise of a centimetre in where the walls were
-// hit would count as structure along them.
+// Half the second derivatives of the squared distance: n n' at a wall with normal n, the identity at a corner or a
+// post. Finite differences over 0.2 m, the depth of door frames and niches. Over shorter distances, a centimetre of
+// noise in the hits would look like structure along the wall.
 Eigen::Matrix2d WallStructure(const LikelihoodField& field, const Eigen::Vector2d& p) {
   constexpr double h = 0.2;  // m
   const auto f = [&](double x, double y) { return field.At({p.x() + h * x, p.y() + h * y}).squared_distance; };
@@ -34,7 +35,7 @@ Eigen::Matrix3d PositivePart(const Eigen::Matrix3d& M) {
   return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() * solver.eigenvectors().transpose();
 }
 
-// What the scan says about its pose there.
+// The information about the pose that the scan itself holds.
 Eigen::Matrix3d ScanInformation(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points,
                                 const Pose2& pose, const FieldMatchOptions& options) {
   const double width2 = options.kernel_width * options.kernel_width;
@@ -66,7 +67,7 @@ MatchCost EvaluateMatch(const LikelihoodField& field, const std::vector<Eigen::V
     const LikelihoodField::Sample sample = field.At(turned + pose.translation());
     const double r2 = sample.squared_distance * inverse_sigma2;
     cost.value += beam_weight * width2 * std::log1p(r2 / width2);
-    // Half the slope of d^2 is d times the direction away from the wall; along it d^2 curves as a parabola does.
+    // Half the gradient of d^2 is d times the unit vector away from the wall, in which d^2 is a parabola.
     const Eigen::Vector2d away = 0.5 * sample.gradient;
     const double distance = away.norm();
     if (distance < kOnTheWall) continue;
@@ -108,17 +109,11 @@ MatchResult MatchToField(const LikelihoodField& field, const std::vector<Eigen::
     }
   }
   result.information = ScanInformation(field, points, result.T_submap_robot, options);
-  int matched = 0;
-  double sum = 0.0;
   const double limit = options.matched_distance * options.matched_distance;
-  for (const Eigen::Vector2d& p : points) {
-    const double d2 = field.At(result.T_submap_robot * p).squared_distance;
-    if (d2 > limit) continue;
-    ++matched;
-    sum += d2;
-  }
+  const auto matched = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector2d& p) {
+    return field.At(result.T_submap_robot * p).squared_distance <= limit;
+  });
   result.matched_share = static_cast<double>(matched) / static_cast<double>(points.size());
-  result.rms = matched > 0 ? std::sqrt(sum / matched) : 0.0;
   return result;
 }
 

@@ -11,29 +11,30 @@
 
 namespace enfilade::slam {
 
-// What is known of a pose before a scan is matched.
+// A Gaussian prior on the pose.
 struct PosePrior {
   Pose2 pose;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of (x, y, yaw) of `pose`
 };
 
-// One scan matched to one field, and whether to trust it.
+// The result of matching one scan to one field.
 struct MatchResult {
   Pose2 T_submap_robot;
-  // Of (x, y, yaw) of T_submap_robot, by the scan alone, without the prior: nearly singular in a corridor.
+  // Of (x, y, yaw) of T_submap_robot, from the scan alone, without the prior: nearly singular in a corridor.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  double matched_share = 0.0;  // of the points within the options' matched distance, 0..1
-  double rms = 0.0;            // m, of the matched points' distances
+  double matched_share = 0.0;  // share of the points within the options' matched distance, 0..1
   int iterations = 0;
   bool converged = false;
 };
 
-// The cost of a pose: sum_i w rho(r_i^2) + (pose - prior)' prior.information (pose - prior), with
-// r_i = d_i / sigma the field's distance at point i, rho Cauchy's kernel.
+// The cost of a pose:
+//   sum_i w rho(r_i^2) + (pose - prior)' prior.information (pose - prior),   r_i = d_i / sigma,
+// with d_i the field's distance at point i, rho(s) = k^2 log(1 + s / k^2) Cauchy's kernel of width k and
+// w = min(1, effective_beams / number of points).
 struct MatchCost {
   double value = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  // half the derivative of `value`
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();   // Gauss-Newton's, of half of `value`
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();   // of half of `value`, Gauss-Newton approximation
 };
 
 MatchCost EvaluateMatch(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points, const Pose2& pose,

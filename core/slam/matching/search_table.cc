@@ -7,7 +7,7 @@
 namespace enfilade::slam {
 namespace {
 
-// All cells of level `level` that the cells [window] of level 0 fall into.
+// The cells of `level` that cover `window` of level 0.
 CellWindow AtLevel(const CellWindow& window, int level) {
   return WindowBetween(window.min.column >> level, window.min.row >> level, ((window.right() - 1) >> level) + 1,
                        ((window.top() - 1) >> level) + 1);
@@ -34,7 +34,7 @@ void SearchTable::Update(const LikelihoodField& field, const CellWindow& changed
   for (int level = 1; level < levels(); ++level) UpdateBounds(level, changed);
 }
 
-// One cell more to the left and below at the higher levels: their entries look to the right and up.
+// Higher levels have one more cell on each side: their entries also cover the next block to the right and above.
 void SearchTable::Cover(const CellWindow& field_window) {
   for (int k = 0; k < levels(); ++k) {
     CellWindow window = AtLevel(field_window, k);
@@ -56,7 +56,7 @@ void SearchTable::Cover(const CellWindow& field_window) {
 
 void SearchTable::UpdateLikelihoods(const LikelihoodField& field, const CellWindow& changed) {
   constexpr int kSteps = 1024;
-  const double max_d2 = 16.0 * sigma_ * sigma_;  // beyond 4 sigma: nothing
+  const double max_d2 = 16.0 * sigma_ * sigma_;  // beyond 4 sigma the likelihood is 0
   std::vector<std::uint8_t> likelihood(kSteps + 1, 0);
   for (int i = 0; i < kSteps; ++i) {
     likelihood[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(

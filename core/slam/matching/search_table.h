@@ -9,15 +9,16 @@
 
 namespace enfilade::slam {
 
-// A likelihood field as bytes, and bounds on it for branch and bound: level k's entry (i, j) is the largest likelihood
-// in the cells [i 2^k, (i + 2) 2^k) x [j 2^k, (j + 2) 2^k), so that one look bounds the likelihood of a point under
-// all offsets of a block of 2^k x 2^k cells (Olson 2015, "M3RSM"; Hess et al. 2016). Level 0 is the likelihood itself.
+// A likelihood field as bytes, and upper bounds on it for branch and bound (Olson 2015, "M3RSM"; Hess et al. 2016).
+// Level 0 is the likelihood itself. Entry (i, j) of level k > 0 is the largest likelihood in the cells
+// [i 2^k, (i + 2) 2^k) x [j 2^k, (j + 2) 2^k): one entry bounds the likelihood of a point under all offsets of a block
+// of 2^k x 2^k cells.
 class SearchTable {
  public:
   // `sigma` (m): the likelihood is exp(-d^2 / (2 sigma^2)).
   SearchTable(double sigma, int levels);
 
-  // Makes the table that of `field` again after `changed` of it changed.
+  // Brings the table up to date with `field` after the window `changed` of it has changed.
   void Update(const LikelihoodField& field, const CellWindow& changed);
 
   int levels() const { return static_cast<int>(levels_.size()); }
@@ -26,7 +27,7 @@ class SearchTable {
   // Bytes of memory held.
   std::size_t bytes() const;
 
-  // One level, to be looked into many times; valid until the next update.
+  // One level, for fast access; valid until the next Update.
   struct View {
     const std::uint8_t* cells;
     grid::CellIndex min;
@@ -35,7 +36,7 @@ class SearchTable {
 
     // 0..255; 0 outside.
     int At(int column, int row) const {
-      const auto c = static_cast<unsigned>(column - min.column);  // what lies before becomes huge
+      const auto c = static_cast<unsigned>(column - min.column);  // negative becomes huge
       const auto r = static_cast<unsigned>(row - min.row);
       return c < width && r < height ? cells[static_cast<std::size_t>(r) * width + c] : 0;
     }
@@ -60,7 +61,7 @@ class SearchTable {
 
   double sigma_;
   double resolution_ = 0.05;
-  std::vector<Level> blocks_;  // level k: the largest likelihood in the block of 2^k x 2^k cells
+  std::vector<Level> blocks_;  // level k: the largest likelihood in each block of 2^k x 2^k cells
   std::vector<Level> levels_;
 };
 

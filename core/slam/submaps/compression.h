@@ -8,10 +8,10 @@
 
 namespace enfilade::slam {
 
-// zstd, level 3: the same bytes in give the same bytes out.
+// zstd, level 3. Deterministic.
 std::string Compress(std::string_view bytes);
 
-// DATA_LOSS where `compressed` is not what Compress made or says that it holds more than `max_size` bytes.
+// DATA_LOSS if `compressed` is not the result of Compress or claims to hold more than `max_size` bytes.
 absl::StatusOr<std::string> Decompress(std::string_view compressed, std::size_t max_size);
 
 }  // namespace enfilade::slam

@@ -29,7 +29,7 @@ std::vector<Eigen::Vector2d> GetPoints(BinaryReader& reader) {
   return points;
 }
 
-// Rays are rounded to single precision where they are made: see RobotRays.
+// Exact: rays have single precision (RobotRays).
 void PutRays(BinaryWriter& writer, const grid::ScanRays& rays) {
   PutPoints(writer, {rays.origin});
   PutPoints(writer, rays.hits);
@@ -113,7 +113,7 @@ void Serialize(const SubmapContent& content, BinaryWriter& writer) {
 
 absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, const OccupancyOptions& options) {
   if (reader.Get<std::uint8_t>() != kSubmapVersion)
-    return DataLoss("a submap's content is of a version unknown to this program");
+    return DataLoss("a submap's content has a version that this program does not know");
   std::vector<SubmapNode> nodes;
   std::vector<grid::ScanRays> scans;
   GetAll(reader, nodes, GetNode);

@@ -16,18 +16,18 @@
 
 namespace enfilade::slam {
 
-// A keyframe's place in a submap: what was measured when it was put in, and never changes.
+// A keyframe's pose in a submap, as measured when it was added. Never changes.
 struct SubmapNode {
   std::int64_t node = 0;
-  bool carried = false;  // copied over from the submap before
-  double length = 0.0;   // m driven since the keyframe before; more where the way is unsure
+  bool carried = false;  // copied from the previous submap
+  double length = 0.0;   // m driven since the previous keyframe; more if the robot was lost in between
   Pose2 T_submap_node;
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // of (x, y, yaw) of T_submap_node
 
   friend bool operator==(const SubmapNode&, const SubmapNode&) = default;
 };
 
-// The next submap's place, measured when it began.
+// The next submap's pose, as measured when it began.
 struct NextSubmap {
   Pose2 T_submap_next;
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // of (x, y, yaw) of T_submap_next
@@ -35,8 +35,8 @@ struct NextSubmap {
   friend bool operator==(const NextSubmap&, const NextSubmap&) = default;
 };
 
-// What a submap holds, in its own frame. `scans[i]` belongs to `nodes[i]`; a finished submap has none, since its grid
-// says what they said and the session's log holds them.
+// What a submap holds, in its own frame. `scans[i]` belongs to `nodes[i]`. A finished submap has no scans: they are in
+// its grid and in the session's log.
 struct SubmapContent {
   std::vector<SubmapNode> nodes;
   std::optional<NextSubmap> next;
@@ -59,7 +59,8 @@ struct Submap {
 void Serialize(const SubmapContent& content, BinaryWriter& writer);
 absl::StatusOr<SubmapContent> DeserializeSubmapContent(BinaryReader& reader, const OccupancyOptions& options);
 
-// For rows: of a finished submap, compressed, without scans and with the walls' means rounded (SubmapGrid::RoundMeans).
+// For rows: a finished submap, compressed, without scans and with rounded hit means (SubmapGrid::RoundMeans).
+// DATA_LOSS if the bytes are damaged.
 std::string Encode(const SubmapContent& content);
 absl::StatusOr<SubmapContent> DecodeSubmapContent(std::string_view bytes, const OccupancyOptions& options);
 

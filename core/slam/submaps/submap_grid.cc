@@ -7,17 +7,17 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/robot_rays.h"
 
 namespace enfilade::slam {
 namespace {
 
-constexpr int kSimplifiedClamp = 10;        // steps, the value of the public implementations of seed 001
+constexpr int kSimplifiedClamp = 10;        // steps
 constexpr double kSimplifiedStep = 0.35;    // log-odds: the clamp of 10 steps is a probability of 0.97
-constexpr std::int32_t kMaxCount = 1'000;   // a mean goes on following what it sees
+constexpr std::int32_t kMaxCount = 1'000;   // so that a mean keeps following new hits
 constexpr double kMeanStep = 1.0 / 4096.0;  // m: a power of two, so that rounded means have few digits
 constexpr double kMinProbability = 1e-6;    // so that log-odds are finite
-constexpr std::size_t kTreeNodeBytes = 48;  // of an ordered container, beside the element
+constexpr std::size_t kTreeNodeBytes = 48;  // overhead of a std::map per element
 
 double Probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
@@ -68,12 +68,12 @@ SubmapGrid SubmapGrid::FromOccupancy(const grid::OccupancyGrid& grid, const Occu
   }
   SubmapGrid result(grid::LogOddsGrid::FromWindow(r, LogOddsOptionsOf(options),
                                                   {min, geometry.width, geometry.height, std::move(cells)})
-                        .value());  // as many as the geometry says
+                        .value());  // the geometry gives the number of cells
   const grid::LogOddsGrid& log_odds = result.log_odds_;
   for (int row = 0; row < geometry.height; ++row) {
     for (int column = 0; column < geometry.width; ++column) {
       const grid::CellIndex cell{min.column + column, min.row + row};
-      if (log_odds.ValueAt(cell) <= 0) continue;  // kUnknown, too
+      if (log_odds.ValueAt(cell) <= 0) continue;  // kUnknown included
       const Eigen::Vector2d centre((cell.column + 0.5) * r, (cell.row + 0.5) * r);
       result.hits_.emplace_hint(result.hits_.end(), Key{cell.row, cell.column}, HitMean{centre, 1});
     }
@@ -128,7 +128,7 @@ std::size_t SubmapGrid::bytes() const {
          hits_.size() * (sizeof(std::pair<const Key, HitMean>) + kTreeNodeBytes);
 }
 
-// Value by value over all cells, which compresses far better than cell by cell.
+// All values of one kind together: this compresses far better than cell by cell.
 void SubmapGrid::Serialize(BinaryWriter& writer) const {
   log_odds_.Write(writer);
   writer.Put<std::uint64_t>(hits_.size());

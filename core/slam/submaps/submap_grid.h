@@ -15,8 +15,8 @@
 namespace enfilade::slam {
 
 // The occupancy map of one submap, in the submap's frame: log-odds, and for every cell in which beams ended the mean of
-// their ends (kept by GMapping too: Grisetti, Stachniss, Burgard 2007), which places walls far finer than the
-// cells' size.
+// their ends (as in GMapping: Grisetti, Stachniss, Burgard 2007), which locates walls much more finely than the cell
+// size.
 class SubmapGrid {
  public:
   struct HitMean {
@@ -29,25 +29,25 @@ class SubmapGrid {
 
   SubmapGrid(double resolution, const OccupancyOptions& options);
 
-  // Of a map that is there already, its cells on the lattice of their resolution (ResampleToLattice); the mean of an
-  // occupied cell's hits is its centre, of the count 1.
+  // From an existing map with its cells on the lattice of their resolution (ResampleToLattice). The hit mean of an
+  // occupied cell is its centre, with count 1.
   static SubmapGrid FromOccupancy(const grid::OccupancyGrid& grid, const OccupancyOptions& options);
 
   // Adds a scan taken at `T_submap_robot`, rays in the robot's frame. Returns the cells whose occupied state or mean
-  // changed, in order. Errors as LogOddsGrid::Insert's; then nothing has changed.
+  // changed, in order. Same errors as LogOddsGrid::Insert; the grid is then unchanged.
   absl::StatusOr<std::vector<grid::CellIndex>> Insert(const Pose2& T_submap_robot, const grid::ScanRays& rays);
 
   const grid::LogOddsGrid& log_odds() const { return log_odds_; }
   double resolution() const { return log_odds_.resolution(); }
-  // By row and column; a cell here is occupied only while its log-odds are positive.
+  // By row and column. A cell with hits is occupied only while its log-odds are positive.
   const std::map<Key, HitMean>& hits() const { return hits_; }
   bool IsOccupied(grid::CellIndex cell) const { return log_odds_.ValueAt(cell) > 0; }
-  // The means of the occupied cells' hits, m, in order of rows.
+  // The hit means of the occupied cells, m, row by row.
   std::vector<Eigen::Vector2d> OccupiedPoints() const;
 
-  // Shrinks it to what is known.
+  // Shrinks the grid to the known cells.
   void Crop() { log_odds_.Crop(); }
-  // To a fifth of a millimetre, hundreds of times finer than walls are known: the rest would not compress.
+  // Rounds the hit means to a quarter of a millimetre, far below the accuracy of walls: more digits would not compress.
   void RoundMeans();
 
   // Bytes of memory held.
@@ -67,8 +67,8 @@ class SubmapGrid {
   std::map<Key, HitMean> hits_;
 };
 
-// The sensor model as LogOddsGrid takes it. The simplified form (+1 for a hit, -1 for a crossing beam, clamped at 10:
-// seed 001) is the log-odds form with equal and opposite steps.
+// The sensor model for LogOddsGrid. The simplified form (+1 for a hit, -1 for a crossing beam, clamped at 10) is the
+// log-odds form with equal and opposite steps.
 grid::LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options);
 
 }  // namespace enfilade::slam

@@ -158,7 +158,7 @@ void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& s
                                             submap.finished, Bytes{submap.content}));
   }
   if (!delta.nodes.empty()) QueueNodes(transaction, site, session, delta.nodes);
-  for (const slam::LoopClosure& closure : delta.closures) {
+  for (const slam::LoopClosure& closure : delta.loop_closures) {
     const Pose2& pose = closure.T_submap_node;
     std::vector<double> information;
     AppendMatrix(closure.information, information);
@@ -187,7 +187,7 @@ absl::StatusOr<slam::SlamMap> ReadSlamMap(const Result& submaps, const Result& n
   slam::SlamDelta all;
   ENFILADE_ASSIGN_OR_RETURN(all.submaps, ReadRows(submaps, ReadSubmap));
   ENFILADE_ASSIGN_OR_RETURN(all.nodes, ReadRows(nodes, ReadNode));
-  ENFILADE_ASSIGN_OR_RETURN(all.closures, ReadRows(closures, ReadLoopClosure));
+  ENFILADE_ASSIGN_OR_RETURN(all.loop_closures, ReadRows(closures, ReadLoopClosure));
   ENFILADE_ASSIGN_OR_RETURN(all.trajectory, ReadRows(trajectory, ReadTrajectoryPoint));
   slam::SlamMap map;
   map.Apply(std::move(all));

@@ -55,7 +55,7 @@ TEST_F(MaintenanceTest, PurgesDeletedSessionsInPortionsAndKeepsTheirIds) {
     delta.trajectory[static_cast<std::size_t>(i)].sequence = i + 1;
     delta.trajectory[static_cast<std::size_t>(i)].node = i;
   }
-  delta.closures.resize(1);
+  delta.loop_closures.resize(1);
   storage::MappingStep step = StepOf(delta, "c", 50);
   ASSERT_OK(mapping_.Commit(Soon(), leased->lease, step));
 

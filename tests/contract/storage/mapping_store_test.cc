@@ -33,7 +33,7 @@ slam::SlamDelta FirstDelta() {
   slam::SlamDelta delta;
   delta.submaps = {{0, 1, {0.0, -0.0, 0.5}, false, ""}};
   delta.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.5)};
-  delta.closures = {
+  delta.loop_closures = {
       {0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::LoopClosureState::kRejected, 0.25, 7.5, "too few \"inliers\""}};
   delta.trajectory = {{1, kNsPerSecond, 0, {0, 0, 0}},
                       {5, kNsPerSecond * 3 / 2, 0, {0.75, 0, 0}},
@@ -82,7 +82,7 @@ class MappingStoreTest : public StoreTest {
 void ExpectEqual(const slam::SlamMap& map, const slam::SlamMap& expected) {
   EXPECT_EQ(map.nodes, expected.nodes);
   EXPECT_EQ(map.submaps, expected.submaps);
-  EXPECT_EQ(map.closures, expected.closures);
+  EXPECT_EQ(map.loop_closures, expected.loop_closures);
   EXPECT_EQ(map.trajectory, expected.trajectory);
 }
 
@@ -207,7 +207,7 @@ TEST_F(MappingStoreTest, GivesBackTheSumOfAllSteps) {
   slam::SlamDelta solved;  // poses move, the finished submap's content stays
   solved.submaps = {{0, 2, {0.6, 0, 0}, true, ""}};
   solved.nodes = {NodeOf(0, 0.0), NodeOf(1, 1.25), NodeOf(2, 2.75)};
-  solved.closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::LoopClosureState::kAccepted, 0.5, 1.5, ""}};
+  solved.loop_closures = {{0, 0, 1, {0.1, 0.2, 0.3}, MatrixOf(2), slam::LoopClosureState::kAccepted, 0.5, 1.5, ""}};
   commit(solved, 21);
   EXPECT_THAT(expected.submaps.at(0).content, SizeIs(100'000));
   ASSERT_OK_AND_ASSIGN(const storage::Session stored, sessions_.Get(Soon(), site_, session));

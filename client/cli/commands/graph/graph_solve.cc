@@ -14,7 +14,9 @@
 #include "client/cli/output.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/optimize/graph_text.h"
+#include "core/optimize/ceres/ceres_minimize.h"
+#include "core/optimize/io/graph_text.h"
+#include "core/optimize/minimize.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "io/file.h"
 
@@ -31,8 +33,8 @@ const std::map<std::string, optimize::Initialisation> kInitialisations = {
     {"auto", optimize::Initialisation::kAuto},
     {"none", optimize::Initialisation::kNone},
     {"chordal", optimize::Initialisation::kChordal}};
-const std::map<std::string, optimize::Backend> kBackends = {{"blocks", optimize::Backend::kBlocks},
-                                                            {"ceres", optimize::Backend::kCeres}};
+const std::map<std::string, optimize::Minimizer> kBackends = {{"blocks", &optimize::Minimize},
+                                                              {"ceres", &optimize::MinimizeWithCeres}};
 
 struct GraphSolveCommandOptions {
   std::string input;
@@ -121,7 +123,7 @@ absl::Status RunGraphSolve(const Globals& globals, const GraphSolveCommandOption
   solve.fixed = solved.parsed.fixed;
   solve.kernel.type = kKernels.at(options.kernel);
   solve.initialisation = kInitialisations.at(options.initialisation);
-  solve.backend = kBackends.at(options.backend);
+  solve.minimizer = kBackends.at(options.backend);
   for (optimize::PoseGraphEdge& edge : solved.parsed.graph.edges) {
     if (options.trust_odometry && std::abs(edge.to - edge.from) == 1) edge.robust = false;
   }

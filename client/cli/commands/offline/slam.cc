@@ -106,8 +106,9 @@ absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions&
 
 void PrintReport(const Globals& globals, const SlamRun& run) {
   std::int64_t accepted = 0;
-  for (const auto& [id, closure] : run.map.closures) accepted += closure.state == slam::LoopClosureState::kAccepted;
-  const auto rejected = static_cast<std::int64_t>(run.map.closures.size()) - accepted;
+  for (const auto& [id, closure] : run.map.loop_closures)
+    accepted += closure.state == slam::LoopClosureState::kAccepted;
+  const auto rejected = static_cast<std::int64_t>(run.map.loop_closures.size()) - accepted;
   const double rate = run.seconds > 0.0 ? static_cast<double>(run.scans) / run.seconds : 0.0;
   if (globals.json) {
     PrintJson(std::cout, {{"scans", run.scans},

@@ -37,7 +37,7 @@ const char* NameOf(slam::LoopClosureState state) {
 
 std::string LoopClosuresJson(const slam::SlamMap& map) {
   nlohmann::json closures = nlohmann::json::array();
-  for (const auto& [id, closure] : map.closures) {
+  for (const auto& [id, closure] : map.loop_closures) {
     const Pose2& T = closure.T_submap_node;
     closures.push_back({{"id", id},
                         {"submap", closure.submap},

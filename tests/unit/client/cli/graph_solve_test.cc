@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/optimize/graph_text.h"
+#include "core/optimize/io/graph_text.h"
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/optimize/graph_text.h"
+#include "core/optimize/io/graph_text.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"

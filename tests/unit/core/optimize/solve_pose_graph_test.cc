@@ -171,7 +171,7 @@ TEST_F(SolvePoseGraphRejects, AnEdgeToItself) {
 }
 TEST_F(SolvePoseGraphRejects, TwoNodesOfOneId) {
   graph_.nodes.push_back({2, {}});
-  Expect("node 2 occurs twice");
+  Expect("node 2 appears twice");
 }
 TEST_F(SolvePoseGraphRejects, APoseThatIsNotFinite) {
   graph_.nodes[0].T_world_node.x = std::numeric_limits<double>::quiet_NaN();

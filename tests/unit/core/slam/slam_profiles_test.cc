@@ -2,6 +2,7 @@
 #include "core/slam/slam_profiles.h"
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "tests/support/status_assertions.h"
 
@@ -26,13 +27,18 @@ TEST(SlamProfiles, OutdoorSeesFartherThanIndoor) {
   EXPECT_OK(outdoor->Validate());
 }
 
-TEST(SlamProfiles, OneOfTheSameNameTakesItsPlace) {
+TEST(SlamProfiles, SetReplacesTheProfileOfThatName) {
   SlamProfiles profiles;
   SlamOptions yard;
   yard.max_range = 80.0;
   profiles.Set("yard", yard);
   profiles.Set("outdoor", yard);
   EXPECT_THAT(profiles.Names(), ElementsAre("indoor", "outdoor", "yard"));
+  ASSERT_NE(profiles.Find("indoor"), nullptr);
+  EXPECT_EQ(profiles.Find("indoor")->max_range, SlamOptions{}.max_range);
+  ASSERT_NE(profiles.Find("yard"), nullptr);
+  EXPECT_EQ(profiles.Find("yard")->max_range, 80.0);
+  ASSERT_NE(profiles.Find("outdoor"), nullptr);
   EXPECT_EQ(profiles.Find("outdoor")->max_range, 80.0);
   EXPECT_EQ(profiles.Find("hall"), nullptr);
 }

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "core/optimize/graph_layout.h"
 #include "core/optimize/indexed_graph.h"
 #include "core/optimize/linear/normal_equations.h"
@@ -38,7 +41,8 @@ class StartsTest : public ::testing::Test {
     EXPECT_OK(components);
     IndexedGraph indexed = components->front();
     const GraphLayout layout = LayOut(indexed);
-    const Minimum minimum = several ? MinimizeFromSeveralStarts({}, layout, indexed) : Minimize({}, layout, indexed);
+    const Minimum minimum =
+        several ? MinimizeFromSeveralStarts(&Minimize, {}, layout, indexed) : Minimize({}, layout, indexed);
     solution_ = indexed.poses;
     EXPECT_NEAR(minimum.cost, GraphCost(indexed, indexed.poses, {}), 1e-9);
     return minimum;
@@ -68,6 +72,72 @@ TEST_F(StartsTest, FindsTheTruthFromOdometryThatTurnedAway) {
   }();
   EXPECT_NEAR(FromSeveralStarts(world.graph).cost, from_truth, 1e-6 * from_truth);
 }
+
+// Poses of a robot whose gyro drifts by `drift` (rad per node), in a graph of right measurements.
+PoseGraph WithDriftingPoses(std::uint32_t seed, double drift) {
+  PoseGraph graph = testing::MakeManhattanGraph({.nodes = 150, .seed = seed}).graph;
+  Pose2 pose;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    graph.nodes[i].T_world_node = pose;
+    pose = pose * Pose2{1.0, 0.0, drift};
+  }
+  return graph;
+}
+
+// The lowest of several minima is no higher than any one of them.
+TEST_F(StartsTest, IsNeverWorseThanTheGivenPosesAlone) {
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    for (const double drift : {0.02, 0.3, 1.0}) {
+      const PoseGraph graph = WithDriftingPoses(seed, drift);
+      EXPECT_LE(FromSeveralStarts(graph).cost, FromGivenPoses(graph).cost * (1.0 + 1e-6))
+          << "seed " << seed << ", drift " << drift;
+    }
+  }
+}
+
+std::vector<double> widths_minimized;  // by RecordingMinimizer
+
+Minimum RecordingMinimizer(const MinimizeOptions& options, const GraphLayout& layout, IndexedGraph& graph) {
+  widths_minimized.push_back(options.kernel.width);
+  return Minimize(options, layout, graph);
+}
+
+class GraduatedNonConvexity : public ::testing::TestWithParam<RobustKernel::Type> {
+ protected:
+  std::vector<double> WidthsFor(double width) {
+    const auto components =
+        IndexComponents(testing::MakeManhattanGraph({.nodes = 100, .outlier_share = 0.1}).graph, {});
+    EXPECT_OK(components);
+    IndexedGraph graph = components->front();
+    widths_minimized.clear();
+    minimum_ = MinimizeFromSeveralStarts(&RecordingMinimizer, {.kernel = {GetParam(), width}}, LayOut(graph), graph);
+    cost_ = GraphCost(graph, graph.poses, {GetParam(), width});
+    return widths_minimized;
+  }
+
+  Minimum minimum_;
+  double cost_ = 0.0;
+};
+
+// Redescending kernels are narrowed from ten times the width; the others have one minimum for given turns.
+TEST_P(GraduatedNonConvexity, EndsAtTheKernelsOwnWidth) {
+  const std::vector<double> widths = WidthsFor(0.5);
+  ASSERT_FALSE(widths.empty());
+  EXPECT_EQ(widths.back(), 0.5);
+  EXPECT_NEAR(minimum_.cost, cost_, 1e-9 * cost_) << "the cost is that of the kernel asked for";
+  const bool redescends = GetParam() == RobustKernel::Type::kCauchy || GetParam() == RobustKernel::Type::kDcs;
+  if (!redescends) {
+    for (const double width : widths) EXPECT_EQ(width, 0.5);
+    return;
+  }
+  ASSERT_GE(widths.size(), 3U);
+  EXPECT_EQ(widths.front(), 5.0);
+  EXPECT_TRUE(std::is_sorted(widths.rbegin(), widths.rend())) << "never wider again";
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, GraduatedNonConvexity,
+                         ::testing::Values(RobustKernel::Type::kNone, RobustKernel::Type::kHuber,
+                                           RobustKernel::Type::kCauchy, RobustKernel::Type::kDcs));
 
 }  // namespace
 }  // namespace enfilade::optimize

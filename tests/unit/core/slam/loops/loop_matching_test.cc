@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/robot_rays.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
@@ -21,8 +22,8 @@ constexpr testing::SyntheticScanner kAllAround{.beams = 360, .field_of_view = 2.
 constexpr LoopCandidate kNear{.half_width = 0.5, .half_angle = 0.15};
 constexpr LoopCandidate kFar{.half_width = 4.0, .half_angle = M_PI};
 
-struct Place {
-  explicit Place(std::vector<Wall> of, const std::vector<Pose2>& seen_from, double range = 20.0)
+struct ScannedPlace {
+  explicit ScannedPlace(std::vector<Wall> of, const std::vector<Pose2>& seen_from, double range = 20.0)
       : walls(std::move(of)), grid(0.05, {}) {
     scanner.range_max = range;
     for (const Pose2& pose : seen_from) EXPECT_TRUE(grid.Insert(pose, RaysFrom(pose)).ok());
@@ -34,7 +35,7 @@ struct Place {
 
   LoopMatch Look(const std::vector<Eigen::Vector2d>& hits, const Pose2& guess, const LoopCandidate& candidate,
                  const SlamOptions& options = {}) const {
-    return MatchLoop(grid, FieldPyramid(grid, options.pyramid), hits, guess, candidate, options);
+    return MatchLoop(SearchableSubmap(grid, options.pyramid), hits, guess, candidate, options);
   }
 
   std::vector<Wall> walls;
@@ -42,22 +43,22 @@ struct Place {
   SubmapGrid grid;
 };
 
-Place RoomWithNiches() {
-  return Place(testing::WallsFromText({"############",  //
-                                       "#   #      #",  //
-                                       "#         ##",  //
-                                       "#          #",  //
-                                       "##         #",  //
-                                       "#     #    #",  //
-                                       "############"},
-                                      1.0),
-               {{4.0, 3.0, 0.0}, {8.0, 4.0, 1.0}, {6.0, 5.0, -2.0}});
+ScannedPlace RoomWithNiches() {
+  return ScannedPlace(testing::WallsFromText({"############",  //
+                                              "#   #      #",  //
+                                              "#         ##",  //
+                                              "#          #",  //
+                                              "##         #",  //
+                                              "#     #    #",  //
+                                              "############"},
+                                             1.0),
+                      {{4.0, 3.0, 0.0}, {8.0, 4.0, 1.0}, {6.0, 5.0, -2.0}});
 }
 
 const Pose2 kTruth{7.0, 3.5, 0.7};
 
 TEST(MatchLoop, FindsAndAcceptsThePlaceSeenAgain) {
-  const Place room = RoomWithNiches();
+  const ScannedPlace room = RoomWithNiches();
   const auto hits = room.RaysFrom(kTruth).hits;
   for (const auto& [off, candidate] :
        {std::pair{Pose2{0.3, -0.3, 0.1}, kNear}, std::pair{Pose2{2.5, -1.5, 2.0}, kFar}}) {
@@ -74,7 +75,7 @@ TEST(MatchLoop, FindsAndAcceptsThePlaceSeenAgain) {
 }
 
 TEST(MatchLoop, RefusesAScanThatSaysTooLittle) {
-  const Place room = RoomWithNiches();
+  const ScannedPlace room = RoomWithNiches();
   const LoopMatch match = room.Look(Subsampled(room.RaysFrom(kTruth).hits, 20), kTruth, kNear);
   EXPECT_FALSE(match.accepted);
   EXPECT_THAT(match.reason, HasSubstr("points, fewer than 30"));
@@ -82,21 +83,21 @@ TEST(MatchLoop, RefusesAScanThatSaysTooLittle) {
 }
 
 TEST(MatchLoop, RefusesAnotherRoom) {
-  const Place room = RoomWithNiches();
-  const Place other(testing::WallsFromText({"#######",  //
-                                            "#  #  #",  //
-                                            "#     #",  //
-                                            "#    ##",  //
-                                            "#######"},
-                                           1.0),
-                    {});
+  const ScannedPlace room = RoomWithNiches();
+  const ScannedPlace other(testing::WallsFromText({"#######",  //
+                                                   "#  #  #",  //
+                                                   "#     #",  //
+                                                   "#    ##",  //
+                                                   "#######"},
+                                                  1.0),
+                           {});
   const LoopMatch match = room.Look(other.RaysFrom({3.0, 2.0, 0.5}).hits, kTruth, kFar);
   EXPECT_FALSE(match.accepted);
   EXPECT_TRUE(match.information.isZero());
 }
 
 TEST(MatchLoop, RefusesWhatStandsWhereTheSubmapKnowsFreeSpace) {
-  const Place room = RoomWithNiches();
+  const ScannedPlace room = RoomWithNiches();
   auto hits = room.RaysFrom(kTruth).hits;
   // A third of the beams end in the middle of the room: not so many that the rest would not be inliers.
   for (std::size_t i = 0; i < hits.size(); i += 3) hits[i] *= 0.5;
@@ -107,11 +108,12 @@ TEST(MatchLoop, RefusesWhatStandsWhereTheSubmapKnowsFreeSpace) {
 
 // Two parallel walls, no end in sight: the place along them is open.
 TEST(MatchLoop, RefusesAPlaceAlongABareCorridor) {
-  const Place corridor({{{-40.0, -1.0}, {40.0, -1.0}}, {{-40.0, 1.0}, {40.0, 1.0}}},
-                       {{-4.0, 0.0, 0.0}, {-2.0, 0.3, 0.2}, {0.0, 0.0, 0.0}, {2.0, -0.2, 0.1}, {4.0, 0.0, 0.0}}, 5.0);
+  const ScannedPlace corridor({{{-40.0, -1.0}, {40.0, -1.0}}, {{-40.0, 1.0}, {40.0, 1.0}}},
+                              {{-4.0, 0.0, 0.0}, {-2.0, 0.3, 0.2}, {0.0, 0.0, 0.0}, {2.0, -0.2, 0.1}, {4.0, 0.0, 0.0}},
+                              5.0);
   const LoopMatch match = corridor.Look(corridor.RaysFrom({0.5, 0.2, 0.1}).hits, {0.7, 0.1, 0.1}, kNear);
   EXPECT_FALSE(match.accepted);
-  EXPECT_THAT(match.reason, HasSubstr("open along them"));
+  EXPECT_THAT(match.reason, HasSubstr("along the walls"));
 }
 
 // Equal niches every 2 m: which of them it is only the guess could say, and the guess may be 4 m off.
@@ -122,7 +124,7 @@ TEST(MatchLoop, RefusesOneOfSeveralPlacesThatLookAlike) {
                                              "#                              #",  //
                                              "################################"},
                                             0.5);
-  const Place hall(walls, {{4.0, 1.0, 0.0}, {8.0, 1.0, 0.0}, {12.0, 1.0, 0.0}}, 3.0);
+  const ScannedPlace hall(walls, {{4.0, 1.0, 0.0}, {8.0, 1.0, 0.0}, {12.0, 1.0, 0.0}}, 3.0);
   const Pose2 here{8.1, 1.0, 0.0};
   const LoopMatch unsure = hall.Look(hall.RaysFrom(here).hits, here, {.half_width = 4.0, .half_angle = 0.3});
   EXPECT_FALSE(unsure.accepted);

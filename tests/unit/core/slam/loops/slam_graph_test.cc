@@ -9,7 +9,7 @@
 
 #include "core/slam/loops/edge_information.h"
 #include "core/slam/loops/loop_candidates.h"
-#include "core/slam/mapper/motion_model.h"
+#include "core/slam/matching/motion_model.h"
 #include "tests/support/pose_matchers.h"
 
 namespace enfilade::slam {
@@ -26,7 +26,7 @@ MapperState Square(double drift) {
     const std::vector<SubmapNode> nodes{{id, false, 10.0, {1.0, 0.0, 0.1}, InformationOf(0.01, 0.002)}};
     std::optional<NextSubmap> next;
     if (id < 4) next = NextSubmap{{10.0, 0.0, M_PI / 2.0 + drift}, InformationOf(0.05, 0.05)};
-    state.finished[id] = Finished(pose, 1, "", nodes, next);
+    state.finished[id] = FinishSubmap(pose, 1, "", nodes, next);
     SlamNode node;
     node.id = id;
     node.T_map_node = pose * nodes[0].T_submap_node;
@@ -51,11 +51,11 @@ LoopClosure Closure(std::int64_t id, std::int64_t submap, std::int64_t node, con
 TEST(SolveSlamGraph, PullsADriftedSquareTogether) {
   MapperState state = Square(0.05);
   EXPECT_GT(state.nodes.at(4).T_map_node.translation().norm(), 1.5);
-  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});  // keyframe 4 is where keyframe 0 was
+  state.loop_closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});  // keyframe 4 is where keyframe 0 was
   EXPECT_TRUE(SolveSlamGraph({}, state).solved);
   EXPECT_THAT(state.nodes.at(0).T_map_node, PoseNear(Pose2{1.0, 0.0, 0.1}, 1e-12, 1e-12)) << "held";
   EXPECT_THAT(state.nodes.at(4).T_map_node, PoseNear(Pose2{1.0, 0.0, 0.1}, 0.2, 0.05));
-  EXPECT_EQ(state.closures.at(0).state, LoopClosureState::kAccepted);
+  EXPECT_EQ(state.loop_closures.at(0).state, LoopClosureState::kAccepted);
   for (const auto& [id, submap] : state.finished) {
     EXPECT_THAT(Between(submap.T_map_submap, state.nodes.at(id).T_map_node),
                 PoseNear(Pose2{1.0, 0.0, 0.1}, 0.05, 0.01));
@@ -65,14 +65,14 @@ TEST(SolveSlamGraph, PullsADriftedSquareTogether) {
 TEST(SolveSlamGraph, SwitchesOffWhatContradictsTheRest) {
   MapperState state = Square(0.0);
   const std::map<std::int64_t, SlamNode> before = state.nodes;
-  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
-  state.closures[1] = Closure(1, 0, 4, {1.02, 0.01, 0.1});
-  state.closures[2] = Closure(2, 0, 2, {2.0, 1.0, 0.0});  // false: keyframe 2 is at the far corner
+  state.loop_closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
+  state.loop_closures[1] = Closure(1, 0, 4, {1.02, 0.01, 0.1});
+  state.loop_closures[2] = Closure(2, 0, 2, {2.0, 1.0, 0.0});  // false: keyframe 2 is at the far corner
   SolveSlamGraph({}, state);
-  EXPECT_EQ(state.closures.at(0).state, LoopClosureState::kAccepted);
-  EXPECT_EQ(state.closures.at(1).state, LoopClosureState::kAccepted);
-  EXPECT_EQ(state.closures.at(2).state, LoopClosureState::kRejected);
-  EXPECT_THAT(state.closures.at(2).reason, ::testing::HasSubstr("chi2"));
+  EXPECT_EQ(state.loop_closures.at(0).state, LoopClosureState::kAccepted);
+  EXPECT_EQ(state.loop_closures.at(1).state, LoopClosureState::kAccepted);
+  EXPECT_EQ(state.loop_closures.at(2).state, LoopClosureState::kRejected);
+  EXPECT_THAT(state.loop_closures.at(2).reason, ::testing::HasSubstr("chi2"));
   for (const auto& [id, node] : before) {
     EXPECT_THAT(state.nodes.at(id).T_map_node, PoseNear(node.T_map_node, 0.05, 0.01)) << id;
   }
@@ -81,11 +81,11 @@ TEST(SolveSlamGraph, SwitchesOffWhatContradictsTheRest) {
 TEST(SolveSlamGraph, LeavesSuspendedClosuresOut) {
   MapperState state = Square(0.05);
   const Pose2 before = state.nodes.at(4).T_map_node;
-  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
-  state.closures[0].state = LoopClosureState::kSuspended;
+  state.loop_closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
+  state.loop_closures[0].state = LoopClosureState::kSuspended;
   SolveSlamGraph({}, state);
   EXPECT_THAT(state.nodes.at(4).T_map_node, PoseNear(before, 1e-6, 1e-6));
-  EXPECT_EQ(state.closures.at(0).state, LoopClosureState::kSuspended);
+  EXPECT_EQ(state.loop_closures.at(0).state, LoopClosureState::kSuspended);
 }
 
 TEST(SolveSlamGraph, GivesCovariancesThatGrowAlongTheWay) {
@@ -100,10 +100,10 @@ TEST(SolveSlamGraph, GivesCovariancesThatGrowAlongTheWay) {
 TEST(DriftLengths, GoTheShortestWayAcrossClosures) {
   MapperState state = Square(0.0);
   EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 40.0);
-  state.closures[0] = Closure(0, 1, 4, {});
-  Join(state.closures[0], state);
+  state.loop_closures[0] = Closure(0, 1, 4, {});
+  Join(state.loop_closures[0], state);
   EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 10.0);
-  state.closures[0].state = LoopClosureState::kRejected;
+  state.loop_closures[0].state = LoopClosureState::kRejected;
   JoinAll(state);
   EXPECT_DOUBLE_EQ(DriftLengths(state, 4).at(0), 40.0);
 }
@@ -124,7 +124,7 @@ TEST(SelectLoopCandidates, TakesNearSubmapsThatAreNotTooRecentAndNotYetJoined) {
   options.drift_per_metre = 0.0;
   state.nodes.at(4).T_map_node.x += 3.0;
   EXPECT_TRUE(SelectLoopCandidates(state, state.nodes.at(4), options).empty()) << "too far";
-  state.closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
+  state.loop_closures[0] = Closure(0, 0, 4, {1.0, 0.0, 0.1});
   EXPECT_TRUE(SelectLoopCandidates(state, node, {}).empty()) << "closed already";
 }
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/robot_rays.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
 namespace enfilade::slam {

@@ -55,12 +55,12 @@ TEST(MapperRecording, GivesTheSameMapWhereverItIsStoppedAndGoesOn) {
   ENFILADE_RECORDING_OR_SKIP(path, "laser/derived/intel_raw_odom.clf.gz");
   const std::vector<sensor::Record> records = ReadLog(path, 2400);
   const Mapped expected = MapRecords(records, records.size() + 1);
-  EXPECT_GT(expected.map.closures.size(), 10U);
+  EXPECT_GT(expected.map.loop_closures.size(), 10U);
   for (const std::size_t every : {97UL, 701UL}) {
     const Mapped actual = MapRecords(records, every);
     EXPECT_TRUE(actual.map.nodes == expected.map.nodes) << every;
     EXPECT_TRUE(actual.map.submaps == expected.map.submaps) << every;
-    EXPECT_TRUE(actual.map.closures == expected.map.closures) << every;
+    EXPECT_TRUE(actual.map.loop_closures == expected.map.loop_closures) << every;
     EXPECT_TRUE(actual.map.trajectory == expected.map.trajectory) << every;
     EXPECT_TRUE(actual.grid == expected.grid) << every;
   }

@@ -8,6 +8,7 @@
 
 #include "core/slam/matching/correlative_matcher.h"
 #include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/robot_rays.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/robot_rays.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
@@ -37,7 +37,7 @@ class LocalMatchingTest : public ::testing::Test {
 
   LocalMatch Match(const std::vector<Eigen::Vector2d>& hits, const Pose2& predicted) const {
     const PredictedMotion motion{predicted, 0.1, 0.07, true};  // odometry's, a metre behind
-    return MatchLocally(grid_, fields_, hits, {}, motion, options_);
+    return MatchLocally({grid_, fields_}, hits, {}, motion, options_);
   }
 
   static constexpr Pose2 kSeenFrom{4.5, 3.5, 0.0};

@@ -6,8 +6,9 @@
 
 #include <cmath>
 
-#include "core/slam/mapper/motion_model.h"
+#include "core/slam/matching/motion_model.h"
 #include "core/slam/matching/scan_points.h"
+#include "core/slam/submaps/robot_rays.h"
 #include "core/slam/submaps/submap_grid.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/slam/synthetic_drive.h"

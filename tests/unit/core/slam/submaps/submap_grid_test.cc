@@ -38,7 +38,7 @@ TEST(SubmapGrid, AddsABeamByBresenhamInLogOdds) {
   EXPECT_TRUE(grid.IsOccupied(grid.log_odds().CellOf({0.55, 0.05})));
 }
 
-// Seed 001's form: +1 for a hit, -1 for a beam that crosses, clamped at 10.
+// +1 for a hit, -1 for a crossing beam, clamped at 10.
 TEST(SubmapGrid, CountsUpAndDownInTheSimplifiedForm) {
   SubmapGrid grid = Simplified();
   ASSERT_OK(grid.Insert({}, Beam(0.55)).status());

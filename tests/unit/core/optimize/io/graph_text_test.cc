@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/optimize/graph_text.h"
+#include "core/optimize/io/graph_text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadText{"AbsentNode", "VERTEX_SE2 0 0 0 0\n\nEDGE_SE2 0 8 1 0 0 1 0 0 1 0 1\n", "a.g2o:3", "node 8"},
         BadText{"AbsentFixedNode", "FIX 3\nVERTEX_SE2 0 0 0 0\n", "a.g2o:1", "node 3"},
-        BadText{"FixWithoutNode", "VERTEX_SE2 0 0 0 0\nFIX\n", "a.g2o:2", "FIX names no node"},
+        BadText{"FixWithoutNode", "VERTEX_SE2 0 0 0 0\nFIX\n", "a.g2o:2", "FIX without a node id"},
         BadText{"TwoOfTheSame", "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 1 0 0\n", "a.g2o:2", "second time"},
         BadText{"SelfLoop", "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 0 1 0 0 1 0 0 1 0 1\n", "a.g2o:2", "itself"},
         BadText{"NotPositiveDefinite", "EDGE_SE2 0 1 1 0 0 1 2 0 1 0 1\n", "a.g2o:1", "not positive definite"},

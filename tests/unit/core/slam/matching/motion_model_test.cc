@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/mapper/motion_model.h"
+#include "core/slam/matching/motion_model.h"
 
 #include <gtest/gtest.h>
 

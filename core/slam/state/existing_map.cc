@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/mapper/existing_map.h"
+#include "core/slam/state/existing_map.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "core/geometry/pose_codec.h"
-#include "core/slam/mapper/motion_model.h"
+#include "core/slam/matching/motion_model.h"
 
 namespace enfilade::slam {
 namespace {

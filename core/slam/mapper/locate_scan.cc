@@ -1,34 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/matching/locate.h"
+#include "core/slam/mapper/locate_scan.h"
 
-#include "core/slam/mapper/motion_model.h"
 #include "core/slam/mapper/policies.h"
+#include "core/slam/matching/motion_model.h"
 
 namespace enfilade::slam {
-Place FirstPlace(const sensor::PairedScan& scan, const MotionOptions& options) {
-  Place place;
-  place.track.T_odom_robot = scan.T_odom_robot;
-  place.track.time = scan.scan.time;
-  place.track.matched_at = scan.scan.time;
-  place.information = InformationOf(options.translation_floor, options.yaw_floor);
-  return place;
+
+LocatedScan LocateFirstScan(const sensor::PairedScan& scan, const MotionOptions& options) {
+  LocatedScan located;
+  located.track.T_odom_robot = scan.T_odom_robot;
+  located.track.time = scan.scan.time;
+  located.track.matched_at = scan.scan.time;
+  located.information = InformationOf(options.translation_floor, options.yaw_floor);
+  return located;
 }
 
-Place Locate(const Track& last, const sensor::PairedScan& scan, const grid::ScanRays& rays, const SubmapGrid& grid,
-             const LocalFields& fields, const SlamOptions& options) {
-  Place place;
-  Track& track = place.track = last;
+LocatedScan LocateScan(const Track& last, const sensor::PairedScan& scan, const grid::ScanRays& rays,
+                       const LocalMap& map, const SlamOptions& options) {
+  LocatedScan located;
+  Track& track = located.track = last;
   const double seconds = ToSeconds(scan.scan.time - last.time);
   const PredictedMotion motion =
       PredictMotion(last.T_odom_robot, scan.T_odom_robot, last.last_step, seconds, options.motion);
   Pose2 next = last.T_submap_robot * motion.T_last_now;
-  place.information = InformationOf(motion.sigma_translation, motion.sigma_yaw);
+  located.information = InformationOf(motion.sigma_translation, motion.sigma_yaw);
   if (options.match_scans) {
     const auto match_from = [&](const PredictedMotion& expected) {
-      return MatchLocally(grid, fields, rays.hits, last.T_submap_robot, expected, options.local);
+      return MatchLocally(map, rays.hits, last.T_submap_robot, expected, options.local);
     };
     LocalMatch match = match_from(motion);
-    if (!match.good && motion.by_odometry) {  // wheels slip and jump: what do the scans alone say?
+    if (!match.good && motion.by_odometry) {  // without odometry
       const LocalMatch other = match_from(PredictMotion({}, {}, last.last_step, seconds, options.motion));
       const bool may_be_right = match.agreement.contradicted_share == 0.0;
       if (IsSure(other, options.local) && (!may_be_right || IsUnmistakable(other))) match = other;
@@ -37,9 +38,9 @@ Place Locate(const Track& last, const sensor::PairedScan& scan, const grid::Scan
       next = match.match.T_submap_robot;
       track.matched_at = scan.scan.time;
     }
-    place.information += match.match.information;
-    place.matched_share = match.agreement.matched_share;
-    place.may_insert = MayInsert(match, options.local);
+    located.information += match.match.information;
+    located.matched_share = match.agreement.matched_share;
+    located.may_insert = MayInsert(match, options.local);
     track.quality = Updated(last.quality, match, options.local);
   }
   track.last_step = Step{Between(last.T_submap_robot, next), seconds};
@@ -47,7 +48,7 @@ Place Locate(const Track& last, const sensor::PairedScan& scan, const grid::Scan
   track.T_submap_robot = next;
   track.T_odom_robot = scan.T_odom_robot;
   track.time = scan.scan.time;
-  return place;
+  return located;
 }
 
 }  // namespace enfilade::slam

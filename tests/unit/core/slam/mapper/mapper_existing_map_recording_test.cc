@@ -57,7 +57,7 @@ TEST(ExistingMapRecording, TheSecondHalfGoesOnInTheFirstOnesMap) {
   const MappedAgain second = MapPart(LogMapper({}, {}, existing_map), records, half, records.size());
 
   int in_existing_map = 0;
-  for (const auto& [id, closure] : second.map.closures) {
+  for (const auto& [id, closure] : second.map.loop_closures) {
     in_existing_map += closure.state == LoopClosureState::kAccepted && closure.submap == 0;
   }
   EXPECT_GT(in_existing_map, 20);

@@ -11,29 +11,29 @@
 
 namespace enfilade::slam {
 
-// Where the robot is in a map that is there already.
+// Where the robot enters an existing map.
 struct ExistingMapEntry {
   PoseWithCovariance T_map_robot;     // m, rad
-  std::optional<Pose2> T_odom_robot;  // what odometry says there; unset: the pose is that of the first scan
+  std::optional<Pose2> T_odom_robot;  // odometry at that pose; unset: the pose is that of the first scan
 };
 
-// A map that is there already, in whose frame mapping goes on: what it knows becomes submap 0, which never moves.
+// A map that mapping continues, in its frame. Its grid becomes submap 0, which never moves.
 struct ExistingMap {
-  // Its cells on the lattice of the options' resolution (ResampleToLattice in core/grid/overlay.h); may have none: then
-  // the map is but a frame.
+  // Cells on the lattice of the options' resolution (ResampleToLattice in core/grid/overlay.h). Without cells the map
+  // is only a frame.
   grid::OccupancyGrid grid;
   ExistingMapEntry entry;
 };
 
-// Submap 0's content: no keyframes, the map's frame for its own.
+// The content of submap 0: no keyframes; its frame is the map's.
 SubmapContent ContentOf(const grid::OccupancyGrid& grid, const SlamOptions& options);
 
-// The robot's pose at a scan at which odometry says `T_odom_now`: the entry's, moved on by odometry, whose uncertainty
-// adds to the entry's; and no surer than matching a scan is.
+// The robot's pose at a scan with odometry `T_odom_now`: the entry's pose, moved by the odometry since. Its covariance
+// is the sum of the entry's, the odometry's and that of matching a scan (graph.match_sigma_floor, match_yaw_floor).
 PoseWithCovariance PoseAtScan(const ExistingMapEntry& entry, const std::optional<Pose2>& T_odom_now,
                               const SlamOptions& options);
 
-// Three standard deviations of the entry, in the direction that it leaves the most open: m and rad.
+// Three standard deviations of the entry: of the translation in its least certain direction (m) and of the yaw (rad).
 struct EntryReach {
   double translation = 0.0;
   double yaw = 0.0;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/mapper/existing_map.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,6 +12,7 @@
 #include "client/simulator/simulation.h"
 #include "core/grid/overlay.h"
 #include "core/slam/mapper/log_mapper.h"
+#include "core/slam/state/existing_map.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
@@ -89,7 +88,7 @@ Eigen::Matrix3d Covariance(double sigma, double yaw_sigma) {
 
 int CountLoopClosures(const SlamMap& map, LoopClosureState state, std::int64_t submap) {
   int count = 0;
-  for (const auto& [id, closure] : map.closures) count += closure.state == state && closure.submap == submap;
+  for (const auto& [id, closure] : map.loop_closures) count += closure.state == state && closure.submap == submap;
   return count;
 }
 
@@ -225,7 +224,7 @@ ExistingMap CorridorsEnteredAt(const Pose2& T_map_robot, double sigma, double ya
   return {grid, {{T_map_robot, Covariance(sigma, yaw_sigma)}, std::nullopt}};
 }
 
-TEST(MapperOnExistingMap, GoesOnTheSameAfterRestoreAtAnyPoint) {
+TEST(MapperOnExistingMap, ContinuesTheSameAfterRestoreAtAnyPoint) {
   const auto truth = FirstRound();
   const std::vector<Pose2> way(truth.begin() + 40, truth.end());
   const auto log = testing::Record(Corridors(), way, {}, kOdometry, 5);
@@ -249,7 +248,7 @@ TEST(MapperOnExistingMap, GoesOnTheSameAfterRestoreAtAnyPoint) {
     map.Apply(mapper.TakeDelta());
     EXPECT_TRUE(map.nodes == expected.map.nodes) << "every " << every;
     EXPECT_TRUE(map.submaps == expected.map.submaps) << "every " << every;
-    EXPECT_TRUE(map.closures == expected.map.closures) << "every " << every;
+    EXPECT_TRUE(map.loop_closures == expected.map.loop_closures) << "every " << every;
     EXPECT_TRUE(map.trajectory == expected.map.trajectory) << "every " << every;
     EXPECT_TRUE(mapper.RenderGrid() == expected.grid) << "every " << every;
   }
@@ -269,7 +268,7 @@ TEST(MapperOnExistingMap, AWrongMapIsNotMatchedAndTheRowsSaySo) {
     const MappedOver mapped = MapScans(Mapper({}, existing_map), log);
     EXPECT_EQ(CountLoopClosures(mapped.map, LoopClosureState::kAccepted, 0), 0);
     ASSERT_GT(CountLoopClosures(mapped.map, LoopClosureState::kRejected, 0), 0);
-    for (const auto& [id, closure] : mapped.map.closures) EXPECT_NE(closure.reason, "");
+    for (const auto& [id, closure] : mapped.map.loop_closures) EXPECT_NE(closure.reason, "");
     const auto trajectory = TrajectoryOf(mapped.map);
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
       EXPECT_THAT(trajectory[i].T_map_robot,
@@ -281,16 +280,16 @@ TEST(MapperOnExistingMap, AWrongMapIsNotMatchedAndTheRowsSaySo) {
   }
 }
 
-TEST(MapperOnExistingMap, AnEmptyMapIsButAFrame) {
+TEST(MapperOnExistingMap, AnEmptyMapIsOnlyAFrame) {
   const auto way = testing::Drive({{2.5, 2.5}, {12.5, 2.5}}, 0.25);
   const ExistingMap existing_map{{}, {{Pose2{-3.0, 7.0, 1.0}, Covariance(0.2, 0.1)}, std::nullopt}};
   const MappedOver mapped = MapScans(Mapper({}, existing_map), testing::Record(Corridors(), way, {}, kOdometry, 3));
-  EXPECT_TRUE(mapped.map.closures.empty());
+  EXPECT_TRUE(mapped.map.loop_closures.empty());
   EXPECT_EQ(mapped.map.submaps.at(0).T_map_submap, Pose2{});
   EXPECT_THAT(TrajectoryOf(mapped.map).front().T_map_robot, PoseNear(Pose2{-3.0, 7.0, 1.0}, 1e-6, 1e-6));
 }
 
-TEST(MapperOnExistingMap, TellsHowSureThePresentPoseIs) {
+TEST(MapperOnExistingMap, GivesTheCovarianceOfThePresentPose) {
   const auto truth = FirstRound();
   const auto log = testing::Record(Corridors(), truth, {}, kOdometry, 5);
   Mapper found({}, CorridorsEnteredAt({0.3, -0.3, 0.1}, 0.4, 0.15));
@@ -315,17 +314,17 @@ TEST(MapperOnExistingMap, TellsHowSureThePresentPoseIs) {
   EXPECT_LT(e.dot(sure->T_map_robot.covariance.inverse() * e), 16.3);
 }
 
-TEST(MapperOnExistingMap, HoldsTheExistingMapAndWhatTheDriveItselfMayCost) {
+TEST(MapperOnExistingMap, KeepsItsFootprintWithinTheBounds) {
   const auto log = testing::Record(Corridors(), FirstRound(), {}, kOdometry, 5);
-  Mapper on_old({}, CorridorsEnteredAt({}, 0.2, 0.1));
-  const std::size_t before = on_old.footprint().kept;
+  Mapper mapper({}, CorridorsEnteredAt({}, 0.2, 0.1));
+  const std::size_t before = mapper.footprint().kept;
   EXPECT_LT(before, 200'000U) << "30 m x 16 m, compressed";
   std::size_t nodes = 0;
   for (const sensor::PairedScan& scan : log) {
-    nodes += on_old.AddScan(scan).keyframe;
-    ASSERT_LT(on_old.footprint().working, 100'000'000U);
+    nodes += mapper.AddScan(scan).keyframe;
+    ASSERT_LT(mapper.footprint().working, 100'000'000U);
   }
-  EXPECT_LT(on_old.footprint().kept, before + nodes * 1'000 + (2 + nodes / 40) * 100'000);
+  EXPECT_LT(mapper.footprint().kept, before + nodes * 1'000 + (2 + nodes / 40) * 100'000);
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/mapper/mapper_state.h"
+#include "core/slam/state/checkpoint.h"
 
-#include <algorithm>
+#include <utility>
 
+#include "core/base/binary.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/pose_codec.h"
@@ -11,12 +12,11 @@
 namespace enfilade::slam {
 namespace {
 
-constexpr std::uint8_t kMapperVersion = 4;
+constexpr std::uint8_t kCheckpointVersion = 4;
 constexpr std::uint8_t kVersionWithoutEntry = 3;
-constexpr std::size_t kMapNodeBytes = 48;  // of an ordered container, beside the element
 constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
 
-void PutOptional(BinaryWriter& writer, const std::optional<Pose2>& pose) {
+void PutOptionalPose(BinaryWriter& writer, const std::optional<Pose2>& pose) {
   writer.Put<std::uint8_t>(pose.has_value());
   PutPose(writer, pose.value_or(Pose2{}));
 }
@@ -35,7 +35,7 @@ std::optional<Step> GetStep(BinaryReader& reader) {
   return has_value ? std::optional(step) : std::nullopt;
 }
 
-std::optional<Pose2> GetOptional(BinaryReader& reader) {
+std::optional<Pose2> GetOptionalPose(BinaryReader& reader) {
   const bool has_value = reader.Get<std::uint8_t>() != 0;
   const Pose2 pose = GetPose(reader);
   return has_value ? std::optional(pose) : std::nullopt;
@@ -45,7 +45,7 @@ void PutTrack(BinaryWriter& writer, const std::optional<Track>& track) {
   writer.Put<std::uint8_t>(track.has_value());
   if (!track) return;
   PutPose(writer, track->T_submap_robot);
-  PutOptional(writer, track->T_odom_robot);
+  PutOptionalPose(writer, track->T_odom_robot);
   writer.Put(track->time);
   writer.Put(track->matched_at);
   PutStep(writer, track->last_step);
@@ -58,7 +58,7 @@ std::optional<Track> GetTrack(BinaryReader& reader) {
   if (reader.Get<std::uint8_t>() == 0) return std::nullopt;
   Track track;
   track.T_submap_robot = GetPose(reader);
-  track.T_odom_robot = GetOptional(reader);
+  track.T_odom_robot = GetOptionalPose(reader);
   track.time = reader.Get<TimeNs>();
   track.matched_at = reader.Get<TimeNs>();
   track.last_step = GetStep(reader);
@@ -85,7 +85,7 @@ absl::Status GetActive(BinaryReader& reader, const SlamMap& stored, const Occupa
   Submap submap{id, version, Pose2{}, std::move(content)};
   const auto row = stored.submaps.find(submap.id);
   if (row == stored.submaps.end() || row->second.finished || row->second.version != submap.version) {
-    return DataLoss("the checkpoint goes on with submap {} version {}, which is not the stored one", submap.id,
+    return DataLoss("the checkpoint continues submap {} version {}, which is not the stored one", submap.id,
                     submap.version);
   }
   submap.T_map_submap = row->second.T_map_submap;
@@ -93,82 +93,15 @@ absl::Status GetActive(BinaryReader& reader, const SlamMap& stored, const Occupa
   return absl::OkStatus();
 }
 
-Eigen::AlignedBox2d KnownBox(const SubmapGrid& grid) {
-  const grid::LogOddsGrid& cells = grid.log_odds();
-  Eigen::AlignedBox2d box;
-  if (cells.cells().empty()) return box;
-  const Eigen::Vector2d min(cells.window_min().column, cells.window_min().row);
-  box.extend(cells.resolution() * min);
-  box.extend(cells.resolution() * (min + Eigen::Vector2d(cells.width(), cells.height())));
-  return box;
-}
-
-absl::StatusOr<FinishedSubmap> FinishedOf(const SlamSubmap& row, const OccupancyOptions& options) {
-  absl::StatusOr<SubmapContent> content = DecodeSubmapContent(row.content, options);
-  if (!content.ok()) return WithContext(content.status(), fmt::format("stored submap {}", row.id));
-  FinishedSubmap submap = Finished(row.T_map_submap, row.version, row.content, content->nodes, content->next);
-  if (content->nodes.empty()) submap.known = KnownBox(content->grid);
-  return submap;
-}
-
 }  // namespace
-
-FinishedSubmap Finished(const Pose2& T_map_submap, std::int64_t version, std::string content,
-                        const std::vector<SubmapNode>& nodes, const std::optional<NextSubmap>& next) {
-  FinishedSubmap submap{T_map_submap, version, std::move(content), nodes, next, 0.0, 0.0, {}};
-  for (const SubmapNode& node : nodes) {
-    if (!node.carried) submap.length += node.length;
-    submap.extent = std::max(submap.extent, node.T_submap_node.translation().norm());
-  }
-  return submap;
-}
-
-FinishedSubmap FinishedExistingMap(std::int64_t version, const SubmapContent& content) {
-  FinishedSubmap submap = Finished({}, version, Encode(content), {}, content.next);
-  submap.known = KnownBox(content.grid);
-  return submap;
-}
-
-bool IsRecognised(const MapperState& state, std::int64_t since) {
-  return std::any_of(state.closures.begin(), state.closures.end(), [&](const auto& entry) {
-    const LoopClosure& closure = entry.second;
-    if (closure.state != LoopClosureState::kAccepted) return false;
-    return (closure.submap < since) != (state.nodes.at(closure.node).submap < since);
-  });
-}
-
-void Join(const LoopClosure& closure, MapperState& state) {
-  if (closure.state != LoopClosureState::kAccepted) return;
-  const std::int64_t other = state.nodes.at(closure.node).submap;
-  state.joined[closure.submap].insert(other);
-  state.joined[other].insert(closure.submap);
-}
-
-void JoinAll(MapperState& state) {
-  state.joined.clear();
-  for (const auto& [id, closure] : state.closures) Join(closure, state);
-}
-
-std::size_t KeptBytes(const MapperState& state) {
-  std::size_t bytes = state.nodes.size() * (sizeof(std::pair<const std::int64_t, SlamNode>) + kMapNodeBytes);
-  for (const auto& [id, submap] : state.finished) {
-    bytes += sizeof(std::pair<const std::int64_t, FinishedSubmap>) + kMapNodeBytes + submap.content.capacity() +
-             submap.nodes.capacity() * sizeof(SubmapNode);
-  }
-  for (const auto& [id, closure] : state.closures) {
-    bytes += sizeof(std::pair<const std::int64_t, LoopClosure>) + kMapNodeBytes + closure.reason.capacity();
-  }
-  for (const auto& [id, others] : state.joined) bytes += (1 + others.size()) * (sizeof(id) + kMapNodeBytes);
-  return bytes;
-}
 
 std::string EncodeCheckpoint(const MapperState& state) {
   std::string bytes;
   BinaryWriter writer(bytes);
-  writer.Put(kMapperVersion);
+  writer.Put(kCheckpointVersion);
   writer.Put<std::uint64_t>(state.nodes.size());
   writer.Put<std::uint64_t>(state.finished.size());
-  writer.Put<std::uint64_t>(state.closures.size());
+  writer.Put<std::uint64_t>(state.loop_closures.size());
   writer.Put<std::uint8_t>(state.ended);
   writer.Put(state.nodes_at_solve);
   writer.Put<std::uint8_t>(state.unsolved_closures);
@@ -185,8 +118,8 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, Decompress(checkpoint, kMaxCheckpointBytes));
   BinaryReader reader(bytes);
   const auto version = reader.Get<std::uint8_t>();
-  if (version != kMapperVersion && version != kVersionWithoutEntry) {
-    return DataLoss("the checkpoint is of a version unknown to this program");
+  if (version != kCheckpointVersion && version != kVersionWithoutEntry) {
+    return DataLoss("the checkpoint has version {}, which this program does not know", version);
   }
   MapperState state;
   const auto nodes = reader.Get<std::uint64_t>();
@@ -203,13 +136,14 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");
   for (const auto& [id, row] : stored.submaps) {
     if (!row.finished) continue;
-    ENFILADE_ASSIGN_OR_RETURN(state.finished[id], FinishedOf(row, options));
+    ENFILADE_ASSIGN_OR_RETURN(state.finished[id], RestoreFinishedSubmap(row, options));
   }
   state.nodes = stored.nodes;
-  state.closures = stored.closures;
-  if (state.nodes.size() != nodes || state.finished.size() != finished || state.closures.size() != closures) {
-    return DataLoss("the checkpoint belongs to {} nodes, {} finished submaps, {} closures; stored are {}, {}, {}",
-                    nodes, finished, closures, state.nodes.size(), state.finished.size(), state.closures.size());
+  state.loop_closures = stored.loop_closures;
+  if (state.nodes.size() != nodes || state.finished.size() != finished || state.loop_closures.size() != closures) {
+    return DataLoss(
+        "the checkpoint belongs to {} nodes, {} finished submaps and {} loop closures, but {}, {} and {} are stored",
+        nodes, finished, closures, state.nodes.size(), state.finished.size(), state.loop_closures.size());
   }
   JoinAll(state);
   return state;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/optimize/graph_text.h"
+#include "core/optimize/io/graph_text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -42,11 +42,11 @@ std::optional<Number> ToNumber(std::string_view field) {
 
 absl::StatusOr<std::int64_t> ToId(std::string_view field) {
   const std::optional<std::int64_t> id = ToNumber<std::int64_t>(field);
-  if (!id) return InvalidArgument("'{}' is not a node's id (an integer)", field);
+  if (!id) return InvalidArgument("'{}' is not a node id (an integer)", field);
   return *id;
 }
 
-// The fields from `first` on, which must all be finite.
+// The fields from `first` on, as finite numbers.
 absl::StatusOr<std::vector<double>> ToDoubles(const Fields& fields, std::size_t first) {
   std::vector<double> values;
   for (std::size_t i = first; i < fields.size(); ++i) {
@@ -71,7 +71,7 @@ class Parser {
   absl::Status ParseLine(const Fields& fields, int line) {
     const std::string_view tag = fields[0];
     if (IsThreeDimensional(tag)) {
-      return InvalidArgument("{} belongs to a 3D graph; only 2D graphs (VERTEX_SE2, EDGE_SE2) can be solved", tag);
+      return InvalidArgument("{} belongs to a 3D graph; only 2D graphs (VERTEX_SE2, EDGE_SE2) are supported", tag);
     }
     if (tag == "VERTEX_SE2") return ParseVertex(fields, GraphFormat::kG2o);
     if (tag == "VERTEX2") return ParseVertex(fields, GraphFormat::kToro);
@@ -83,13 +83,12 @@ class Parser {
     return absl::OkStatus();
   }
 
-  // Errors set `line` to where they are.
+  // On error, sets `line` to the line at fault.
   absl::StatusOr<ParsedPoseGraph> Finish(int& line) {
-    if (!understood_ && !parsed_.skipped.empty()) {
+    if (!has_known_tag_ && !parsed_.skipped.empty()) {
       line = skipped_line_;
-      return InvalidArgument(
-          "{} is not understood, nor is any other line: this is no 2D pose graph in g2o or TORO form",
-          parsed_.skipped.begin()->first);
+      return InvalidArgument("unknown tag {}, and no line with a known one: not a 2D pose graph in g2o or TORO format",
+                             parsed_.skipped.begin()->first);
     }
     if (declared_.empty()) DeclareNodesOfEdges();
     for (std::size_t k = 0; k < edge_lines_.size(); ++k) {
@@ -109,13 +108,13 @@ class Parser {
   }
 
  private:
-  void Understood(GraphFormat format) {
-    if (!understood_) parsed_.format = format;
-    understood_ = true;
+  void NoteFormat(GraphFormat format) {
+    if (!has_known_tag_) parsed_.format = format;
+    has_known_tag_ = true;
   }
 
   absl::Status ParseVertex(const Fields& fields, GraphFormat format) {
-    Understood(format);
+    NoteFormat(format);
     ENFILADE_RETURN_IF_ERROR(ExpectFields(fields, 5));
     ENFILADE_ASSIGN_OR_RETURN(const std::int64_t id, ToId(fields[1]));
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<double> pose, ToDoubles(fields, 2));
@@ -125,12 +124,12 @@ class Parser {
   }
 
   absl::Status ParseEdge(const Fields& fields, GraphFormat format, int line) {
-    Understood(format);
+    NoteFormat(format);
     ENFILADE_RETURN_IF_ERROR(ExpectFields(fields, 12));
     PoseGraphEdge edge;
     ENFILADE_ASSIGN_OR_RETURN(edge.from, ToId(fields[1]));
     ENFILADE_ASSIGN_OR_RETURN(edge.to, ToId(fields[2]));
-    if (edge.from == edge.to) return InvalidArgument("the edge joins node {} with itself", edge.from);
+    if (edge.from == edge.to) return InvalidArgument("the edge joins node {} to itself", edge.from);
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<double> v, ToDoubles(fields, 3));
     edge.T_from_to = {v[0], v[1], v[2]};
     if (format == GraphFormat::kG2o) {
@@ -147,8 +146,8 @@ class Parser {
   }
 
   absl::Status ParseFix(const Fields& fields, int line) {
-    Understood(GraphFormat::kG2o);
-    if (fields.size() < 2) return InvalidArgument("FIX names no node");
+    NoteFormat(GraphFormat::kG2o);
+    if (fields.size() < 2) return InvalidArgument("FIX without a node id");
     for (std::size_t i = 1; i < fields.size(); ++i) {
       ENFILADE_ASSIGN_OR_RETURN(const std::int64_t id, ToId(fields[i]));
       parsed_.fixed.push_back(id);
@@ -182,7 +181,7 @@ class Parser {
   std::unordered_set<std::int64_t> declared_;
   std::vector<int> edge_lines_;  // one per edge
   std::vector<int> fix_lines_;   // one per fixed id
-  bool understood_ = false;
+  bool has_known_tag_ = false;
   int skipped_line_ = 0;  // the first
 };
 

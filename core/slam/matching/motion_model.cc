@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/mapper/motion_model.h"
+#include "core/slam/matching/motion_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ constexpr double kMaxStretch = 2.0;
 
 Pose2 Scaled(const Pose2& step, double by) { return {by * step.x, by * step.y, by * step.yaw}; }
 
-PredictedMotion GoOnAsBefore(const std::optional<Step>& step, double seconds, const MotionOptions& options) {
+PredictedMotion ConstantVelocity(const std::optional<Step>& step, double seconds, const MotionOptions& options) {
   PredictedMotion motion;
   const double stretch = step && step->seconds > 0.0 ? std::clamp(seconds / step->seconds, 0.0, kMaxStretch) : 1.0;
   if (step) motion.T_last_now = Scaled(step->T_from_to, stretch);
@@ -35,7 +35,7 @@ PredictedMotion PredictMotion(const std::optional<Pose2>& T_odom_last, const std
     motion.by_odometry = length <= options.max_step;
     if (motion.by_odometry) return motion;
   }
-  return GoOnAsBefore(step, seconds, options);
+  return ConstantVelocity(step, seconds, options);
 }
 
 Eigen::Matrix3d InformationOf(double sigma_translation, double sigma_yaw) {

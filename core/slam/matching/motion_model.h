@@ -9,7 +9,7 @@
 
 namespace enfilade::slam {
 
-// A way driven, and how long it took.
+// A motion, and how long it took.
 struct Step {
   Pose2 T_from_to;
   double seconds = 0.0;
@@ -17,7 +17,7 @@ struct Step {
   friend bool operator==(const Step&, const Step&) = default;
 };
 
-// The way from the scan before to this one, before this one is looked at.
+// The motion from the last scan to this one, predicted before this one is matched.
 struct PredictedMotion {
   Pose2 T_last_now;
   double sigma_translation = 0.0;  // m
@@ -25,13 +25,14 @@ struct PredictedMotion {
   bool by_odometry = false;
 };
 
-// `T_odom_last` and `T_odom_now` where odometry is known at either scan; `step` is the one before, of no use where
-// there was none; `seconds` have passed since the last scan. Without odometry the robot goes on as fast as it went, as
-// far as the scans' times can be believed: up to twice as far, since times may be those of arrival, in bursts.
+// `T_odom_last` and `T_odom_now`: odometry at the two scans, if known. `step`: the motion before, if any. `seconds`:
+// time since the last scan. With odometry at both scans the prediction is its motion, with the standard deviations of
+// MotionOptions. Without, or if odometry jumps farther than `max_step`, the velocity is taken to be constant, but the
+// step is stretched to at most twice its length: times may be times of arrival, which come in bursts.
 PredictedMotion PredictMotion(const std::optional<Pose2>& T_odom_last, const std::optional<Pose2>& T_odom_now,
                               const std::optional<Step>& step, double seconds, const MotionOptions& options);
 
-// Of (x, y, yaw), with the same deviation along x and y.
+// The information of (x, y, yaw) with the same standard deviation along x and y.
 Eigen::Matrix3d InformationOf(double sigma_translation, double sigma_yaw);
 
 }  // namespace enfilade::slam
