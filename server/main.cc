@@ -49,24 +49,22 @@ absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
   return options;
 }
 
-absl::StatusOr<enfilade::slam::SlamOptions> LoadSlamOptions(const std::string& path) {
+absl::StatusOr<enfilade::slam::SlamOptions> ReadSlamOptions(const std::string& path) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(path));
-  absl::StatusOr<enfilade::slam::SlamOptions> slam = enfilade::slam::ParseSlamOptions(text);
-  if (!slam.ok()) return WithContext(slam.status(), path);
-  return slam;
+  return enfilade::slam::ParseSlamOptions(text, path);
 }
 
 absl::StatusOr<enfilade::slam::SlamProfiles> LoadSlamProfiles(const ServerOptions::Mapping& options) {
   enfilade::slam::SlamOptions base;
   if (!options.slam_options_file.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(base, LoadSlamOptions(options.slam_options_file));
+    ENFILADE_ASSIGN_OR_RETURN(base, ReadSlamOptions(options.slam_options_file));
   }
   enfilade::slam::SlamProfiles profiles(base);
   if (options.slam_profiles_directory.empty()) return profiles;
   std::error_code error;
   for (const auto& file : std::filesystem::directory_iterator(options.slam_profiles_directory, error)) {
     if (file.path().extension() != ".yaml") continue;
-    ENFILADE_ASSIGN_OR_RETURN(const enfilade::slam::SlamOptions slam, LoadSlamOptions(file.path()));
+    ENFILADE_ASSIGN_OR_RETURN(const enfilade::slam::SlamOptions slam, ReadSlamOptions(file.path()));
     profiles.Set(file.path().stem(), slam);
   }
   if (error)

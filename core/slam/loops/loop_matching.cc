@@ -24,6 +24,21 @@ SearchWindow WindowOf(const LoopCandidate& candidate, const Pose2& guess, const 
   return window;
 }
 
+// Why a match must be rejected by what it says itself; empty if it need not be.
+std::string FindFault(const Agreement& agreement, const MatchResult& match, double min_agreement,
+                      const LoopOptions& options) {
+  if (agreement.agreement() < min_agreement) {
+    return fmt::format("{:.2f} of the hits lie in free space of the submap: agreement {:.2f} below {:.2f}",
+                       agreement.contradicted_share, agreement.agreement(), min_agreement);
+  }
+  const double weakest = WeakestDirection(match.information);
+  if (weakest > options.max_sigma) {
+    return fmt::format("the position along the walls is known to {:.2f} m only, not to {:.2f} m", weakest,
+                       options.max_sigma);
+  }
+  return "";
+}
+
 // Whether a window is so large that another place in it may look like the one found.
 bool MayBeAmbiguous(const LoopCandidate& candidate, const LoopOptions& options) {
   return candidate.half_width > options.ambiguity_distance || candidate.half_angle > options.ambiguity_angle;
@@ -76,21 +91,11 @@ LoopMatch MatchLoop(const SearchableSubmap& submap, const std::vector<Eigen::Vec
   const Agreement agreement = MeasureAgreement(submap.grid, pyramid.levels.back(), points, result.T_submap_node,
                                                options.local.field.matched_distance);
   const double min_agreement = candidate.is_entry ? loop.min_entry_agreement : loop.min_agreement;
-  if (agreement.agreement() < min_agreement) {
-    return reject(fmt::format("{:.2f} of the hits lie in free space of the submap: agreement {:.2f} below {:.2f}",
-                              agreement.contradicted_share, agreement.agreement(), min_agreement));
+  std::string fault = FindFault(agreement, refined.match, min_agreement, loop);
+  if (fault.empty() && MayBeAmbiguous(candidate, loop)) {
+    fault = FindAmbiguity(pyramid.table, searched, found, window, loop);
   }
-
-  const double weakest = WeakestDirection(refined.match.information);
-  if (weakest > loop.max_sigma) {
-    return reject(fmt::format("the position along the walls is known to {:.2f} m only, not to {:.2f} m", weakest,
-                              loop.max_sigma));
-  }
-
-  if (MayBeAmbiguous(candidate, loop)) {
-    std::string ambiguity = FindAmbiguity(pyramid.table, searched, found, window, loop);
-    if (!ambiguity.empty()) return reject(std::move(ambiguity));
-  }
+  if (!fault.empty()) return reject(std::move(fault));
 
   result.information = WithFloor(refined.match.information, loop.sigma_floor, loop.yaw_floor);
   result.accepted = true;

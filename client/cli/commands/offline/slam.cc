@@ -48,12 +48,10 @@ struct SlamRun {
   double seconds = 0.0;  // of mapping, reading the log not counted
 };
 
-absl::StatusOr<slam::SlamOptions> LoadSlamOptions(const std::string& path) {
+absl::StatusOr<slam::SlamOptions> ReadSlamOptions(const std::string& path) {
   if (path.empty()) return slam::SlamOptions{};
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(path));
-  absl::StatusOr<slam::SlamOptions> options = slam::ParseSlamOptions(text);
-  if (!options.ok()) return WithContext(options.status(), path);
-  return options;
+  return slam::ParseSlamOptions(text, path);
 }
 
 // The map that is there already, if any.
@@ -135,7 +133,7 @@ void PrintReport(const Globals& globals, const SlamRun& run) {
 }
 
 absl::Status RunSlam(const Globals& globals, const SlamCommandOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions slam, LoadSlamOptions(options.options_file));
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions slam, ReadSlamOptions(options.options_file));
   if (options.print_options) {
     std::cout << slam::FormatSlamOptions(slam);
     return absl::OkStatus();

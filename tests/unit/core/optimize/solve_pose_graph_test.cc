@@ -29,7 +29,7 @@ PoseGraph SquareLoop() {
   return graph;
 }
 
-// The graph once more, ids and poses shifted.
+// A copy of the graph with shifted ids and poses.
 void Append(const PoseGraph& graph, std::int64_t id_offset, double x_offset, PoseGraph& target) {
   for (PoseGraphNode node : graph.nodes) {
     node.id += id_offset;
@@ -43,7 +43,7 @@ void Append(const PoseGraph& graph, std::int64_t id_offset, double x_offset, Pos
   }
 }
 
-// By symmetry each of the two sides along x bears half of their difference, and so do those along y (0).
+// By symmetry, the two sides along x share their difference equally, and so do those along y (0).
 TEST(SolvePoseGraph, DistributesTheErrorOfALoop) {
   PoseGraph graph = SquareLoop();
   ASSERT_OK_AND_ASSIGN(const SolveReport report, SolvePoseGraph({}, graph));

@@ -4,10 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <set>
+#include <string>
 
 #include "core/slam/slam_option_names.h"
+#include "fmt/format.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::slam {
@@ -39,6 +42,49 @@ TEST(SlamOptionsYaml, RefusesWhatItDoesNotKnow) {
   EXPECT_STATUS(ParseSlamOptions("- 3"), kBad, HasSubstr("expected a map"));
   EXPECT_STATUS(ParseSlamOptions("loop: {"), kBad, HasSubstr("slam options"));
   EXPECT_STATUS(ParseSlamOptions("resolution: .nan"), kBad, HasSubstr("slam.resolution"));
+}
+
+TEST(SlamOptionsYaml, BeginsItsMessagesWithTheName) {
+  EXPECT_STATUS(ParseSlamOptions("max_rang: 3", "/etc/slam.yaml"), kBad,
+                AllOf(::testing::StartsWith("/etc/slam.yaml"), HasSubstr("max_rang")));
+  EXPECT_STATUS(ParseSlamOptions("resolution: 7", "hall.yaml"), kBad, ::testing::StartsWith("hall.yaml"));
+  EXPECT_OK(ParseSlamOptions("resolution: 0.1", "hall.yaml"));
+}
+
+struct Limited {
+  const char* name;
+  double low;
+  double high;
+};
+
+// One step beyond either limit is refused, the limit itself is not.
+TEST(SlamOptionsYaml, AcceptsOptionsUpToTheirLimits) {
+  for (const Limited& option :
+       {Limited{"resolution", 0.005, 1.0}, Limited{"max_range", 0.5, 200.0}, Limited{"keyframe.angle", 0.01, M_PI},
+        Limited{"pyramid.levels", 1, 6}, Limited{"submap.max_keyframes", 2, 10'000},
+        Limited{"local.max_half_width", 0.05, 10.0}, Limited{"occupancy.no_return_range", 0.0, 200.0},
+        Limited{"loop.max_ambiguity", 0, 1}, Limited{"graph.growth", 0.0, 10.0}}) {
+    const std::string name = option.name;
+    const bool whole = name == "pyramid.levels" || name == "submap.max_keyframes";
+    const auto with = [&](double value) {
+      const std::size_t dot = name.find('.');
+      const std::string written = fmt::format("{}", value);
+      return ParseSlamOptions(dot == std::string::npos
+                                  ? name + ": " + written
+                                  : name.substr(0, dot) + ": {" + name.substr(dot + 1) + ": " + written + "}");
+    };
+    const double step = whole ? 1.0 : 1e-3;
+    EXPECT_OK(with(option.low)) << name;
+    EXPECT_OK(with(option.high)) << name;
+    EXPECT_STATUS(with(option.low - step), kBad, HasSubstr("slam." + name));
+    EXPECT_STATUS(with(option.high + step), kBad, HasSubstr("slam." + name));
+  }
+}
+
+TEST(SlamOptionsYaml, RefusesProbabilitiesThatContradictOneAnother) {
+  EXPECT_STATUS(ParseSlamOptions("occupancy: {min_probability: 0.42}"), kBad, HasSubstr("miss_probability"));
+  EXPECT_STATUS(ParseSlamOptions("occupancy: {max_probability: 0.6}"), kBad, HasSubstr("hit_probability"));
+  EXPECT_STATUS(ParseSlamOptions("occupancy: {hit_probability: 0.5}"), kBad, HasSubstr("0.501"));
 }
 
 TEST(SlamOptionsYaml, ReadsBackAllThatItWrites) {

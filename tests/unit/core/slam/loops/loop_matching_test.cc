@@ -116,7 +116,7 @@ TEST(MatchLoop, RefusesAPlaceAlongABareCorridor) {
   EXPECT_THAT(match.reason, HasSubstr("along the walls"));
 }
 
-// Equal niches every 2 m: which of them it is only the guess could say, and the guess may be 4 m off.
+// Equal niches every 2 m: only the guess can tell them apart, and it may be 4 m off.
 TEST(MatchLoop, RefusesOneOfSeveralPlacesThatLookAlike) {
   const auto walls = testing::WallsFromText({"################################",  //
                                              "## ### ### ### ### ### ### ### #",  //

@@ -57,10 +57,10 @@ TEST(Footprint, OfADriveGrowsByWhatItsKeyframesAndSubmapsMayCost) {
   }
   EXPECT_GT(submaps, 5U);
   EXPECT_GT(first_round, 0U);
-  EXPECT_LT(mapper.footprint().kept, 8 * first_round) << "in proportion to the way";
+  EXPECT_LT(mapper.footprint().kept, 8 * first_round) << "in proportion to the distance";
 }
 
-// The raster costs the area, not the way.
+// The raster grows with the area, not with the distance.
 TEST(Footprint, OfTheRasterStaysInAPlaceDrivenAgain) {
   Mapper once(SlamOptions{});
   for (const sensor::PairedScan& scan : Rounds(2)) once.AddScan(scan);
@@ -69,7 +69,7 @@ TEST(Footprint, OfTheRasterStaysInAPlaceDrivenAgain) {
   for (const sensor::PairedScan& scan : Rounds(6)) often.AddScan(scan);
   often.RenderGrid();
   EXPECT_GT(once.footprint().raster, 0U);
-  EXPECT_LE(often.footprint().raster, 2 * once.footprint().raster) << "after three times the way";
+  EXPECT_LE(often.footprint().raster, 2 * once.footprint().raster) << "after three times the distance";
 }
 
 TEST(Footprint, DoesNotGrowWhereTheRobotStands) {

@@ -42,9 +42,9 @@ MappedAgain MapPart(LogMapper mapper, const std::vector<sensor::Record>& records
   return mapped;
 }
 
-// A recording cut in two: the second half goes on in the first one's map, from a pose that is wrong by two standard
-// deviations. Compared with one mapper over all of it.
-TEST(ExistingMapRecording, TheSecondHalfGoesOnInTheFirstOnesMap) {
+// A recording cut in two: the second half continues the map of the first, from a pose that is wrong by two standard
+// deviations. Compared with one mapper for the whole recording.
+TEST(ExistingMapRecording, TheSecondHalfContinuesTheMapOfTheFirst) {
   ENFILADE_RECORDING_OR_SKIP(path, "laser/derived/intel_raw_odom.clf.gz");
   const std::vector<sensor::Record> records = ReadLog(path);
   const std::size_t half = records.size() / 2;

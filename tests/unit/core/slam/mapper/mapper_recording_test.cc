@@ -32,7 +32,7 @@ struct Mapped {
   grid::OccupancyGrid grid;
 };
 
-// Stops and goes on from a checkpoint after every `every` records.
+// Restores the mapper from a checkpoint after every `every` records.
 Mapped MapRecords(const std::vector<sensor::Record>& records, std::size_t every) {
   LogMapper mapper({}, {});
   Mapped mapped;

@@ -317,7 +317,7 @@ TEST(MapperBadInput, AKidnappedRobotWithoutOdometrySaysSoToo) {
   ExpectLostAndNothingBent(kidnapping, MapLog(kidnapping.log));
 }
 
-// Along the bare corridors nothing but inertia tells how far the robot has come: it must not be thought to stand.
+// Along a bare corridor only the assumption of constant velocity shows the motion: the robot must not appear to stand.
 TEST(MapperSlam, GoesOnAlongBareCorridorsWithoutOdometry) {
   const auto truth = Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 4.5}}, 0.25);
   for (const std::uint64_t seed : {4, 5, 6, 7, 8, 9}) {

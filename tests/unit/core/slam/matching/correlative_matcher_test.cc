@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "core/slam/matching/likelihood_field.h"
 #include "tests/support/pose_matchers.h"
@@ -80,6 +81,62 @@ TEST(SearchPose, FindsWhatTryingAllPosesFinds) {
     EXPECT_DOUBLE_EQ(found.score, SearchPose(exhaustive, points, window).score);
     EXPECT_THAT(found.pose, PoseNear(truth, 0.06, 0.02));
   }
+}
+
+// Poses planted all over the window, also at its border; points on walls to a centimetre.
+TEST(SearchPose, FindsThePlantedPose) {
+  const SearchTable table = Table(6);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> offset(-0.95, 0.95);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  for (int k = 0; k < 30; ++k) {
+    const Pose2 centre{1.5, 1.0, 0.3};
+    const Pose2 truth{centre.x + offset(random), centre.y + offset(random), centre.yaw + 0.6 * offset(random)};
+    std::vector<Eigen::Vector2d> points = SeenFrom(truth);
+    for (Eigen::Vector2d& p : points) p += Eigen::Vector2d(noise(random), noise(random));
+    const SearchResult found = SearchPose(table, points, {.centre = centre, .half_width = 1.0, .half_angle = 0.6});
+    EXPECT_THAT(found.pose, PoseNear(truth, 0.08, 0.03)) << k;
+    EXPECT_GT(found.score, 0.8);
+    EXPECT_LE(found.score, 1.0);
+  }
+}
+
+// The score is that of the table at the pose: summed by hand.
+TEST(SearchPose, ScoresTheMeanLikelihood) {
+  const SearchTable table = Table(5);
+  const auto points = SeenFrom({1.3, 1.1, 0.2});
+  const SearchResult found = SearchPose(table, points, {.centre = {1.4, 1.0, 0.25}, .half_width = 0.4});
+  double sum = 0.0;
+  for (const Eigen::Vector2d& p : points) {
+    const Eigen::Vector2d q = found.pose * p;
+    sum += table.At(0, static_cast<int>(std::floor(q.x() / 0.05)), static_cast<int>(std::floor(q.y() / 0.05))) / 255.0;
+  }
+  EXPECT_NEAR(found.score, sum / static_cast<double>(points.size()), 0.02) << "but for points at the border of a cell";
+}
+
+TEST(SearchPose, PrefersThePriorAmongEqualPlaces) {
+  LikelihoodField field(0.05, 0.5);
+  std::vector<Eigen::Vector2d> wall;
+  for (double x = -6.0; x < 6.0; x += 0.02) wall.emplace_back(x, 0.0);
+  field.Add(wall);
+  SearchTable table(0.1, 5);
+  table.Update(field, field.window());
+  std::vector<Eigen::Vector2d> seen;  // a part of a wall that looks the same all along
+  for (double x = -1.0; x < 1.0; x += 0.05) seen.emplace_back(x, 1.0);
+  for (const double x : {-2.0, 0.0, 1.5}) {
+    const SearchResult found = SearchPose(
+        table, seen,
+        {.centre = {x, -1.2, 0.0}, .half_width = 1.0, .half_angle = 0.1, .sigma_translation = 0.5, .sigma_yaw = 0.1});
+    EXPECT_NEAR(found.pose.x, x, 0.051) << "along the wall only the prior decides";
+    EXPECT_NEAR(found.pose.y, -1.0, 0.06);
+  }
+}
+
+TEST(SearchPose, OfNoPointsIsTheCentre) {
+  const Pose2 centre{1.0, 2.0, 0.5};
+  const SearchResult found = SearchPose(Table(3), {}, {.centre = centre});
+  EXPECT_EQ(found.pose, centre);
+  EXPECT_EQ(found.score, 0.0);
 }
 
 TEST(SearchPose, LooksAllAround) {
