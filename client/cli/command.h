@@ -9,18 +9,18 @@
 
 namespace enfilade::cli {
 
-// The options that come before the subcommand.
+// The options of all commands.
 struct Globals {
-  bool json = false;                       // print one JSON document for programs instead of text for people
+  bool json = false;                       // print JSON instead of text
   bool quiet = false;                      // no progress bars
   std::string server = "localhost:50051";  // host:port or unix:/path
-  double timeout_s = 30.0;                 // deadline of unary calls
+  double timeout_s = 30.0;                 // deadline of a unary call
   std::string site = "default";
-  std::string actor;  // who calls, for the audit trail
+  std::string actor;  // for the audit trail
 };
 
-// Adds the subcommand `name` to `parent` and returns it, for options to be added. `run` is called when the command
-// line names it; its error is printed as "enfilade: message" and becomes the exit code (ExitCodeOf).
+// Adds the subcommand `name` to `parent` and returns it, so that options can be added. `run` is called if the command
+// line names it; its error is printed as "enfilade: message" and sets the exit code (ExitCodeOf).
 CLI::App* AddCommand(CLI::App& parent, const std::string& name, const std::string& description,
                      std::function<absl::Status()> run);
 

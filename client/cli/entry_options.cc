@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/cli/entry_options.h"
 
-#include "client/cli/place.h"
+#include "client/cli/numbers.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
 namespace enfilade::cli {
 
 void AddEntryOptions(CLI::App& command, EntryOptions& options) {
-  command.add_option("--at", options.at, "Where the log begins in a map that is there already: X,Y,YAW in m and rad");
-  command.add_option("--at-sigma", options.sigma, "How sure that is, standard deviations: M,RAD")
+  command.add_option("--at", options.at, "Where the log starts in an existing map: X,Y,YAW in metres and radians");
+  command.add_option("--at-sigma", options.sigma, "Standard deviations of that position and heading: M,RAD")
       ->capture_default_str();
 }
 

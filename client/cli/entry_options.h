@@ -10,16 +10,16 @@
 
 namespace enfilade::cli {
 
-// Where the robot is in a map that is there already, as people write it.
+// Where a log starts in an existing map, as people write it.
 struct EntryOptions {
-  std::string at;  // X,Y,YAW in metres and radians; empty: the map begins with the log
-  std::string sigma =
-      "0.3,0.15";  // M,RAD: standard deviations of the position, along x and along y, and of the heading
+  std::string at;  // X,Y,YAW in metres and radians; empty: the log starts a new map
+  // M,RAD: standard deviations of the position (along x and along y) and of the heading.
+  std::string sigma = "0.3,0.15";
 };
 
 void AddEntryOptions(CLI::App& command, EntryOptions& options);
 
-// Unset where nothing was said. INVALID_ARGUMENT saying what was expected.
+// Unset without --at. INVALID_ARGUMENT with the expected form.
 absl::StatusOr<std::optional<PoseWithCovariance>> EntryOf(const EntryOptions& options);
 
 }  // namespace enfilade::cli

@@ -3,8 +3,8 @@
 
 namespace enfilade::cli {
 
-// While it lives, Ctrl-C and SIGTERM do not end the program but are remembered, so that a command can end in order. A
-// second one ends the program at once. One at a time.
+// While it exists, the first Ctrl-C or SIGTERM only sets a flag, so that a command can clean up before it ends. The
+// second one ends the program. Only one may exist at a time.
 class InterruptGuard {
  public:
   InterruptGuard();

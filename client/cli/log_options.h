@@ -6,7 +6,7 @@
 
 namespace enfilade::cli {
 
-// --skip-bad-lines, --range-max and --fov: what a log does not say about itself. `options` outlives the command.
+// --skip-bad-lines, --range-max and --fov: what a log does not state itself. `options` outlives the command.
 void AddLogOptions(CLI::App& command, sources::LogOptions& options);
 // --no-odometry.
 void AddNoOdometry(CLI::App& command, sources::LogOptions& options);

@@ -9,7 +9,8 @@
 
 namespace enfilade::cli {
 
-// The file and, for a YAML, the image that it names. NOT_FOUND; INVALID_ARGUMENT where the YAML names none.
+// A map's JSON file, or its YAML file and the image that this names. NOT_FOUND; INVALID_ARGUMENT: the YAML names no
+// image.
 absl::StatusOr<std::vector<grid::MapFile>> ReadMapFiles(const std::filesystem::path& path);
 
 }  // namespace enfilade::cli

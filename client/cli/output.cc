@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iostream>
 #include <utility>
@@ -24,7 +25,7 @@ std::size_t Width(const std::string& text) {
 }
 
 std::string Amount(std::int64_t value, const std::string& unit) {
-  return unit == "B" ? BytesInWords(value) : std::to_string(value);
+  return unit == "B" ? FormatBytes(value) : std::to_string(value);
 }
 
 std::string Bar(double share) {
@@ -50,10 +51,10 @@ std::string ToLine(const Progress& progress) {
   const auto here = static_cast<double>(progress.done - progress.first);
   if (progress.elapsed_s > 0.2 && here > 0.0) {
     const double rate = here / progress.elapsed_s;
-    line += progress.unit == "B" ? fmt::format("  {}/s", BytesInWords(std::llround(rate)))
+    line += progress.unit == "B" ? fmt::format("  {}/s", FormatBytes(std::llround(rate)))
                                  : fmt::format("  {:.{}f}/s", rate, rate < 10.0 ? 1 : 0);
     const auto left = static_cast<double>(progress.total - progress.done);
-    if (progress.total > 0 && left > 0.0) line += fmt::format("  {} left", SecondsInWords(left / rate));
+    if (progress.total > 0 && left > 0.0) line += fmt::format("  {} left", FormatSeconds(left / rate));
   }
   if (!progress.note.empty()) line += "  " + progress.note;
   return line;
@@ -97,7 +98,7 @@ void ProgressBar::Draw(steady_clock::time_point now) {
 void ProgressBar::Finish() {
   if (finished_) return;
   finished_ = true;
-  if (!shown_ || drawn_width_ == 0) return;  // over within a second
+  if (!shown_ || drawn_width_ == 0) return;  // it took less than a second
   Draw(steady_clock::now());
   if (terminal_) std::cerr << std::endl;
 }
@@ -126,7 +127,7 @@ void PrintJson(std::ostream& out, const nlohmann::json& document) {
   out << document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
-std::string BytesInWords(std::int64_t bytes) {
+std::string FormatBytes(std::int64_t bytes) {
   if (bytes < 1024) return fmt::format("{} B", bytes);
   constexpr const char* kUnits[] = {"KiB", "MiB", "GiB", "TiB"};
   double value = static_cast<double>(bytes) / 1024.0;
@@ -138,13 +139,19 @@ std::string BytesInWords(std::int64_t bytes) {
   return fmt::format("{:.1f} {}", value, kUnits[unit]);
 }
 
-std::string SecondsInWords(double seconds) {
+std::string FormatSeconds(double seconds) {
   if (!(seconds >= 0.0) || seconds > 1e9) return "?";
   if (seconds < 9.995) return fmt::format("{:.2f} s", seconds);
   if (seconds < 59.95) return fmt::format("{:.1f} s", seconds);
   const auto whole = static_cast<std::int64_t>(std::llround(seconds));
   if (whole < 3600) return fmt::format("{}:{:02d}", whole / 60, whole % 60);
   return fmt::format("{}:{:02d}:{:02d}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+std::string EnumText(const std::string& name, const std::string& prefix) {
+  std::string text = name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+  for (char& c : text) c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 }  // namespace enfilade::cli

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <iostream>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -12,20 +13,19 @@
 
 namespace enfilade::cli {
 
-// A bar on standard error for whatever takes longer than a second:
+// A progress bar on standard error, shown once an operation takes longer than a second:
 //   sending  [=========>          ]  45 %  1234/2726  310/s  0:05 left
-// On a terminal it is redrawn in place, elsewhere (a log file, CI) a line appears every few seconds. With --quiet and
-// --json nothing is printed. Not thread-safe.
+// A terminal shows it in place; elsewhere (a log file, CI) a new line appears every few seconds. Prints nothing with
+// --quiet and --json. Not thread-safe.
 class ProgressBar {
  public:
-  // `total` 0: not known, only the count is shown. `unit`: of what is counted, for the rate; "B" shows bytes as KiB,
-  // MiB.
+  // `total` 0: unknown, only the count is shown. `unit`: what is counted; "B" is shown as KiB, MiB ...
   ProgressBar(const Globals& globals, std::string label, std::int64_t total, std::string unit = "");
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // May be called as often as convenient; draws at most ten times a second. `note` is shown at the end of the line.
+  // May be called often: it draws at most ten times a second. `note` is shown at the end of the line.
   void Update(std::int64_t done, const std::string& note = "");
   void SetTotal(std::int64_t total) { total_ = total; }
   // Draws the last state and ends the line. Further calls do nothing.
@@ -39,7 +39,7 @@ class ProgressBar {
   std::string label_;
   std::int64_t total_;
   std::string unit_;
-  std::int64_t first_ = -1;  // what was done at the first update: not of this run, so not in its rate
+  std::int64_t first_ = -1;  // the count at the first update, which an earlier run did: not in the rate
   std::int64_t done_ = 0;
   std::string note_;
   std::size_t drawn_width_ = 0;
@@ -48,7 +48,7 @@ class ProgressBar {
   std::chrono::steady_clock::time_point next_draw_;
 };
 
-// The text of a bar's line, apart from the terminal: `elapsed_s` since the count was `first`.
+// The text of a bar's line. `elapsed_s`: since the count was `first`.
 struct Progress {
   std::string label;
   std::int64_t first = 0;
@@ -60,14 +60,32 @@ struct Progress {
 };
 std::string ToLine(const Progress& progress);
 
-// Columns as wide as their widest cell (counted in UTF-8 characters), two spaces between them; the last is not padded.
+// Columns as wide as their widest cell (in UTF-8 characters), two spaces between them; the last column is not padded.
 void PrintTable(std::ostream& out, const std::vector<std::string>& header,
                 const std::vector<std::vector<std::string>>& rows);
 
-// One document, indented by two, with a newline. Invalid UTF-8 is replaced, never thrown on.
+// One document, indented by two, with a newline. Invalid UTF-8 is replaced.
 void PrintJson(std::ostream& out, const nlohmann::json& document);
 
-std::string BytesInWords(std::int64_t bytes);  // "512 B", "1.5 KiB", "64.0 MiB"
-std::string SecondsInWords(double seconds);    // "0.42 s", "12.3 s", "5:07", "1:02:03"
+// A list on standard output: with --json one array of `to_json`, else a table of `to_row`.
+template <typename Item>
+void PrintList(const Globals& globals, const std::vector<Item>& items, const std::vector<std::string>& header,
+               nlohmann::json (*to_json)(const Item&), std::vector<std::string> (*to_row)(const Item&)) {
+  if (globals.json) {
+    nlohmann::json documents = nlohmann::json::array();
+    for (const Item& item : items) documents.push_back(to_json(item));
+    return PrintJson(std::cout, documents);
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const Item& item : items) rows.push_back(to_row(item));
+  PrintTable(std::cout, header, rows);
+}
+
+std::string FormatBytes(std::int64_t bytes);  // "512 B", "1.5 KiB", "64.0 MiB"
+std::string FormatSeconds(double seconds);    // "0.42 s", "12.3 s", "5:07", "1:02:03"
+
+// A protobuf enum's value for people: the name without its prefix, in lower case, with spaces for underscores.
+// EnumText("DECISION_MAP_ENTERED", "DECISION_") is "map entered".
+std::string EnumText(const std::string& name, const std::string& prefix);
 
 }  // namespace enfilade::cli

@@ -4,20 +4,28 @@
 #include <ctime>
 #include <vector>
 
-#include "client/sdk/uplink/session_setup.h"
-#include "core/base/ids.h"
+#include "client/sdk/api/maps.h"
+#include "core/base/status_macros.h"
 
 namespace enfilade::cli {
 
-std::string SessionNameOf(const Globals& globals, const std::string& session) {
-  return session.rfind("sites/", 0) == 0 ? session : SiteNameOf(globals) + "/sessions/" + session;
+std::string ResourceNameOf(const Globals& globals, const std::string& collection, const std::string& id) {
+  return id.starts_with("sites/") ? id : SiteNameOf(globals) + "/" + collection + "/" + id;
 }
 
 absl::StatusOr<v1::Map> FindMap(const client::Connection& connection, const Globals& globals, const std::string& map) {
-  return enfilade::client::FindMap(connection, SiteId(globals.site), map);
+  return client::FindMap(connection, SiteId(globals.site), map);
 }
 
-std::string TimeInWords(const google::protobuf::Timestamp& time) {
+absl::StatusOr<PoseInMap> FindPoseInMap(const client::Connection& connection, const Globals& globals,
+                                        const std::string& text) {
+  ENFILADE_ASSIGN_OR_RETURN(PoseInMap found, ParsePoseInMap(text));
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, found.map));
+  found.map = map.name();
+  return found;
+}
+
+std::string FormatTime(const google::protobuf::Timestamp& time) {
   if (time.seconds() == 0) return "";
   const auto seconds = static_cast<std::time_t>(time.seconds());
   std::tm utc{};
@@ -33,6 +41,6 @@ nlohmann::json PoseToJson(const v1::PoseWithCovariance& pose) {
           {"covariance", std::vector<double>(pose.covariance().begin(), pose.covariance().end())}};
 }
 
-std::string IdOf(const std::string& name) { return name.substr(name.rfind('/') + 1); }
+std::string IdOf(const std::string& name) { return name.empty() ? "-" : name.substr(name.rfind('/') + 1); }
 
 }  // namespace enfilade::cli

@@ -33,8 +33,7 @@ absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& addre
   if (status.ok()) return absl::OkStatus();
   const auto code = static_cast<absl::StatusCode>(status.error_code());
   if (code == absl::StatusCode::kUnavailable && !address.empty()) {
-    return Unavailable("the server at {} cannot be reached or cannot take the call now ({})", address,
-                       status.error_message());
+    return Unavailable("the server at {} cannot be reached or is not ready ({})", address, status.error_message());
   }
   return absl::Status(code, status.error_message());
 }

@@ -14,24 +14,23 @@
 
 namespace enfilade::client {
 
-// A channel to the server at host:port or unix:/path, with keepalive, so that a dead connection is noticed within 20 s,
-// and room for messages of 66 MiB. Connects when first used, and again by itself.
+// A channel to the server at host:port or unix:/path, with keepalive (a dead connection is noticed within 20 s) and for
+// messages of up to 66 MiB. It connects when first used, and reconnects.
 std::shared_ptr<grpc::Channel> Connect(const std::string& address);
 
-// The same code and message; where the server could not be reached the message names `address`.
+// The same code and message. UNAVAILABLE: the message names `address`.
 absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& address = "");
 
-// Calls of one client: its channel, how long a unary call may take, and in whose name it is made. Copyable,
-// thread-safe.
+// How one client calls: its channel, the deadline of a call, and the actor. Copyable, thread-safe.
 class Connection {
  public:
-  // `actor`: for the audit trail; anything but printable ASCII in it is sent as "?".
+  // `timeout`: of a unary call. `actor`: for the audit trail; characters that are not printable ASCII are sent as "?".
   Connection(std::string address, std::chrono::duration<double> timeout, const std::string& actor = "");
 
   const std::string& address() const { return address_; }
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
 
-  // connection.Call(&v1::SiteService::Stub::GetSite, request), with the service's stub made for the call.
+  // A unary call: connection.Call(&v1::SiteService::Stub::GetSite, request). Sets deadline and actor.
   template <typename Service, typename Request, typename Response>
   absl::StatusOr<Response> Call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
                                 const Request& request) const {
@@ -45,12 +44,11 @@ class Connection {
     return response;
   }
 
+  // For streams, some of which have no deadline.
   void SetDeadline(grpc::ClientContext& context) const {
     context.set_deadline(std::chrono::system_clock::now() +
                          std::chrono::duration_cast<std::chrono::system_clock::duration>(timeout_));
   }
-
-  // Call does both; streams decide for themselves.
   void SetActor(grpc::ClientContext& context) const {
     if (!actor_.empty()) context.AddMetadata("enfilade-actor", actor_);
   }

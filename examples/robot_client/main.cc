@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // usage: robot_client SERVER SITE SPOOL
-// What a robot's driver does: records scans and odometry durably while an uplink brings them to the server. The robot
-// here drives two metres through a square room of its imagination. Killed and started anew with the same spool, what
-// was recorded still reaches the server.
+// A robot's driver: records scans and odometry durably, while an uplink sends them to the server. The scans here are
+// computed: the robot drives two metres through a square room. If the program is killed and started again with the same
+// spool, what it recorded still reaches the server.
 #include <chrono>
 #include <cmath>
 #include <iostream>
@@ -12,9 +12,9 @@
 
 namespace {
 
-using enfilade::LaserScan;
-using enfilade::Odometry;
 using enfilade::TimeNs;
+using enfilade::sensor::LaserScan;
+using enfilade::sensor::Odometry;
 
 constexpr double kHalfRoom = 4.0;  // m
 constexpr int kBeams = 360;
@@ -26,11 +26,11 @@ enfilade::client::SpoolSession NewSession(const char* site) {
   session.robot = enfilade::RobotId("rover-1");
   session.map = "Square room";
   session.request_id = "2f0a4f3e-6f0e-4f57-8a0f-0f6c1d8f6b10";  // a UUID, kept for the session's whole life
-  session.source = "robot_client's imagination";
+  session.source = "robot_client";
   return session;
 }
 
-// From (x, 0) and looking along the x axis, in a room around the origin.
+// The scan from (x, 0) along the x axis, in a room around the origin.
 LaserScan ScanFrom(double x, TimeNs time) {
   LaserScan scan;
   scan.time = time;
@@ -68,7 +68,7 @@ absl::Status Run(const char* server, const char* site, const char* spool_file) {
   if (!(*spool)->FindSession(session.id)) {
     if (const absl::Status created = (*spool)->CreateSession(session); !created.ok()) return created;
   }
-  enfilade::Uplink uplink(enfilade::Connection(server, std::chrono::seconds(10)), **spool, session.id);
+  enfilade::client::Uplink uplink(enfilade::client::Connection(server, std::chrono::seconds(10)), **spool, session.id);
   uplink.Start();
   if (!(*spool)->FindSession(session.id)->finished) {
     if (const absl::Status recorded = Record(**spool, session.id); !recorded.ok()) return recorded;

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/completion.h"
-
 #include <iostream>
 #include <memory>
 #include <string>
 
+#include "client/cli/commands/commands.h"
 #include "core/base/error.h"
 
 namespace enfilade::cli {
 namespace {
 
-// What may follow the words of one command: its subcommands and options.
+// What may follow a command: its subcommands and options.
 std::string WordsOf(const CLI::App& command, const CLI::App& root) {
   std::string words;
   for (const CLI::App* subcommand : command.get_subcommands({})) words += subcommand->get_name() + " ";
@@ -23,7 +22,7 @@ std::string WordsOf(const CLI::App& command, const CLI::App& root) {
   return words;
 }
 
-// One case branch for each command, by its words: "map export".
+// One branch of the shell's case for each command: "map export".
 void AppendCases(const CLI::App& command, const CLI::App& root, const std::string& path, std::string& script) {
   script += fmt::format("    '{}') words='{}' ;;\n", path, WordsOf(command, root));
   for (const CLI::App* subcommand : command.get_subcommands({})) {
@@ -31,7 +30,7 @@ void AppendCases(const CLI::App& command, const CLI::App& root, const std::strin
   }
 }
 
-// The longest run of words that names a command, then what may follow it; file names everywhere else.
+// Completes what may follow the longest run of words that names a command, and file names otherwise.
 std::string BashScript(const CLI::App& app) {
   std::string script =
       "_enfilade() {\n"
@@ -50,7 +49,7 @@ std::string BashScript(const CLI::App& app) {
   return script;
 }
 
-// All commands, their words joined by dots: "map map.export ...".
+// All commands, with dots between their words: "map map.export ...".
 void AppendCommands(const CLI::App& command, const std::string& path, std::string& list) {
   for (const CLI::App* subcommand : command.get_subcommands({})) {
     const std::string name = path.empty() ? subcommand->get_name() : path + "." + subcommand->get_name();

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/robot.h"
-
 #include <unistd.h>
 
 #include <cmath>
@@ -11,9 +9,11 @@
 #include <string>
 #include <utility>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/log_options.h"
-#include "client/cli/place.h"
+#include "client/cli/numbers.h"
+#include "client/cli/pose_in_map.h"
 #include "client/cli/remote.h"
 #include "client/cli/replay/replay_session.h"
 #include "client/robot/input/commands.h"
@@ -47,15 +47,6 @@ struct RobotCommandOptions {
   simulator::SimulationOptions simulation;
 };
 
-absl::StatusOr<std::optional<double>> RateOf(const std::string& text) {
-  if (text == "max") return std::nullopt;
-  if (text == "real") return 1.0;
-  char* end = nullptr;
-  const double rate = std::strtod(text.c_str(), &end);
-  if (end != text.c_str() && *end == '\0' && std::isfinite(rate) && rate > 0.0) return rate;
-  return InvalidArgument("--rate is \"{}\": expected max, real or a factor such as 2.5", text);
-}
-
 absl::StatusOr<robot::RobotOptions> LoadAgentOptions(const RobotCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(robot::RobotOptions loaded, robot::RobotPreset(options.preset));
   if (!options.options_file.empty()) {
@@ -70,23 +61,23 @@ absl::StatusOr<robot::RobotOptions> LoadAgentOptions(const RobotCommandOptions& 
 
 absl::Status CheckRobot(const RobotCommandOptions& options) {
   if (options.source.empty() == options.campus.empty()) {
-    return InvalidArgument("say what the robot's sensors see: a LOG, - for JSON lines on standard input, or --campus");
+    return InvalidArgument("give one source of sensor data: a log, - for JSON lines on standard input, or --campus");
   }
   if (!IsValidResourceId(options.robot)) {
     return InvalidArgument("--robot is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\"", options.robot);
   }
   if (!options.map.empty() && !options.on_existing_map.empty()) {
-    return InvalidArgument("--map begins a new map, --on-existing-map continues one: not both");
+    return InvalidArgument("--map starts a new map and --on-existing-map continues one: give only one of them");
   }
   return absl::OkStatus();
 }
 
-// Where the robot is put: MAP,X,Y,YAW.
+// A new map, or the pose of --on-old-map: MAP,X,Y,YAW.
 absl::StatusOr<std::variant<robot::RecordNewMap, robot::MapOnExistingMap>> StartOf(const RobotCommandOptions& options,
                                                                                    const Eigen::Matrix3d& covariance) {
   if (options.on_existing_map.empty()) return robot::RecordNewMap{options.map};
-  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.on_existing_map));
-  return robot::MapOnExistingMap{place.map, {place.pose, covariance}};
+  ENFILADE_ASSIGN_OR_RETURN(const PoseInMap start, ParsePoseInMap(options.on_existing_map));
+  return robot::MapOnExistingMap{start.map, {start.pose, covariance}};
 }
 
 absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const RobotCommandOptions& options,
@@ -106,7 +97,7 @@ absl::StatusOr<std::string> SpoolPathOf(const RobotCommandOptions& options) {
   return DefaultSpoolPath("robot-" + options.robot);
 }
 
-// What happens, on standard output: lines for people, or JSON objects.
+// Prints events on standard output: lines for people, or one JSON object a line.
 class Console {
  public:
   explicit Console(const Globals& globals) : json_(globals.json), quiet_(globals.quiet) {}
@@ -157,7 +148,7 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   }
   ENFILADE_RETURN_IF_ERROR(CheckRobot(options));
   robot::RunOptions run;
-  ENFILADE_ASSIGN_OR_RETURN(run.rate, RateOf(options.rate));
+  ENFILADE_ASSIGN_OR_RETURN(run.rate, ParseRate(options.rate));
   run.live = options.source == "-";
   run.wait = options.wait;
   run.pose_covariance = Eigen::Vector3d(robot_options.initial_variance_x, robot_options.initial_variance_y,
@@ -199,9 +190,9 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   uploader.Stop();
   console.Show(Summary(*agent, status));
   if (status.ok() || spool->usage().records == 0) return status;
-  return absl::Status(status.code(), std::string(status.message()) +
-                                         fmt::format("; {} records wait in {} and go to the server with the next run",
-                                                     spool->usage().records, spool_path));
+  return absl::Status(status.code(),
+                      std::string(status.message()) +
+                          fmt::format("; {} records wait in {} for the next run", spool->usage().records, spool_path));
 }
 
 void AddSimulation(CLI::App* command, const std::shared_ptr<RobotCommandOptions>& options) {
@@ -209,13 +200,16 @@ void AddSimulation(CLI::App* command, const std::shared_ptr<RobotCommandOptions>
   simulation.image_hz = 2.0;
   simulation.cloud_hz = 1.0;
   simulation.near_doors = 4.5;
-  command->add_option("--campus", options->campus, "Drive through a simulated campus: as in `enfilade sim`");
-  command->add_option("--seed", simulation.seed, "Campus: of all noise")->capture_default_str();
-  command->add_option("--laps", options->laps, "Campus: rounds of the route, instead of the campus's");
-  command->add_option("--image-hz", simulation.image_hz, "Campus: images")->capture_default_str();
-  command->add_option("--cloud-hz", simulation.cloud_hz, "Campus: point clouds")->capture_default_str();
-  command->add_option("--depth-hz", simulation.depth_hz, "Campus: depth images; 2 where config_criterion needs them");
-  command->add_option("--near-doors", simulation.near_doors, "Campus: images and clouds only this near to a door, m")
+  command->add_option("--campus", options->campus, "Drive through a simulated campus (see `enfilade simulate --help`)");
+  command->add_option("--seed", simulation.seed, "Campus: the seed of all noise")->capture_default_str();
+  command->add_option("--laps", options->laps, "Campus: rounds of the route (default: the campus's)");
+  command->add_option("--image-hz", simulation.image_hz, "Campus: rate of images, Hz")->capture_default_str();
+  command->add_option("--cloud-hz", simulation.cloud_hz, "Campus: rate of point clouds, Hz")->capture_default_str();
+  command->add_option("--depth-hz", simulation.depth_hz,
+                      "Campus: rate of depth images, Hz (default: 2 if config_criterion needs them)");
+  command
+      ->add_option("--near-doors", simulation.near_doors,
+                   "Campus: images and clouds only within this distance of a door, m")
       ->capture_default_str();
   command->add_option("--truth", options->truth, "Campus: write the ground truth into this file");
 }
@@ -224,26 +218,28 @@ void AddSimulation(CLI::App* command, const std::shared_ptr<RobotCommandOptions>
 
 void AddRobot(CLI::App& app, const Globals& globals) {
   auto options = std::make_shared<RobotCommandOptions>();
-  CLI::App* command = AddCommand(app, "robot", "Map a campus as a robot does: doors, sessions, maps (docs/robot.md)",
-                                 [&globals, options] { return RunRobot(globals, *options); });
+  CLI::App* command =
+      AddCommand(app, "robot", "Map a campus as a robot does: find doors, one map per room (docs/robot.md)",
+                 [&globals, options] { return RunRobot(globals, *options); });
   command->add_option("SOURCE", options->source, "A recorded log, or - for JSON lines on standard input");
   AddSimulation(command, options);
-  command->add_option("--robot", options->robot, "Its id; created where missing. Campus: the robot that drives")
+  command->add_option("--robot", options->robot, "Its id; created if missing. Campus: the robot that drives")
       ->capture_default_str();
-  command->add_option("--map", options->map, "The name of the map to begin with; default: made up");
+  command->add_option("--map", options->map, "The name of the first map (default: generated)");
   command->add_option("--on-existing-map,--on-old-map", options->on_existing_map,
-                      "Begin in an existing map: MAP,X,Y,YAW (m, rad)");
-  command->add_flag("--hand", options->hand,
-                    "No detectors: commands say where doors are, beginning with the main menu");
+                      "Start in an existing map: MAP,X,Y,YAW (m, rad)");
+  command->add_flag("--hand", options->hand, "No detectors: commands name the doors, starting with the main menu");
   command->add_option("--preset", options->preset, "default, original-yaml or original-code")->capture_default_str();
-  command->add_option("--options", options->options_file, "A YAML file with options over the preset");
-  command->add_flag("--print-options", options->print_options, "Print all options as YAML and stop");
-  command->add_option("--spool", options->spool, "The file that keeps what the server does not have yet");
+  command->add_option("--options", options->options_file, "A YAML file with options that override the preset");
+  command->add_flag("--print-options", options->print_options, "Print all options as YAML and exit");
+  command->add_option("--spool", options->spool, "The file that keeps records until the server acknowledges them");
   command->add_option("--rate", options->rate, "max, real (as recorded) or a factor such as 2.5")
       ->capture_default_str();
-  command->add_option("--commands", options->commands, "-: read commands from standard input though it is no terminal")
+  command
+      ->add_option("--commands", options->commands, "-: read commands from standard input even if it is not a terminal")
       ->check(CLI::IsMember({"-"}));
-  command->add_flag("--wait", options->wait, "At the end, until the server has mapped and judged everything");
+  command->add_flag("--wait", options->wait,
+                    "At the end, wait until the server has mapped everything and judged all doors");
   AddLogOptions(*command, options->reading);
   command->footer("Commands, on the terminal:\n" + robot::CommandHelp() +
                   "Examples:\n"

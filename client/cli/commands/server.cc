@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/server.h"
-
 #include <iostream>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "core/base/status_macros.h"
@@ -27,7 +26,7 @@ absl::Status PrintStatus(const Globals& globals) {
                           {"streams_open", status.streams_open()}});
   } else {
     std::cout << "enfilade-server " << status.version() << " at " << globals.server << ", up "
-              << SecondsInWords(static_cast<double>(status.uptime().seconds())) << '\n'
+              << FormatSeconds(static_cast<double>(status.uptime().seconds())) << '\n'
               << (status.ready() ? "ready" : "NOT READY: " + status.not_ready_reason()) << '\n'
               << "schema " << status.schema_version() << ", " << status.streams_open() << " streams open, "
               << status.sessions_mapping() << " sessions being mapped\n";
@@ -38,9 +37,9 @@ absl::Status PrintStatus(const Globals& globals) {
 }  // namespace
 
 void AddServer(CLI::App& app, const Globals& globals) {
-  CLI::App* server = app.add_subcommand("server", "The server itself");
+  CLI::App* server = app.add_subcommand("server", "The server");
   server->require_subcommand(1);
-  CLI::App* status = AddCommand(*server, "status", "Version, readiness, load; exit code 4 where it is not ready",
+  CLI::App* status = AddCommand(*server, "status", "Show version, readiness and load; exit code 4 if it is not ready",
                                 [&globals] { return PrintStatus(globals); });
   status->footer("Example: enfilade --server robots.example:50051 server status");
 }

@@ -1,35 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/site.h"
-
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
+#include "client/sdk/api/paging.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
 
 namespace enfilade::cli {
 namespace {
 
-const char* ActionInWords(v1::AuditEntry::Action action) {
-  switch (action) {
-    case v1::AuditEntry::ACTION_CREATED:
-      return "created";
-    case v1::AuditEntry::ACTION_UPDATED:
-      return "updated";
-    case v1::AuditEntry::ACTION_DELETED:
-      return "deleted";
-    default:
-      return "unknown";
-  }
+std::string ActionName(v1::AuditEntry::Action action) {
+  return action == v1::AuditEntry::ACTION_UNSPECIFIED ? "unknown"
+                                                      : EnumText(v1::AuditEntry::Action_Name(action), "ACTION_");
 }
 
 nlohmann::json ToJson(const v1::Site& site) {
   nlohmann::json json{{"name", site.name()},
                       {"display_name", site.display_name()},
                       {"etag", site.etag()},
-                      {"create_time", TimeInWords(site.create_time())}};
+                      {"create_time", FormatTime(site.create_time())}};
   if (site.has_raw_retention()) json["raw_retention_s"] = site.raw_retention().seconds();
   return json;
 }
@@ -57,27 +51,17 @@ absl::Status CreateSite(const Globals& globals, const CreateSiteCommandOptions& 
   return absl::OkStatus();
 }
 
+std::vector<std::string> ToRow(const v1::Site& site) {
+  return {IdOf(site.name()), site.display_name(),
+          site.has_raw_retention() ? FormatSeconds(static_cast<double>(site.raw_retention().seconds())) : "forever",
+          FormatTime(site.create_time())};
+}
+
 absl::Status ListSites(const Globals& globals) {
-  const client::Connection connection = ConnectionOf(globals);
-  nlohmann::json documents = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows;
-  v1::ListSitesRequest request;
-  do {
-    ENFILADE_ASSIGN_OR_RETURN(const v1::ListSitesResponse page,
-                              connection.Call(&v1::SiteService::Stub::ListSites, request));
-    for (const v1::Site& site : page.sites()) {
-      documents.push_back(ToJson(site));
-      const std::string kept =
-          site.has_raw_retention() ? SecondsInWords(static_cast<double>(site.raw_retention().seconds())) : "for ever";
-      rows.push_back({IdOf(site.name()), site.display_name(), kept, TimeInWords(site.create_time())});
-    }
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
-  if (globals.json) {
-    PrintJson(std::cout, documents);
-  } else {
-    PrintTable(std::cout, {"SITE", "NAME", "RAW RECORDS KEPT", "CREATED (UTC)"}, rows);
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<v1::Site> sites,
+                            client::ListAll(ConnectionOf(globals), &v1::SiteService::Stub::ListSites,
+                                            v1::ListSitesRequest(), &v1::ListSitesResponse::sites));
+  PrintList<v1::Site>(globals, sites, {"SITE", "NAME", "RAW RECORDS KEPT", "CREATED (UTC)"}, ToJson, ToRow);
   return absl::OkStatus();
 }
 
@@ -87,43 +71,37 @@ struct AuditCommandOptions {
 };
 
 nlohmann::json ToJson(const v1::AuditEntry& entry) {
-  nlohmann::json json{{"time", TimeInWords(entry.time())},
+  nlohmann::json json{{"time", FormatTime(entry.time())},
                       {"actor", entry.actor()},
-                      {"action", ActionInWords(entry.action())},
+                      {"action", ActionName(entry.action())},
                       {"resource", entry.resource()}};
   if (!entry.before().empty()) json["before"] = nlohmann::json::parse(entry.before(), nullptr, false);
   if (!entry.after().empty()) json["after"] = nlohmann::json::parse(entry.after(), nullptr, false);
   return json;
 }
 
+// The resource without the site's name.
+std::vector<std::string> ToRow(const v1::AuditEntry& entry) {
+  const std::size_t site_end = entry.resource().find('/', sizeof("sites/") - 1);
+  return {FormatTime(entry.time()), entry.actor().empty() ? "-" : entry.actor(), ActionName(entry.action()),
+          site_end == std::string::npos ? entry.resource() : entry.resource().substr(site_end + 1)};
+}
+
 absl::Status PrintAudit(const Globals& globals, const AuditCommandOptions& options) {
-  const client::Connection connection = ConnectionOf(globals);
-  const std::string site = SiteNameOf(globals);
   v1::ListAuditEntriesRequest request;
-  request.set_parent(site);
-  if (!options.resource.empty()) request.set_resource(site + "/" + options.resource);
-  request.set_page_size(options.count);
-  ENFILADE_ASSIGN_OR_RETURN(const v1::ListAuditEntriesResponse page,
-                            connection.Call(&v1::SiteService::Stub::ListAuditEntries, request));
-  nlohmann::json documents = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::AuditEntry& entry : page.entries()) {
-    documents.push_back(ToJson(entry));
-    rows.push_back({TimeInWords(entry.time()), entry.actor().empty() ? "-" : entry.actor(),
-                    ActionInWords(entry.action()), entry.resource().substr(site.size() + 1)});
-  }
-  if (globals.json) {
-    PrintJson(std::cout, documents);
-  } else {
-    PrintTable(std::cout, {"TIME (UTC)", "WHO", "DID", "RESOURCE"}, rows);
-  }
+  request.set_parent(SiteNameOf(globals));
+  if (!options.resource.empty()) request.set_resource(request.parent() + "/" + options.resource);
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<v1::AuditEntry> entries,
+                            client::ListAll(ConnectionOf(globals), &v1::SiteService::Stub::ListAuditEntries, request,
+                                            &v1::ListAuditEntriesResponse::entries, options.count));
+  PrintList<v1::AuditEntry>(globals, entries, {"TIME (UTC)", "WHO", "DID", "RESOURCE"}, ToJson, ToRow);
   return absl::OkStatus();
 }
 
 }  // namespace
 
 void AddSite(CLI::App& app, const Globals& globals) {
-  CLI::App* site = app.add_subcommand("site", "Sites: the campuses that a server keeps apart");
+  CLI::App* site = app.add_subcommand("site", "Sites: the campuses of a server, each by itself");
   site->require_subcommand(1);
   auto options = std::make_shared<CreateSiteCommandOptions>();
   CLI::App* create =
@@ -131,13 +109,14 @@ void AddSite(CLI::App& app, const Globals& globals) {
   create->add_option("ID", options->id, "Its id: 1 to 63 of a-z, 0-9 and \"-\"")->required();
   create->add_option("--name", options->display_name, "Its name for people");
   create->add_option("--retention-days", options->retention_days,
-                     "Delete raw records so long after mapping (default: never)");
+                     "Delete raw records this many days after mapping (default: never)");
   create->footer("Example: enfilade site create campus --name \"North campus\"");
   AddCommand(*site, "list", "List the sites", [&globals] { return ListSites(globals); });
   auto audit_options = std::make_shared<AuditCommandOptions>();
-  CLI::App* audit = AddCommand(*site, "audit", "Who changed which map or link point when, the newest first",
+  CLI::App* audit = AddCommand(*site, "audit", "Show who changed which map or link point, the newest first",
                                [&globals, audit_options] { return PrintAudit(globals, *audit_options); });
-  audit->add_option("RESOURCE", audit_options->resource, "Only this one and what is below it: maps/ID, linkPoints/ID");
+  audit->add_option("RESOURCE", audit_options->resource,
+                    "Only this resource and those below it: maps/ID, linkPoints/ID");
   audit->add_option("-n,--count", audit_options->count, "How many")->capture_default_str()->check(CLI::Range(1, 1000));
   audit->footer("Example: enfilade site audit linkPoints/door-1 --json");
 }

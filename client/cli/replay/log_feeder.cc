@@ -19,7 +19,7 @@ absl::Status LogFeeder::SkipSpooled() {
   for (std::int64_t i = 0; i < spooled; ++i) {
     ENFILADE_RETURN_IF_ERROR(ReadNext());
     if (at_end_) {
-      return FailedPrecondition("session {} holds {} records, but the log has {} only: it is another log",
+      return FailedPrecondition("session {} has {} records, but the log has only {}: it is another log",
                                 session_.value(), spooled, i);
     }
   }
@@ -64,16 +64,16 @@ absl::Status LogFeeder::AppendGathered() {
   const absl::Status whole = spool_.Append(session_, gathered_).status();
   if (whole.ok()) gathered_.clear();
   if (!absl::IsResourceExhausted(whole)) return whole;
-  // Too much at once: one by one, as far as there is room.
+  // No room for all: one by one, as far as there is room.
   while (!gathered_.empty()) {
     const absl::Status status = spool_.Append(session_, absl::MakeConstSpan(gathered_.data(), 1)).status();
     if (status.ok()) {
       gathered_.erase(gathered_.begin());
     } else if (absl::IsResourceExhausted(status) && spool_.usage().records > 0) {
-      spool_is_full_ = true;  // until the server has taken what is kept
+      spool_is_full_ = true;  // until the server has acknowledged some records
       return absl::OkStatus();
     } else {
-      return status;  // not even the empty spool has room for this one
+      return status;  // even the empty spool has no room for this one
     }
   }
   return absl::OkStatus();

@@ -12,8 +12,8 @@
 
 namespace enfilade::cli {
 
-// Puts a log's entries into a spool, all at once or at the pace at which they were recorded. A spool that already holds
-// the first entries (of a run that was broken off) gets the rest only. Not thread-safe.
+// Appends a log's entries to a spool, as fast as possible or at the recorded pace. A spool that already has the first
+// entries, from an interrupted run, gets only the rest. Not thread-safe.
 class LogFeeder {
  public:
   using Clock = std::chrono::steady_clock;
@@ -25,14 +25,14 @@ class LogFeeder {
     std::int64_t max_batch_bytes = 4LL << 20;  // contents of images and clouds in one append
   };
 
-  // `spool` holds the session and must outlive the feeder.
+  // `spool` has the session and must outlive the feeder.
   LogFeeder(sources::LogReader reader, client::Spool& spool, SessionId session, const Options& options);
 
-  // Passes over the entries that the spool holds already. FAILED_PRECONDITION where the log ends before that.
+  // Skips the entries that the spool already has. FAILED_PRECONDITION: the log has fewer.
   absl::Status SkipSpooled();
 
-  // Appends what is due at `now`, or as much of it as the spool has room for; false when all of the log is appended.
-  // RESOURCE_EXHAUSTED where even the empty spool has no room for an entry.
+  // Appends what is due at `now`, as far as the spool has room; false when all of the log is appended.
+  // RESOURCE_EXHAUSTED: even the empty spool has no room for an entry.
   absl::StatusOr<bool> Feed(Clock::time_point now);
   // When the next entry is due.
   Clock::time_point next_due(Clock::time_point now) const;

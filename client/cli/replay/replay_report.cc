@@ -60,7 +60,7 @@ void PrintLog(std::ostream& out, const ReplayOptions& options, const CheckedLog&
   for (const auto& [tag, lines] : counts.skipped_lines) out << fmt::format("  {} {} lines skipped\n", lines, tag);
   if (counts.bad_lines > 0) out << fmt::format("  {} bad lines skipped\n", counts.bad_lines);
   const std::int64_t back = counts.scans_back_in_time + counts.odometry_back_in_time;
-  if (back > 0) out << fmt::format("  {} times run backwards\n", back);
+  if (back > 0) out << fmt::format("  {} times go backwards\n", back);
 }
 
 void PrintReplay(std::ostream& out, const ReplayOptions& options, const ReplayResult& result) {
@@ -68,17 +68,17 @@ void PrintReplay(std::ostream& out, const ReplayOptions& options, const ReplayRe
   out << fmt::format("session {}: {} records ({} scans) acknowledged", result.session.value(), result.log.entries,
                      result.log.counts.scans);
   if (result.resumed_after > 0) out << fmt::format(", {} of them by an earlier run", result.resumed_after);
-  out << fmt::format("; {} in {}, {:.0f}/s\n", sent, SecondsInWords(result.seconds),
+  out << fmt::format("; {} in {}, {:.0f}/s\n", sent, FormatSeconds(result.seconds),
                      static_cast<double>(sent) / std::max(result.seconds, 1e-9));
   if (result.uplink.quarantined > 0) {
-    out << fmt::format("  {} records were refused by the server and are kept in {}\n", result.uplink.quarantined,
+    out << fmt::format("  the server refused {} records, which are kept in {}\n", result.uplink.quarantined,
                        result.spool_path);
   }
   if (!result.mapped) return;
   const v1::MappingCounts& mapping = result.mapped->mapping_counts();
   out << fmt::format("map {}: {} scans used, {} keyframes, {} lost, {} without odometry; {} after the last record\n",
                      options.record_only ? "-" : options.map, mapping.used(), mapping.keyframes(), mapping.lost(),
-                     mapping.unpaired(), SecondsInWords(result.mapping_s));
+                     mapping.unpaired(), FormatSeconds(result.mapping_s));
 }
 
 }  // namespace enfilade::cli

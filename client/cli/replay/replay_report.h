@@ -41,11 +41,11 @@ struct ReplayResult {
   double mapping_s = 0.0;
 };
 
-// What a run came to, for programs and for people.
+// The result of a run, for programs and for people.
 nlohmann::json ReplayToJson(const ReplayOptions& options, const ReplayResult& result);
 void PrintReplay(std::ostream& out, const ReplayOptions& options, const ReplayResult& result);
 
-// What is in the log, before it is sent.
+// The content of the log, before it is sent.
 void PrintLog(std::ostream& out, const ReplayOptions& options, const CheckedLog& log);
 
 }  // namespace enfilade::cli

@@ -51,7 +51,7 @@ absl::StatusOr<CheckedLog> CheckLog(const fs::path& log, const sources::LogOptio
     if (!entry) break;
     on_progress(++checked.entries);
   }
-  if (checked.entries == 0) return InvalidArgument("{}: the log holds nothing to be recorded", log.string());
+  if (checked.entries == 0) return InvalidArgument("{}: the log has no entries to record", log.string());
   checked.facts = reader.facts();
   checked.counts = reader.counts();
   ENFILADE_ASSIGN_OR_RETURN(const std::string hash, HashOf(log));
@@ -68,13 +68,13 @@ absl::StatusOr<std::string> DefaultSpoolPath(const std::string& name) {
   } else if (home && *home) {
     folder = fs::path(home) / ".local/state";
   } else {
-    return FailedPrecondition("neither XDG_STATE_HOME nor HOME is set: say with --spool where to keep the spool");
+    return FailedPrecondition("neither XDG_STATE_HOME nor HOME is set: give the spool's file by --spool");
   }
   folder /= "enfilade";
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
-    return FailedPrecondition("{}: cannot be created ({}): say with --spool where to keep the spool", folder.string(),
+    return FailedPrecondition("{}: cannot be created ({}): give the spool's file by --spool", folder.string(),
                               error.message());
   }
   return (folder / (name + ".spool")).string();
@@ -85,8 +85,9 @@ absl::StatusOr<FoundSession> FindOrCreateSession(client::Spool& spool, const cli
     if (const auto found = spool.FindSession(wanted.id)) {
       if (IsSameRecording(*found, wanted)) return FoundSession{found->id, true};
       return FailedPrecondition(
-          "{}: session {} is one of robot \"{}\" into map \"{}\" of site \"{}\" from {}: it can be gone on with only "
-          "with the same log, map, robot and options",
+          "{}: session {} is by robot \"{}\" into map \"{}\" of site \"{}\" from {}: it can be resumed only with the "
+          "same "
+          "log, map, robot and options",
           spool.path(), found->id.value(), found->robot.value(), found->map, found->site.value(), found->source);
     }
   } else {

@@ -12,7 +12,7 @@
 
 namespace enfilade::cli {
 
-// A log that has been looked through from beginning to end.
+// A log that was read from beginning to end.
 struct CheckedLog {
   sources::LogFacts facts;
   sources::LogCounts counts;
@@ -25,8 +25,7 @@ struct CheckedLog {
 absl::StatusOr<CheckedLog> CheckLog(const std::filesystem::path& log, const sources::LogOptions& options,
                                     const std::function<void(std::int64_t)>& on_progress);
 
-// Where NAME.spool lies if nothing else is said: in $XDG_STATE_HOME/enfilade, or ~/.local/state/enfilade. Creates the
-// folder.
+// The default path of NAME.spool: in $XDG_STATE_HOME/enfilade, or ~/.local/state/enfilade. Creates the folder.
 absl::StatusOr<std::string> DefaultSpoolPath(const std::string& name);
 
 struct FoundSession {
@@ -34,8 +33,8 @@ struct FoundSession {
   bool resumed = false;
 };
 
-// The session of `spool` to go on with, or a new one. `wanted.id` empty: an unfinished replay of the same log into the
-// same map, otherwise a new id. FAILED_PRECONDITION where the session named is one of another log, map, robot or site.
+// The session of `spool` to resume, or a new one. If `wanted.id` is empty, it resumes an unfinished replay of the same
+// log into the same map, or gets a new id. FAILED_PRECONDITION: that session is of another log, map, robot or site.
 absl::StatusOr<FoundSession> FindOrCreateSession(client::Spool& spool, const client::SpoolSession& wanted);
 
 }  // namespace enfilade::cli

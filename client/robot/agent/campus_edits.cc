@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/robot/agent/campus_edits.h"
 
-#include "client/sdk/uplink/session_setup.h"
+#include "client/sdk/api/maps.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"

@@ -20,11 +20,11 @@ absl::StatusOr<FileLock> FileLock::Take(const std::string& file) {
     if (errno != EWOULDBLOCK) return absl::ErrnoToStatus(errno, path + ": cannot be locked");
     char holder[32] = {};
     const ssize_t size = pread(descriptor, holder, sizeof(holder) - 1, 0);
-    return FailedPrecondition("{}: is in use by process {}: one process at a time may use a spool", file,
+    return FailedPrecondition("{}: in use by process {}: only one process at a time may use a spool", file,
                               size > 0 ? holder : "?");
   }
   const std::string pid = std::to_string(getpid());
-  // The number is for messages only: that it could not be written is no error.
+  // The number is for messages only, so a failed write does not matter.
   if (ftruncate(descriptor, 0) == 0) [[maybe_unused]]
     const ssize_t ignored = pwrite(descriptor, pid.data(), pid.size(), 0);
   return lock;

@@ -8,10 +8,11 @@
 
 namespace enfilade::client {
 
-// Keeps a file to one process, by flock on "FILE.lock": the system frees it when the process ends, however it ends.
+// Reserves a file for one process, by flock on "FILE.lock". The system releases it when the process ends, even if it is
+// killed.
 class FileLock {
  public:
-  // FAILED_PRECONDITION naming the other process where it is taken.
+  // FAILED_PRECONDITION: another process, which the message names, has it.
   static absl::StatusOr<FileLock> Take(const std::string& file);
   ~FileLock();
   FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The appending half of the spool: the group commit, and waiting for what it changes.
+// How a spool appends: the group commit, and the waits for new records and for space.
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -19,11 +19,12 @@ absl::Status Check(const SpoolItem& item) {
   ENFILADE_RETURN_IF_ERROR(sensor::Validate(record));
   const sensor::BlobRef* blob = sensor::FindBlob(record);
   if (!blob && item.content.empty()) return absl::OkStatus();
-  if (!blob) return InvalidArgument("a record without a blob came with {} bytes of content", item.content.size());
+  if (!blob) return InvalidArgument("the record has no blob, but {} bytes of content", item.content.size());
   if (static_cast<std::int64_t>(item.content.size()) != blob->size) {
-    return InvalidArgument("content.size_bytes is {}, but {} bytes were given", blob->size, item.content.size());
+    return InvalidArgument("content.size_bytes is {}, but there are {} bytes", blob->size, item.content.size());
   }
-  if (Sha256(item.content) != blob->sha256) return InvalidArgument("content.sha256 is not that of the bytes given");
+  if (Sha256(item.content) != blob->sha256)
+    return InvalidArgument("content.sha256 differs from the SHA-256 of the bytes");
   return absl::OkStatus();
 }
 
@@ -44,7 +45,7 @@ absl::StatusOr<std::int64_t> Spool::Append(const SessionId& id, absl::Span<const
     request.payloads.push_back(sensor::EncodePayload({1, items[i].payload}));
     request.bytes += static_cast<std::int64_t>(request.payloads.back().size()) + kRecordOverhead;
   }
-  // Whoever finds nobody committing commits for all who wait: requests that come meanwhile share the next flush.
+  // A thread that finds no commit running commits all waiting requests; those that arrive meanwhile share the next one.
   std::vector<Request*> group;
   {
     MutexLock lock(mutex_);
@@ -88,7 +89,7 @@ absl::Status Spool::InsertAll(const std::vector<Request*>& group, std::map<std::
   for (Request* request : group) {
     const absl::StatusOr<SessionRow*> row = RowOf(request->id);
     if (!row.ok() || (*row)->session.finished) {
-      request->result = row.ok() ? FailedPrecondition("{}: session {} is finished: it takes no more records", path_,
+      request->result = row.ok() ? FailedPrecondition("{}: session {} is finished and takes no more records", path_,
                                                       request->id.value())
                                  : row.status();
       continue;
@@ -100,8 +101,8 @@ absl::Status Spool::InsertAll(const std::vector<Request*>& group, std::map<std::
     if (usage_.bytes + new_bytes + needed > options_.max_bytes) {
       usage_.refused += static_cast<std::int64_t>(request->items.size());
       request->result = ResourceExhausted(
-          "{}: the spool is full: {} of {} bytes are used and {} more are needed; the new record is refused, what is "
-          "kept waits for the server",
+          "{}: the spool is full: {} of {} bytes are used and {} more are needed; the new record is refused, and what "
+          "the spool holds stays until the server has it",
           path_, usage_.bytes + new_bytes, options_.max_bytes, needed);
       continue;
     }

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::int64_t kApplicationId = 0x456E6653;  // "EnfS"
 
-// entry: core's SessionEntry. surroundings: core's, 0 where unknown. kind: core's RecordKind. payload: core's record
-// codec. crc: CRC-32 of the payload, as SQLite has no checksums.
+// entry: an encoded sensor::SessionEntry. surroundings: an Environment, 0 if unknown. kind: a sensor::RecordKind.
+// payload: by sensor::EncodePayload. crc: CRC-32 of the payload, as SQLite has no checksums.
 constexpr const char* kSchema = R"sql(
 CREATE TABLE sessions (
   key INTEGER PRIMARY KEY,
@@ -59,7 +59,7 @@ absl::Status Create(SqliteDatabase& database) {
   return transaction.Commit();
 }
 
-// Of layout 1 no session has an entry, of layout 2 none has surroundings.
+// Sessions of layout 1 have no entry, those of layouts 1 and 2 no environment.
 absl::Status Upgrade(SqliteDatabase& database, std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(SqliteTransaction transaction, SqliteTransaction::Begin(database));
   if (version < 2) {
@@ -80,11 +80,12 @@ absl::Status PrepareSpoolFile(SqliteDatabase& database, const std::string& path,
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t tables, database.QueryInt("SELECT count(*) FROM sqlite_master"));
   if (tables == 0) ENFILADE_RETURN_IF_ERROR(Create(database));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t application, database.QueryInt("PRAGMA application_id"));
-  if (application != kApplicationId) return FailedPrecondition("{}: is another program's file, no spool", path);
+  if (application != kApplicationId) return FailedPrecondition("{}: another program's file, not a spool", path);
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, database.QueryInt("PRAGMA user_version"));
   if (version > kSpoolVersion) {
-    return FailedPrecondition("{}: was made by a newer program (layout {}, this one knows up to {}): update this one",
-                              path, version, kSpoolVersion);
+    return FailedPrecondition(
+        "{}: written by a newer program (layout {}; this program knows up to {}): update this program", path, version,
+        kSpoolVersion);
   }
   if (version < kSpoolVersion) ENFILADE_RETURN_IF_ERROR(Upgrade(database, version));
   if (!check) return absl::OkStatus();

@@ -10,17 +10,17 @@
 
 namespace enfilade::client {
 
-// The layout of a spool's file. A new layout gets a new number, and Open brings older files up to it.
+// The layout of a spool's file. Spool::Open upgrades older files.
 constexpr int kSpoolVersion = 3;
 
-// Makes a fresh file a spool, or checks that it is one: FAILED_PRECONDITION where another program's or a newer
-// program's, DATA_LOSS where damaged (`check`: looked through as a whole).
+// Creates the tables in a new file, or checks that the file is a spool. FAILED_PRECONDITION: another program's file, or
+// a newer layout; DATA_LOSS: damaged. `check`: checks the whole file.
 absl::Status PrepareSpoolFile(SqliteDatabase& database, const std::string& path, bool check);
 
-// What every connection to a spool is set to.
+// Sets what every connection to a spool needs: WAL, fsync on commit, foreign keys.
 absl::Status ConfigureConnection(SqliteDatabase& database);
 
-// Of a record's encoded bytes, as the spool keeps it beside them.
+// The checksum that the spool stores beside a record's encoded bytes.
 std::int64_t Crc(std::string_view bytes);
 
 }  // namespace enfilade::client

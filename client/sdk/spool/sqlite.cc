@@ -33,10 +33,10 @@ absl::Status ErrorOf(sqlite3* database, int result) {
   const char* hint = "";
   switch (CodeOf(result)) {
     case absl::StatusCode::kResourceExhausted:
-      hint = ": free some space on its disk";
+      hint = ": free some disk space";
       break;
     case absl::StatusCode::kDataLoss:
-      hint = ": the file is damaged or no spool; move it away to start a new one";
+      hint = ": the file is damaged or not a spool; move it away to start a new one";
       break;
     case absl::StatusCode::kNotFound:
       hint = ": does its folder exist?";
@@ -169,7 +169,7 @@ absl::StatusOr<SqliteTransaction> SqliteTransaction::Begin(SqliteDatabase& datab
 }
 
 SqliteTransaction::~SqliteTransaction() {
-  // SQLite may have rolled back already (disk full): then this fails, which is what is wanted.
+  // If SQLite has already rolled back (disk full), this fails, which is harmless.
   if (database_) database_->Execute("ROLLBACK").IgnoreError();
 }
 

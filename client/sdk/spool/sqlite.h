@@ -27,12 +27,12 @@ class SqliteStatement {
 
   // True while there is a row.
   absl::StatusOr<bool> Step();
-  // Runs a statement that gives no rows, then resets it.
+  // Runs a statement without result rows, then resets it.
   absl::Status Run();
   void Reset();
 
   std::int64_t Int(int column) const;
-  // Unset where the value is no number.
+  // Unset if the value is not a number.
   std::optional<double> Number(int column) const;
   std::string_view Text(int column) const;
   std::string_view Blob(int column) const;
@@ -47,21 +47,21 @@ class SqliteStatement {
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
 };
 
-// One connection to an SQLite file. Errors: RESOURCE_EXHAUSTED disk full; DATA_LOSS the file is damaged or no SQLite
-// file; PERMISSION_DENIED; NOT_FOUND no such folder; otherwise INTERNAL. Messages begin with the path. Not thread-safe.
+// One connection to an SQLite file. Errors: RESOURCE_EXHAUSTED: disk full; DATA_LOSS: damaged, or not an SQLite file;
+// PERMISSION_DENIED; NOT_FOUND: no such folder; otherwise INTERNAL. Messages begin with the path. Not thread-safe.
 class SqliteDatabase {
  public:
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path);
-  // NOT_FOUND where there is no such file.
+  // NOT_FOUND: no such file.
   static absl::StatusOr<SqliteDatabase> OpenToRead(const std::string& path);
 
   // One or several statements without parameters and rows.
   absl::Status Execute(const std::string& sql);
   absl::StatusOr<SqliteStatement> Prepare(const std::string& sql);
-  // The first column of the first row; 0 where there is none.
+  // The first column of the first row; 0 if there are no rows.
   absl::StatusOr<std::int64_t> QueryInt(const std::string& sql);
   absl::StatusOr<std::string> QueryText(const std::string& sql);
-  // Rows that the last INSERT, UPDATE or DELETE touched.
+  // Rows that the last INSERT, UPDATE or DELETE changed.
   std::int64_t Changes() const;
 
  private:
@@ -75,7 +75,7 @@ class SqliteDatabase {
   std::unique_ptr<sqlite3, Close> database_;
 };
 
-// A transaction that writes: rolled back unless committed.
+// A write transaction: rolled back unless committed.
 class SqliteTransaction {
  public:
   static absl::StatusOr<SqliteTransaction> Begin(SqliteDatabase& database);

@@ -6,8 +6,8 @@
 
 namespace enfilade::client {
 
-// How long to wait before the next try: doubling from `min_s` to `max_s`, each wait drawn from its upper half, so that
-// a fleet that lost its server at one moment does not come back at one moment.
+// How long to wait before the next attempt: doubles from `min_s` to `max_s`. Each wait is drawn from the upper half of
+// that, so that a fleet that lost its server does not come back all at the same moment.
 class Backoff {
  public:
   Backoff(double min_s, double max_s, std::uint64_t seed)

@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/sdk/api/chunks.h"
 #include "core/base/error.h"
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
@@ -13,8 +14,7 @@
 namespace enfilade::client {
 namespace {
 
-constexpr std::size_t kChunkBytes = 1 << 20;
-// How often the sender looks round while it waits for records: the stream may have ended meanwhile.
+// How often the sender checks, while it waits for records, whether the stream has ended.
 constexpr auto kIdle = std::chrono::milliseconds(200);
 
 std::string MessageOf(const absl::Status& status) { return std::string(status.message()); }
@@ -37,7 +37,7 @@ bool IsPermanent(const absl::Status& status) {
   }
 }
 
-RecordStream::RecordStream(const Connection& connection, client::Spool& spool, SessionId session,
+RecordStream::RecordStream(const Connection& connection, Spool& spool, SessionId session,
                            const RecordStreamOptions& options, Listener listener)
     : connection_(connection),
       spool_(spool),
@@ -54,7 +54,7 @@ RecordStream::Outcome RecordStream::Run() {
   if (Open(*stream) && SendAll(*stream)) stream->WritesDone();
   receiver.join();
   const absl::Status status = FromGrpcStatus(stream->Finish(), connection_.address());
-  const client::SpoolSession session = Session();
+  const SpoolSession session = Session();
   MutexLock lock(mutex_);
   if (!failure_.status.ok()) return failure_;
   if (session.finished && session.pending() == 0) return {End::kComplete, {}};  // however the stream ended
@@ -84,7 +84,7 @@ bool RecordStream::SendAll(Stream& stream) {
       room = in_flight_.size() < static_cast<std::size_t>(options_.max_batches_in_flight);
     }
     if (!SendPoseReport(stream)) return false;
-    const client::SpoolSession session = Session();
+    const SpoolSession session = Session();
     if (session.finished && session.pending() == 0) return true;
     if (!room || (session.finished && after_sequence >= session.last_sequence)) {
       WaitForRoom();
@@ -141,17 +141,16 @@ bool RecordStream::SendPoseReport(Stream& stream) {
 }
 
 bool RecordStream::SendBlob(Stream& stream, const sensor::BlobRef& blob, const std::string& content) {
-  for (std::size_t offset = 0; offset < content.size(); offset += kChunkBytes) {
+  v1::BlobRef reference;
+  reference.set_sha256(blob.sha256);
+  reference.set_size_bytes(blob.size);
+  const bool sent = SendBlobChunks(reference, content, [&](v1::BlobChunk chunk) {
     v1::StreamRecordsRequest request;
-    v1::BlobChunk& chunk = *request.mutable_blob_chunk();
-    chunk.mutable_blob()->set_sha256(blob.sha256);
-    chunk.mutable_blob()->set_size_bytes(blob.size);
-    chunk.set_offset(static_cast<std::int64_t>(offset));
-    chunk.set_data(content.substr(offset, kChunkBytes));
-    if (!stream.Write(request)) return false;
-  }
-  blobs_sent_.insert(blob.sha256);
-  return true;
+    *request.mutable_blob_chunk() = std::move(chunk);
+    return stream.Write(request);
+  });
+  if (sent) blobs_sent_.insert(blob.sha256);
+  return sent;
 }
 
 void RecordStream::ReceiveAll(Stream& stream) {
@@ -178,15 +177,15 @@ void RecordStream::Receive(const v1::StreamRecordsResponse& response) {
     case v1::StreamRecordsResponse::kMapEntered:
       return listener_.on_map_entered(response.map_entered());
     case v1::StreamRecordsResponse::RESPONSE_NOT_SET:
-      break;  // of a newer server
+      break;  // from a newer server
   }
 }
 
 void RecordStream::Opened(std::int64_t acknowledged_sequence) {
   const std::int64_t known = Session().acknowledged_sequence;
   if (acknowledged_sequence < known) {
-    return Fail(DataLoss("session {}: the server has records up to {} but has acknowledged up to {} before, and the "
-                         "spool has dropped those: was the server's database restored from a backup?",
+    return Fail(DataLoss("session {}: the server has records up to {}, but it acknowledged up to {} before, and the "
+                         "spool has deleted those: was the server's database restored from a backup?",
                          id_.value(), acknowledged_sequence, known),
                 End::kPermanent);
   }
@@ -214,21 +213,22 @@ void RecordStream::Refused(const v1::BatchRefused& refusal) {
     return Withhold(refusal.sequence(), refusal.message());
   }
   if (refusal.reason() == v1::BatchRefused::REASON_CONFLICTING_RECORD) {
-    return Fail(AlreadyExists("session {}: the server holds another record {} than this spool: do two robots record "
-                              "under one session id? ({})",
-                              id_.value(), refusal.sequence(), refusal.message()),
-                End::kPermanent);
+    return Fail(
+        AlreadyExists("session {}: record {} on the server differs from the spool's: do two robots record under "
+                      "one session id? ({})",
+                      id_.value(), refusal.sequence(), refusal.message()),
+        End::kPermanent);
   }
-  Fail(Internal("session {}: the server refuses the batch from record {} on: {}", id_.value(), refusal.first_sequence(),
-                refusal.message()),
+  Fail(Internal("session {}: the server refused the batch that starts at record {}: {}", id_.value(),
+                refusal.first_sequence(), refusal.message()),
        End::kPermanent);
 }
 
 void RecordStream::Withhold(std::int64_t sequence, const std::string& reason) {
   const absl::Status status = spool_.Quarantine(id_, sequence, reason);
-  // Refused again although only its place was sent: there is nothing left to send instead.
+  // Its placeholder was refused, too: there is nothing else to send instead.
   if (!status.ok()) {
-    return Fail(WithContext(status, fmt::format("record {} is refused ({})", sequence, reason)), End::kPermanent);
+    return Fail(WithContext(status, fmt::format("record {} was refused ({})", sequence, reason)), End::kPermanent);
   }
   listener_.on_quarantined(sequence, reason);
   {
@@ -249,6 +249,6 @@ void RecordStream::Fail(absl::Status status, End end) {
   spool_.NotifyWaiters();
 }
 
-client::SpoolSession RecordStream::Session() { return spool_.FindSession(id_).value_or(client::SpoolSession{}); }
+SpoolSession RecordStream::Session() { return spool_.FindSession(id_).value_or(SpoolSession{}); }
 
 }  // namespace enfilade::client

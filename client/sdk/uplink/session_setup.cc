@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/sdk/uplink/session_setup.h"
 
+#include "client/sdk/api/maps.h"
 #include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -14,9 +15,7 @@
 namespace enfilade::client {
 namespace {
 
-using client::SpoolSession;
-
-// Who creates first, wins: that somebody else has been faster is as good.
+// OK if another client has created it meanwhile.
 absl::Status CreateRobot(const Connection& connection, const SpoolSession& session) {
   v1::CreateRobotRequest request;
   request.set_parent(NameOf(session.site));
@@ -26,9 +25,8 @@ absl::Status CreateRobot(const Connection& connection, const SpoolSession& sessi
   return absl::IsAlreadyExists(status) ? absl::OkStatus() : status;
 }
 
-absl::StatusOr<v1::Map> CreateMap(const Connection& connection, const SpoolSession& session) {
+v1::CreateMapRequest MapOf(const SpoolSession& session) {
   v1::CreateMapRequest request;
-  request.set_parent(NameOf(session.site));
   if (IsValidResourceId(session.map)) request.set_map_id(session.map);
   request.mutable_map()->set_display_name(session.map);
   if (session.environment == Environment::kOutdoor) {
@@ -36,18 +34,14 @@ absl::StatusOr<v1::Map> CreateMap(const Connection& connection, const SpoolSessi
   } else if (session.environment == Environment::kIndoor) {
     request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
   }
-  const auto created = connection.Call(&v1::MapService::Stub::CreateMap, request);
-  if (created.ok()) return created->map();
-  if (absl::IsAlreadyExists(created.status())) return FindMap(connection, session.site, session.map);
-  return created.status();
+  return request;
 }
 
 absl::StatusOr<std::string> MapNameOf(const Connection& connection, const SpoolSession& session, bool create_missing) {
   if (session.map.empty()) return std::string();
-  absl::StatusOr<v1::Map> map = FindMap(connection, session.site, session.map);
-  // A map to go on in must be there.
-  if (create_missing && !session.entry.T_map_robot && absl::IsNotFound(map.status()))
-    map = CreateMap(connection, session);
+  const bool create = create_missing && !session.entry.T_map_robot;  // a pose in a map means that the map exists
+  const absl::StatusOr<v1::Map> map = create ? FindOrCreateMap(connection, session.site, session.map, MapOf(session))
+                                             : FindMap(connection, session.site, session.map);
   if (!map.ok()) return map.status();
   return map->name();
 }
@@ -78,24 +72,6 @@ absl::StatusOr<v1::Session> Create(const Connection& connection, const SpoolSess
 
 }  // namespace
 
-absl::StatusOr<v1::Map> FindMap(const Connection& connection, const SiteId& site, const std::string& map) {
-  v1::ListMapsRequest by_display_name;
-  by_display_name.set_parent(NameOf(site));
-  by_display_name.set_display_name(map);
-  ENFILADE_ASSIGN_OR_RETURN(const v1::ListMapsResponse named,
-                            connection.Call(&v1::MapService::Stub::ListMaps, by_display_name));
-  if (!map.empty() && named.maps_size() == 1) return named.maps(0);
-
-  v1::GetMapRequest by_name;
-  by_name.set_name(IsValidResourceId(map) ? convert::NameOf(convert::MapName{site, MapId(map)}) : map);
-  if (by_name.name().rfind("sites/", 0) == 0) {
-    const auto found = connection.Call(&v1::MapService::Stub::GetMap, by_name);
-    if (found.ok()) return found->map();
-    if (!absl::IsNotFound(found.status()) && !absl::IsInvalidArgument(found.status())) return found.status();
-  }
-  return NotFound("site \"{}\" has no map \"{}\": see `enfilade map list`", site.value(), map);
-}
-
 absl::StatusOr<v1::Session> EnsureSession(const Connection& connection, const SpoolSession& session,
                                           bool create_missing) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string map, MapNameOf(connection, session, create_missing));
@@ -105,11 +81,11 @@ absl::StatusOr<v1::Session> EnsureSession(const Connection& connection, const Sp
     created = Create(connection, session, map);
   }
   if (!absl::IsAlreadyExists(created.status())) return created;
-  // Created by a request of another spool: it may still be this robot's, whose disk was replaced.
+  // Created by a request of another spool. It may still be this robot's session if its disk was replaced.
   ENFILADE_ASSIGN_OR_RETURN(const v1::Session found, GetSession(connection, session.site, session.id));
   if (found.robot() == convert::NameOf(convert::RobotName{session.site, session.robot}) && found.map() == map)
     return found;
-  return AlreadyExists("session \"{}\" is taken: it is recorded by {} into \"{}\"; choose another id", found.name(),
+  return AlreadyExists("session \"{}\" exists: {} records it into \"{}\"; choose another id", found.name(),
                        found.robot(), found.map());
 }
 

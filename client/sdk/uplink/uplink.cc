@@ -23,7 +23,7 @@ RecordStream::Outcome OutcomeOf(const absl::Status& status) {
 
 }  // namespace
 
-Uplink::Uplink(const Connection& connection, client::Spool& spool, SessionId session, const UplinkOptions& options)
+Uplink::Uplink(const Connection& connection, Spool& spool, SessionId session, const UplinkOptions& options)
     : connection_(connection), spool_(spool), id_(std::move(session)), options_(options) {}
 
 Uplink::~Uplink() { Stop(); }
@@ -96,7 +96,7 @@ void Uplink::Run() {
 }
 
 RecordStream::Outcome Uplink::RunOnce() {
-  const std::optional<client::SpoolSession> session = spool_.FindSession(id_);
+  const std::optional<SpoolSession> session = spool_.FindSession(id_);
   if (!session) return OutcomeOf(NotFound("{}: the spool holds no session {}", spool_.path(), id_.value()));
   if (session->closed) return OutcomeOf(absl::OkStatus());
   if (!session_known_) {
@@ -121,7 +121,7 @@ RecordStream::Outcome Uplink::RunOnce() {
 }
 
 RecordStream::Outcome Uplink::Close() {
-  const std::optional<client::SpoolSession> session = spool_.FindSession(id_);
+  const std::optional<SpoolSession> session = spool_.FindSession(id_);
   if (!session) return OutcomeOf(NotFound("{}: the spool holds no session {}", spool_.path(), id_.value()));
   const auto closed = FinishSession(connection_, *session);
   if (!closed.ok()) return OutcomeOf(closed.status());

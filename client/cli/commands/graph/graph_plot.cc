@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/graph/graph_plot.h"
-
 #include <array>
 #include <cmath>
 #include <iostream>
@@ -8,13 +6,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
-#include "client/cli/place.h"
 #include "client/cli/remote.h"
+#include "client/sdk/api/map_export.h"
+#include "client/sdk/api/paging.h"
 #include "core/base/error.h"
-#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/graph/search_radius.h"
 #include "core/grid/files/map_files.h"
@@ -23,6 +23,7 @@
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "io/file.h"
+#include "proto/convert/record.h"
 
 namespace enfilade::cli {
 namespace {
@@ -54,45 +55,25 @@ struct PlottedMap {
   grid::Rgb color{};
 };
 
-Pose2 ToPose(const v1::Pose2& pose) { return {pose.x(), pose.y(), pose.yaw()}; }
-
 PoseWithCovariance ToPose(const v1::PoseWithCovariance& pose) {
-  PoseWithCovariance result{.pose = ToPose(pose.pose())};
+  PoseWithCovariance result{.pose = convert::FromProto(pose.pose())};
   if (pose.covariance_size() == 9) {
     result.covariance = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.covariance().data());
   }
   return result;
 }
 
-// The newest revision of the map; empty where it has none.
+// The newest revision of the map; empty if it has none.
 absl::StatusOr<std::optional<grid::OccupancyGrid>> FetchGrid(const client::Connection& connection,
                                                              const std::string& map) {
   v1::ExportMapRequest request;
   request.set_name(map);
   request.set_format(v1::MAP_FORMAT_PNG);
-  v1::MapService::Stub stub(connection.channel());
-  grpc::ClientContext context;
-  const auto reader = stub.ExportMap(&context, request);
+  absl::StatusOr<client::DownloadedMap> downloaded = client::DownloadMap(connection, request);
+  if (absl::IsNotFound(downloaded.status()) || absl::IsFailedPrecondition(downloaded.status())) return std::nullopt;
+  ENFILADE_RETURN_IF_ERROR(downloaded.status());
   std::vector<grid::MapFile> files;
-  std::vector<std::string> sha256s;
-  v1::ExportMapResponse part;
-  while (reader->Read(&part)) {
-    for (const v1::FileEntry& file : part.manifest().files()) {
-      files.push_back({file.name(), ""});
-      sha256s.push_back(file.sha256());
-    }
-    if (!part.has_chunk()) continue;
-    if (part.chunk().file() < 0 || part.chunk().file() >= static_cast<int>(files.size())) {
-      return DataLoss("the server sent an unknown file");
-    }
-    files[static_cast<std::size_t>(part.chunk().file())].bytes += part.chunk().data();
-  }
-  const absl::Status status = client::FromGrpcStatus(reader->Finish(), connection.address());
-  if (absl::IsNotFound(status) || absl::IsFailedPrecondition(status)) return std::nullopt;
-  ENFILADE_RETURN_IF_ERROR(status);
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    if (Sha256(files[i].bytes) != sha256s[i]) return DataLoss("{} was damaged on its way: try again", files[i].name);
-  }
+  for (client::NamedFile& file : downloaded->files) files.push_back({std::move(file.name), std::move(file.bytes)});
   ENFILADE_ASSIGN_OR_RETURN(const grid::ImportedMap imported, grid::ImportFiles(files, grid::MapDialect::kNav2));
   return grid::ToOccupancyGrid(imported.raster);
 }
@@ -103,7 +84,7 @@ void AddAxes(const Pose2& T_scene_map, plot::Scene& scene) {
   scene.lines.push_back({{origin, T_scene_map * Eigen::Vector2d(0.0, 1.0)}, grid::kGreen, 2});
 }
 
-// The area that people have drawn around the map.
+// The outline that people have drawn around the map.
 absl::Status AddOutline(const client::Connection& connection, const PlottedMap& map, plot::Scene& scene) {
   v1::GetMapRequest request;
   request.set_name(map.name);
@@ -142,7 +123,7 @@ void AddPlace(const PoseWithCovariance& place, const std::string& id, int maps, 
   scene.labels.push_back({place.pose.translation(), id, color});
 }
 
-// The site in the world's frame.
+// The whole site in the world frame.
 absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& connection, const Globals& globals,
                                                  const GraphPlotCommandOptions& options, plot::Scene& scene) {
   v1::GetGraphRequest request;
@@ -179,55 +160,51 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& conne
   return maps;
 }
 
-// One map in its own frame, with link points where this map saw them.
+// One map in its own frame, with its link points at their anchors.
 absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const client::Connection& connection, const Globals& globals,
                                                   const GraphPlotCommandOptions& options, plot::Scene& scene) {
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
   const PlottedMap plotted{map.name(), map.display_name(), {}, kPalette[0]};
   ENFILADE_RETURN_IF_ERROR(AddMap(connection, plotted, scene));
-  std::vector<Eigen::Vector2d> joining;
   v1::ListLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));
   request.set_map(map.name());
-  do {
-    ENFILADE_ASSIGN_OR_RETURN(const auto page, connection.Call(&v1::LinkPointService::Stub::ListLinkPoints, request));
-    for (const v1::LinkPoint& point : page.link_points()) {
-      for (const v1::Anchor& anchor : point.anchors()) {
-        if (anchor.map() != map.name()) continue;
-        const PoseWithCovariance place = ToPose(anchor.pose_map_place());
-        const bool joins = point.anchors_size() > 1 && point.use() == v1::LinkPoint::USE_USED;
-        AddPlace(place, IdOf(point.name()), point.anchors_size(), joins, scene);
-        if (joins) joining.push_back(place.pose.translation());
-      }
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<v1::LinkPoint> link_points,
+                            client::ListAll(connection, &v1::LinkPointService::Stub::ListLinkPoints, request,
+                                            &v1::ListLinkPointsResponse::link_points));
+  std::vector<Eigen::Vector2d> joining;
+  for (const v1::LinkPoint& point : link_points) {
+    for (const v1::Anchor& anchor : point.anchors()) {
+      if (anchor.map() != map.name()) continue;
+      const PoseWithCovariance place = ToPose(anchor.pose_map_place());
+      const bool joins = point.anchors_size() > 1 && point.use() == v1::LinkPoint::USE_USED;
+      AddPlace(place, IdOf(point.name()), point.anchors_size(), joins, scene);
+      if (joins) joining.push_back(place.pose.translation());
     }
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
+  }
   for (std::size_t i = 0; i < joining.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) scene.lines.push_back({{joining[j], joining[i]}, plotted.color, 2});
   }
   return std::vector<PlottedMap>{plotted};
 }
 
-// The pose, and the radius within which link points are looked for around it.
+// The pose of --near, and the radius within which the server looks for link points around it.
 absl::Status AddNear(const client::Connection& connection, const Globals& globals,
                      const GraphPlotCommandOptions& options, const std::vector<PlottedMap>& maps, plot::Scene& scene) {
-  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.near));
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
+  ENFILADE_ASSIGN_OR_RETURN(const PoseInMap found, FindPoseInMap(connection, globals, options.near));
   v1::GetGlobalPoseRequest request;
-  request.mutable_map_pose()->set_map(map.name());
-  v1::Pose2& given = *request.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose();
-  given.set_x(place.pose.x);
-  given.set_y(place.pose.y);
-  given.set_yaw(place.pose.yaw);
+  request.mutable_map_pose()->set_map(found.map);
+  *request.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose() = convert::ToProto(found.pose);
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::GraphService::Stub::GetGlobalPose, request));
-  PoseWithCovariance robot{.pose = place.pose};
+  PoseWithCovariance robot{.pose = found.pose};
   if (options.map.empty()) {
     if (!response.global_pose().has_pose_world_robot()) {
-      return FailedPrecondition("no link points join {} to the root: draw it with --map", place.map);
+      return FailedPrecondition("--near {}: no link points join this map to the root: draw it with --map",
+                                options.near);
     }
     robot = ToPose(response.global_pose().pose_world_robot());
-  } else if (map.name() != maps.front().name) {
-    return InvalidArgument("--near in {}, but --map {} is drawn: both must be the same map", place.map, options.map);
+  } else if (found.map != maps.front().name) {
+    return InvalidArgument("--near {}: expected a pose in the map of --map, {}", options.near, options.map);
   }
   const double radius = response.global_pose().has_pose_world_robot() ? response.global_pose().search_radius_m()
                                                                       : graph::SearchRadius(robot.covariance);
@@ -264,7 +241,7 @@ absl::Status PlotGraph(const Globals& globals, const GraphPlotCommandOptions& op
                           {"px_per_m", view.px_per_m}});
     return absl::OkStatus();
   }
-  std::cout << fmt::format("{}: {} x {} pixels, {:.1f} a metre\n", options.output, view.width, view.height,
+  std::cout << fmt::format("{}: {} x {} pixels, {:.1f} per metre\n", options.output, view.width, view.height,
                            view.px_per_m);
   for (const PlottedMap& map : maps) {
     std::cout << fmt::format("#{:02x}{:02x}{:02x}  {}\n", map.color[0], map.color[1], map.color[2], map.display_name);
@@ -276,11 +253,11 @@ absl::Status PlotGraph(const Globals& globals, const GraphPlotCommandOptions& op
 
 void AddGraphPlot(CLI::App& graph, const Globals& globals) {
   const auto options = std::make_shared<GraphPlotCommandOptions>();
-  CLI::App* plot = AddCommand(graph, "plot", "Draw the maps in the world, link points, candidates and edges",
+  CLI::App* plot = AddCommand(graph, "plot", "Draw the maps in the world frame, with link points, candidates and edges",
                               [&globals, options] { return PlotGraph(globals, *options); });
-  plot->add_option("-o,--output", options->output, "The file: .png, or .svg with names")->capture_default_str();
-  plot->add_option("--map", options->map, "Only this map, in its own frame, with link points where it saw them");
-  plot->add_option("--near", options->near, "MAP,X,Y[,YAW]: also this pose and the search radius around it");
+  plot->add_option("-o,--output", options->output, "The file: .png, or .svg (which has names)")->capture_default_str();
+  plot->add_option("--map", options->map, "Only this map, in its own frame");
+  plot->add_option("--near", options->near, "Also this pose and the search radius around it: MAP,X,Y[,YAW]");
   plot->add_option("--level", options->level, "Only maps on this floor");
   plot->add_option("--size", options->size_px, "The longer side in pixels")->capture_default_str();
   plot->footer("Example: enfilade --site campus graph plot -o campus.svg --near \"Main hall,2,3,1.57\"");

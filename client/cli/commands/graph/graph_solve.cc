@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/graph/graph_solve.h"
-
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -98,7 +97,8 @@ void PrintText(const GraphSolveCommandOptions& options, const Solved& solved) {
   std::cout << fmt::format("{}: {} nodes, {} edges, {} component{} ({})\n", options.input, parsed.graph.nodes.size(),
                            parsed.graph.edges.size(), report.components, report.components == 1 ? "" : "s",
                            NameOf(parsed.format));
-  if (parsed.poses_from_edges) std::cout << "no node is declared: the initial poses follow a spanning tree of edges\n";
+  if (parsed.poses_from_edges)
+    std::cout << "no nodes are declared: the initial poses follow a spanning tree of the edges\n";
   for (const auto& [tag, lines] : parsed.skipped) {
     std::cout << fmt::format("skipped {} line{} of the unknown tag {}\n", lines, lines == 1 ? "" : "s", tag);
   }
@@ -139,22 +139,24 @@ absl::Status RunGraphSolve(const Globals& globals, const GraphSolveCommandOption
   return absl::OkStatus();
 }
 
+}  // namespace
+
 void AddGraphSolve(CLI::App& graph, const Globals& globals) {
   auto options = std::make_shared<GraphSolveCommandOptions>();
-  CLI::App* command = AddCommand(graph, "solve", "Find the poses that fit a pose graph's measurements best",
+  CLI::App* command = AddCommand(graph, "solve", "Find the poses that best fit a pose graph's measurements",
                                  [&globals, options] { return RunGraphSolve(globals, *options); });
   command->add_option("file", options->input, "g2o or TORO text: VERTEX_SE2, EDGE_SE2, FIX; VERTEX2, EDGE2")
       ->required();
   command->add_option("-o,--output", options->output,
-                      "Write the solved graph; .g2o and .graph (TORO) choose the form, else it is the input's");
-  command->add_option("--robust", options->kernel, "Kernel against wrong edges")
+                      "Write the solved graph: .g2o or .graph (TORO) sets the format, which is otherwise the input's");
+  command->add_option("--robust", options->kernel, "The kernel against wrong edges")
       ->check(CLI::IsMember(&kKernels))
       ->capture_default_str();
-  command->add_option("--kernel-width", options->solve.kernel.width, "In standard deviations")
+  command->add_option("--kernel-width", options->solve.kernel.width, "The kernel's width in standard deviations")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--trust-odometry", options->trust_odometry,
-                    "No kernel on edges between consecutive ids, so only loop closures are doubted");
+                    "No kernel on edges between consecutive ids: it applies to loop closures only");
   command
       ->add_option("--init", options->initialisation,
                    "Start from: none (the file's poses), chordal (no poses needed), auto (the best of several)")
@@ -163,20 +165,12 @@ void AddGraphSolve(CLI::App& graph, const Globals& globals) {
   command->add_option("--backend", options->backend, "The solver: blocks (ours) or ceres")
       ->check(CLI::IsMember(&kBackends))
       ->capture_default_str();
-  command->add_option("--max-iterations", options->solve.max_iterations, "Steps per start")
+  command->add_option("--max-iterations", options->solve.max_iterations, "Largest number of steps from each start")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--covariance", options->solve.covariance_of, "Ids of nodes whose covariance is wanted");
+  command->add_option("--covariance", options->solve.covariance_of, "Print the covariances of these nodes, by id");
   command->footer(
       "Example:\n  enfilade graph solve intel.g2o -o solved.g2o --robust dcs --kernel-width 3 --trust-odometry");
-}
-
-}  // namespace
-
-void AddGraph(CLI::App& app, const Globals& globals) {
-  CLI::App* graph = app.add_subcommand("graph", "The graph of the site's maps; pose graphs in files");
-  graph->require_subcommand(1);
-  AddGraphSolve(*graph, globals);
 }
 
 }  // namespace enfilade::cli

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/graph/linkpoint.h"
-
 #include <chrono>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/commands/graph/linkpoint_output.h"
 #include "client/cli/output.h"
-#include "client/cli/place.h"
 #include "client/cli/remote.h"
+#include "client/sdk/api/paging.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
+#include "proto/convert/record.h"
 
 namespace enfilade::cli {
 namespace {
@@ -52,26 +55,18 @@ const std::map<std::string, v1::LinkPoint::State>& States() {
   return states;
 }
 
-std::string NameOfLinkPoint(const Globals& globals, const std::string& id) {
-  return id.rfind("sites/", 0) == 0 ? id : SiteNameOf(globals) + "/linkPoints/" + id;
-}
-
 void PrintLinkPoint(const Globals& globals, const v1::LinkPoint& link_point, const std::string& what) {
   if (globals.json) return PrintJson(std::cout, LinkPointToJson(link_point));
   std::cout << what << '\n';
-  PrintTable(std::cout, LinkPointHeader(), {ToRow(link_point)});
+  PrintTable(std::cout, LinkPointHeader(), {LinkPointRow(link_point)});
 }
 
 absl::StatusOr<v1::Anchor> AnchorAt(const client::Connection& connection, const Globals& globals,
                                     const std::string& text) {
-  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(text));
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
+  ENFILADE_ASSIGN_OR_RETURN(const PoseInMap found, FindPoseInMap(connection, globals, text));
   v1::Anchor anchor;
-  anchor.set_map(map.name());
-  v1::Pose2& pose = *anchor.mutable_pose_map_place()->mutable_pose();
-  pose.set_x(place.pose.x);
-  pose.set_y(place.pose.y);
-  pose.set_yaw(place.pose.yaw);
+  anchor.set_map(found.map);
+  *anchor.mutable_pose_map_place()->mutable_pose() = convert::ToProto(found.pose);
   return anchor;
 }
 
@@ -92,24 +87,24 @@ absl::Status CreateLinkPoint(const Globals& globals, const LinkPointCommandOptio
   return absl::OkStatus();
 }
 
-// Two places make a link point; one promotes the candidate that is named.
+// Two places create a link point; one place promotes the candidate that --id names.
 absl::Status SetLinkPoint(const Globals& globals, const LinkPointCommandOptions& options) {
   if (options.places.size() > 1) return CreateLinkPoint(globals, options);
   if (options.id.empty()) {
-    return InvalidArgument("one place only: name the candidate that it promotes by --id, or give --at twice");
+    return InvalidArgument("--at is given once: name the candidate to promote by --id, or give --at twice");
   }
   const client::Connection connection = ConnectionOf(globals);
   v1::AddLinkPointAnchorRequest request;
-  request.set_name(NameOfLinkPoint(globals, options.id));
+  request.set_name(ResourceNameOf(globals, "linkPoints", options.id));
   request.set_force(options.force);
   ENFILADE_ASSIGN_OR_RETURN(*request.mutable_anchor(), AnchorAt(connection, globals, options.places.front()));
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&LinkPointStub::AddLinkPointAnchor, request));
-  PrintLinkPoint(globals, response.link_point(), response.link_point().name() + " has one map more");
+  PrintLinkPoint(globals, response.link_point(), response.link_point().name() + " joins one more map");
   return absl::OkStatus();
 }
 
 absl::Status SetCandidate(const Globals& globals, const LinkPointCommandOptions& options) {
-  if (options.places.size() != 1) return InvalidArgument("a candidate is seen from one map: give --at once");
+  if (options.places.size() != 1) return InvalidArgument("a candidate is seen from one map only: give --at once");
   return CreateLinkPoint(globals, options);
 }
 
@@ -122,26 +117,15 @@ absl::Status ListLinkPoints(const Globals& globals, const LinkPointCommandOption
     ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
     request.set_map(map.name());
   }
-  nlohmann::json documents = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows;
-  do {
-    ENFILADE_ASSIGN_OR_RETURN(const auto page, connection.Call(&LinkPointStub::ListLinkPoints, request));
-    for (const v1::LinkPoint& link_point : page.link_points()) {
-      documents.push_back(LinkPointToJson(link_point));
-      rows.push_back(ToRow(link_point));
-    }
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
-  if (globals.json) {
-    PrintJson(std::cout, documents);
-  } else {
-    PrintTable(std::cout, LinkPointHeader(), rows);
-  }
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::vector<v1::LinkPoint> link_points,
+      client::ListAll(connection, &LinkPointStub::ListLinkPoints, request, &v1::ListLinkPointsResponse::link_points));
+  PrintList<v1::LinkPoint>(globals, link_points, LinkPointHeader(), LinkPointToJson, LinkPointRow);
   return absl::OkStatus();
 }
 
-absl::Status FindNear(const Globals& globals, const LinkPointCommandOptions& options) {
-  const client::Connection connection = ConnectionOf(globals);
+absl::StatusOr<v1::FindLinkPointsRequest> SearchOf(const client::Connection& connection, const Globals& globals,
+                                                   const LinkPointCommandOptions& options) {
   v1::FindLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));
   request.set_max_count(options.nearest);
@@ -150,33 +134,41 @@ absl::Status FindNear(const Globals& globals, const LinkPointCommandOptions& opt
     request.mutable_point_world()->set_x(options.world[0]);
     request.mutable_point_world()->set_y(options.world[1]);
     if (options.radius_m >= 0.0) request.set_radius_m(options.radius_m);
-  } else if (!options.places.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const v1::Anchor anchor, AnchorAt(connection, globals, options.places.front()));
-    request.mutable_pose_in_map()->set_map(anchor.map());
-    *request.mutable_pose_in_map()->mutable_pose_map_robot() = anchor.pose_map_place();
-    if (options.radius_m >= 0.0) request.set_base_radius_m(options.radius_m);
-  } else {
-    return InvalidArgument("nothing says where: give --at MAP,X,Y or --world X Y");
+    return request;
   }
+  if (options.places.empty()) return InvalidArgument("no place is given: use --at MAP,X,Y or --world X Y");
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Anchor anchor, AnchorAt(connection, globals, options.places.front()));
+  request.mutable_pose_in_map()->set_map(anchor.map());
+  *request.mutable_pose_in_map()->mutable_pose_map_robot() = anchor.pose_map_place();
+  if (options.radius_m >= 0.0) request.set_base_radius_m(options.radius_m);
+  return request;
+}
+
+nlohmann::json ToJson(const v1::FoundLinkPoint& found) {
+  nlohmann::json document = LinkPointToJson(found.link_point());
+  document["distance_m"] = found.distance_m();
+  document["bearing_rad"] = found.bearing_rad();
+  document["mahalanobis_distance"] = found.mahalanobis_distance();
+  return document;
+}
+
+absl::Status FindNear(const Globals& globals, const LinkPointCommandOptions& options) {
+  const client::Connection connection = ConnectionOf(globals);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::FindLinkPointsRequest request, SearchOf(connection, globals, options));
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&LinkPointStub::FindLinkPoints, request));
-  nlohmann::json documents = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::FoundLinkPoint& found : response.found()) {
-    nlohmann::json document = LinkPointToJson(found.link_point());
-    document["distance_m"] = found.distance_m();
-    document["bearing_rad"] = found.bearing_rad();
-    document["mahalanobis_distance"] = found.mahalanobis_distance();
-    documents.push_back(std::move(document));
-    std::vector<std::string> row = ToRow(found.link_point());
-    row.insert(row.begin() + 1,
-               {fmt::format("{:.2f}", found.distance_m()), fmt::format("{:.2f}", found.bearing_rad())});
-    rows.push_back(std::move(row));
-  }
   if (globals.json) {
+    nlohmann::json documents = nlohmann::json::array();
+    for (const v1::FoundLinkPoint& found : response.found()) documents.push_back(ToJson(found));
     PrintJson(std::cout, {{"graph_version", response.graph_version()},
                           {"radius_m", response.radius_m()},
                           {"found", std::move(documents)}});
     return absl::OkStatus();
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::FoundLinkPoint& found : response.found()) {
+    rows.push_back(LinkPointRow(found.link_point()));
+    rows.back().insert(rows.back().begin() + 1,
+                       {fmt::format("{:.2f}", found.distance_m()), fmt::format("{:.2f}", found.bearing_rad())});
   }
   std::vector<std::string> header = LinkPointHeader();
   header.insert(header.begin() + 1, {"DISTANCE M", "BEARING RAD"});
@@ -187,7 +179,7 @@ absl::Status FindNear(const Globals& globals, const LinkPointCommandOptions& opt
 
 absl::Status SetState(const Globals& globals, const LinkPointCommandOptions& options) {
   v1::UpdateLinkPointRequest request;
-  request.mutable_link_point()->set_name(NameOfLinkPoint(globals, options.id));
+  request.mutable_link_point()->set_name(ResourceNameOf(globals, "linkPoints", options.id));
   request.mutable_link_point()->set_state(States().at(options.state));
   request.mutable_update_mask()->add_paths("state");
   request.mutable_update_mask()->add_paths("state_valid_until");
@@ -206,7 +198,7 @@ absl::Status ChangeLinkPoint(const Globals& globals, const LinkPointCommandOptio
                              grpc::Status (LinkPointStub::*method)(grpc::ClientContext*, const Request&, Response*),
                              const std::string& what) {
   Request request;
-  request.set_name(NameOfLinkPoint(globals, options.id));
+  request.set_name(ResourceNameOf(globals, "linkPoints", options.id));
   ENFILADE_ASSIGN_OR_RETURN(const Response response, ConnectionOf(globals).Call(method, request));
   PrintLinkPoint(globals, response.link_point(), response.link_point().name() + what);
   return absl::OkStatus();
@@ -214,7 +206,7 @@ absl::Status ChangeLinkPoint(const Globals& globals, const LinkPointCommandOptio
 
 absl::Status DeleteLinkPoint(const Globals& globals, const LinkPointCommandOptions& options) {
   v1::DeleteLinkPointRequest request;
-  request.set_name(NameOfLinkPoint(globals, options.id));
+  request.set_name(ResourceNameOf(globals, "linkPoints", options.id));
   ENFILADE_RETURN_IF_ERROR(ConnectionOf(globals).Call(&LinkPointStub::DeleteLinkPoint, request).status());
   if (globals.json) {
     PrintJson(std::cout, {{"deleted", request.name()}});
@@ -225,13 +217,53 @@ absl::Status DeleteLinkPoint(const Globals& globals, const LinkPointCommandOptio
 }
 
 void AddCreation(CLI::App& command, const SharedLinkPointCommandOptions& options) {
-  command.add_option("--at", options->places, "Where a map sees it: MAP,X,Y,YAW in metres and radians")->required();
+  command.add_option("--at", options->places, "Its pose in a map: MAP,X,Y,YAW in metres and radians")->required();
   command.add_option("--id", options->id, "Its id: 1 to 63 of a-z, 0-9 and \"-\" (default: a new one)");
   std::vector<std::string> kinds;
   for (const auto& [name, kind] : Kinds()) kinds.push_back(name);
   command.add_option("--kind", options->kind, "What it is")->check(CLI::IsMember(kinds))->capture_default_str();
   command.add_option("--tag", options->tag, "Free text");
-  command.add_flag("--force", options->force, "Although another one joins the same maps at the same place");
+  command.add_flag("--force", options->force, "Even if another one joins the same maps at the same place");
+}
+
+void AddSearches(CLI::App& group, const Globals& globals, const SharedLinkPointCommandOptions& options) {
+  CLI::App* list =
+      AddCommand(group, "list", "List link points", [&globals, options] { return ListLinkPoints(globals, *options); });
+  list->add_option("--map", options->map, "Only those of this map");
+  list->add_flag("--candidates", options->candidates, "Only candidates");
+  list->footer("Example: enfilade linkpoint list --map Hall");
+  CLI::App* near = AddCommand(group, "near", "Find link points near a pose or a point, the nearest first",
+                              [&globals, options] { return FindNear(globals, *options); });
+  near->add_option("--at", options->places, "Near a pose in a map: MAP,X,Y,YAW");
+  near->add_option("--world", options->world, "Near a point of the world frame: X Y in metres")->expected(2);
+  near->add_option("--radius", options->radius_m, "Metres (default: 20 around a pose, no limit around a point)");
+  near->add_option("--nearest", options->nearest, "How many at most");
+  near->add_flag("--candidates", options->candidates, "Only candidates");
+  near->footer("Example: enfilade linkpoint near --at Hall,1,2,0 --radius 30");
+}
+
+void AddChanges(CLI::App& group, const Globals& globals, const SharedLinkPointCommandOptions& options) {
+  CLI::App* state = AddCommand(group, "state", "Set whether robots can pass",
+                               [&globals, options] { return SetState(globals, *options); });
+  state->add_option("LINKPOINT", options->id, "Its id or resource name")->required();
+  state->add_option("STATE", options->state, "open, closed or blocked")
+      ->required()
+      ->check(CLI::IsMember({"open", "closed", "blocked"}));
+  state->add_option("--for", options->for_s, "Seconds until it counts as open again (default: no end)");
+  state->footer("Example: enfilade linkpoint state door-3 blocked --for 3600");
+  const auto add_named = [&](const std::string& name, const std::string& description, auto run) {
+    CLI::App* command = AddCommand(group, name, description, run);
+    command->add_option("LINKPOINT", options->id, "Its id or resource name")->required();
+    command->footer("Example: enfilade linkpoint " + name + " door-3");
+  };
+  add_named("suspend", "Leave one out of pose chains, routes and the optimisation", [&globals, options] {
+    return ChangeLinkPoint(globals, *options, &LinkPointStub::SuspendLinkPoint, " is suspended");
+  });
+  add_named("resume", "Use a suspended one again", [&globals, options] {
+    return ChangeLinkPoint(globals, *options, &LinkPointStub::ResumeLinkPoint, " is used again");
+  });
+  add_named("delete", "Delete one with its evidence",
+            [&globals, options] { return DeleteLinkPoint(globals, *options); });
 }
 
 }  // namespace
@@ -246,44 +278,13 @@ void AddLinkPoint(CLI::App& app, const Globals& globals) {
   set->footer(
       "Examples: enfilade linkpoint set --at Hall,12.5,3,0 --at Lab,0,0,3.14 --tag \"north door\"\n"
       "          enfilade linkpoint set --id door-3 --at Lab,0,0,3.14");
-  CLI::App* candidate = AddCommand(*group, "candidate", "Note a place that may lead on, seen from one map",
-                                   [&globals, options] { return SetCandidate(globals, *options); });
+  CLI::App* candidate =
+      AddCommand(*group, "candidate", "Create a candidate: a place seen from one map that may join another",
+                 [&globals, options] { return SetCandidate(globals, *options); });
   AddCreation(*candidate, options);
   candidate->footer("Example: enfilade linkpoint candidate --id door-3 --at Hall,20,1,1.57");
-  CLI::App* list =
-      AddCommand(*group, "list", "List them", [&globals, options] { return ListLinkPoints(globals, *options); });
-  list->add_option("--map", options->map, "Only those of this map");
-  list->add_flag("--candidates", options->candidates, "Only candidates");
-  list->footer("Example: enfilade linkpoint list --map Hall");
-  CLI::App* near = AddCommand(*group, "near", "Find those around a place, the nearest first",
-                              [&globals, options] { return FindNear(globals, *options); });
-  near->add_option("--at", options->places, "Around a pose in a map: MAP,X,Y,YAW");
-  near->add_option("--world", options->world, "Around a point of the world frame: X Y in metres")->expected(2);
-  near->add_option("--radius", options->radius_m, "Metres (default: 20 around a pose, no limit around a point)");
-  near->add_option("--nearest", options->nearest, "At most so many");
-  near->add_flag("--candidates", options->candidates, "Only candidates");
-  near->footer("Example: enfilade linkpoint near --at Hall,1,2,0 --radius 30");
-  CLI::App* state = AddCommand(*group, "state", "Say whether robots get through",
-                               [&globals, options] { return SetState(globals, *options); });
-  state->add_option("LINKPOINT", options->id, "Its id or resource name")->required();
-  state->add_option("STATE", options->state, "open, closed or blocked")
-      ->required()
-      ->check(CLI::IsMember({"open", "closed", "blocked"}));
-  state->add_option("--for", options->for_s, "Seconds after which it counts as open again (default: for ever)");
-  state->footer("Example: enfilade linkpoint state door-3 blocked --for 3600");
-  const auto add_named = [&](const std::string& name, const std::string& description, auto run) {
-    CLI::App* command = AddCommand(*group, name, description, run);
-    command->add_option("LINKPOINT", options->id, "Its id or resource name")->required();
-    command->footer("Example: enfilade linkpoint " + name + " door-3");
-  };
-  add_named("suspend", "Take one out of chains, routes and the optimisation", [&globals, options] {
-    return ChangeLinkPoint(globals, *options, &LinkPointStub::SuspendLinkPoint, " is suspended");
-  });
-  add_named("resume", "Let one count again", [&globals, options] {
-    return ChangeLinkPoint(globals, *options, &LinkPointStub::ResumeLinkPoint, " counts again");
-  });
-  add_named("delete", "Delete one with its evidence",
-            [&globals, options] { return DeleteLinkPoint(globals, *options); });
+  AddSearches(*group, globals, options);
+  AddChanges(*group, globals, options);
 }
 
 }  // namespace enfilade::cli

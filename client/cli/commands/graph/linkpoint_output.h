@@ -10,8 +10,8 @@
 namespace enfilade::cli {
 
 nlohmann::json LinkPointToJson(const v1::LinkPoint& link_point);
-// A line of a table under kLinkPointHeader.
-std::vector<std::string> ToRow(const v1::LinkPoint& link_point);
+// A row of a table with LinkPointHeader.
+std::vector<std::string> LinkPointRow(const v1::LinkPoint& link_point);
 const std::vector<std::string>& LinkPointHeader();
 
 }  // namespace enfilade::cli

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/graph/pose.h"
-
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
-#include "client/cli/place.h"
 #include "client/cli/remote.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
+#include "proto/convert/record.h"
 
 namespace enfilade::cli {
 namespace {
-
-using GraphStub = v1::GraphService::Stub;
 
 struct PoseCommandOptions {
   std::string robot;
@@ -28,17 +28,7 @@ struct PoseCommandOptions {
   bool geojson = false;
 };
 
-std::string RobotNameOf(const Globals& globals, const std::string& robot) {
-  return robot.rfind("sites/", 0) == 0 ? robot : SiteNameOf(globals) + "/robots/" + robot;
-}
-
-void SetPose(const Pose2& from, v1::Pose2& to) {
-  to.set_x(from.x);
-  to.set_y(from.y);
-  to.set_yaw(from.yaw);
-}
-
-std::string PoseInWords(const v1::PoseWithCovariance& pose) {
+std::string FormatPose(const v1::PoseWithCovariance& pose) {
   std::string words =
       fmt::format("x {:.3f} m, y {:.3f} m, yaw {:.4f} rad", pose.pose().x(), pose.pose().y(), pose.pose().yaw());
   if (pose.covariance_size() != 9) return words;
@@ -63,7 +53,7 @@ nlohmann::json ToJson(const v1::GlobalPose& pose) {
   return json;
 }
 
-// In one document without line breaks inside a stream of them.
+// `one_line`: as one item of a stream.
 void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line) {
   if (globals.json) {
     if (one_line) {
@@ -78,7 +68,7 @@ void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line
     std::cout << "no link points join its map to the root" << std::endl;
     return;
   }
-  std::cout << PoseInWords(pose.pose_world_robot()) << std::endl;
+  std::cout << FormatPose(pose.pose_world_robot()) << std::endl;
   for (const v1::PoseHop& hop : pose.hops()) {
     std::cout << fmt::format("  {} -> {} through {}\n", IdOf(hop.from_map()), IdOf(hop.to_map()),
                              IdOf(hop.link_point()));
@@ -93,16 +83,15 @@ absl::Status PrintGlobalPose(const Globals& globals, const PoseCommandOptions& o
   const client::Connection connection = ConnectionOf(globals);
   v1::GetGlobalPoseRequest request;
   if (!options.robot.empty()) {
-    request.set_robot(RobotNameOf(globals, options.robot));
+    request.set_robot(ResourceNameOf(globals, "robots", options.robot));
   } else if (!options.at.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(options.at));
-    ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, place.map));
-    request.mutable_map_pose()->set_map(map.name());
-    SetPose(place.pose, *request.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose());
+    ENFILADE_ASSIGN_OR_RETURN(const PoseInMap found, FindPoseInMap(connection, globals, options.at));
+    request.mutable_map_pose()->set_map(found.map);
+    *request.mutable_map_pose()->mutable_pose_map_robot()->mutable_pose() = convert::ToProto(found.pose);
   } else {
-    return InvalidArgument("nothing says whose pose: give --robot or --at MAP,X,Y,YAW");
+    return InvalidArgument("no pose is given: use --robot or --at MAP,X,Y,YAW");
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&GraphStub::GetGlobalPose, request));
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::GraphService::Stub::GetGlobalPose, request));
   PrintPose(globals, response.global_pose(), false);
   return absl::OkStatus();
 }
@@ -112,7 +101,7 @@ absl::Status WatchPoses(const Globals& globals, const PoseCommandOptions& option
   v1::WatchGlobalPosesRequest request;
   request.set_parent(SiteNameOf(globals));
   request.set_rate_hz(options.rate_hz);
-  if (!options.robot.empty()) request.add_robots(RobotNameOf(globals, options.robot));
+  if (!options.robot.empty()) request.add_robots(ResourceNameOf(globals, "robots", options.robot));
   const auto stub = v1::GraphService::NewStub(connection.channel());
   grpc::ClientContext context;
   const auto reader = stub->WatchGlobalPoses(&context, request);
@@ -123,28 +112,30 @@ absl::Status WatchPoses(const Globals& globals, const PoseCommandOptions& option
   return client::FromGrpcStatus(reader->Finish(), connection.address());
 }
 
-absl::Status SetPlace(const client::Connection& connection, const Globals& globals, const std::string& text,
-                      std::string& map, v1::Pose2& pose) {
-  ENFILADE_ASSIGN_OR_RETURN(const Place place, ParsePlace(text));
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, globals, place.map));
-  map = found.name();
-  SetPose(place.pose, pose);
-  return absl::OkStatus();
+v1::PathCost PathCostOf(const std::string& cost) {
+  if (cost == "hops") return v1::PATH_COST_HOPS;
+  return cost == "uncertainty" ? v1::PATH_COST_UNCERTAINTY : v1::PATH_COST_DISTANCE;
+}
+
+absl::StatusOr<v1::FindRoutesRequest> RoutesRequestOf(const client::Connection& connection, const Globals& globals,
+                                                      const PoseCommandOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const PoseInMap start, FindPoseInMap(connection, globals, options.from));
+  ENFILADE_ASSIGN_OR_RETURN(const PoseInMap goal, FindPoseInMap(connection, globals, options.to));
+  v1::FindRoutesRequest request;
+  request.set_start_map(start.map);
+  *request.mutable_pose_map_start() = convert::ToProto(start.pose);
+  request.set_goal_map(goal.map);
+  *request.mutable_pose_map_goal() = convert::ToProto(goal.pose);
+  request.set_cost(PathCostOf(options.cost));
+  request.set_max_routes(options.alternatives);
+  request.set_with_geojson(options.geojson);
+  return request;
 }
 
 absl::Status PrintRoutes(const Globals& globals, const PoseCommandOptions& options) {
   const client::Connection connection = ConnectionOf(globals);
-  v1::FindRoutesRequest request;
-  ENFILADE_RETURN_IF_ERROR(
-      SetPlace(connection, globals, options.from, *request.mutable_start_map(), *request.mutable_pose_map_start()));
-  ENFILADE_RETURN_IF_ERROR(
-      SetPlace(connection, globals, options.to, *request.mutable_goal_map(), *request.mutable_pose_map_goal()));
-  request.set_cost(options.cost == "hops"          ? v1::PATH_COST_HOPS
-                   : options.cost == "uncertainty" ? v1::PATH_COST_UNCERTAINTY
-                                                   : v1::PATH_COST_DISTANCE);
-  request.set_max_routes(options.alternatives);
-  request.set_with_geojson(options.geojson);
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&GraphStub::FindRoutes, request));
+  ENFILADE_ASSIGN_OR_RETURN(const v1::FindRoutesRequest request, RoutesRequestOf(connection, globals, options));
+  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::GraphService::Stub::FindRoutes, request));
   if (options.geojson) {
     std::cout << response.geojson() << '\n';
     return absl::OkStatus();
@@ -165,7 +156,7 @@ absl::Status PrintRoutes(const Globals& globals, const PoseCommandOptions& optio
   if (globals.json) {
     PrintJson(std::cout, {{"graph_version", response.graph_version()}, {"routes", std::move(documents)}});
   } else if (rows.empty()) {
-    std::cout << "no way: nothing open joins the two maps\n";
+    std::cout << "no route: no open link points join the two maps\n";
   } else {
     PrintTable(std::cout, {"ROUTE", "MAP", "LEVEL", "LENGTH M", "THEN THROUGH"}, rows);
   }
@@ -178,24 +169,25 @@ void AddPose(CLI::App& app, const Globals& globals) {
   const auto options = std::make_shared<PoseCommandOptions>();
   CLI::App* pose = app.add_subcommand("pose", "Robots' poses in the world frame");
   pose->require_subcommand(1);
-  CLI::App* global = AddCommand(*pose, "global", "Show a pose in the world, and the chain that it comes from",
-                                [&globals, options] { return PrintGlobalPose(globals, *options); });
-  global->add_option("--robot", options->robot, "The robot's id: its last reported pose");
+  CLI::App* global =
+      AddCommand(*pose, "global", "Show a pose in the world frame, and the link points that it was chained through",
+                 [&globals, options] { return PrintGlobalPose(globals, *options); });
+  global->add_option("--robot", options->robot, "The last reported pose of this robot, by its id");
   global->add_option("--at", options->at, "A pose in a map: MAP,X,Y,YAW");
   global->footer("Examples: enfilade pose global --robot r1\n          enfilade pose global --at Lab,1,2,0.5");
   CLI::App* watch = AddCommand(*pose, "watch", "Print global poses as they change, until interrupted",
                                [&globals, options] { return WatchPoses(globals, *options); });
   watch->add_option("--robot", options->robot, "Only this robot");
-  watch->add_option("--rate", options->rate_hz, "At most so many times a second")->capture_default_str();
+  watch->add_option("--rate", options->rate_hz, "How often at most, Hz")->capture_default_str();
   watch->footer("Example: enfilade --json pose watch --rate 5");
-  CLI::App* route = AddCommand(app, "route", "Find the way from a place in one map to a place in another",
+  CLI::App* route = AddCommand(app, "route", "Find routes from a pose in one map to a pose in another",
                                [&globals, options] { return PrintRoutes(globals, *options); });
   route->add_option("FROM", options->from, "MAP,X,Y")->required();
   route->add_option("TO", options->to, "MAP,X,Y")->required();
-  route->add_option("--cost", options->cost, "What it is short in")
+  route->add_option("--cost", options->cost, "What to minimise")
       ->check(CLI::IsMember({"distance", "hops", "uncertainty"}))
       ->capture_default_str();
-  route->add_option("--alternatives", options->alternatives, "At most so many ways")->capture_default_str();
+  route->add_option("--alternatives", options->alternatives, "How many routes at most")->capture_default_str();
   route->add_flag("--geojson", options->geojson, "Print them as GeoJSON");
   route->footer("Example: enfilade route Hall,1,2 Lab,3,4 --alternatives 3");
 }

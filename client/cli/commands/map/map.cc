@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/map/map.h"
-
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
-#include "client/cli/commands/map/map_edit.h"
-#include "client/cli/commands/map/map_transfer.h"
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
+#include "client/sdk/api/paging.h"
 #include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
@@ -16,7 +16,9 @@
 namespace enfilade::cli {
 namespace {
 
-std::string EnvironmentInWords(v1::Map::Environment environment) {
+constexpr int kShownRevisions = 10;
+
+std::string EnvironmentName(v1::Map::Environment environment) {
   return environment == v1::Map::ENVIRONMENT_OUTDOOR ? "outdoor" : "indoor";
 }
 
@@ -24,11 +26,11 @@ nlohmann::json ToJson(const v1::Map& map) {
   return {{"name", map.name()},
           {"display_name", map.display_name()},
           {"level", map.level()},
-          {"environment", EnvironmentInWords(map.environment())},
+          {"environment", EnvironmentName(map.environment())},
           {"slam_profile", map.slam_profile()},
           {"latest_revision", map.latest_revision()},
           {"etag", map.etag()},
-          {"create_time", TimeInWords(map.create_time())}};
+          {"create_time", FormatTime(map.create_time())}};
 }
 
 nlohmann::json ToJson(const v1::MapRevision& revision) {
@@ -40,31 +42,26 @@ nlohmann::json ToJson(const v1::MapRevision& revision) {
           {"width", revision.width()},
           {"height", revision.height()},
           {"content_sha256", ToHex(revision.content_sha256())},
-          {"create_time", TimeInWords(revision.create_time())}};
+          {"create_time", FormatTime(revision.create_time())}};
+}
+
+std::vector<std::string> ToRow(const v1::Map& map) {
+  return {IdOf(map.name()),
+          map.display_name(),
+          std::to_string(map.level()),
+          EnvironmentName(map.environment()),
+          IdOf(map.latest_revision()),
+          FormatTime(map.create_time())};
 }
 
 absl::Status ListMaps(const Globals& globals) {
-  const client::Connection connection = ConnectionOf(globals);
-  nlohmann::json documents = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows;
   v1::ListMapsRequest request;
   request.set_parent(SiteNameOf(globals));
-  do {
-    ENFILADE_ASSIGN_OR_RETURN(const v1::ListMapsResponse page,
-                              connection.Call(&v1::MapService::Stub::ListMaps, request));
-    for (const v1::Map& map : page.maps()) {
-      documents.push_back(ToJson(map));
-      rows.push_back(
-          {IdOf(map.name()), map.display_name(), std::to_string(map.level()), EnvironmentInWords(map.environment()),
-           map.latest_revision().empty() ? "-" : IdOf(map.latest_revision()), TimeInWords(map.create_time())});
-    }
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
-  if (globals.json) {
-    PrintJson(std::cout, documents);
-  } else {
-    PrintTable(std::cout, {"MAP", "NAME", "LEVEL", "ENVIRONMENT", "REVISION", "CREATED (UTC)"}, rows);
-  }
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::vector<v1::Map> maps,
+      client::ListAll(ConnectionOf(globals), &v1::MapService::Stub::ListMaps, request, &v1::ListMapsResponse::maps));
+  PrintList<v1::Map>(globals, maps, {"MAP", "NAME", "LEVEL", "ENVIRONMENT", "REVISION", "CREATED (UTC)"}, ToJson,
+                     ToRow);
   return absl::OkStatus();
 }
 
@@ -73,23 +70,23 @@ absl::Status ShowMap(const Globals& globals, const std::string& name) {
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, name));
   v1::ListMapRevisionsRequest request;
   request.set_parent(map.name());
-  request.set_page_size(10);
-  ENFILADE_ASSIGN_OR_RETURN(const v1::ListMapRevisionsResponse revisions,
-                            connection.Call(&v1::MapService::Stub::ListMapRevisions, request));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<v1::MapRevision> revisions,
+                            client::ListAll(connection, &v1::MapService::Stub::ListMapRevisions, request,
+                                            &v1::ListMapRevisionsResponse::revisions, kShownRevisions));
   if (globals.json) {
     nlohmann::json document = ToJson(map);
-    for (const v1::MapRevision& revision : revisions.revisions()) document["revisions"].push_back(ToJson(revision));
+    for (const v1::MapRevision& revision : revisions) document["revisions"].push_back(ToJson(revision));
     PrintJson(std::cout, document);
     return absl::OkStatus();
   }
   std::cout << map.display_name() << "\n"
-            << map.name() << "  level " << map.level() << ", " << EnvironmentInWords(map.environment()) << '\n';
+            << map.name() << "  level " << map.level() << ", " << EnvironmentName(map.environment()) << '\n';
   std::vector<std::vector<std::string>> rows;
-  for (const v1::MapRevision& revision : revisions.revisions()) {
+  for (const v1::MapRevision& revision : revisions) {
     rows.push_back({IdOf(revision.name()),
                     revision.session().empty() ? "import" : "session " + IdOf(revision.session()),
                     fmt::format("{} x {} cells of {} m", revision.width(), revision.height(), revision.resolution_m()),
-                    TimeInWords(revision.create_time())});
+                    FormatTime(revision.create_time())});
   }
   PrintTable(std::cout, {"REVISION", "FROM", "SIZE", "CREATED (UTC)"}, rows);
   return absl::OkStatus();
@@ -137,7 +134,7 @@ void AddMap(CLI::App& app, const Globals& globals) {
   CLI::App* remove = AddCommand(*map, "delete", "Delete a map with its revisions",
                                 [&globals, options] { return DeleteMap(globals, *options); });
   remove->add_option("MAP", options->map, "Its name, id or resource name")->required();
-  remove->add_flag("--force", options->force, "Also delete the sessions recorded into it");
+  remove->add_flag("--force", options->force, "Also delete the sessions that were recorded into it");
   remove->footer("Example: enfilade map delete \"Main hall\" --force");
 }
 

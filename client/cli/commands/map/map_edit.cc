@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/map/map_edit.h"
-
+// `enfilade map create` and `enfilade map update`.
 #include <iostream>
 #include <memory>
 #include <optional>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "core/base/error.h"
@@ -16,7 +16,7 @@ namespace enfilade::cli {
 namespace {
 
 struct MapEditCommandOptions {
-  std::string map;  // which is updated
+  std::string map;  // to update
   std::string id;
   std::optional<std::string> name;
   std::optional<int> level;
@@ -43,7 +43,8 @@ absl::Status FillMap(const MapEditCommandOptions& options, v1::Map& map, google:
     mask.add_paths("slam_profile");
   }
   if (options.outline.empty()) return absl::OkStatus();
-  if (options.outline.size() % 2 != 0) return InvalidArgument("--outline has an x without its y");
+  if (options.outline.size() % 2 != 0)
+    return InvalidArgument("--outline has an odd number of coordinates: the last y is missing");
   mask.add_paths("outline");
   for (std::size_t i = 0; i < options.outline.size(); i += 2) {
     v1::Point& corner = *map.mutable_outline()->add_corners();
@@ -78,7 +79,7 @@ absl::Status UpdateMap(const Globals& globals, const MapEditCommandOptions& opti
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map found, FindMap(connection, globals, options.map));
   v1::UpdateMapRequest request;
   ENFILADE_RETURN_IF_ERROR(FillMap(options, *request.mutable_map(), *request.mutable_update_mask()));
-  if (request.update_mask().paths().empty()) return InvalidArgument("nothing to change: see --help");
+  if (request.update_mask().paths().empty()) return InvalidArgument("nothing to change: give an option (see --help)");
   request.mutable_map()->set_name(found.name());
   request.mutable_map()->set_etag(found.etag());
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::MapService::Stub::UpdateMap, request));
@@ -90,8 +91,8 @@ void AddFields(CLI::App& command, const std::shared_ptr<MapEditCommandOptions>& 
   command.add_option("--level", options->level, "The floor; 0 is the ground");
   command.add_option("--environment", options->environment, "indoor or outdoor")
       ->check(CLI::IsMember({"indoor", "outdoor"}));
-  command.add_option("--slam-profile", options->slam_profile, "The SLAM configuration's name");
-  command.add_option("--outline", options->outline, "Its corners in its own frame: X Y X Y X Y ... in metres")
+  command.add_option("--slam-profile", options->slam_profile, "The name of the SLAM configuration to map it with");
+  command.add_option("--outline", options->outline, "Its corners in its frame: X Y X Y X Y ... in metres")
       ->expected(6, 2000);
 }
 

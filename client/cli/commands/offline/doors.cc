@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/offline/doors.h"
-
 #include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/commands/offline/doors_plot.h"
 #include "client/cli/log_options.h"
 #include "client/cli/output.h"
@@ -52,7 +51,7 @@ absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(const DoorsCommandOpti
   const std::size_t all = scans.size();
   std::erase_if(scans, [](const sensor::PairedScan& scan) { return !scan.T_odom_robot; });
   if (scans.empty()) {
-    return FailedPrecondition("{}: of {} scans none has odometry near it in time: doors are found along a way driven",
+    return FailedPrecondition("{}: none of {} scans has odometry close to it in time, which finding doors needs",
                               options.log, all);
   }
   return scans;
@@ -86,22 +85,22 @@ absl::Status RunDoors(const Globals& globals, const DoorsCommandOptions& options
     std::cout << doors::FormatDoorOptions(doors);
     return absl::OkStatus();
   }
-  if (options.log.empty()) return InvalidArgument("doors: which LOG? (enfilade doors --help)");
+  if (options.log.empty()) return InvalidArgument("doors: LOG is missing (see enfilade doors --help)");
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::PairedScan> scans, ReadScans(options));
   ProgressBar bar(globals, "looking for doors", static_cast<std::int64_t>(scans.size()));
   doors::DoorDetector detector(doors);
   std::vector<doors::DoorEvent> events;
-  const auto tell = [&](std::vector<doors::DoorEvent> some) {
+  const auto print = [&](std::vector<doors::DoorEvent> some) {
     for (doors::DoorEvent& event : some) {
       std::cout << ToJson(event).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
       events.push_back(std::move(event));
     }
   };
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    tell(detector.Add(scans[i].scan, *scans[i].T_odom_robot));
+    print(detector.Add(scans[i].scan, *scans[i].T_odom_robot));
     bar.Update(static_cast<std::int64_t>(i) + 1);
   }
-  tell(detector.Finish());
+  print(detector.Finish());
   bar.Finish();
   if (options.plot.empty()) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const std::string png, DrawDoors(scans, events, doors.derivative));
@@ -116,9 +115,10 @@ void AddDoors(CLI::App& app, const Globals& globals) {
                                  [&globals, options] { return RunDoors(globals, *options); });
   command->add_option("LOG", options->log, "The log (docs/logs.md lists the formats)");
   command->add_option("--preset", options->preset, "default, original-yaml or original-code")->capture_default_str();
-  command->add_option("--options", options->options_file, "A YAML file with options over the preset (docs/doors.md)");
-  command->add_option("--plot", options->plot, "Write a PNG: the scans' derivative, the way, and the decisions");
-  command->add_flag("--print-options", options->print_options, "Print all options as YAML and stop");
+  command->add_option("--options", options->options_file,
+                      "A YAML file with options that override the preset (docs/doors.md)");
+  command->add_option("--plot", options->plot, "Write a PNG: the derivative of the scans, the path, and the decisions");
+  command->add_flag("--print-options", options->print_options, "Print all options as YAML and exit");
   AddLogOptions(*command, options->reading);
   command->footer("Example:\n  enfilade doors drive.jsonl --plot doors.png");
 }

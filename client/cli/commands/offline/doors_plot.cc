@@ -11,7 +11,7 @@ namespace enfilade::cli {
 namespace {
 
 constexpr int kWidth = 1400;
-constexpr int kStrip = 361;  // pixels: one a degree
+constexpr int kStrip = 361;  // pixels: one per degree
 constexpr int kGap = 12;
 constexpr grid::Rgb kOrange{240, 150, 30};
 constexpr grid::Rgb kGrey{150, 150, 150};
@@ -37,7 +37,7 @@ class DoorPlot {
 
   absl::StatusOr<std::string> Draw(const doors::DerivativeOptions& options) {
     DrawDerivative(options);
-    DrawWay();
+    DrawPath();
     return grid::EncodePng(image_);
   }
 
@@ -82,7 +82,7 @@ class DoorPlot {
     }
   }
 
-  void DrawWay() {
+  void DrawPath() {
     for (const sensor::PairedScan& scan : scans_) {
       for (const Eigen::Vector2d& p : sensor::HitPoints(scan.scan, 5.0)) {
         const Eigen::Vector2d pixel = PixelOfPoint(*scan.T_odom_robot * p);

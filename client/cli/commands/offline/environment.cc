@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/offline/environment.h"
+#include "core/base/environment.h"
 
 #include <iostream>
 #include <map>
@@ -9,9 +9,9 @@
 #include <variant>
 #include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/sources/log_reader.h"
-#include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/sensor/environment_choice.h"
@@ -34,7 +34,7 @@ struct EnvironmentCommandOptions {
   perception::SceneClassifierFiles classifier;
 };
 
-// What there is to judge by, in order.
+// The readings to judge by, in order.
 struct Material {
   std::vector<sensor::LaserScan> scans;
   std::vector<std::string> depth_files;
@@ -56,7 +56,7 @@ absl::StatusOr<Material> ReadLog(const std::string& path) {
   }
 }
 
-// One log, or images: those of 16 bits are depth.
+// One log, or images; those of 16 bits are depth images.
 absl::StatusOr<Material> Gather(const std::vector<std::string>& inputs) {
   Material material;
   for (const std::string& path : inputs) {
@@ -79,9 +79,9 @@ struct Verdict {
   std::string text;
 };
 
-// The first scan with hits decides, as when a robot enters a new map; the others say how steady the verdict is.
+// The first scan with hits decides, as when a robot enters a new map; the others show how stable the verdict is.
 absl::StatusOr<Verdict> ByRange(const Material& material, const sensor::RangeCriterion& criterion) {
-  if (material.scans.empty()) return InvalidArgument("criterion range: there is no scan; give a log with scans");
+  if (material.scans.empty()) return InvalidArgument("criterion range: no scans: give a log that has some");
   std::optional<sensor::RangeChoice> first;
   std::int64_t outdoor = 0;
   std::int64_t judged = 0;
@@ -123,7 +123,8 @@ absl::StatusOr<Verdict> BySimilarity(const Material& material, const perception:
 }
 
 absl::StatusOr<Verdict> ByScene(const Material& material, const perception::SceneClassifierFiles& files) {
-  if (material.color_files.empty()) return InvalidArgument("criterion scene: there is no photograph");
+  if (material.color_files.empty())
+    return InvalidArgument("criterion scene: no photographs: give some, or a log that has them");
   ENFILADE_ASSIGN_OR_RETURN(perception::SceneClassifier classifier, perception::SceneClassifier::Load(files));
   Verdict verdict{Environment::kIndoor, {{"images", nlohmann::json::array()}}, {}};
   double outdoor = 0.0;
@@ -182,24 +183,26 @@ absl::Status RunEnvironment(const Globals& globals, const EnvironmentCommandOpti
 void AddEnvironment(CLI::App& app, const Globals& globals) {
   auto options = std::make_shared<EnvironmentCommandOptions>();
   CLI::App* command =
-      AddCommand(app, "environment", "Indoors or outdoors? By scans, depth images or a scene classifier",
+      AddCommand(app, "environment", "Tell indoors from outdoors by scans, depth images or a scene classifier",
                  [&globals, options] { return RunEnvironment(globals, *options); });
-  command->add_option("INPUT", options->inputs, "A log, or images (PNG of 16 bits: depth in mm)")->required();
+  command->add_option("INPUT", options->inputs, "A log, or images (a PNG of 16 bits is a depth image in mm)")
+      ->required();
   command
       ->add_option(
           "--criterion", options->criterion,
           "range (scans), ssim or psnr (depth images), scene (photographs); default: range for scans, else ssim")
       ->check(CLI::IsMember({"range", "ssim", "psnr", "scene"}));
-  command->add_option("--range-thr", options->range.side_limit, "Range: sides beyond it are far, m")
+  command->add_option("--range-thr", options->range.side_limit, "Range: a side beyond this distance is far, m")
       ->capture_default_str();
-  command->add_option("--filter-half-width", options->range.half_width, "Range: beams averaged to either side")
+  command->add_option("--filter-half-width", options->range.half_width, "Range: beams averaged on either side")
       ->capture_default_str();
   command->add_option("--preset", options->preset, "Range: original-yaml (13 m) or original-code (10 m)")
       ->check(CLI::IsMember({"original-yaml", "original-code"}));
-  command->add_option("--threshold", options->threshold, "ssim, psnr: a mean below is outdoor (0.7; 0 dB)");
-  command->add_option("--frames", options->similarity.frames, "ssim, psnr: depth images to look at")
+  command->add_option("--threshold", options->threshold,
+                      "ssim, psnr: a mean below this is outdoor (default: 0.7; 0 dB)");
+  command->add_option("--frames", options->similarity.frames, "ssim, psnr: how many depth images to compare")
       ->capture_default_str();
-  command->add_option("--model", options->classifier.model, "Scene: the network, ONNX, 1x3x224x224");
+  command->add_option("--model", options->classifier.model, "Scene: the network (ONNX, input 1x3x224x224)");
   command->add_option("--labels", options->classifier.labels, "Scene: class names, in the order of the outputs");
   command->add_option("--mapping", options->classifier.mapping,
                       "Scene: lines \"class 1\" (indoor), \"class 2\" (outdoor)");

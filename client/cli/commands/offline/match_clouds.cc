@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/commands/offline/match.h"
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -80,7 +80,7 @@ nlohmann::json ToJson(const MatchCloudsCommandOptions& options, const perception
 void PrintCloudMatch(const perception::Registration& found) {
   const PoseWithCovariance planar = perception::PlanarPose(found);
   const Eigen::Vector3d sigma = planar.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  std::cout << fmt::format("{}: {}{}\n", found.accepted ? "the same place" : "not known to be the same place",
+  std::cout << fmt::format("{}: {}{}\n", found.accepted ? "the same place" : "not recognised as the same place",
                            found.reason, found.turned ? " (turned by 180 degrees)" : "");
   std::cout << fmt::format("inlier share  {:.3f}\nfitness       {:.4f} m^2\niterations    {}{}\n", found.inlier_share,
                            found.fitness, found.iterations, found.converged ? "" : " (not converged)");
@@ -121,23 +121,28 @@ absl::Status RunMatchClouds(const Globals& globals, const MatchCloudsCommandOpti
 
 void AddMatchClouds(CLI::App& match, const Globals& globals) {
   auto options = std::make_shared<MatchCloudsCommandOptions>();
-  CLI::App* command = AddCommand(match, "clouds", "The pose of one point cloud in another's frame, by ICP or GICP",
+  CLI::App* command = AddCommand(match, "clouds", "Find the pose of one point cloud in another's frame, by ICP or GICP",
                                  [&globals, options] { return RunMatchClouds(globals, *options); });
   command->add_option("SOURCE", options->source, "PCD or PLY")->required();
   command->add_option("TARGET", options->target, "PCD or PLY")->required();
   command->add_option("-o,--output", options->output, "Draw both from above into a PNG: target blue, source red");
-  command->add_option("--guess", options->guess, "First guess of the source's pose: x y z (m) yaw (rad)")->expected(4);
+  command->add_option("--guess", options->guess, "Initial guess of the source's pose: x y z (m) yaw (rad)")
+      ->expected(4);
   command->add_flag("--not-turned", options->not_turned, "Do not also start from the guess turned by 180 degrees");
   command->add_option("--method", options->method, "icp (point to point) or gicp (plane to plane)")
       ->check(CLI::IsMember(&kMethods))
       ->capture_default_str();
-  command->add_option("--voxel", options->registration.voxel, "Both clouds are thinned to this, m")
+  command->add_option("--voxel", options->registration.voxel, "Voxel size that both clouds are downsampled to, m")
       ->capture_default_str();
-  command->add_option("--max-distance", options->registration.max_distance, "Of corresponding points at the start, m")
+  command
+      ->add_option("--max-distance", options->registration.max_distance,
+                   "Largest distance of corresponding points at the start, m")
       ->capture_default_str();
-  command->add_option("--min-inlier-share", options->registration.min_inlier_share, "Rejected below it")
+  command
+      ->add_option("--min-inlier-share", options->registration.min_inlier_share,
+                   "Reject matches with a smaller inlier share")
       ->capture_default_str();
-  command->add_option("--max-fitness", options->registration.max_fitness, "Rejected above it, m^2")
+  command->add_option("--max-fitness", options->registration.max_fitness, "Reject matches with a larger fitness, m^2")
       ->capture_default_str();
   command->footer("Example:\n  enfilade match clouds now.pcd then.pcd --guess 0.5 0 0 3.14 -o both.png");
 }

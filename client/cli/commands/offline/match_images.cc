@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/commands/offline/match.h"
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -91,7 +91,7 @@ absl::Status RunMatchImages(const Globals& globals, const MatchImagesCommandOpti
                           {"seconds", seconds}});
   } else if (!globals.quiet) {
     std::cout << fmt::format("{}: {}\nfeatures  {} and {}\nmatches   {}\ninliers   {}\n",
-                             match.accepted ? "the same place" : "not known to be the same place", match.reason,
+                             match.accepted ? "the same place" : "not recognised as the same place", match.reason,
                              match.features_a, match.features_b, match.matches, match.inliers);
     if (!options.output.empty()) std::cout << "picture   " << options.output << '\n';
   }
@@ -103,26 +103,29 @@ absl::Status RunMatchImages(const Globals& globals, const MatchImagesCommandOpti
 void AddMatchImages(CLI::App& match, const Globals& globals) {
   auto options = std::make_shared<MatchImagesCommandOptions>();
   CLI::App* command =
-      AddCommand(match, "images", "SIFT and AKAZE features of two images, compared and verified by geometry",
+      AddCommand(match, "images", "Match SIFT and AKAZE features of two images, and verify them by geometry",
                  [&globals, options] { return RunMatchImages(globals, *options); });
   command->add_option("A", options->a, "PNG or JPEG")->required();
   command->add_option("B", options->b, "PNG or JPEG")->required();
   command->add_option("-o,--output", options->output, "Draw the matches into a PNG: inliers green, others red");
-  command->add_option("--threshold", options->match.threshold, "Accepted with more inliers than this")
+  command->add_option("--threshold", options->match.threshold, "Accept with more inliers than this ...")
       ->capture_default_str();
-  command->add_option("--min-share", options->match.min_share, "... and than this share of the features seen by both")
+  command
+      ->add_option("--min-share", options->match.min_share,
+                   "... and more than this share of the features in both images")
       ->capture_default_str();
-  command->add_option("--model", options->model, "What is verified: planes, fundamental, essential, none")
+  command->add_option("--model", options->model, "The geometry to verify: planes, fundamental, essential, none")
       ->check(CLI::IsMember(&kModels))
       ->capture_default_str();
   command->add_option("--intrinsics", options->intrinsics, "fx fy cx cy in pixels, for --model essential")->expected(4);
-  command->add_option("--sift-ratio", options->match.ratios.sift, "Ratio test of SIFT")->capture_default_str();
-  command->add_option("--akaze-ratio", options->match.ratios.akaze, "Ratio test of AKAZE")->capture_default_str();
-  command->add_flag("--one-way", options->one_way, "No mutual check");
+  command->add_option("--sift-ratio", options->match.ratios.sift, "Ratio test of SIFT features")->capture_default_str();
+  command->add_option("--akaze-ratio", options->match.ratios.akaze, "Ratio test of AKAZE features")
+      ->capture_default_str();
+  command->add_flag("--one-way", options->one_way, "No mutual check of matches");
   command->add_option("--max-side", options->features.max_side, "Larger images are scaled down to this, pixels")
       ->capture_default_str();
-  command->add_option("--seed", options->match.seed, "Of RANSAC")->capture_default_str();
-  command->add_flag("--original", options->original, "As the original: more than 30 matches, unverified");
+  command->add_option("--seed", options->match.seed, "The seed of RANSAC")->capture_default_str();
+  command->add_flag("--original", options->original, "As map_manager: accept more than 30 matches, unverified");
   command->footer("Example:\n  enfilade match images door_then.jpg door_now.jpg -o matches.png");
 }
 

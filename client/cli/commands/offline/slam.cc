@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/offline/slam.h"
-
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -10,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/commands/offline/slam_files.h"
 #include "client/cli/entry_options.h"
 #include "client/cli/log_options.h"
@@ -45,7 +44,7 @@ struct SlamRun {
   grid::OccupancyGrid grid;
   slam::LogMapperCounts counts;
   std::int64_t scans = 0;
-  double seconds = 0.0;  // of mapping, reading the log not counted
+  double seconds = 0.0;  // of mapping, without reading the log
 };
 
 absl::StatusOr<slam::SlamOptions> ReadSlamOptions(const std::string& path) {
@@ -54,12 +53,13 @@ absl::StatusOr<slam::SlamOptions> ReadSlamOptions(const std::string& path) {
   return slam::ParseSlamOptions(text, path);
 }
 
-// The map that is there already, if any.
+// The map of --on, if given.
 absl::StatusOr<std::optional<slam::ExistingMap>> LoadExistingMap(const SlamCommandOptions& options,
                                                                  const slam::SlamOptions& slam) {
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<PoseWithCovariance> entry, EntryOf(options.entry));
   if (options.existing_map.empty() != !entry) {
-    return InvalidArgument("slam: --on says in which map, and --at where in it: give both or none");
+    return InvalidArgument(
+        "slam: --on and --at go together: the existing map, and the pose in it where the log starts");
   }
   if (!entry) return std::nullopt;
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, ReadMapFiles(options.existing_map));
@@ -123,11 +123,11 @@ void PrintReport(const Globals& globals, const SlamRun& run) {
     return;
   }
   std::cout << fmt::format("{} scans ({} used, {} keyframes, {} lost) in {}: {:.0f} scans/s\n", run.scans,
-                           run.counts.used, run.counts.keyframes, run.counts.lost, SecondsInWords(run.seconds), rate)
+                           run.counts.used, run.counts.keyframes, run.counts.lost, FormatSeconds(run.seconds), rate)
             << fmt::format("{} submaps, {} loops closed, {} attempts rejected\n", run.map.submaps.size(), accepted,
                            rejected);
   if (run.counts.pairing.time_reversed > 0) {
-    std::cout << fmt::format("{} records older than their predecessor were left out\n",
+    std::cout << fmt::format("{} records with a time before their predecessor's were dropped\n",
                              run.counts.pairing.time_reversed);
   }
 }
@@ -138,8 +138,8 @@ absl::Status RunSlam(const Globals& globals, const SlamCommandOptions& options) 
     std::cout << slam::FormatSlamOptions(slam);
     return absl::OkStatus();
   }
-  if (options.log.empty()) return InvalidArgument("slam: which LOG? (enfilade slam --help)");
-  if (options.plot && options.directory.empty()) return InvalidArgument("slam: --plot needs -o DIR to write into");
+  if (options.log.empty()) return InvalidArgument("slam: LOG is missing (see enfilade slam --help)");
+  if (options.plot && options.directory.empty()) return InvalidArgument("slam: --plot needs -o DIR");
   ENFILADE_ASSIGN_OR_RETURN(const SlamRun run, MapLog(globals, options, slam));
   if (!options.directory.empty()) {
     ENFILADE_RETURN_IF_ERROR(WriteSlamFiles(options.directory, run.map, run.grid, options.plot));
@@ -152,18 +152,18 @@ absl::Status RunSlam(const Globals& globals, const SlamCommandOptions& options) 
 
 void AddSlam(CLI::App& app, const Globals& globals) {
   auto options = std::make_shared<SlamCommandOptions>();
-  CLI::App* command = AddCommand(app, "slam", "Make a map of a recorded log, here, without a server",
+  CLI::App* command = AddCommand(app, "slam", "Map a recorded log locally, without a server",
                                  [&globals, options] { return RunSlam(globals, *options); });
   command->add_option("LOG", options->log, "The log (docs/logs.md lists the formats)");
   command->add_option("-o,--output", options->directory,
                       "The folder for trajectory.txt, map.pgm, map.yaml, map.png and closures.json");
-  command->add_option("--on", options->existing_map, "A map (YAML or JSON) to go on in: needs --at");
+  command->add_option("--on", options->existing_map, "An existing map (YAML or JSON) to extend: needs --at");
   AddEntryOptions(*command, options->entry);
   AddNoOdometry(*command, options->reading);
   AddLogOptions(*command, options->reading);
   command->add_flag("--plot", options->plot, "Also write plot.png: the trajectory over the map");
   command->add_option("--options", options->options_file, "A YAML file with SLAM options (docs/slam.md)");
-  command->add_flag("--print-options", options->print_options, "Print all SLAM options as YAML and stop");
+  command->add_flag("--print-options", options->print_options, "Print all SLAM options as YAML and exit");
   command->footer(
       "Examples:\n"
       "  enfilade slam drive.jsonl -o out --plot\n"

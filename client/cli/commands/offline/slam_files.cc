@@ -76,7 +76,7 @@ absl::Status WriteSlamFiles(const std::filesystem::path& directory, const slam::
                             const grid::OccupancyGrid& grid, bool plot) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
-  if (error) return FailedPrecondition("{}: cannot make this folder: {}", directory.string(), error.message());
+  if (error) return FailedPrecondition("{}: the folder cannot be created: {}", directory.string(), error.message());
   ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "trajectory.txt", TrajectoryText(map)));
   ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "closures.json", LoopClosuresJson(map)));
   if (grid.cells.empty()) return absl::OkStatus();

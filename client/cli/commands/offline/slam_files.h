@@ -9,9 +9,9 @@
 
 namespace enfilade::cli {
 
-// Writes what SLAM made of a log into `directory`, which is made where it does not exist: trajectory.txt (lines
-// `t x y yaw`: absolute seconds with nine decimals, m, rad), map.pgm with map.yaml, map.png, closures.json, and with
-// `plot` plot.png. A map without any known cell has no image: then only trajectory.txt and closures.json are written.
+// Writes the result of SLAM into `directory`, which is created if missing: trajectory.txt (lines `t x y yaw`: absolute
+// seconds with nine decimals, m, rad), map.pgm with map.yaml, map.png, closures.json, and with `plot` plot.png. A map
+// without a known cell has no image: then only trajectory.txt and closures.json are written.
 absl::Status WriteSlamFiles(const std::filesystem::path& directory, const slam::SlamMap& map,
                             const grid::OccupancyGrid& grid, bool plot);
 

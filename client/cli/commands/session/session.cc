@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/session/session.h"
-
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
-#include "client/cli/commands/session/session_doors.h"
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
+#include "client/sdk/api/paging.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
 
@@ -14,7 +15,7 @@ namespace enfilade::cli {
 namespace {
 
 // "RECORDING", "FINISHED", ...
-std::string SessionStateInWords(v1::Session::State state) {
+std::string SessionStateName(v1::Session::State state) {
   const std::string name = v1::Session::State_Name(state);
   const std::string prefix = "STATE_";
   return name.rfind(prefix, 0) == 0 ? name.substr(prefix.size()) : name;
@@ -26,7 +27,7 @@ nlohmann::json ToJson(const v1::Session& session) {
   return {{"name", session.name()},
           {"robot", session.robot()},
           {"map", session.map()},
-          {"state", SessionStateInWords(session.state())},
+          {"state", SessionStateName(session.state())},
           {"acknowledged_sequence", session.acknowledged_sequence()},
           {"mapped_sequence", session.mapped_sequence()},
           {"records",
@@ -44,38 +45,34 @@ nlohmann::json ToJson(const v1::Session& session) {
             {"keyframes", mapping.keyframes()},
             {"lost", mapping.lost()}}},
           {"error", session.error()},
-          {"create_time", TimeInWords(session.create_time())},
-          {"finish_time", TimeInWords(session.finish_time())}};
+          {"create_time", FormatTime(session.create_time())},
+          {"finish_time", FormatTime(session.finish_time())}};
+}
+
+std::vector<std::string> ToRow(const v1::Session& session) {
+  return {IdOf(session.name()),
+          IdOf(session.robot()),
+          IdOf(session.map()),
+          SessionStateName(session.state()),
+          std::to_string(session.acknowledged_sequence()),
+          std::to_string(session.mapped_sequence()),
+          FormatTime(session.create_time())};
 }
 
 absl::Status ListSessions(const Globals& globals) {
-  const client::Connection connection = ConnectionOf(globals);
-  nlohmann::json documents = nlohmann::json::array();
-  std::vector<std::vector<std::string>> rows;
   v1::ListSessionsRequest request;
   request.set_parent(SiteNameOf(globals));
-  do {
-    ENFILADE_ASSIGN_OR_RETURN(const v1::ListSessionsResponse page,
-                              connection.Call(&v1::SessionService::Stub::ListSessions, request));
-    for (const v1::Session& session : page.sessions()) {
-      documents.push_back(ToJson(session));
-      rows.push_back({IdOf(session.name()), IdOf(session.robot()), session.map().empty() ? "-" : IdOf(session.map()),
-                      SessionStateInWords(session.state()), std::to_string(session.acknowledged_sequence()),
-                      std::to_string(session.mapped_sequence()), TimeInWords(session.create_time())});
-    }
-    request.set_page_token(page.next_page_token());
-  } while (!request.page_token().empty());
-  if (globals.json) {
-    PrintJson(std::cout, documents);
-  } else {
-    PrintTable(std::cout, {"SESSION", "ROBOT", "MAP", "STATE", "RECORDS", "MAPPED", "CREATED (UTC)"}, rows);
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<v1::Session> sessions,
+                            client::ListAll(ConnectionOf(globals), &v1::SessionService::Stub::ListSessions, request,
+                                            &v1::ListSessionsResponse::sessions));
+  PrintList<v1::Session>(globals, sessions, {"SESSION", "ROBOT", "MAP", "STATE", "RECORDS", "MAPPED", "CREATED (UTC)"},
+                         ToJson, ToRow);
   return absl::OkStatus();
 }
 
 absl::Status ShowSession(const Globals& globals, const std::string& id) {
   v1::GetSessionRequest request;
-  request.set_name(SessionNameOf(globals, id));
+  request.set_name(ResourceNameOf(globals, "sessions", id));
   ENFILADE_ASSIGN_OR_RETURN(const v1::GetSessionResponse response,
                             ConnectionOf(globals).Call(&v1::SessionService::Stub::GetSession, request));
   const v1::Session& session = response.session();
@@ -85,7 +82,7 @@ absl::Status ShowSession(const Globals& globals, const std::string& id) {
   }
   const v1::RecordCounts& records = session.record_counts();
   const v1::MappingCounts& mapping = session.mapping_counts();
-  std::cout << session.name() << "  " << SessionStateInWords(session.state()) << '\n'
+  std::cout << session.name() << "  " << SessionStateName(session.state()) << '\n'
             << "robot    " << session.robot() << '\n'
             << "map      " << (session.map().empty() ? "(only recorded)" : session.map()) << '\n'
             << "records  " << session.acknowledged_sequence() << " acknowledged: " << records.laser_scans()
@@ -94,7 +91,7 @@ absl::Status ShowSession(const Globals& globals, const std::string& id) {
             << "mapped   " << session.mapped_sequence() << ": " << mapping.used() << " scans used, "
             << mapping.keyframes() << " keyframes, " << mapping.lost() << " lost; " << mapping.paired() << " paired, "
             << mapping.unpaired() << " without odometry, " << mapping.time_reversed()
-            << " with time running backwards\n";
+            << " with times going backwards\n";
   if (!session.error().empty()) std::cout << "error    " << session.error() << '\n';
   return absl::OkStatus();
 }
@@ -102,7 +99,7 @@ absl::Status ShowSession(const Globals& globals, const std::string& id) {
 }  // namespace
 
 void AddSession(CLI::App& app, const Globals& globals) {
-  CLI::App* session = app.add_subcommand("session", "Mapping sessions: what robots recorded");
+  CLI::App* session = app.add_subcommand("session", "Sessions: what robots have recorded");
   session->require_subcommand(1);
   AddCommand(*session, "list", "List the site's sessions, the newest first",
              [&globals] { return ListSessions(globals); });

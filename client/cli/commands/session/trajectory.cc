@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/session/trajectory.h"
+#include "client/sdk/api/trajectory.h"
 
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <string>
 
+#include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "enfilade/v1/session_service.grpc.pb.h"
 
 namespace enfilade::cli {
 namespace {
@@ -19,37 +20,24 @@ struct TrajectoryCommandOptions {
   std::string output;
 };
 
-absl::StatusOr<std::int64_t> ReceiveTrajectory(const client::Connection& connection,
-                                               const v1::ExportTrajectoryRequest& request, std::ostream& out) {
-  v1::SessionService::Stub stub(connection.channel());
-  grpc::ClientContext context;
-  const auto reader = stub.ExportTrajectory(&context, request);
-  v1::ExportTrajectoryResponse part;
-  std::int64_t poses = 0;
-  while (reader->Read(&part)) {
-    for (const v1::TrajectoryPose& pose : part.poses()) {
-      out << fmt::format("{}.{:09d} {} {} {}\n", pose.time().seconds(), pose.time().nanos(), pose.pose_map_robot().x(),
-                         pose.pose_map_robot().y(), pose.pose_map_robot().yaw());
-      ++poses;
-    }
-  }
-  ENFILADE_RETURN_IF_ERROR(client::FromGrpcStatus(reader->Finish(), connection.address()));
-  return poses;
-}
-
 absl::Status ExportTrajectory(const Globals& globals, const TrajectoryCommandOptions& options) {
-  v1::ExportTrajectoryRequest request;
-  request.set_name(SessionNameOf(globals, options.session));
   const bool to_stdout = options.output == "-";
   std::ofstream file;
   if (!to_stdout) {
     file.open(options.output, std::ios::binary | std::ios::trunc);
-    if (!file) return InvalidArgument("cannot write to {}", options.output);
+    if (!file) return InvalidArgument("{}: cannot be written", options.output);
   }
   std::ostream& out = to_stdout ? std::cout : file;
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t poses, ReceiveTrajectory(ConnectionOf(globals), request, out));
+  const auto write = [&out](const v1::TrajectoryPose& pose) {
+    out << fmt::format("{}.{:09d} {} {} {}\n", pose.time().seconds(), pose.time().nanos(), pose.pose_map_robot().x(),
+                       pose.pose_map_robot().y(), pose.pose_map_robot().yaw());
+    return absl::OkStatus();
+  };
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::int64_t poses,
+      client::ExportTrajectory(ConnectionOf(globals), ResourceNameOf(globals, "sessions", options.session), write));
   out.flush();
-  if (!out) return ResourceExhausted("{} could not be written: is the disk full?", options.output);
+  if (!out) return ResourceExhausted("{}: cannot be written: is the disk full?", options.output);
   if (globals.json && !to_stdout) PrintJson(std::cout, {{"poses", poses}, {"file", options.output}});
   if (!globals.json && !to_stdout) std::cout << poses << " poses in " << options.output << '\n';
   return absl::OkStatus();
@@ -58,7 +46,7 @@ absl::Status ExportTrajectory(const Globals& globals, const TrajectoryCommandOpt
 }  // namespace
 
 void AddTrajectory(CLI::App& app, const Globals& globals) {
-  CLI::App* trajectory = app.add_subcommand("trajectory", "Where a robot was");
+  CLI::App* trajectory = app.add_subcommand("trajectory", "The trajectory of a session's robot");
   trajectory->require_subcommand(1);
   auto options = std::make_shared<TrajectoryCommandOptions>();
   CLI::App* export_command =

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/graph/graph_solve.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "client/cli/commands/commands.h"
 #include "core/optimize/io/graph_text.h"
 #include "tests/support/manhattan_graph.h"
 #include "tests/support/status_assertions.h"
@@ -21,7 +20,10 @@ class GraphSolveTest : public CommandTest {
  protected:
   absl::Status Run(std::vector<std::string> arguments, bool json = true) {
     arguments.insert(arguments.begin(), {"graph", "solve"});
-    return RunCommandLine(AddGraph, std::move(arguments), json);
+    const auto add = [](CLI::App& app, const Globals& globals) {
+      AddGraphSolve(*app.add_subcommand("graph"), globals);
+    };
+    return RunCommandLine(add, std::move(arguments), json);
   }
 
   const optimize::PoseGraph graph_ = testing::MakeManhattanGraph({.nodes = 100}).graph;

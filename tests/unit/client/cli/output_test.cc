@@ -42,14 +42,14 @@ TEST(PrintJson, ReplacesInvalidText) {
   EXPECT_EQ(out.str(), "{\n  \"name\": \"a\xEF\xBF\xBD\"\n}\n");
 }
 
-TEST(InWords, RoundsToWhatPeopleRead) {
-  EXPECT_EQ(BytesInWords(1023), "1023 B");
-  EXPECT_EQ(BytesInWords(1536), "1.5 KiB");
-  EXPECT_EQ(BytesInWords((1 << 20) - 1), "1.0 MiB");
-  EXPECT_EQ(BytesInWords(64 << 20), "64.0 MiB");
-  EXPECT_EQ(SecondsInWords(0.421), "0.42 s");
-  EXPECT_EQ(SecondsInWords(59.99), "1:00");
-  EXPECT_EQ(SecondsInWords(3723), "1:02:03");
+TEST(Format, RoundsToWhatPeopleRead) {
+  EXPECT_EQ(FormatBytes(1023), "1023 B");
+  EXPECT_EQ(FormatBytes(1536), "1.5 KiB");
+  EXPECT_EQ(FormatBytes((1 << 20) - 1), "1.0 MiB");
+  EXPECT_EQ(FormatBytes(64 << 20), "64.0 MiB");
+  EXPECT_EQ(FormatSeconds(0.421), "0.42 s");
+  EXPECT_EQ(FormatSeconds(59.99), "1:00");
+  EXPECT_EQ(FormatSeconds(3723), "1:02:03");
 }
 
 }  // namespace

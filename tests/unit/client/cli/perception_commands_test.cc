@@ -7,8 +7,7 @@
 #include <random>
 #include <sstream>
 
-#include "client/cli/commands/offline/environment.h"
-#include "client/cli/commands/offline/match.h"
+#include "client/cli/commands/commands.h"
 #include "core/grid/files/png_codec.h"
 #include "perception/cloud/decode_cloud.h"
 #include "tests/support/status_assertions.h"
@@ -118,7 +117,7 @@ TEST_F(PerceptionCommandsTest, SaysWhatACriterionLacks) {
   EXPECT_STATUS(Run({"environment", photograph, "--criterion", "scene"}), absl::StatusCode::kNotFound,
                 HasSubstr("model"));
   EXPECT_STATUS(Run({"environment", photograph, "--criterion", "range"}), absl::StatusCode::kInvalidArgument,
-                HasSubstr("there is no scan"));
+                HasSubstr("no scans"));
   EXPECT_STATUS(Run({"environment", photograph}), absl::StatusCode::kInvalidArgument, HasSubstr("at least 2"));
 }
 

@@ -4,8 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/cli/commands/offline/doors.h"
-#include "client/cli/commands/offline/sim.h"
+#include "client/cli/commands/commands.h"
 #include "core/grid/files/png_codec.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/cli/command_test.h"
@@ -19,14 +18,14 @@ class SimulatorCommandsTest : public CommandTest {
  protected:
   absl::Status Run(std::vector<std::string> arguments) {
     const auto add = [](CLI::App& app, const Globals& globals) {
-      AddSim(app, globals);
+      AddSimulate(app, globals);
       AddDoors(app, globals);
     };
     return RunCommandLine(add, std::move(arguments), true);
   }
   // Drives robot r1 through the campus "figure1".
   absl::Status Drive(const std::filesystem::path& folder, const std::string& seed) {
-    return Run({"sim", "figure1", "-o", folder, "--robots", "r1", "--seed", seed});
+    return Run({"simulate", "figure1", "-o", folder, "--robots", "r1", "--seed", seed});
   }
   static std::vector<nlohmann::json> Lines(const std::string& text) {
     std::vector<nlohmann::json> lines;
@@ -38,7 +37,7 @@ class SimulatorCommandsTest : public CommandTest {
   const std::filesystem::path out_ = directory_.path() / "campus";
 };
 
-TEST_F(SimulatorCommandsTest, SimWritesLogTruthAndPlan) {
+TEST_F(SimulatorCommandsTest, SimulateWritesLogTruthAndPlan) {
   ASSERT_OK(Drive(out_, "1"));
   const nlohmann::json drives = nlohmann::json::parse(printed_)["drives"];
   ASSERT_EQ(drives.size(), 1U);
@@ -49,7 +48,7 @@ TEST_F(SimulatorCommandsTest, SimWritesLogTruthAndPlan) {
   EXPECT_OK(grid::DecodePng(Content(out_ / "plan.png")).status());
 }
 
-TEST_F(SimulatorCommandsTest, SimGivesTheSameLogForTheSameSeedOnly) {
+TEST_F(SimulatorCommandsTest, SimulateGivesTheSameLogForTheSameSeedOnly) {
   ASSERT_OK(Drive(out_ / "a", "1"));
   ASSERT_OK(Drive(out_ / "b", "1"));
   ASSERT_OK(Drive(out_ / "c", "2"));
@@ -59,9 +58,10 @@ TEST_F(SimulatorCommandsTest, SimGivesTheSameLogForTheSameSeedOnly) {
   EXPECT_FALSE(log == Content(out_ / "c/r1/log.jsonl"));
 }
 
-TEST_F(SimulatorCommandsTest, SimNamesWhatItDoesNotKnow) {
-  EXPECT_STATUS(Run({"sim", "figure1", "-o", out_, "--robots", "r9"}), absl::StatusCode::kNotFound, HasSubstr("r9"));
-  EXPECT_STATUS(Run({"sim", File("bad.yaml", "walls: 7\n"), "-o", out_}), absl::StatusCode::kInvalidArgument,
+TEST_F(SimulatorCommandsTest, SimulateNamesWhatItDoesNotKnow) {
+  EXPECT_STATUS(Run({"simulate", "figure1", "-o", out_, "--robots", "r9"}), absl::StatusCode::kNotFound,
+                HasSubstr("r9"));
+  EXPECT_STATUS(Run({"simulate", File("bad.yaml", "walls: 7\n"), "-o", out_}), absl::StatusCode::kInvalidArgument,
                 HasSubstr("bad.yaml"));
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/cli/commands/offline/slam.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "client/cli/commands/commands.h"
 #include "client/sources/formats/json_lines_writer.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"

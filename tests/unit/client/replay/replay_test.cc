@@ -100,7 +100,7 @@ TEST_F(ReplayTest, RefusesALogThatIsShorterThanWhatIsSpooled) {
   for (int i = 0; i < 5; ++i) ASSERT_OK(spool_->Append(kRun, Scan(i)));
   LogFeeder feeder = MakeFeeder(WriteLog(3));
   EXPECT_STATUS(feeder.SkipSpooled(), absl::StatusCode::kFailedPrecondition,
-                HasSubstr("holds 5 records, but the log has 3"));
+                HasSubstr("has 5 records, but the log has only 3"));
 }
 
 TEST_F(ReplayTest, KeepsTheRecordedPace) {
@@ -159,7 +159,7 @@ TEST_F(ReplayTest, ChecksTheLogToItsEnd) {
                 HasSubstr("bad.jsonl:22: "));
   const auto nothing = files_.Write("nothing.jsonl", sources::JsonLinesHeader());
   EXPECT_STATUS(CheckLog(nothing, {}, [](std::int64_t) {}), absl::StatusCode::kInvalidArgument,
-                HasSubstr("holds nothing"));
+                HasSubstr("has no entries"));
 }
 
 TEST_F(ReplayTest, KnowsALogByItsContentAndOptions) {
@@ -198,7 +198,7 @@ TEST_F(ReplayTest, FindsTheSessionToGoOnWith) {
   ASSERT_OK(spool_->MarkFinished(first.id));
   ASSERT_OK(spool_->MarkClosed(first.id));
   wanted.id = SessionId();
-  EXPECT_NE(FindOrCreateSession(*spool_, wanted)->id, first.id) << "a closed one is not gone on with unless named";
+  EXPECT_NE(FindOrCreateSession(*spool_, wanted)->id, first.id) << "a closed one is resumed only by its id";
 }
 
 TEST_F(ReplayTest, KeepsItsSpoolInTheStateFolder) {
@@ -233,7 +233,7 @@ TEST(ReplayReport, TellsProgramsAndPeopleTheSame) {
   EXPECT_THAT(out.str(),
               HasSubstr("session run-1: 100 records (40 scans) acknowledged, 20 of them by an earlier run; 80 "
                         "in 2.00 s, 40/s"));
-  EXPECT_THAT(out.str(), HasSubstr("3 records were refused"));
+  EXPECT_THAT(out.str(), HasSubstr("refused 3 records"));
 }
 
 }  // namespace

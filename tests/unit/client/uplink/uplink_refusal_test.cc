@@ -39,7 +39,7 @@ TEST_F(UplinkTest, EndsWhereEvenTheWithheldRecordIsRefused) {
   };
   Serve(behaviour);
   RecordAll(100);
-  EXPECT_STATUS(Bring(), absl::StatusCode::kFailedPrecondition, HasSubstr("record 30 is refused (never)"));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kFailedPrecondition, HasSubstr("record 30 was refused (never)"));
 }
 
 TEST_F(UplinkTest, EndsWithThePermanentErrorsAndKeepsTheSpool) {
@@ -64,7 +64,7 @@ TEST_F(UplinkTest, EndsWhereAnotherRobotRecordsUnderTheSameSession) {
   SpoolSession again = SampleSession();
   again.request_id = "99999999-2222-4333-8444-555555555555";
   ASSERT_OK(spool_->CreateSession(again));
-  EXPECT_STATUS(Bring(), absl::StatusCode::kAlreadyExists, HasSubstr("recorded by sites/campus/robots/other"));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kAlreadyExists, HasSubstr("sites/campus/robots/other records it"));
 }
 
 TEST_F(UplinkTest, GoesOnWithANewDiskWhereTheServerHasMoreThanTheSpool) {
@@ -103,7 +103,7 @@ TEST_F(UplinkTest, EndsWhereTheServerHasLostWhatItAcknowledged) {
     while (spool_->usage().records > 0) std::this_thread::yield();
   }
   server_->Edit(kRunName, [](FakeServer::Session& session) { session.records.erase(50); });
-  EXPECT_STATUS(Bring(), absl::StatusCode::kDataLoss, HasSubstr("up to 49 but has acknowledged up to 100"));
+  EXPECT_STATUS(Bring(), absl::StatusCode::kDataLoss, HasSubstr("up to 49, but it acknowledged up to 100"));
 }
 
 TEST_F(UplinkTest, CreatesNothingWhereThatIsNotWanted) {

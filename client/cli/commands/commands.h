@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "client/cli/command.h"
+
+namespace enfilade::cli {
+
+// Each adds one command of the tool, with its subcommands, to `app`. `globals` outlives the app and is read when the
+// command runs.
+
+// A server's site: one file per command below commands/, named after it.
+void AddGraph(CLI::App& app, const Globals& globals);        // graph show | versions | optimize | export | plot | solve
+void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
+void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
+void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
+void AddMap(CLI::App& app, const Globals& globals);   // map list | show | create | update | export | import | delete
+void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
+void AddReplay(CLI::App& app, const Globals& globals);
+void AddRobot(CLI::App& app, const Globals& globals);
+void AddServer(CLI::App& app, const Globals& globals);      // server status
+void AddSession(CLI::App& app, const Globals& globals);     // session list | show | doors
+void AddSite(CLI::App& app, const Globals& globals);        // site create | list | audit
+void AddTrajectory(CLI::App& app, const Globals& globals);  // trajectory export
+
+// Files alone, without a server.
+void AddDoors(CLI::App& app, const Globals& globals);
+void AddEnvironment(CLI::App& app, const Globals& globals);
+void AddMatch(CLI::App& app, const Globals& globals);  // match images | clouds
+void AddSimulate(CLI::App& app, const Globals& globals);
+void AddSlam(CLI::App& app, const Globals& globals);
+
+void AddCompletion(CLI::App& app);
+
+// Parts of the commands above that have a file of their own. The first parameter is the command that they belong to.
+void AddGraphPlot(CLI::App& graph, const Globals& globals);
+void AddGraphSolve(CLI::App& graph, const Globals& globals);
+void AddMapEdit(CLI::App& map, const Globals& globals);
+void AddMapExport(CLI::App& map, const Globals& globals);
+void AddMapImport(CLI::App& map, const Globals& globals);
+void AddMatchClouds(CLI::App& match, const Globals& globals);
+void AddMatchImages(CLI::App& match, const Globals& globals);
+void AddSessionDoors(CLI::App& session, const Globals& globals);
+
+}  // namespace enfilade::cli
