@@ -39,17 +39,18 @@ struct Services {
   Metrics& metrics;
   const Readiness& readiness;
 
+  // Maps, link points and the graph are changed by graph_editor.
   const storage::SiteStore& sites;
   const storage::RobotStore& robots;
-  const storage::MapStore& maps;
+  const storage::MapReader& maps;
   const storage::RevisionStore& revisions;
   const storage::SessionStore& sessions;
   const storage::RecordStore& records;
   const storage::BlobStore& blobs;
   const storage::MappingStore& mappings;
   const storage::LoopClosureStore& closures;
-  const storage::LinkPointStore& link_points;
-  const storage::GraphStore& graph_store;
+  const storage::LinkPointReader& link_points;
+  const storage::GraphReader& graph_store;
   const storage::RobotPoseStore& robot_poses;
   const storage::AuditStore& audit;
   const storage::DoorVerdictStore& door_verdicts;

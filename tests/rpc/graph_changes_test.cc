@@ -27,6 +27,15 @@ TEST_F(GraphTest, ChangesOfOthersAreHeardOf) {
   FAIL() << "the new link point was not heard of";
 }
 
+TEST_F(GraphTest, TheGraphOfADeletedSiteIsGone) {
+  ASSERT_OK(Call(&Stub::GetGlobalPose, At("b", {})));
+  v1::DeleteSiteRequest request;
+  request.set_name("sites/s");
+  request.set_force(true);
+  ASSERT_OK(Call(&v1::SiteService::Stub::DeleteSite, request));
+  EXPECT_CODE(Call(&Stub::GetGlobalPose, At("b", {})), absl::StatusCode::kNotFound);
+}
+
 TEST_F(GraphTest, OptimisesByItselfAndOnRequestAndListsVersions) {
   const v1::Graph solved = AwaitSolution();
   // A third door closes a loop that does not quite fit.

@@ -44,8 +44,7 @@ absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& serv
     *response.mutable_georeference() = ToProto(site, *graph, fit, points);
   }
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            services.graph_store.SetControlPoints(call.context(), site, points));
-  services.graphs.MarkChanged(site);
+                            services.graph_editor.SetControlPoints(call.context(), site, points));
   response.mutable_georeference()->set_graph_version(version);
   return response;
 }

@@ -16,8 +16,7 @@ absl::StatusOr<v1::AddLinkPointAnchorResponse> AddLinkPointAnchor(const Services
   ENFILADE_ASSIGN_OR_RETURN(const graph::Anchor anchor, FromProto("anchor", name.site, request.anchor()));
   ENFILADE_ASSIGN_OR_RETURN(
       const storage::StoredLinkPoint changed,
-      services.link_points.AddAnchor(call.context(), name.site, {name.link_point, etag, anchor, request.force()}));
-  services.graphs.MarkChanged(name.site);
+      services.graph_editor.AddAnchor(call.context(), name.site, {name.link_point, etag, anchor, request.force()}));
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
   return response;
 }

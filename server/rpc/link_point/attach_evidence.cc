@@ -40,7 +40,7 @@ class EvidenceTaker {
       ENFILADE_RETURN_IF_ERROR(
           services_.blobs.Put(call_.context(), name_.site, {{evidence_.content.sha256, blob.data}}));
     }
-    ENFILADE_RETURN_IF_ERROR(services_.link_points.PutEvidence(call_.context(), name_.site, evidence_));
+    ENFILADE_RETURN_IF_ERROR(services_.graph_editor.PutEvidence(call_.context(), name_.site, evidence_));
     *response.mutable_evidence() = ToProto(name_.site, evidence_);
     return absl::OkStatus();
   }

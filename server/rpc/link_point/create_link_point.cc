@@ -17,8 +17,7 @@ absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& serv
   link_point.point.id = LinkPointId(std::move(id));
   link_point.forced = request.force();
   ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint created,
-                            services.link_points.Create(call.context(), link_point, request.request_id()));
-  services.graphs.MarkChanged(site);
+                            services.graph_editor.CreateLinkPoint(call.context(), link_point, request.request_id()));
   *response.mutable_link_point() = ToProto(created);
   return response;
 }

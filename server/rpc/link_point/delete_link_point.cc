@@ -13,8 +13,7 @@ absl::StatusOr<v1::DeleteLinkPointResponse> DeleteLinkPoint(const Services& serv
   v1::DeleteLinkPointResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_RETURN_IF_ERROR(services.link_points.Delete(call.context(), name.site, name.link_point, etag));
-  services.graphs.MarkChanged(name.site);
+  ENFILADE_RETURN_IF_ERROR(services.graph_editor.DeleteLinkPoint(call.context(), name.site, name.link_point, etag));
   return response;
 }
 

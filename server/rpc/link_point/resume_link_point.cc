@@ -13,9 +13,9 @@ absl::StatusOr<v1::ResumeLinkPointResponse> ResumeLinkPoint(const Services& serv
   v1::ResumeLinkPointResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint changed,
-                            services.link_points.SetSuspended(call.context(), name.site, name.link_point, etag, false));
-  services.graphs.MarkChanged(name.site);
+  ENFILADE_ASSIGN_OR_RETURN(
+      const storage::StoredLinkPoint changed,
+      services.graph_editor.SetSuspended(call.context(), name.site, name.link_point, etag, false));
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
   return response;
 }

@@ -14,8 +14,7 @@ absl::StatusOr<v1::SuspendLinkPointResponse> SuspendLinkPoint(const Services& se
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint changed,
-                            services.link_points.SetSuspended(call.context(), name.site, name.link_point, etag, true));
-  services.graphs.MarkChanged(name.site);
+                            services.graph_editor.SetSuspended(call.context(), name.site, name.link_point, etag, true));
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
   return response;
 }

@@ -42,8 +42,7 @@ absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& serv
   link_point.forced = stored.forced;
   link_point.etag = etag != 0 ? etag : stored.etag;
   ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint changed,
-                            services.link_points.Update(call.context(), link_point));
-  services.graphs.MarkChanged(name.site);
+                            services.graph_editor.UpdateLinkPoint(call.context(), link_point));
   ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
   return response;
 }

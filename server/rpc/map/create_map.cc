@@ -14,8 +14,7 @@ absl::StatusOr<v1::CreateMapResponse> CreateMap(const Services& services, const 
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("map_id", request.map_id()));
   map.id = MapId(std::move(id));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map created,
-                            services.maps.Create(call.context(), map, request.request_id()));
-  services.graphs.MarkChanged(map.site);
+                            services.graph_editor.CreateMap(call.context(), map, request.request_id()));
   *response.mutable_map() = ToProto(created);
   return response;
 }

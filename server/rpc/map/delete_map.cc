@@ -10,8 +10,7 @@ absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const 
                                                 const v1::DeleteMapRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName name, convert::ParseMapName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_RETURN_IF_ERROR(services.maps.Delete(call.context(), name.site, name.map, etag, request.force()));
-  services.graphs.MarkChanged(name.site);
+  ENFILADE_RETURN_IF_ERROR(services.graph_editor.DeleteMap(call.context(), name.site, name.map, etag, request.force()));
   return v1::DeleteMapResponse();
 }
 

@@ -26,8 +26,7 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   map.site = name.site;
   map.id = name.map;
   map.etag = etag != 0 ? etag : stored.etag;
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Map updated, services.maps.Update(call.context(), map));
-  services.graphs.MarkChanged(name.site);
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Map updated, services.graph_editor.UpdateMap(call.context(), map));
   *response.mutable_map() = ToProto(updated);
   return response;
 }

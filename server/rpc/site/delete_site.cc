@@ -11,6 +11,7 @@ absl::StatusOr<v1::DeleteSiteResponse> DeleteSite(const Services& services, cons
   ENFILADE_ASSIGN_OR_RETURN(const SiteId id, convert::ParseSiteName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
   ENFILADE_RETURN_IF_ERROR(services.sites.Delete(call.context(), id, etag, request.force()));
+  services.graphs.MarkChanged(id);  // the store does not notify of a deleted graph
   return v1::DeleteSiteResponse();
 }
 
