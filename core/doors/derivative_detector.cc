@@ -17,16 +17,16 @@ using State = CriterionVerdict::State;
 }  // namespace
 
 void DerivativeDetector::Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
-  LookAhead(scan, T_odom_robot, events);
-  if (latch_ && !behind_.met()) LookBehind(scan, T_odom_robot);
+  SearchAhead(scan, T_odom_robot, events);
+  if (latch_ && !behind_.met()) SearchBehind(scan, T_odom_robot);
   CompareBoxes(scan, T_odom_robot);
   Conclude(scan.time, T_odom_robot, events);
   last_pose_ = T_odom_robot;
   last_time_ = scan.time;
 }
 
-void DerivativeDetector::LookAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot,
-                                   std::vector<DoorEvent>& events) {
+void DerivativeDetector::SearchAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot,
+                                     std::vector<DoorEvent>& events) {
   const DerivativeOptions& o = options_.derivative;
   if (ahead_.met()) return;
   if (ahead_hits_ > 0 && ToSeconds(scan.time - first_ahead_) > o.front_window) ahead_hits_ = 0;
@@ -47,7 +47,7 @@ void DerivativeDetector::LookAhead(const sensor::LaserScan& scan, const Pose2& T
   events.push_back(EventOf(DoorEvent::Kind::kLatched, scan.time, T_odom_robot));
 }
 
-void DerivativeDetector::LookBehind(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
+void DerivativeDetector::SearchBehind(const sensor::LaserScan& scan, const Pose2& T_odom_robot) {
   const DerivativeOptions& o = options_.derivative;
   if (behind_hits_ > 0 && ToSeconds(scan.time - last_behind_) < o.back_spacing) return;
   JambSearch search = FindJambsBehind(scan, o);
@@ -58,9 +58,11 @@ void DerivativeDetector::LookBehind(const sensor::LaserScan& scan, const Pose2& 
       behind_ = {State::kDropped, search.reason};
       return;
     }
-    // Seen ahead, by a robot that has turned round, it is the door that was behind it.
+    // After the robot has turned round, the door behind it is ahead.
     turned_round = turned > kTurnedRound;
-    behind_.reason = "the scanner does not look back: waits for the door ahead after turning round";
+    behind_.reason =
+        "the scanner does not look back: waiting for the door "
+        "ahead after turning round";
     if (!turned_round) return;
     search = FindJambsAhead(scan, o);
   }
@@ -110,7 +112,7 @@ void DerivativeDetector::CompareBoxes(const sensor::LaserScan& scan, const Pose2
   box_time_ = scan.time;
 }
 
-int DerivativeDetector::MetCriteria() const {
+int DerivativeDetector::CountMet() const {
   return (ahead_.met() ? 1 : 0) + (behind_.met() ? 1 : 0) + (environment_.met() ? 1 : 0);
 }
 
@@ -130,18 +132,18 @@ DoorEvent DerivativeDetector::EventOf(DoorEvent::Kind kind, TimeNs time, const P
 
 void DerivativeDetector::Conclude(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) {
   if (!begin_) return;
-  if (MetCriteria() >= options_.criteria) {
+  if (CountMet() >= options_.criteria) {
     DoorEvent event = EventOf(DoorEvent::Kind::kPassage, time, T_odom_robot);
-    event.reason = fmt::format("{} of three criteria", MetCriteria());
+    event.reason = fmt::format("{} of three criteria", CountMet());
     events.push_back(std::move(event));
     Reset();
   } else if (ToSeconds(time - *begin_) > options_.time_limit) {
-    TellCandidate(time, T_odom_robot, events);
+    ReportCandidate(time, T_odom_robot, events);
     Reset();
   }
 }
 
-void DerivativeDetector::TellCandidate(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) const {
+void DerivativeDetector::ReportCandidate(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) const {
   if (!latch_) return;
   DoorEvent event = EventOf(DoorEvent::Kind::kCandidate, time, T_odom_robot);
   event.reason = fmt::format("seen ahead, not passed within {:.0f} s", options_.time_limit);
@@ -149,7 +151,7 @@ void DerivativeDetector::TellCandidate(TimeNs time, const Pose2& T_odom_robot, s
 }
 
 void DerivativeDetector::Finish(std::vector<DoorEvent>& events) {
-  TellCandidate(last_time_, last_pose_, events);
+  ReportCandidate(last_time_, last_pose_, events);
   Reset();
 }
 

@@ -14,9 +14,11 @@
 
 namespace enfilade::doors {
 
-// The original's sequence: the door ahead (three hits in three seconds) latches a candidate; the door behind (three
-// hits, 1.5 to 5 m on, heading kept) or a changed environment make it a passage; at the time limit a latched door that
-// was not driven through is a candidate. Clocks are the scans'.
+// The sequence of map_manager: the door ahead (three hits in three seconds)
+// latches a candidate; the door behind (three hits, after 1.5 to 5 m, with the
+// same heading) or a changed environment make it a passage; at the time limit a
+// latched door that was not driven through becomes a candidate. Times are the
+// scans'.
 class DerivativeDetector {
  public:
   explicit DerivativeDetector(const DoorOptions& options) : options_(options) {}
@@ -33,20 +35,20 @@ class DerivativeDetector {
     Pose2 T_odom_robot;
   };
 
-  void LookAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
-  void LookBehind(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
+  void SearchAhead(const sensor::LaserScan& scan, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
+  void SearchBehind(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
   void CompareBoxes(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
   void Conclude(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events);
   DoorEvent EventOf(DoorEvent::Kind kind, TimeNs time, const Pose2& T_odom_robot) const;
-  void TellCandidate(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) const;
-  int MetCriteria() const;
+  void ReportCandidate(TimeNs time, const Pose2& T_odom_robot, std::vector<DoorEvent>& events) const;
+  int CountMet() const;
   void Reset();
 
   DoorOptions options_;
   std::int64_t doors_ = 0;
   std::optional<Pose2> last_latched_;
 
-  // One attempt, from its first hit on.
+  // The state of one attempt, from its first hit on.
   std::optional<TimeNs> begin_;
   int ahead_hits_ = 0;
   TimeNs first_ahead_ = 0;

@@ -16,17 +16,20 @@
 
 namespace enfilade::doors {
 
-// Finds doors and the robot's passages through them in a stream of planar scans with odometry. Pure state: the same
-// scans give the same events, also across Serialize and Restore. Any planar scanner will do; what one cannot tell (no
-// view behind it, no beams at all) the verdicts say.
+// Finds doors and the robot's passages through them in a stream of planar scans
+// with odometry. Deterministic: the same scans give the same events, also
+// across Serialize and Restore. Works with any planar scanner; criteria that a
+// scanner cannot judge (no view behind the robot) are dropped, and the verdict
+// says so.
 class DoorDetector {
  public:
   explicit DoorDetector(const DoorOptions& options);
 
-  // The events that this scan settles, in order. A scan that is not valid (core/sensor), is older than the one before,
-  // or has a pose that is not finite passes by without an effect.
+  // The events that this scan decides, in order. A scan that is invalid
+  // (core/sensor), older than the one before, or whose pose is not finite is
+  // ignored.
   std::vector<DoorEvent> Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
-  // Nothing more will come: latched doors become candidates.
+  // Ends the stream: latched doors become candidates.
   std::vector<DoorEvent> Finish();
 
   std::string Serialize() const;

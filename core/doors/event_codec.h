@@ -10,7 +10,7 @@
 
 namespace enfilade::doors {
 
-// Parts of the detectors' states.
+// Codecs for parts of the detectors' states.
 
 inline void PutOptional(BinaryWriter& writer, const std::optional<Pose2>& pose) {
   writer.Put<std::uint8_t>(pose.has_value());

@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/binary.h"
 #include "core/doors/door_event.h"
 #include "core/doors/door_options.h"
+#include "core/doors/door_track.h"
+#include "core/doors/driven_path.h"
 #include "core/doors/local_map.h"
 #include "core/doors/narrows.h"
-#include "core/doors/visibility.h"
+#include "core/doors/passage_evidence.h"
 #include "core/sensor/laser_scan.h"
 
 namespace enfilade::doors {
 
-// Doors as narrow places that the robot's way crosses (docs/doors.md):
-//  ahead: scans see the same narrow place ahead, several times, before it is reached;
-//  behind: a little behind it the local map still holds it, across the way that was driven;
-//  environment: what was in sight before it is hidden behind it, or the other way round.
-// Behind and one of the others make a passage where the narrow place is a gap in a wall (passage_evidence.h).
+// Finds doors as narrow places that the robot's path crosses (docs/doors.md):
+//  ahead: several scans see the same narrow place ahead before the robot
+//  reaches it; behind: a little behind it the local map still shows it, across
+//  the path that was driven; environment: what was in sight before the door is
+//  hidden behind it, or vice versa.
+// Behind and one of the others make a passage if the narrow place is a gap in a
+// wall (passage_evidence.h).
 class GapDetector {
  public:
   explicit GapDetector(const DoorOptions& options);
@@ -29,42 +34,34 @@ class GapDetector {
   bool Read(BinaryReader& reader);
 
  private:
-  // A narrow place seen ahead.
-  struct Track {
-    Narrows narrows;
-    int hits = 0;
-    TimeNs last_hit = 0;
-    std::int64_t door = 0;  // its number once latched
-    bool told = false;      // as a candidate
-    TimeNs latch_time = 0;
-    Pose2 T_odom_latch;
-    double crossed_at = -1.0;  // travelled, m, where the way crossed it; -1: not yet
-  };
-  struct PathPoint {
-    double travelled = 0.0;  // m
-    RangeView view;
+  // A narrow place that the path has crossed.
+  struct Crossing {
+    Narrows door;
+    double at = 0.0;     // travelled, m
+    std::string reason;  // why it is a narrow place
   };
 
-  void LookAhead(std::vector<DoorEvent>& events);
-  void NoteCrossings();
-  void LookBehind(std::vector<DoorEvent>& events);
-  // `track`: the same place as it was seen ahead, or nullptr.
-  void Decide(const Narrows& door, Track* track, double crossing, std::string behind_reason,
-              std::vector<DoorEvent>& events);
-  CriterionVerdict JudgeEnvironment(const Narrows& door, double crossing, double* hidden) const;
-  void TellCandidates(bool all, std::vector<DoorEvent>& events);
-  void Forget();
-  DoorEvent CandidateOf(const Track& track, DoorEvent::Kind kind) const;
-
-  std::size_t PathIndexAt(double travelled) const;
-  Eigen::Vector2d PathAt(double travelled) const;
+  void SearchAhead(std::vector<DoorEvent>& events);
+  bool IsNewDoor(const Narrows& door) const;
+  void UpdateCrossings();
+  void SearchBehind(std::vector<DoorEvent>& events);
+  std::optional<Eigen::Vector2d> PathDirectionAt(double travelled) const;
+  // The same place as it was seen ahead; null: it was not.
+  DoorTrack* FindTrack(const Narrows& door);
+  void JudgeCrossing(const Crossing& crossing, std::vector<DoorEvent>& events);
+  PassageEvidence GatherEvidence(const Crossing& crossing, const DoorTrack* track) const;
+  CriterionVerdict JudgeEnvironment(const Crossing& crossing, double* hidden) const;
+  void ReportCandidates(bool all, std::vector<DoorEvent>& events);
+  void ForgetDistantTracks();
+  DoorEvent EventOf(DoorEvent::Kind kind) const;
+  DoorEvent CandidateOf(const DoorTrack& track, DoorEvent::Kind kind) const;
 
   DoorOptions options_;
   LocalMap map_;
-  std::deque<PathPoint> path_;  // of the last metres
-  std::vector<Track> tracks_;
+  DrivenPath path_;
+  std::vector<DoorTrack> tracks_;
   std::int64_t doors_ = 0;
-  double judged_ = 0.0;         // travelled, m, up to which the way was looked back on
+  double searched_ = 0.0;       // travelled, m, up to which the path behind was searched
   double last_passage_ = -1e9;  // travelled, m
 };
 

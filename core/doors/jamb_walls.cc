@@ -11,9 +11,9 @@ constexpr double kTurnStep = 3.0 * M_PI / 180.0;
 constexpr double kThickest = 0.3;     // m, of a wall
 constexpr double kOffset = 0.15;      // m, of the line from the posts' middle
 constexpr double kInterrupted = 0.2;  // m without a hit that do not end a surface
-constexpr double kPane = 1.3;         // m at most of an interruption behind which the wall goes on
-constexpr double kCorner = 0.6;       // m at least of the wall that it meets, before and behind
-constexpr double kAgain = 0.2;        // m at least of wall behind it
+constexpr double kPane = 1.3;         // m: the longest interruption behind which the wall continues
+constexpr double kCorner = 0.6;       // m: the least length of the wall that it meets, before and behind
+constexpr double kAgain = 0.2;        // m: the least length of wall behind an interruption
 
 struct Run {
   double wall = 0.0;   // m beyond the post
@@ -21,7 +21,8 @@ struct Run {
   double end = 0.0;    // m beyond the post
 };
 
-// Along `outward` (unit) from `post`; `missing` m without a hit do not end the wall.
+// Along `outward` (unit) from `post`; `missing` m without a hit do not end the
+// wall.
 Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit,
             double missing) {
   const Eigen::Vector2d aside = map.cell() * Eigen::Vector2d(-outward.y(), outward.x());
@@ -57,7 +58,8 @@ Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vecto
   return run;
 }
 
-// How far surfaces run on from `from` along `on`, up to `limit`, in cells beside the line too.
+// How far surfaces continue from `from` along `on`, up to `limit`, including
+// cells beside the line.
 double SurfaceAlong(const LocalMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& on, double limit) {
   const Eigen::Vector2d aside = map.cell() * Eigen::Vector2d(-on.y(), on.x());
   double last = 0.0;
@@ -70,8 +72,9 @@ double SurfaceAlong(const LocalMap& map, const Eigen::Vector2d& from, const Eige
   return last;
 }
 
-// Whether a wall crosses the line about `wall` metres along `outward` from `post`, up to 10 degrees off square.
-bool Cornered(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double wall) {
+// Whether a wall crosses the line near `wall` metres along `outward` from
+// `post`, at 80 to 100 degrees.
+bool MeetsWall(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double wall) {
   const double across = std::atan2(outward.y(), outward.x()) + M_PI / 2.0;
   for (double s = std::max(0.0, wall - kThickest); s <= wall + 2.0 * map.cell(); s += map.cell()) {
     const Eigen::Vector2d at = post + s * outward;
@@ -105,7 +108,7 @@ JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const 
       const Eigen::Vector2d right_post = origin - width / 2.0 * outward;
       const Run on_left = RunFrom(map, left_post, outward, limit, missing);
       const Run on_right = RunFrom(map, right_post, -outward, limit, missing);
-      // Of lines that are as good the one nearest to the posts'.
+      // Of equally good lines, the one nearest to the posts.
       const double score = on_left.wall + on_right.wall + 0.5 * (on_left.again + on_right.again) -
                            0.01 * (std::abs(turn) + std::abs(offset));
       if (score <= best_score) continue;
@@ -120,8 +123,8 @@ JambWalls FindJambWalls(const LocalMap& map, const Eigen::Vector2d& left, const 
               right_post - on_right.end * outward};
     }
   }
-  best.left_cornered = Cornered(map, left, edge / width, best.left);
-  best.right_cornered = Cornered(map, right, -edge / width, best.right);
+  best.left_cornered = MeetsWall(map, left, edge / width, best.left);
+  best.right_cornered = MeetsWall(map, right, -edge / width, best.right);
   return best;
 }
 
@@ -129,7 +132,7 @@ double ParallelSurfaces(const LocalMap& map, const Eigen::Vector2d& left, const 
   constexpr double kStep = 5.0 * M_PI / 180.0;
   constexpr double kMissing = 0.15;  // m without a hit that do not end a surface
   const Eigen::Vector2d edge = (left - right).normalized();
-  // The longest from a post, the post being known to a cell or two.
+  // The longest from a post, whose place is uncertain by one or two cells.
   const auto run_from = [&](const Eigen::Vector2d& post, const Eigen::Vector2d& outward, const Eigen::Vector2d& on) {
     double longest = 0.0;
     for (int begin = -1; begin <= 2; ++begin) {

@@ -31,7 +31,7 @@ void LocalMap::MoveTo(const Eigen::Vector2d& point) {
   placed_ = true;
 }
 
-// Amanatides, Woo 1987; the last cell is left as it is.
+// Amanatides, Woo 1987. The last cell is not changed.
 void LocalMap::Clear(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   const Eigen::Vector2d way = to - from;
   const double length = way.norm();
@@ -111,8 +111,10 @@ std::vector<Eigen::Vector2d> LocalMap::SurfaceWithin(const Eigen::Vector2d& poin
   return surface;
 }
 
-bool LocalMap::Joined(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& a,
-                      const Eigen::Vector2d& b, const Eigen::Vector2d& middle, double radius) const {
+bool LocalMap::AreJoined(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Line& closed,
+                         const Disc& within) const {
+  const auto& [a, b] = closed;
+  const auto& [middle, radius] = within;
   const int reach = static_cast<int>(radius / cell_);
   const int side = 2 * reach + 1;
   const int column0 = CellOf(middle.x()) - reach;

@@ -12,12 +12,24 @@
 
 namespace enfilade::doors {
 
-// What the last scans say of the robot's surroundings: a square of cells in the odometry frame that moves along with
-// the robot. Each cell counts hits against beams that went through it, within small bounds, so that a person who walks
-// on is forgotten after a few scans.
+// A straight line, here one that is taken as closed: a door's, or a wall's.
+struct Line {
+  Eigen::Vector2d a = Eigen::Vector2d::Zero();
+  Eigen::Vector2d b = Eigen::Vector2d::Zero();
+};
+
+struct Disc {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  double radius = 0.0;  // m
+};
+
+// What the last scans have seen around the robot: a square of cells in the
+// odometry frame that moves with the robot. Each cell counts hits against beams
+// that passed through it, within small bounds, so that a person who walks on is
+// forgotten after a few scans.
 class LocalMap {
  public:
-  // `cell` and `reach` (of beams) in metres.
+  // The size of a cell, and the length up to which beams are used, m.
   LocalMap(double cell, double reach);
 
   void Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
@@ -29,15 +41,16 @@ class LocalMap {
   Eigen::Vector2d MiddleOf(int column, int row) const { return {(column + 0.5) * cell_, (row + 0.5) * cell_}; }
   double cell() const { return cell_; }
 
-  // The middles of occupied cells with a free neighbour, within `radius` of a point.
+  // The middles of occupied cells with a free neighbour, within `radius` of a
+  // point.
   std::vector<Eigen::Vector2d> SurfaceWithin(const Eigen::Vector2d& point, double radius) const;
 
-  // Whether observed free cells join two points within `radius` of `middle` when the line from a to b is closed.
-  bool Joined(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& a,
-              const Eigen::Vector2d& b, const Eigen::Vector2d& middle, double radius) const;
+  // Whether observed free cells within the disc join the two points if the line
+  // is closed.
+  bool AreJoined(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Line& closed, const Disc& within) const;
 
   void Write(BinaryWriter& writer) const;
-  // False where the state does not fit this map's size.
+  // False if the state is of a map of another size.
   bool Read(BinaryReader& reader);
 
  private:

@@ -34,29 +34,40 @@ struct Profile {
   double AlongOf(std::size_t bin) const { return first + (static_cast<double>(bin) + 0.5) * kBin; }
 };
 
-Profile ProfileOf(const LocalMap& map, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction, double begin,
-                  double end, const GapOptions& options) {
-  Profile profile;
-  const double beside = std::max(options.shoulder, kUsual);
-  profile.first = begin - beside;
-  const auto bins = static_cast<std::size_t>(std::ceil((end - begin + 2.0 * beside) / kBin));
-  profile.widths.assign(bins, kNever);
-  profile.posts.resize(bins);
-  const double length = static_cast<double>(bins) * kBin;
-  const Eigen::Vector2d middle = origin + (profile.first + length / 2.0) * direction;
-  const double widest = options.max_width + options.widening + kAsNarrow;
-  std::vector<Side> left;
+struct Sides {
+  std::vector<Side> left;  // sorted along the way, as the right ones
   std::vector<Side> right;
+};
+
+// The surfaces beside the way, up to `widest` m off, that lie within the
+// profile.
+Sides FindSides(const LocalMap& map, const StraightWay& way, const Profile& profile, double widest) {
+  const double length = static_cast<double>(profile.widths.size()) * kBin;
+  const Eigen::Vector2d middle = way.origin + (profile.first + length / 2.0) * way.direction;
+  Sides sides;
   for (const Eigen::Vector2d& point : map.SurfaceWithin(middle, length / 2.0 + widest)) {
-    const Eigen::Vector2d to = point - origin;
-    const double along = direction.dot(to);
-    const double aside = direction.x() * to.y() - direction.y() * to.x();
+    const Eigen::Vector2d to = point - way.origin;
+    const double along = way.direction.dot(to);
+    const double aside = way.direction.x() * to.y() - way.direction.y() * to.x();
     if (std::abs(aside) > widest || std::abs(aside) < 0.02) continue;
-    (aside > 0.0 ? left : right).push_back({along, std::abs(aside), point});
+    (aside > 0.0 ? sides.left : sides.right).push_back({along, std::abs(aside), point});
   }
   const auto by_along = [](const Side& a, const Side& b) { return a.along < b.along; };
-  std::sort(left.begin(), left.end(), by_along);
-  std::sort(right.begin(), right.end(), by_along);
+  std::sort(sides.left.begin(), sides.left.end(), by_along);
+  std::sort(sides.right.begin(), sides.right.end(), by_along);
+  return sides;
+}
+
+// The least distance between both sides at each place of the way.
+Profile MeasureWidths(const LocalMap& map, const StraightWay& way, const GapOptions& options) {
+  Profile profile;
+  const double beside = std::max(options.shoulder, kUsual);
+  profile.first = way.begin - beside;
+  const auto bins = static_cast<std::size_t>(std::ceil((way.end - way.begin + 2.0 * beside) / kBin));
+  profile.widths.assign(bins, kNever);
+  profile.posts.resize(bins);
+  const double widest = options.max_width + options.widening + kAsNarrow;
+  const auto [left, right] = FindSides(map, way, profile, widest);
   const double steepest = std::tan((90.0 - options.min_angle) * M_PI / 180.0);
   std::size_t start = 0;
   for (const Side& l : left) {
@@ -79,7 +90,7 @@ Profile ProfileOf(const LocalMap& map, const Eigen::Vector2d& origin, const Eige
   return profile;
 }
 
-// The widest place within `shoulder` on one side of a bin, a hand's breadth off.
+// The largest width within `shoulder` on one side of a bin, 0.2 m off at least.
 double WidestBeside(const Profile& profile, std::size_t bin, int side, double shoulder) {
   double widest = 0.0;
   for (double off = 0.2; off <= shoulder; off += kBin) {
@@ -90,7 +101,7 @@ double WidestBeside(const Profile& profile, std::size_t bin, int side, double sh
   return widest;
 }
 
-// How much of the way about a bin, m, is just as wide.
+// How much of the way around a bin, m, is just as wide.
 double RepeatedAbout(const Profile& profile, std::size_t bin) {
   constexpr double kOff = 0.6;    // m: nearer, it is the same narrow place
   constexpr double kSame = 0.12;  // m
@@ -114,46 +125,60 @@ double DepthAt(const Profile& profile, std::size_t bin) {
   return static_cast<double>(end - begin + 1) * kBin;
 }
 
+// Is the way narrowest here within four bins? The first of equals is.
+bool IsLocalMinimum(const Profile& profile, std::size_t bin) {
+  const double width = profile.widths[bin];
+  for (std::size_t i = bin > 4 ? bin - 4 : 0; i <= std::min(bin + 4, profile.widths.size() - 1); ++i) {
+    if (profile.widths[i] < width || (i < bin && profile.widths[i] == width)) return false;
+  }
+  return true;
+}
+
+// Judges a local minimum of the width.
+NarrowsSearch JudgeMinimum(const Profile& profile, std::size_t bin, const GapOptions& options) {
+  NarrowsSearch search;
+  const double width = profile.widths[bin];
+  const double before = WidestBeside(profile, bin, -1, options.shoulder) - width;
+  const double behind = WidestBeside(profile, bin, 1, options.shoulder) - width;
+  if (before < options.widening || behind < options.widening) {
+    search.reason = fmt::format(
+        "{:.2f} m wide, but the way widens by {:.2f} m "
+        "before and {:.2f} m behind only",
+        width, before, behind);
+    return search;
+  }
+  const double depth = DepthAt(profile, bin);
+  if (depth > options.max_depth) {
+    search.reason = fmt::format("{:.2f} m wide, but over {:.2f} m of the way: a passage, no door", width, depth);
+    return search;
+  }
+  const double repeated = RepeatedAbout(profile, bin);
+  if (repeated >= options.repeated) {
+    search.reason = fmt::format(
+        "{:.2f} m wide, but so is {:.2f} m of the way "
+        "about it: its usual width",
+        width, repeated);
+    return search;
+  }
+  search.reason = fmt::format("{:.2f} m wide, {:.2f} m deep", width, depth);
+  search.narrows = Narrows{profile.posts[bin].first, profile.posts[bin].second, profile.AlongOf(bin), depth};
+  return search;
+}
+
 }  // namespace
 
-NarrowsSearch FindNarrows(const LocalMap& map, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
-                          double begin, double end, const GapOptions& options) {
-  const Profile profile = ProfileOf(map, origin, direction, begin, end, options);
+NarrowsSearch FindNarrows(const LocalMap& map, const StraightWay& way, const GapOptions& options) {
+  const Profile profile = MeasureWidths(map, way, options);
   NarrowsSearch search;
   search.reason = "nothing narrow on the way";
-  const std::size_t first = profile.BinOf(begin);
-  const std::size_t last = profile.BinOf(end);
+  const std::size_t first = profile.BinOf(way.begin);
+  const std::size_t last = profile.BinOf(way.end);
   for (std::size_t bin = first; bin <= last; ++bin) {
     const double width = profile.widths[bin];
     if (width > options.max_width || width < options.min_width - 2.0 * options.cell) continue;
-    // The least within a hand's breadth.
-    bool least = true;
-    for (std::size_t i = bin > 4 ? bin - 4 : 0; i <= std::min(bin + 4, profile.widths.size() - 1); ++i) {
-      least = least && profile.widths[i] >= width && !(i < bin && profile.widths[i] == width);
-    }
-    if (!least) continue;
-    const double before = WidestBeside(profile, bin, -1, options.shoulder) - width;
-    const double behind = WidestBeside(profile, bin, 1, options.shoulder) - width;
-    const double depth = DepthAt(profile, bin);
-    if (before < options.widening || behind < options.widening) {
-      search.reason = fmt::format("{:.2f} m wide, but the way widens by {:.2f} m before and {:.2f} m behind only",
-                                  width, before, behind);
-      continue;
-    }
-    if (depth > options.max_depth) {
-      search.reason = fmt::format("{:.2f} m wide, but over {:.2f} m of the way: a passage, no door", width, depth);
-      continue;
-    }
-    const double repeated = RepeatedAbout(profile, bin);
-    if (repeated >= options.repeated) {
-      search.reason =
-          fmt::format("{:.2f} m wide, but so is {:.2f} m of the way about it: its usual width", width, repeated);
-      continue;
-    }
-    Narrows narrows{profile.posts[bin].first, profile.posts[bin].second, profile.AlongOf(bin), depth};
-    search.reason = fmt::format("{:.2f} m wide, {:.2f} m deep", width, depth);
-    search.narrows = narrows;
-    return search;
+    if (!IsLocalMinimum(profile, bin)) continue;
+    search = JudgeMinimum(profile, bin, options);
+    if (search.narrows) return search;
   }
   return search;
 }

@@ -8,8 +8,8 @@
 namespace enfilade::doors {
 namespace {
 
-constexpr double kLeastDepth = 0.05;  // m, of a wall: the local map tells no less
-constexpr double kFarMore = 2.0;      // times as slender as asked for: a wall beyond doubt
+constexpr double kLeastDepth = 0.05;  // m, of a wall: the local map's resolution
+constexpr double kFarMore = 2.0;      // times the required slenderness: certainly a wall
 
 }  // namespace
 
@@ -20,18 +20,19 @@ PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& 
   if (evidence.met() < options.criteria) return {false, fmt::format("{} of three criteria", evidence.met())};
   const bool across = walls.left_cornered && walls.right_cornered && walls.beside() >= o.wall_across;
   if (!across && (walls.beside() < o.wall_beside || walls.length() < o.wall)) {
-    return {false, fmt::format("no gap in a wall: {:.2f} m of it run on from the left post, {:.2f} m from the right",
+    return {false, fmt::format("no gap in a wall: {:.2f} m of wall at the left "
+                               "post, {:.2f} m at the right",
                                walls.left, walls.right)};
   }
   if (evidence.parallel >= o.parallel) {
     return {false, fmt::format("walls run beside the way for {:.2f} m at both posts", evidence.parallel)};
   }
-  // Furniture is about as deep along the way as it is long across it; so is a cupboard in a corridor, which hides
-  // little.
+  // Furniture is about as deep along the way as it is long across it. So is a
+  // cupboard in a corridor, which hides little ground.
   const double slenderness = walls.weighted_length() / std::max(evidence.parallel, kLeastDepth);
   if (slenderness < o.slender && !(across && evidence.environment.met())) {
-    return {false, fmt::format("no wall: {:.2f} m of it are {:.1f} times as long as deep along the way",
-                               walls.weighted_length(), slenderness)};
+    return {false, fmt::format("no wall: {:.2f} m long, {:.1f} times its depth along the way", walls.weighted_length(),
+                               slenderness)};
   }
   const bool same = evidence.hidden >= 0.0 && evidence.hidden < options.environment.same;
   if (same && !across && walls.length() < o.long_wall) {

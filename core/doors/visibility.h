@@ -11,7 +11,8 @@
 
 namespace enfilade::doors {
 
-// A scan thinned to about one beam a degree, with the place it was taken at.
+// A scan thinned to about one beam per degree, with the pose that it was taken
+// from.
 struct RangeView {
   TimeNs time = 0;
   Pose2 T_odom_robot;
@@ -20,17 +21,19 @@ struct RangeView {
   double angle_increment = 0.0;  // rad, positive
   std::vector<float> ranges;     // m; infinite: no return, NaN: unknown
 
-  // Counter-clockwise; the beams within a degree give their nearest hit.
+  // Beams counter-clockwise; of those within a degree the nearest hit.
   static RangeView Of(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
 };
 
-// Of the ground that one view sees on its own side of the line through a and b, within `radius` of their middle, m^2:
-// how much lies in the other's field of view, and how much of that is out of its sight.
+// Ground that one view sees on its own side of a line, m^2: how much of it lies
+// in another view's field of view, and how much of that is hidden from it.
 struct HiddenGround {
   double seen = 0.0;
   double compared = 0.0;
   double hidden = 0.0;
 };
+// `seen` and `from` are the two views, a and b define the line; only ground
+// within `radius` of their middle counts.
 HiddenGround CompareGround(const RangeView& seen, const RangeView& from, const Eigen::Vector2d& a,
                            const Eigen::Vector2d& b, double radius);
 

@@ -67,7 +67,7 @@ areas:
 robots: [{id: r, route: [[1.5, 2.5], {door: d}, [10, 2.5]]}]
 )";
 
-TEST(DoorDetector, TellsAPassageWithThePlaceOfTheDoor) {
+TEST(DoorDetector, ReportsAPassageWithThePlaceOfTheDoor) {
   const Driven driven = Drive(kStraight);
   const std::vector<DoorEvent> events = Detect(driven.scans);
   const auto passages = Only(events, Kind::kPassage);
@@ -86,7 +86,7 @@ TEST(DoorDetector, TellsAPassageWithThePlaceOfTheDoor) {
   EXPECT_TRUE(Only(events, Kind::kCandidate).empty()) << "it was driven through";
 }
 
-TEST(DoorDetector, TheOriginalsPresetsTellItToo) {
+TEST(DoorDetector, ThePresetsOfMapManagerReportItToo) {
   const Driven driven = Drive(kStraight);
   for (const char* preset : {"original-yaml", "original-code"}) {
     ASSERT_OK_AND_ASSIGN(const DoorOptions options, DoorPreset(preset));
@@ -117,7 +117,7 @@ robots: [{id: r, route: [[1.5, 2.5], [4.6, 2.5], {wait: 1}, {turn_to_deg: 180}, 
   }
 }
 
-TEST(DoorDetector, AFewThingsThatStandAboutAreNoDoor) {
+TEST(DoorDetector, ThingsThatStandAboutAreNotADoor) {
   const Driven driven = Drive(R"(
 areas: [{id: a, rect: [0, 0, 12, 8]}]
 boxes: [{rect: [5.6, 2.6, 0.6, 0.6]}, {rect: [5.6, 4.4, 0.6, 0.6]}]
@@ -126,7 +126,7 @@ robots: [{id: r, route: [[1.5, 3.8], [10, 3.8]]}]
   EXPECT_TRUE(Only(Detect(driven.scans), Kind::kPassage).empty());
 }
 
-TEST(DoorDetector, ACorridorsWidthIsNoDoor) {
+TEST(DoorDetector, ACorridorsWidthIsNotADoor) {
   const Driven driven = Drive(R"(
 areas:
   - {id: c, kind: corridor, rect: [0, 0, 16, 1.9],
@@ -139,7 +139,7 @@ robots: [{id: r, route: [[1.2, 0.95], [14.5, 0.95]]}]
   EXPECT_TRUE(Only(Detect(driven.scans), Kind::kPassage).empty());
 }
 
-TEST(DoorDetector, ACorridorBetweenStaggeredOpenDoorsIsNoDoor) {
+TEST(DoorDetector, ACorridorBetweenStaggeredOpenDoorsIsNotADoor) {
   const Driven driven = Drive(R"(
 areas:
   - {id: c, kind: corridor, rect: [0, 0, 16, 1.8],
@@ -174,7 +174,7 @@ robots: [{id: r, route: [[1.5, 3.5], {door: d}, [10, 3.5]]}]
   EXPECT_EQ(Only(Detect(driven.scans), Kind::kPassage).size(), 1U);
 }
 
-TEST(DoorDetector, AFrontOnlyScannerFindsDoorsAndSaysWhatItCannotTell) {
+TEST(DoorDetector, AFrontOnlyScannerFindsDoorsAndDropsWhatItCannotJudge) {
   simulator::SimulationOptions options;
   options.scanner.field_of_view = M_PI;
   options.scanner.beams = 181;
@@ -187,13 +187,13 @@ TEST(DoorDetector, AFrontOnlyScannerFindsDoorsAndSaysWhatItCannotTell) {
   ASSERT_OK_AND_ASSIGN(DoorOptions original, DoorPreset("original-yaml"));
   original.derivative.turned_stands_for_behind = false;
   const auto candidates = Only(Detect(driven.scans, original), Kind::kCandidate);
-  ASSERT_EQ(candidates.size(), 1U) << "without the criterion behind the original sees no passage here";
+  ASSERT_EQ(candidates.size(), 1U) << "without the criterion behind, the derivative method sees no passage here";
   EXPECT_EQ(candidates[0].behind.state, CriterionVerdict::State::kDropped);
   EXPECT_THAT(candidates[0].behind.reason, HasSubstr("does not look back"));
 }
 
-// Regression: scans with fewer beams than the window, all infinite, NaN, changing sizes.
-TEST(DoorDetector, AnyScanPassesByWithoutHarm) {
+// Scans with fewer beams than the window, all infinite, NaN, changing sizes.
+TEST(DoorDetector, AcceptsAnyScan) {
   std::mt19937 random(7);
   for (const std::string& preset : DoorPresetNames()) {
     ASSERT_OK_AND_ASSIGN(const DoorOptions options, DoorPreset(preset));
@@ -228,7 +228,7 @@ TEST(DoorDetector, AnyScanPassesByWithoutHarm) {
   }
 }
 
-TEST(DoorDetector, GoesOnFromItsStateAsIfNothingHadHappened) {
+TEST(DoorDetector, ContinuesFromItsStateWithTheSameEvents) {
   const Driven driven = Drive(kStraight);
   for (const std::string& preset : DoorPresetNames()) {
     ASSERT_OK_AND_ASSIGN(const DoorOptions options, DoorPreset(preset));
@@ -250,7 +250,7 @@ TEST(DoorDetector, GoesOnFromItsStateAsIfNothingHadHappened) {
   }
 }
 
-TEST(DoorDetector, RefusesStatesThatAreNone) {
+TEST(DoorDetector, RefusesInvalidStates) {
   DoorDetector detector{DoorOptions{}};
   const std::string state = detector.Serialize();
   ASSERT_OK_AND_ASSIGN(const DoorOptions original, DoorPreset("original-yaml"));

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(DoorOptions, PresetsHoldTheOriginalsTwoSetsOfConstants) {
+TEST(DoorOptions, PresetsHoldBothPublishedParameterSetsOfMapManager) {
   ASSERT_OK_AND_ASSIGN(const DoorOptions yaml, DoorPreset("original-yaml"));
   ASSERT_OK_AND_ASSIGN(const DoorOptions code, DoorPreset("original-code"));
   EXPECT_EQ(yaml.derivative.threshold, 0.8);

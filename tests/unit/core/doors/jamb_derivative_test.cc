@@ -7,24 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/unit/core/doors/door_scan.h"
+
 namespace enfilade::doors {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
-
-// A full turn of half-degree beams at 5 m, with posts 1.5 m away of 40 degrees on both sides of a gap of `gap` degrees
-// in direction `towards`.
-sensor::LaserScan DoorScan(double towards, double gap) {
-  sensor::LaserScan scan;
-  scan.angle_min = -M_PI;
-  scan.angle_increment = kDegree / 2.0;
-  scan.range_max = 100.0F;
-  for (int i = 0; i < 720; ++i) {
-    const double off = std::abs(WrapAngle(scan.angle(static_cast<std::size_t>(i)) - towards)) / kDegree;
-    scan.ranges.push_back(off > gap / 2.0 && off < gap / 2.0 + 40.0 ? 1.5F : 5.0F);
-  }
-  return scan;
-}
 
 TEST(JambDerivative, FindsADoorAhead) {
   const JambSearch search = FindJambsAhead(DoorScan(0.0, 36.0), {});
@@ -62,7 +48,7 @@ TEST(JambDerivative, ReadsAClockwiseScannerAndItsMount) {
   EXPECT_TRUE(FindJambsAhead(turned, {}).jambs.has_value());
 }
 
-// Regression: the original reads ten beams past both ends of the array.
+// The window must not reach beyond the array.
 TEST(JambDerivative, ClampsItsWindowsAtTheScansEnds) {
   for (const std::size_t beams : {1U, 2U, 5U, 9U, 19U}) {
     sensor::LaserScan scan = DoorScan(0.0, 36.0);
@@ -73,7 +59,7 @@ TEST(JambDerivative, ClampsItsWindowsAtTheScansEnds) {
   }
 }
 
-// Regression: the original subtracts infinities and keeps NaN.
+// Differences of infinite and NaN ranges must not count as posts.
 TEST(JambDerivative, InfiniteAndUnknownBeamsAreNoPosts) {
   sensor::LaserScan scan = DoorScan(0.0, 36.0);
   std::fill(scan.ranges.begin(), scan.ranges.end(), std::numeric_limits<float>::infinity());

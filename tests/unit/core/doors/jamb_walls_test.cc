@@ -3,46 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <vector>
+#include "tests/unit/core/doors/wall_map.h"
 
 namespace enfilade::doors {
 namespace {
-
-struct Segment {
-  Eigen::Vector2d a;
-  Eigen::Vector2d b;
-};
-
-// What scans from these places see of walls without thickness.
-LocalMap MapOf(const std::vector<Segment>& walls, const std::vector<Eigen::Vector2d>& places) {
-  LocalMap map(0.05, 5.0);
-  for (const Eigen::Vector2d& from : places) {
-    sensor::LaserScan scan;
-    scan.angle_min = -M_PI;
-    scan.angle_increment = M_PI / 720.0;
-    scan.range_max = 30.0F;
-    for (int i = 0; i < 1440; ++i) {
-      const double angle = scan.angle(static_cast<std::size_t>(i));
-      const Eigen::Vector2d ray(std::cos(angle), std::sin(angle));
-      double nearest = INFINITY;
-      for (const Segment& wall : walls) {
-        const Eigen::Vector2d edge = wall.b - wall.a;
-        const Eigen::Vector2d to = wall.a - from;
-        const double cross = ray.x() * edge.y() - ray.y() * edge.x();
-        if (std::abs(cross) < 1e-12) continue;
-        const double range = (to.x() * edge.y() - to.y() * edge.x()) / cross;
-        const double along = (to.x() * ray.y() - to.y() * ray.x()) / cross;
-        if (range > 0.0 && along >= 0.0 && along <= 1.0) nearest = std::min(nearest, range);
-      }
-      scan.ranges.push_back(static_cast<float>(nearest));
-    }
-    map.Add(scan, {from.x(), from.y(), 0.0});
-  }
-  return map;
-}
-
-const std::vector<Eigen::Vector2d> kWayEast = {{-1.5, 0.02}, {-1.0, 0.01}, {-0.5, 0.0}, {0.5, 0.0}, {1.0, 0.01}};
 
 TEST(JambWalls, AreTheWallThatTheDoorIsAGapIn) {
   const LocalMap map = MapOf({{{0.01, 0.5}, {0.01, 2.0}}, {{0.01, -0.5}, {0.01, -3.0}}}, kWayEast);
@@ -54,7 +18,7 @@ TEST(JambWalls, AreTheWallThatTheDoorIsAGapIn) {
   EXPECT_LT(ParallelSurfaces(map, {0.0, 0.5}, {0.0, -0.5}, 1.0), 0.3);
 }
 
-TEST(JambWalls, GoOnBehindAPaneOfGlass) {
+TEST(JambWalls, ContinueBehindAPaneOfGlass) {
   const LocalMap map =
       MapOf({{{0.01, 0.5}, {0.01, 0.65}}, {{0.01, 1.65}, {0.01, 2.5}}, {{0.01, -0.5}, {0.01, -3.0}}}, kWayEast);
   const JambWalls walls = FindJambWalls(map, {0.0, 0.5}, {0.0, -0.5}, 2.2);
@@ -63,11 +27,11 @@ TEST(JambWalls, GoOnBehindAPaneOfGlass) {
   EXPECT_GT(walls.left_end.y(), 2.3) << "the pane is closed with the wall";
   const Eigen::Vector2d before(-0.5, 0.0);
   const Eigen::Vector2d behind(0.5, 0.0);
-  EXPECT_TRUE(map.Joined(before, behind, {0.0, 0.5}, {0.0, -0.5}, {0.0, 0.0}, 2.0)) << "through the pane";
-  EXPECT_FALSE(map.Joined(before, behind, walls.left_end, walls.right_end, {0.0, 0.0}, 2.0));
+  EXPECT_TRUE(map.AreJoined(before, behind, {{0.0, 0.5}, {0.0, -0.5}}, {{0.0, 0.0}, 2.0})) << "through the pane";
+  EXPECT_FALSE(map.AreJoined(before, behind, {walls.left_end, walls.right_end}, {{0.0, 0.0}, 2.0}));
 }
 
-TEST(JambWalls, MayMissMoreWhereTheCallerSaysSo) {
+TEST(JambWalls, MayHaveLongerGapsIfTheCallerAllowsThem) {
   const LocalMap map =
       MapOf({{{0.01, 0.5}, {0.01, 0.7}}, {{0.01, 1.1}, {0.01, 2.0}}, {{0.01, -0.5}, {0.01, -2.0}}}, kWayEast);
   EXPECT_NEAR(FindJambWalls(map, {0.0, 0.5}, {0.0, -0.5}, 2.0).left, 0.2, 0.1);
@@ -87,7 +51,7 @@ TEST(JambWalls, MayBeTurnedAgainstThePostsOfAThickWall) {
   EXPECT_GT(walls.length(), 2.8);
 }
 
-TEST(JambWalls, OfThingsThatStandAboutAreShort) {
+TEST(JambWalls, OfFurnitureAreShort) {
   const LocalMap map = MapOf({{{0.0, 0.5}, {0.0, 0.9}}, {{0.0, -0.5}, {0.0, -0.9}}}, kWayEast);
   EXPECT_LT(FindJambWalls(map, {0.0, 0.5}, {0.0, -0.5}, 2.0).length(), 1.0);
 }

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/doors/narrows.h"
-
 namespace enfilade::doors {
 namespace {
 
@@ -29,7 +27,7 @@ TEST(LocalMap, HoldsHitsAndFreeGround) {
   for (const Eigen::Vector2d& p : surface) EXPECT_NEAR((p - Eigen::Vector2d(10.0, -20.0)).norm(), 2.0, 0.06);
 }
 
-TEST(LocalMap, ForgetsWhoeverWalksOn) {
+TEST(LocalMap, ForgetsAPersonWhoWalksOn) {
   LocalMap map(0.05, 5.0);
   sensor::LaserScan with_person = Circle(3.0F);
   for (std::size_t i = 350; i < 370; ++i) with_person.ranges[i] = 1.5F;
@@ -39,7 +37,7 @@ TEST(LocalMap, ForgetsWhoeverWalksOn) {
   EXPECT_FALSE(map.IsOccupied(map.CellOf(1.51), map.CellOf(0.0)));
 }
 
-TEST(LocalMap, MovesAlong) {
+TEST(LocalMap, MovesWithTheRobot) {
   LocalMap map(0.05, 5.0);
   for (double x = 0.0; x < 30.0; x += 0.5) map.Add(Circle(2.0F), {x, 0.0, 0.0});
   EXPECT_TRUE(map.IsFree(map.CellOf(29.0), map.CellOf(0.0)));
@@ -52,11 +50,11 @@ TEST(LocalMap, JoinsByFreeGroundOnly) {
   const Eigen::Vector2d from(-1.0, 0.0);
   const Eigen::Vector2d to(1.0, 0.0);
   // A short line in the open can be gone round, one across all of the disc cannot.
-  EXPECT_TRUE(map.Joined(from, to, {0.0, -0.5}, {0.0, 0.5}, {0.0, 0.0}, 2.0));
-  EXPECT_FALSE(map.Joined(from, to, {0.0, -3.0}, {0.0, 3.0}, {0.0, 0.0}, 2.0));
+  EXPECT_TRUE(map.AreJoined(from, to, {{0.0, -0.5}, {0.0, 0.5}}, {{0.0, 0.0}, 2.0}));
+  EXPECT_FALSE(map.AreJoined(from, to, {{0.0, -3.0}, {0.0, 3.0}}, {{0.0, 0.0}, 2.0}));
 }
 
-TEST(LocalMap, StatesComeBackBitForBit) {
+TEST(LocalMap, RestoresItsStateBitForBit) {
   LocalMap map(0.05, 5.0);
   map.Add(Circle(2.0F), {1.0, 2.0, 0.3});
   std::string bytes;

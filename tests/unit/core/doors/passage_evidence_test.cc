@@ -66,9 +66,9 @@ TEST(JudgePassage, TakesAWallAcrossACorridorFromCornerToCorner) {
 TEST(JudgePassage, TakesFurnitureForNoWall) {
   PassageEvidence evidence = ADoor();
   evidence.parallel = 0.42;
-  EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("1.90 m of it are 4.5 times as long as deep along the way"));
+  EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("1.90 m long, 4.5 times its depth along the way"));
   evidence.walls.left_again = 0.5;
-  EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "half of what is seen again counts";
+  EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "half of what continues behind an interruption counts";
   evidence.walls.left_again = 0.0;
   DoorOptions options;
   options.gap.slender = 4.0;
@@ -84,10 +84,10 @@ TEST(JudgePassage, TakesACupboardInACorridorForNoWallAcrossIt) {
   EXPECT_TRUE(JudgePassage(evidence, {}).passage) << "it hides the ground behind it";
   evidence.environment.state = State::kOpen;
   evidence.hidden = 0.25;
-  EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("1.7 times as long as deep"));
+  EXPECT_THAT(JudgePassage(evidence, {}).reason, HasSubstr("1.7 times its depth"));
 }
 
-TEST(JudgePassage, AsksForTheWallAlsoWhereTheScannerLooksAheadOnly) {
+TEST(JudgePassage, NeedsTheWallEvenIfTheScannerLooksAheadOnly) {
   PassageEvidence evidence = ADoor();
   evidence.environment.state = State::kDropped;
   evidence.hidden = -1.0;
