@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -103,7 +104,7 @@ TEST(ScanLocation, ACorridorDoesNotSayWhereAlongItTheRobotIs) {
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
-TEST(ScanLocation, IsNotLookedForWhereTheGraphCannotTellRoomsApart) {
+TEST(ScanLocation, NoSearchIsMadeIfTheGraphCannotTellRoomsApart) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const ScanLocation far =
       LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 1.5), DoorClosureOptions());
@@ -133,7 +134,7 @@ TEST(ScanLocation, APoseThatTheGraphRulesOutIsNotBelieved) {
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
-TEST(ScanLocation, NothingIsFoundWhereNobodyHasBeen) {
+TEST(ScanLocation, NothingIsFoundWhereNoRobotHasBeen) {
   const Pose2 robot{7.0, 2.0, 2.0};
   EXPECT_FALSE(LocateByScans({}, PointsOf(Room(), robot), Guess(robot), DoorClosureOptions()).accepted);
   EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), {}, Guess(robot), DoorClosureOptions()).accepted);
@@ -147,7 +148,7 @@ TEST(ScanLocation, WhatLiesBeforeTheDoorIsNotOfTheMapBehindIt) {
   for (const Eigen::Vector2d& point : points) EXPECT_GE((robot * point).x(), 0.69);
 }
 
-// Who stands before an open door sees half the next room.
+// A robot before an open door sees half the next room.
 TEST(ScanLocation, WhatIsSeenThroughADoorIsNotOfTheMap) {
   const Pose2 robot{4.0, 3.0, 0.7};
   const Pose2 door{6.0, 3.0, 0.0};
@@ -171,7 +172,7 @@ TEST(ScanLocation, WhatIsSeenThroughADoorIsNotOfTheMap) {
   }
 }
 
-// Who stands in the doorway sees both rooms whole, and no beam has crossed the door by a pose that is some cm off.
+// A robot in the doorway sees both rooms, and with a pose that is some cm off no beam has crossed the door.
 TEST(ScanLocation, AScanFromTheDoorwayShowsNeitherMap) {
   const Pose2 door{6.0, 3.0, 0.0};
   const std::vector<PlacedScan> scans = {ScanIn(Room(), {5.0, 3.0, 0.0}), ScanIn(Room(), {5.6, 3.1, 0.0}),
@@ -180,6 +181,100 @@ TEST(ScanLocation, AScanFromTheDoorwayShowsNeitherMap) {
   ASSERT_EQ(kept.size(), 2U);
   EXPECT_EQ(kept[0].T_map_robot.pose.x, 5.0);
   EXPECT_EQ(kept[1].T_map_robot.pose.y, 3.7);
+}
+
+// The frame of the map is arbitrary: a search in a moved map must find the robot at the moved pose.
+TEST(ScanLocation, FollowsTheFrameOfTheMap) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
+  const std::vector<PlacedScan> known = SeenAlong(Room(), 3.0);
+  for (const Pose2& move : {Pose2{30, -8, 0}, Pose2{-3.37, 12.21, 1.1}, Pose2{0, 0, -2.6}}) {
+    std::vector<PlacedScan> moved = known;
+    for (PlacedScan& one : moved) one.T_map_robot.pose = move * one.T_map_robot.pose;
+    const ScanLocation found = LocateByScans(moved, points, Guess(move * Pose2{7.3, 1.8, 2.04}), DoorClosureOptions());
+    ASSERT_TRUE(found.accepted) << found.reason;
+    const Pose2 expected = move * robot;
+    EXPECT_LT((found.T_map_robot.pose.translation() - expected.translation()).norm(), 0.06) << found.reason;
+    EXPECT_LT(std::abs(WrapAngle(found.T_map_robot.pose.yaw - expected.yaw)), 0.01);
+  }
+}
+
+TEST(ScanLocation, FindsTheRobotWhereverThePredictionErrs) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
+  const std::vector<PlacedScan> known = SeenAlong(Room(), 3.0);
+  for (const Pose2& error : {Pose2{0.6, 0, 0}, Pose2{-0.6, 0, 0}, Pose2{0, 0.6, 0.1}, Pose2{0.3, -0.5, -0.1}}) {
+    const Pose2 guess{robot.x + error.x, robot.y + error.y, robot.yaw + error.yaw};
+    const ScanLocation found = LocateByScans(known, points, Guess(guess), DoorClosureOptions());
+    ASSERT_TRUE(found.accepted) << found.reason;
+    EXPECT_LT((found.T_map_robot.pose.translation() - robot.translation()).norm(), 0.05) << found.reason;
+  }
+}
+
+TEST(ScanLocation, TheShareOfMatchedHitsIsAThreshold) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
+  DoorClosureOptions options;
+  const ScanLocation found = LocateByScans(SeenAlong(Room(), 3.0), points, Guess(robot), options);
+  ASSERT_TRUE(found.accepted) << found.reason;
+  EXPECT_GT(found.matched_share, options.locate_min_share);
+  options.locate_min_share = found.matched_share + 0.01;
+  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), points, Guess(robot), options).accepted);
+  options.locate_min_share = found.matched_share - 0.01;
+  EXPECT_TRUE(LocateByScans(SeenAlong(Room(), 3.0), points, Guess(robot), options).accepted);
+}
+
+TEST(ScanLocation, CloserLookAlikesNeedABetterPrediction) {
+  const Pose2 robot{7.0, 2.0, 2.0};
+  const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
+  DoorClosureOptions options;
+  const PoseWithCovariance guess = Guess({6.6, 2.0, 2.0}, 0.3);  // 0.7 m, 95 %, and 0.4 m off
+  EXPECT_TRUE(LocateByScans(SeenAlong(Room(), 3.0), points, guess, options).accepted);
+  options.alike_distance = 1.0;
+  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), points, guess, options).accepted) << "0.4 m + 0.7 m";
+  options.alike_distance = 0.6;
+  EXPECT_THAT(LocateByScans(SeenAlong(Room(), 3.0), points, guess, options).reason, HasSubstr("not sure enough"));
+}
+
+TEST(ScanLocation, PointsOfSeveralScansAreInTheFrameOfTheReport) {
+  const Pose2 report{3.0, 3.0, 0.4};
+  const std::vector<Eigen::Vector2d> alone = PointsBehindDoor({ScanIn(Room(), report)}, {-100, 0, 0}, report);
+  const std::vector<Eigen::Vector2d> both =
+      PointsBehindDoor({ScanIn(Room(), report), ScanIn(Room(), {2.0, 3.5, -0.7})}, {-100, 0, 0}, report);
+  EXPECT_EQ(both.size(), 2 * alone.size());
+  // All of them lie on the room's walls, table and cupboard.
+  for (const Eigen::Vector2d& point : both) {
+    const Eigen::Vector2d in_room = report * point;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Wall& wall : Room()) {
+      const Eigen::Vector2d edge = wall.to - wall.from;
+      const double t = std::clamp((in_room - wall.from).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+      nearest = std::min(nearest, (in_room - wall.from - t * edge).norm());
+    }
+    EXPECT_LT(nearest, 0.01);
+  }
+}
+
+TEST(ScanLocation, WithoutScansThereAreNoPoints) {
+  EXPECT_TRUE(PointsBehindDoor({}, {0, 0, 0}, {1, 0, 0}).empty());
+  EXPECT_TRUE(RemoveHitsThroughDoors({}, {{0, 0, 0}}).empty());
+}
+
+TEST(ScanLocation, HitsThroughAnyOfTheDoorsAreRemoved) {
+  const Pose2 robot{4.0, 3.0, 0.0};
+  const PlacedScan whole = ScanIn(Room(), robot);
+  const auto removed = [&](const std::vector<Pose2>& doors) {
+    const std::vector<PlacedScan> cut = RemoveHitsThroughDoors({whole}, doors);
+    EXPECT_EQ(cut.size(), 1U);
+    return std::count_if(cut[0].scan.ranges.begin(), cut[0].scan.ranges.end(), [](float r) { return std::isnan(r); });
+  };
+  const Pose2 east{6.0, 3.0, 0.0};
+  const Pose2 west{1.0, 3.0, 0.0};
+  EXPECT_EQ(removed({}), 0);
+  EXPECT_GT(removed({east}), 20);
+  EXPECT_GT(removed({west}), 10);
+  EXPECT_EQ(removed({east, west}), removed({east}) + removed({west}));
+  EXPECT_EQ(removed({{20.0, 3.0, 0.0}}), 0) << "no beam reaches so far";
 }
 
 }  // namespace
