@@ -21,7 +21,7 @@ DoorJudgement NotJudged(const DoorKnowledge& knowledge, std::string reason) {
   if (knowledge.report.kind == sensor::DoorReport::Kind::kPassage) {
     const SessionMap* from = knowledge.map ? &*knowledge.map : nullptr;
     action.map = DescribeNewMap(knowledge.new_map, from, &knowledge.report, knowledge.options);
-    reason += "; a new map begins that nothing joins";
+    reason += "; a new map starts that no link point joins";
   }
   return {.action = std::move(action), .reason = std::move(reason)};
 }

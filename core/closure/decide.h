@@ -36,8 +36,8 @@ struct MatchScans {
 using DoorStep = std::variant<SearchGraph, CompareImages, CompareClouds, MatchScans, DoorJudgement>;
 
 // What to find out next about a door report, or what to do about it. Pure: the same knowledge gives the same step. The
-// caller adds what the step asks for to the knowledge and calls again; every step but the last one fills in something
-// that was missing, so that the judgement is reached. The order is that of cost: the graph, images, clouds, scans
+// caller adds what the step asks for to the knowledge and calls again. Every step but the last one fills in something
+// that was missing, so the sequence ends with a judgement. The order is that of cost: the graph, images, clouds, scans
 // (docs/closure.md).
 DoorStep Decide(const DoorKnowledge& knowledge);
 

@@ -66,6 +66,24 @@ DoorVerdict ToVerdict(const DoorJudgement& judgement) {
   return verdict;
 }
 
+const char* NameOf(DoorDecision decision) {
+  switch (decision) {
+    case DoorDecision::kCandidateMade:
+      return "candidate made";
+    case DoorDecision::kCandidateKnown:
+      return "candidate known";
+    case DoorDecision::kCandidatePromoted:
+      return "candidate promoted";
+    case DoorDecision::kLinkPointRecognised:
+      return "link point recognised";
+    case DoorDecision::kLinkPointMade:
+      return "link point made";
+    case DoorDecision::kNotJudged:
+      return "not judged";
+  }
+  return "?";
+}
+
 const LinkPointId* FindChangedLinkPoint(const DoorAction& action) {
   if (const auto* join = std::get_if<JoinLinkPoint>(&action)) return &join->link_point;
   if (const auto* promote = std::get_if<PromoteCandidate>(&action)) return &promote->link_point;

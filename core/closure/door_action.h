@@ -96,6 +96,9 @@ struct DoorJudgement {
 // Not of WaitForMapping.
 DoorVerdict ToVerdict(const DoorJudgement& judgement);
 
+// "candidate made", as in docs/closure.md.
+const char* NameOf(DoorDecision decision);
+
 // The existing link point or candidate that the action changes; null where it changes none.
 const LinkPointId* FindChangedLinkPoint(const DoorAction& action);
 

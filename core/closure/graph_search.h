@@ -16,7 +16,7 @@ namespace enfilade::closure {
 // search over the graph serves all of them, made when it is first needed.
 class GraphSearch {
  public:
-  // Sets the part of the knowledge that `step` asks for. `knowledge` must be the same value, or a copy, in all calls of
+  // Sets the part of the knowledge that `step` asks for. Pass the same knowledge, or a copy, in all calls of
   // one object. NOT_FOUND: the graph does not have the session's map.
   absl::Status Run(const SearchGraph& step, DoorKnowledge& knowledge);
 

@@ -148,7 +148,7 @@ PassageChoice ChoosePlace(const std::vector<PlaceEvidence>& evidence, const Door
   }
   choice.ambiguous = true;
   choice.reason =
-      fmt::format("places that look alike and that the graph cannot tell apart, {} and others: none is taken",
+      fmt::format("places that look alike and that the graph cannot tell apart, {} and others: none is chosen",
                   evidence[best].link_point.value());
   return choice;
 }

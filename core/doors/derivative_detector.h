@@ -14,11 +14,9 @@
 
 namespace enfilade::doors {
 
-// The sequence of map_manager: the door ahead (three hits in three seconds)
-// latches a candidate; the door behind (three hits, after 1.5 to 5 m, with the
-// same heading) or a changed environment make it a passage; at the time limit a
-// latched door that was not driven through becomes a candidate. Times are the
-// scans'.
+// The sequence of map_manager: the door ahead (three hits in three seconds) latches a candidate; the door behind (three
+// hits, after 1.5 to 5 m, with the same heading) or a changed environment make it a passage; at the time limit a
+// latched door that was not driven through becomes a candidate. Times are the scans'.
 class DerivativeDetector {
  public:
   explicit DerivativeDetector(const DoorOptions& options) : options_(options) {}

@@ -16,18 +16,15 @@
 
 namespace enfilade::doors {
 
-// Finds doors and the robot's passages through them in a stream of planar scans
-// with odometry. Deterministic: the same scans give the same events, also
-// across Serialize and Restore. Works with any planar scanner; criteria that a
-// scanner cannot judge (no view behind the robot) are dropped, and the verdict
-// says so.
+// Finds doors and the robot's passages through them in a stream of planar scans with odometry. Deterministic: the same
+// scans give the same events, also across Serialize and Restore. Works with any planar scanner; criteria that a scanner
+// cannot judge (no view behind the robot) are dropped, and the verdict says so.
 class DoorDetector {
  public:
   explicit DoorDetector(const DoorOptions& options);
 
-  // The events that this scan decides, in order. A scan that is invalid
-  // (core/sensor), older than the one before, or whose pose is not finite is
-  // ignored.
+  // The events that this scan decides, in order. A scan that is invalid (core/sensor), older than the one before, or
+  // whose pose is not finite is ignored.
   std::vector<DoorEvent> Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
   // Ends the stream: latched doors become candidates.
   std::vector<DoorEvent> Finish();

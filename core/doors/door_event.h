@@ -25,22 +25,18 @@ struct CriterionVerdict {
 
 struct DoorEvent {
   enum class Kind : std::uint8_t {
-    kLatched = 1,    // a door is seen ahead: keep the present image, cloud and
-                     // pose, for a candidate
+    kLatched = 1,    // a door is seen ahead: keep the present image, cloud and pose, for a candidate
     kCandidate = 2,  // the latched door was not driven through: a link point candidate
     kPassage = 3,    // the robot has driven through a door
   };
   Kind kind = Kind::kLatched;
-  std::int64_t door = 0;  // counts latched doors from 1; a candidate or passage
-                          // has the number of its latch (0: none)
+  std::int64_t door = 0;  // counts latched doors from 1; a candidate or passage has the number of its latch (0: none)
   TimeNs time = 0;        // of the scan that decided it
   Pose2 T_odom_robot;     // then
-  // The pose at the door: where the robot was when it was latched; for a
-  // passage of the gap method the middle of the door, looking along the way
-  // through.
+  // The pose at the door: where the robot was when it was latched; for a passage of the gap method the middle of the
+  // door, looking along the way through.
   Pose2 T_odom_door;
-  TimeNs door_time = 0;  // when the robot was there (kPassage: when it crossed,
-                         // as near as is known)
+  TimeNs door_time = 0;  // when the robot was there (kPassage: when it crossed, as near as is known)
   double width = 0.0;    // m between the posts; 0 where unknown
   CriterionVerdict ahead;
   CriterionVerdict behind;

@@ -10,20 +10,17 @@
 
 namespace enfilade::doors {
 
-// The presets original-code and original-yaml have the published parameters of
-// map_manager: its C++ defaults and its params.yaml, which differ. Parameter
-// names in brackets are map_manager's. The preset `default` uses the group
-// `gap` instead of `derivative`. docs/doors.md describes the criteria.
+// The presets original-code and original-yaml have the published parameters of map_manager: its C++ defaults and its
+// params.yaml, which differ. Parameter names in brackets are map_manager's. The preset `default` uses the group `gap`
+// instead of `derivative`. docs/doors.md describes the criteria.
 
 // How door posts are found ahead and behind.
 enum class DoorMethod {
-  kGap = 0,         // narrow places in a local map of the last scans, crossed by the
-                    // robot's path
+  kGap = 0,         // narrow places in a local map of the last scans, crossed by the robot's path
   kDerivative = 1,  // jumps of the range along one scan, as in map_manager
 };
 
-// Criteria "door ahead" and "door behind" by the derivative D = (r[j + w] - r[j
-// - w]) / 2 along one scan.
+// Criteria "door ahead" and "door behind" by the derivative D = (r[j + w] - r[j - w]) / 2 along one scan.
 struct DerivativeOptions {
   double front_sector = 50.0;  // deg: ahead is |bearing| up to this
   double back_sector = 130.0;  // deg: behind is |bearing| from this
@@ -41,29 +38,25 @@ struct DerivativeOptions {
   double min_distance = 1.5;   // m from the candidate's pose to where the door is behind
   double max_distance = 5.0;   // m
   double max_heading = 30.0;   // deg that the heading may change in between
-  // Scanners that do not look back: the door ahead, seen again after the robot
-  // has turned round, stands for the door behind. false: the criterion is
-  // dropped.
+  // Scanners that do not look back: the door ahead, seen again after the robot has turned round, stands for the door
+  // behind. false: the criterion is dropped.
   bool turned_stands_for_behind = true;
 };
 
-// Criterion "environment": a box around the low-pass filtered scan changes
-// (derivative method), or what was seen before the door is out of sight behind
-// it (gap method).
+// Criterion "environment": a box around the low-pass filtered scan changes (derivative method), or what was seen before
+// the door is out of sight behind it (gap method).
 struct EnvironmentOptions {
   int filter_half_width = 60;   // beams (low_pass_filter_size_env: yaml 60, code 50)
   double change = 2.0;          // m, of half the change of a side (deriv_range_thr)
   int sides = 2;                // that must change
   double interval = 3.0;        // s between two boxes
-  double outdoor_guard = 10.0;  // m: outdoors a side counts only where it is or was nearer
+  double outdoor_guard = 10.0;  // m: outdoors a side counts only if it is or was nearer
   bool outdoor = false;         // the guard is on
-  double settle = 1.0;          // m before and behind the door: the scans that the gap
-                                // method compares
+  double settle = 1.0;          // m before and behind the door: the scans that the gap method compares
   double hidden = 0.40;         // share of the ground out of sight, at least
   double same = 0.15;           // hidden share below which the environment speaks against a door
   double radius = 4.0;          // m around the door: the ground that is compared
-  double min_compared = 0.3;    // share of it in the other scan's field of view,
-                                // or the criterion is dropped
+  double min_compared = 0.3;    // share of it in the other scan's field of view, or the criterion is dropped
 };
 
 // Criteria "door ahead" and "door behind" by narrow places.
@@ -75,8 +68,7 @@ struct GapOptions {
   double widening = 0.25;    // m: before and behind, within `shoulder`, the way is wider by this
   double shoulder = 1.1;     // m
   double max_depth = 0.75;   // m along the way, of the narrow place
-  double repeated = 0.7;     // m within 2.5 m of the way that are as narrow: it is
-                             // the way's usual width
+  double repeated = 0.7;     // m within 2.5 m of the way that are as narrow: it is the way's usual width
   double min_angle = 28.0;   // deg between the line from post to post and the way
   double look_ahead = 2.2;   // m
   int hits = 3;              // scans that see the same place ahead
@@ -84,21 +76,17 @@ struct GapOptions {
   double lag = 1.0;          // m driven beyond the door before the decision
   double detour = 2.0;       // m: a way round within this radius speaks against a door
   double spacing = 1.0;      // m to be driven between two passages
-  // Behind the robot the walls are known and judged, so these limits on the
-  // way's widths are weaker:
+  // Behind the robot the walls are known and judged, so these limits on the way's widths are weaker:
   double behind_depth = 1.2;     // m, as max_depth
   double behind_repeated = 1.6;  // m, as repeated
   double behind_widening = 0.1;  // m, as widening
   double wall_reach = 2.2;       // m beyond each post in which the wall is looked for
-  double wall_beside = 0.8;      // m of uninterrupted wall in line with the posts,
-                                 // both sides together, at least
+  double wall_beside = 0.8;      // m of uninterrupted wall in line with the posts, both sides together, at least
   double wall = 1.9;             // m, the same with wall that continues behind a pane of glass
-  double wall_across = 0.3;      // m, instead of both, of a wall across a corridor
-                                 // from one side to the other
+  double wall_across = 0.3;      // m, instead of both, of a wall across a corridor from one side to the other
   double long_wall = 2.0;        // m of wall that outweigh a way round or ground that stays in sight
-  double slender = 5.0;          // ratio of a wall's length to its depth along the way
-                                 // at the posts; furniture's is less
-  double parallel = 0.5;         // m of walls beside the way at both posts: a corridor, not a door
+  double slender = 5.0;   // ratio of a wall's length to its depth along the way at the posts; furniture's is less
+  double parallel = 0.5;  // m of walls beside the way at both posts: a corridor, not a door
 };
 
 struct DoorOptions {
@@ -183,8 +171,7 @@ void VisitGapOptions(Options& o, Visit& visit) {
   visit("gap.parallel", o.parallel);
 }
 
-// Calls visit("group.name", value) for every option; `Options` is DoorOptions,
-// const or not.
+// Calls visit("group.name", value) for every option; `Options` is DoorOptions, const or not.
 template <typename Options, typename Visit>
 void VisitDoorOptions(Options& o, Visit visit) {
   visit("criteria", o.criteria);
@@ -195,10 +182,8 @@ void VisitDoorOptions(Options& o, Visit visit) {
   VisitGapOptions(o.gap, visit);
 }
 
-// Options from YAML by the names above in nested maps, on top of `base`;
-// `preset: NAME` in the file replaces the base. INVALID_ARGUMENT naming key and
-// line: a key that does not exist, a value of another type, what Validate
-// refuses.
+// Options from YAML by the names above in nested maps, on top of `base`; `preset: NAME` in the file replaces the base.
+// INVALID_ARGUMENT naming key and line: a key that does not exist, a value of another type, what Validate refuses.
 absl::StatusOr<DoorOptions> ParseDoorOptions(std::string_view yaml, const DoorOptions& base);
 // All options as YAML that ParseDoorOptions reads back to the same values.
 std::string FormatDoorOptions(const DoorOptions& options);

@@ -11,8 +11,8 @@
 
 namespace enfilade::doors {
 
-// The last metres of the robot's path, with what it saw from there. Places on
-// it are given by the distance travelled since the first scan, m.
+// The last metres of the robot's path, with what it saw from there. Places on it are given by the distance travelled
+// since the first scan, m.
 class DrivenPath {
  public:
   // Keeps `length` metres at least.
@@ -27,14 +27,12 @@ class DrivenPath {
   double travelled() const { return points_.back().travelled; }
   double oldest_travelled() const { return points_.front().travelled; }
 
-  // The view at the first point that is not before `travelled`; the last one
-  // behind the path's end.
+  // The view at the first point that is not before `travelled`; the last one behind the path's end.
   const RangeView& ViewAt(double travelled) const { return points_[IndexAt(travelled)].view; }
   // Interpolated between points, in the odometry frame.
   Eigen::Vector2d PositionAt(double travelled) const;
 
-  // The latest step, from the point before; both are the same if there is one
-  // point.
+  // The latest step, from the point before; both are the same if there is one point.
   struct Step {
     Eigen::Vector2d from = Eigen::Vector2d::Zero();  // odometry frame
     Eigen::Vector2d to = Eigen::Vector2d::Zero();

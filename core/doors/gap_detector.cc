@@ -16,8 +16,7 @@ using State = CriterionVerdict::State;
 
 constexpr double kTangent = 0.4;       // m before and behind, for the path's direction
 constexpr double kCrossing = 0.25;     // m around the place that is searched
-constexpr double kMissingAhead = 0.5;  // m: kMissingInWall of a wall that is
-                                       // seen from one side only, in passing
+constexpr double kMissingAhead = 0.5;  // m: kMissingInWall of a wall that is seen from one side only, in passing
 constexpr double kBeside = 0.5;        // m before and behind a door: is there a way round between them?
 constexpr double kLeftBehind = 3.5;    // m: a latched door farther away becomes a candidate immediately
 constexpr double kForgotten = 7.0;     // m: narrow places farther away are forgotten
@@ -113,8 +112,7 @@ DoorTrack* GapDetector::FindTrack(const Narrows& door) {
   return found;
 }
 
-// The path's direction around a place on it, a unit vector; unset if that part
-// is forgotten, or the robot turned there.
+// The path's direction around a place on it, a unit vector; unset if that part is forgotten, or the robot turned there.
 std::optional<Eigen::Vector2d> GapDetector::PathDirectionAt(double travelled) const {
   if (travelled - kTangent < path_.oldest_travelled()) return std::nullopt;
   const Eigen::Vector2d way = path_.PositionAt(travelled + kTangent) - path_.PositionAt(travelled - kTangent);
@@ -128,8 +126,7 @@ void GapDetector::SearchBehind(std::vector<DoorEvent>& events) {
   behind.max_depth = std::max(o.max_depth, o.behind_depth);
   behind.repeated = std::max(o.repeated, o.behind_repeated);
   behind.widening = std::min(o.widening, o.behind_widening);
-  // The path is searched piece by piece, each when the robot is `lag` beyond
-  // it.
+  // The path is searched piece by piece, each when the robot is `lag` beyond it.
   const double until = path_.travelled() - o.lag;
   for (; searched_ + kCrossing <= until; searched_ += kCrossing) {
     const double at = searched_ + kCrossing;
@@ -163,8 +160,7 @@ CriterionVerdict GapDetector::JudgeEnvironment(const Crossing& crossing, double*
   CriterionVerdict verdict;
   const double share = std::max(shares[0], shares[1]);
   *hidden = share;
-  // A scanner that looks ahead only sees through the door what it sees behind
-  // it: that says nothing.
+  // A scanner that looks ahead only sees through the door what it sees behind it: that says nothing.
   if (std::min(shares[0], shares[1]) < 0.0) {
     *hidden = -1.0;
     verdict.state = State::kDropped;
@@ -201,8 +197,7 @@ void GapDetector::JudgeCrossing(const Crossing& crossing, std::vector<DoorEvent>
   DoorTrack* track = FindTrack(door);
   PassageEvidence evidence = GatherEvidence(crossing, track);
   PassageVerdict verdict = JudgePassage(evidence, options_);
-  // What was seen ahead still counts when the place is judged again from
-  // further on.
+  // What was seen ahead still counts when the place is judged again from further on.
   if (!verdict.passage) return;
   DoorEvent event = EventOf(DoorEvent::Kind::kPassage);
   event.door = track != nullptr ? track->door : 0;
@@ -242,8 +237,7 @@ DoorEvent GapDetector::CandidateOf(const DoorTrack& track, DoorEvent::Kind kind)
   return event;
 }
 
-// Candidates that the robot has left; `all`: every one that is not reported
-// yet.
+// Candidates that the robot has left; `all`: every one that is not reported yet.
 void GapDetector::ReportCandidates(bool all, std::vector<DoorEvent>& events) {
   const RangeView& now = path_.view();
   for (DoorTrack& track : tracks_) {

@@ -18,12 +18,10 @@
 namespace enfilade::doors {
 
 // Finds doors as narrow places that the robot's path crosses (docs/doors.md):
-//  ahead: several scans see the same narrow place ahead before the robot
-//  reaches it; behind: a little behind it the local map still shows it, across
-//  the path that was driven; environment: what was in sight before the door is
-//  hidden behind it, or vice versa.
-// Behind and one of the others make a passage if the narrow place is a gap in a
-// wall (passage_evidence.h).
+//  ahead: several scans see the same narrow place ahead before the robot reaches it;
+//  behind: a little behind it the local map still shows it, across the path that was driven;
+//  environment: what was in sight before the door is hidden behind it, or vice versa.
+// Behind and one of the others make a passage if the narrow place is a gap in a wall (passage_evidence.h).
 class GapDetector {
  public:
   explicit GapDetector(const DoorOptions& options);

@@ -28,8 +28,7 @@ std::size_t BeamsOf(const sensor::LaserScan& scan, double degrees) {
   return static_cast<std::size_t>(std::clamp(beams, 1.0, static_cast<double>(sensor::kMaxBeams)));
 }
 
-// Where the beams point, in the robot's frame, counter-clockwise: a scanner
-// that turns clockwise is read backwards.
+// Where the beams point, in the robot's frame, counter-clockwise: a scanner that turns clockwise is read backwards.
 struct Order {
   const sensor::LaserScan& scan;
   std::size_t BeamAt(std::size_t i) const { return scan.angle_increment >= 0.0 ? i : scan.ranges.size() - 1 - i; }
@@ -111,8 +110,7 @@ JambSearch FindJambsBehind(const sensor::LaserScan& scan, const DerivativeOption
   const Order order{scan};
   const Posts posts = PostsOf(scan, options);
   JambSearch search;
-  // In the scan's order the gap behind lies at both its ends: first it ends (D
-  // falls), later it begins (D rises).
+  // In the scan's order the gap behind lies at both its ends: first it ends (D falls), later it begins (D rises).
   std::optional<std::size_t> gap_ends;
   std::optional<std::size_t> gap_begins;
   bool left_side = false;

@@ -21,8 +21,7 @@ struct Run {
   double end = 0.0;    // m beyond the post
 };
 
-// Along `outward` (unit) from `post`; `missing` m without a hit do not end the
-// wall.
+// Along `outward` (unit) from `post`; `missing` m without a hit do not end the wall.
 Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double limit,
             double missing) {
   const Eigen::Vector2d aside = map.cell() * Eigen::Vector2d(-outward.y(), outward.x());
@@ -58,8 +57,7 @@ Run RunFrom(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vecto
   return run;
 }
 
-// How far surfaces continue from `from` along `on`, up to `limit`, including
-// cells beside the line.
+// How far surfaces continue from `from` along `on`, up to `limit`, including cells beside the line.
 double SurfaceAlong(const LocalMap& map, const Eigen::Vector2d& from, const Eigen::Vector2d& on, double limit) {
   const Eigen::Vector2d aside = map.cell() * Eigen::Vector2d(-on.y(), on.x());
   double last = 0.0;
@@ -72,8 +70,7 @@ double SurfaceAlong(const LocalMap& map, const Eigen::Vector2d& from, const Eige
   return last;
 }
 
-// Whether a wall crosses the line near `wall` metres along `outward` from
-// `post`, at 80 to 100 degrees.
+// Whether a wall crosses the line near `wall` metres along `outward` from `post`, at 80 to 100 degrees.
 bool MeetsWall(const LocalMap& map, const Eigen::Vector2d& post, const Eigen::Vector2d& outward, double wall) {
   const double across = std::atan2(outward.y(), outward.x()) + M_PI / 2.0;
   for (double s = std::max(0.0, wall - kThickest); s <= wall + 2.0 * map.cell(); s += map.cell()) {

@@ -23,9 +23,8 @@ struct Disc {
   double radius = 0.0;  // m
 };
 
-// What the last scans have seen around the robot: a square of cells in the
-// odometry frame that moves with the robot. Each cell counts hits against beams
-// that passed through it, within small bounds, so that a person who walks on is
+// What the last scans have seen around the robot: a square of cells in the odometry frame that moves with the robot.
+// Each cell counts hits against beams that passed through it, within small bounds, so that a person who walks on is
 // forgotten after a few scans.
 class LocalMap {
  public:
@@ -41,12 +40,10 @@ class LocalMap {
   Eigen::Vector2d MiddleOf(int column, int row) const { return {(column + 0.5) * cell_, (row + 0.5) * cell_}; }
   double cell() const { return cell_; }
 
-  // The middles of occupied cells with a free neighbour, within `radius` of a
-  // point.
+  // The middles of occupied cells with a free neighbour, within `radius` of a point.
   std::vector<Eigen::Vector2d> SurfaceWithin(const Eigen::Vector2d& point, double radius) const;
 
-  // Whether observed free cells within the disc join the two points if the line
-  // is closed.
+  // Whether observed free cells within the disc join the two points if the line is closed.
   bool AreJoined(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Line& closed, const Disc& within) const;
 
   void Write(BinaryWriter& writer) const;

@@ -39,8 +39,7 @@ struct Sides {
   std::vector<Side> right;
 };
 
-// The surfaces beside the way, up to `widest` m off, that lie within the
-// profile.
+// The surfaces beside the way, up to `widest` m off, that lie within the profile.
 Sides FindSides(const LocalMap& map, const StraightWay& way, const Profile& profile, double widest) {
   const double length = static_cast<double>(profile.widths.size()) * kBin;
   const Eigen::Vector2d middle = way.origin + (profile.first + length / 2.0) * way.direction;

@@ -10,8 +10,7 @@
 
 namespace enfilade::doors {
 
-// A place where the way is narrow, and wider before and behind it: what a door
-// is to a laser scanner.
+// A place where the way is narrow, and wider before and behind it: what a door is to a laser scanner.
 struct Narrows {
   Eigen::Vector2d left = Eigen::Vector2d::Zero();  // the posts, odometry frame
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
@@ -27,8 +26,7 @@ struct NarrowsSearch {
   std::string reason;  // of the last place that was judged
 };
 
-// The part of a straight way between `begin` and `end` metres from the origin,
-// odometry frame.
+// The part of a straight way between `begin` and `end` metres from the origin, odometry frame.
 struct StraightWay {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  // of length 1
@@ -36,9 +34,9 @@ struct StraightWay {
   double end = 0.0;
 };
 
-// The nearest narrow place that the way crosses. The width at each place of the
-// way is the least distance between a surface on its left and one on its right
-// whose connecting line crosses the way there; a door is a local minimum of it.
+// The nearest narrow place that the way crosses. The width at each place of the way is the least distance between a
+// surface on its left and one on its right whose connecting line crosses the way there; a door is a local minimum of
+// it.
 NarrowsSearch FindNarrows(const LocalMap& map, const StraightWay& way, const GapOptions& options);
 
 }  // namespace enfilade::doors

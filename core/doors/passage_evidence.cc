@@ -27,8 +27,8 @@ PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& 
   if (evidence.parallel >= o.parallel) {
     return {false, fmt::format("walls run beside the way for {:.2f} m at both posts", evidence.parallel)};
   }
-  // Furniture is about as deep along the way as it is long across it. So is a
-  // cupboard in a corridor, which hides little ground.
+  // Furniture is about as deep along the way as it is long across it. So is a cupboard in a corridor, which hides
+  // little ground.
   const double slenderness = walls.weighted_length() / std::max(evidence.parallel, kLeastDepth);
   if (slenderness < o.slender && !(across && evidence.environment.met())) {
     return {false, fmt::format("no wall: {:.2f} m long, {:.1f} times its depth along the way", walls.weighted_length(),

@@ -11,8 +11,7 @@
 
 namespace enfilade::doors {
 
-// A scan thinned to about one beam per degree, with the pose that it was taken
-// from.
+// A scan thinned to about one beam per degree, with the pose that it was taken from.
 struct RangeView {
   TimeNs time = 0;
   Pose2 T_odom_robot;
@@ -25,15 +24,14 @@ struct RangeView {
   static RangeView Of(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
 };
 
-// Ground that one view sees on its own side of a line, m^2: how much of it lies
-// in another view's field of view, and how much of that is hidden from it.
+// Ground that one view sees on its own side of a line, m^2: how much of it lies in another view's field of view, and
+// how much of that is hidden from it.
 struct HiddenGround {
   double seen = 0.0;
   double compared = 0.0;
   double hidden = 0.0;
 };
-// `seen` and `from` are the two views, a and b define the line; only ground
-// within `radius` of their middle counts.
+// `seen` and `from` are the two views, a and b define the line; only ground within `radius` of their middle counts.
 HiddenGround CompareGround(const RangeView& seen, const RangeView& from, const Eigen::Vector2d& a,
                            const Eigen::Vector2d& b, double radius);
 

@@ -28,24 +28,6 @@ constexpr int kPendingAtOnce = 32;
 // The graph may change while a report is judged: people edit it.
 constexpr int kJudgingAttempts = 10;
 
-const char* Describe(closure::DoorDecision decision) {
-  switch (decision) {
-    case closure::DoorDecision::kCandidateMade:
-      return "a candidate";
-    case closure::DoorDecision::kCandidateKnown:
-      return "known";
-    case closure::DoorDecision::kCandidatePromoted:
-      return "a candidate promoted";
-    case closure::DoorDecision::kLinkPointRecognised:
-      return "a link point recognised";
-    case closure::DoorDecision::kLinkPointMade:
-      return "a new link point";
-    case closure::DoorDecision::kNotJudged:
-      return "not judged";
-  }
-  return "?";
-}
-
 std::string KeyOf(const storage::PendingDoors& pending) { return pending.site.value() + "/" + pending.session.value(); }
 
 }  // namespace
@@ -171,7 +153,7 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const JudgingLease& lease, const
     if (verdict.ok()) {
       const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
       spdlog::info("door {} of session {}: {} in {:.0f} ms: {}", report.sequence, session.id.value(),
-                   Describe(verdict->decision), took.count(), verdict->reason);
+                   closure::NameOf(verdict->decision), took.count(), verdict->reason);
       if (verdict->entered_map) entered_();
       return true;
     }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/sha256.h"
+#include "core/closure/door_action.h"
 #include "server/app/closure/door_closures.h"
 #include "server/app/graph/graph_optimizer.h"
 #include "server/app/mapping/mapping.h"
@@ -32,25 +33,7 @@
 
 namespace enfilade::testing {
 
-inline const char* InWords(closure::DoorDecision decision) {
-  switch (decision) {
-    case closure::DoorDecision::kCandidateMade:
-      return "candidate made";
-    case closure::DoorDecision::kCandidateKnown:
-      return "candidate known";
-    case closure::DoorDecision::kCandidatePromoted:
-      return "candidate promoted";
-    case closure::DoorDecision::kLinkPointRecognised:
-      return "link point recognised";
-    case closure::DoorDecision::kLinkPointMade:
-      return "link point made";
-    case closure::DoorDecision::kNotJudged:
-      return "not judged";
-  }
-  return "?";
-}
-
-// What the server does with sessions, without gRPC: mapping, the graph and its optimisation, closures at doors.
+// The server's workers without gRPC: mapping, the graph and its optimisation, closures at doors.
 class Workers {
  public:
   Workers(storage::postgres::Pool& pool, const closure::DoorClosureOptions& options)
@@ -98,7 +81,7 @@ class DoorClosuresTest : public StoreTest {
     workers_ = std::make_unique<Workers>(*pool_, options_);
   }
 
-  // A session into `map` or, without one, out of `previous`, with all its records; finished.
+  // Sends a session into `map` or, without one, after `previous`, with all its records, and finishes it.
   SessionId Send(const DrivenSession& driven, const std::optional<MapId>& map, const std::optional<SessionId>& previous,
                  const std::optional<PoseWithCovariance>& T_map_robot = {}) {
     storage::Session session = MakeSession(site_, SessionId("s" + std::to_string(++sessions_made_)), robot_, map);
@@ -150,12 +133,12 @@ class DoorClosuresTest : public StoreTest {
     EXPECT_OK(verdicts);
     return *verdicts;
   }
-  // In words, with the reasons on standard output.
+  // As text; prints the reasons.
   std::vector<std::string> Decisions(const std::vector<SessionId>& sessions) {
     std::vector<std::string> decisions;
     for (const SessionId& session : sessions) {
       for (const closure::DoorVerdict& verdict : Verdicts(session)) {
-        decisions.emplace_back(InWords(verdict.decision));
+        decisions.emplace_back(closure::NameOf(verdict.decision));
         std::cout << session.value() << ": " << decisions.back() << ": " << verdict.reason << "\n";
         for (const closure::DoorComparison& compared : verdict.comparisons)
           std::cout << "    " << compared.reason << "\n";
@@ -181,7 +164,7 @@ class DoorClosuresTest : public StoreTest {
     static const std::vector<DrivenSession> drive = DriveThroughDoors(InTwoRooms());
     return drive;
   }
-  // The content of each image or cloud of the session becomes what `change` makes of it.
+  // Replaces the content of each image and cloud of the session by what `change` returns.
   static void Change(DrivenSession& session,
                      const std::function<std::string(const sensor::Record&, std::string)>& change) {
     std::size_t next = 0;  // contents are in the order of the log

@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-TEST_F(DoorClosuresTest, TheCanonicalCampusIsMappedByItself) {
+TEST_F(DoorClosuresTest, TheCanonicalCampusIsMappedWithoutHelp) {
   const std::vector<DrivenSession> drive = DriveThroughDoors(WithImagesAndClouds());
   ASSERT_THAT(DoorsOf(drive), ElementsAre("candidate", "L0", "L1", "candidate", "L2", "L3", "L4"));
   const std::vector<SessionId> sessions = MapAll(drive);
@@ -35,11 +35,11 @@ TEST_F(DoorClosuresTest, TheCanonicalCampusIsMappedByItself) {
                   " AND e.map_id = a.map_id AND e.kind = 3)"),
             "0");
   EXPECT_NE(Value("SELECT count(*) FROM image_features"), "0");
-  // Optimisation has followed by itself.
+  // The graph was optimised without a request.
   EXPECT_NE(Value("SELECT count(*) FROM graph_versions WHERE cause = 7"), "0");
 }
 
-TEST_F(DoorClosuresTest, TheRobotComesBackByACandidateAndGoesThroughAKnownDoorAgain) {
+TEST_F(DoorClosuresTest, TheRobotComesBackThroughACandidateAndGoesThroughAKnownDoorAgain) {
   const std::vector<DrivenSession>& drive = DriveInTwoRooms();
   ASSERT_THAT(DoorsOf(drive), ElementsAre("candidate", "south", "north", "south"));
   const std::vector<SessionId> sessions = MapAll(drive);
@@ -56,7 +56,7 @@ TEST_F(DoorClosuresTest, TheRobotComesBackByACandidateAndGoesThroughAKnownDoorAg
             "2");
 }
 
-TEST_F(DoorClosuresTest, WithoutImagesAndCloudsTheScansTellAndTheVerdictSaysWhatWasMissing) {
+TEST_F(DoorClosuresTest, WithoutImagesAndCloudsTheScansDecideAndTheVerdictSaysWhatWasMissing) {
   DoorDriveOptions options = InTwoRooms();
   options.simulation.image_hz = 0.0;
   options.simulation.cloud_hz = 0.0;
@@ -68,7 +68,7 @@ TEST_F(DoorClosuresTest, WithoutImagesAndCloudsTheScansTellAndTheVerdictSaysWhat
   EXPECT_THAT(Verdicts(sessions[0])[0].reason, HasSubstr("neither images nor clouds"));
   const std::vector<closure::DoorVerdict> second = Verdicts(sessions[1]);
   EXPECT_THAT(second[0].reason, HasSubstr("the scans show where the robot is"));
-  ASSERT_THAT(second[0].comparisons, SizeIs(2));  // the candidate, and the door that it came by before
+  ASSERT_THAT(second[0].comparisons, SizeIs(2));  // the candidate, and the door that it came through before
   EXPECT_THAT(second[0].comparisons[0].reason, HasSubstr("the robot has no images behind the door"));
   EXPECT_EQ(second[0].comparisons[0].image_matches, std::nullopt);
   EXPECT_EQ(second[0].comparisons[0].rmse, std::nullopt);
@@ -106,7 +106,7 @@ TEST_F(DoorClosuresTest, ABlackImageShowsNothingAndSpeaksNeitherForNorAgainst) {
   for (const closure::DoorComparison& compared : verdict.comparisons) EXPECT_EQ(compared.image_matches, std::nullopt);
 }
 
-TEST_F(DoorClosuresTest, TheCloudOfAnotherPlaceIsNotBelievedWhateverTheImagesSay) {
+TEST_F(DoorClosuresTest, TheCloudOfAnotherPlaceOutweighsImagesThatAgree) {
   std::vector<DrivenSession> drive = DriveInTwoRooms();
   std::string other;
   Change(drive[1], [&](const sensor::Record& record, std::string bytes) {
@@ -128,7 +128,7 @@ TEST_F(DoorClosuresTest, TheCloudOfAnotherPlaceIsNotBelievedWhateverTheImagesSay
   EXPECT_TRUE(images_agreed);
 }
 
-TEST_F(DoorClosuresTest, SessionsAfterNoPassageBeginAMapThatNothingJoins) {
+TEST_F(DoorClosuresTest, SessionsAfterNoPassageStartAMapThatNothingJoins) {
   const std::vector<SessionId> sessions = MapAll(std::vector<DrivenSession>(2));
   EXPECT_NE(MapOf(sessions[1]), map_);
   EXPECT_EQ(Value("SELECT count(*) FROM link_points"), "0");
@@ -149,7 +149,7 @@ TEST_F(DoorClosuresTest, APassageAtWhichNothingWasMappedCannotBeJudged) {
   EXPECT_EQ(Value("SELECT count(*) FROM link_points"), "0");
 }
 
-TEST_F(DoorClosuresTest, WorkersThatEndInBetweenLeaveNothingHalf) {
+TEST_F(DoorClosuresTest, WorkersThatEndInBetweenLeaveNothingHalfDone) {
   const std::vector<SessionId> sessions = SendAll(DriveInTwoRooms());
   for (int i = 0; i < 8; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
@@ -164,8 +164,8 @@ TEST_F(DoorClosuresTest, WorkersThatEndInBetweenLeaveNothingHalf) {
 
 class RoomsThatLookAlike : public DoorClosuresTest, public ::testing::WithParamInterface<bool> {};
 
-// Where everything looks the same only the way there tells one door from another.
-TEST_P(RoomsThatLookAlike, AreNotTakenForOneAnother) {
+// If all rooms look the same, only the path there tells one door from another.
+TEST_P(RoomsThatLookAlike, AreNotConfused) {
   DoorDriveOptions options = GetParam() ? WithImagesAndClouds() : DoorDriveOptions();
   options.campus = "lookalike";
   const std::vector<DrivenSession> drive = DriveThroughDoors(options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Robots that map one campus at once.
+// Robots that map one campus at the same time.
 #include <gmock/gmock.h>
 
 #include <map>
@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::SizeIs;
 
-// Where the robot of the campus figure1 begins.
+// Where the robot of the campus figure1 starts.
 Pose2 StartOf(const std::string& robot) {
   const auto world = std::make_shared<const simulator::World>(*simulator::ShippedCampus("figure1"));
   auto simulation = simulator::RobotSimulation::Start(world, robot, {});
@@ -22,8 +22,8 @@ Pose2 StartOf(const std::string& robot) {
   return simulation->truth().poses.front().T_campus_robot;
 }
 
-// In which order the robots' sessions come and are mapped: 1 and 2 send the next one of r1 and r2, | waits until all
-// are mapped and judged.
+// The order in which the robots' sessions arrive and are mapped: 1 and 2 send the next one of r1 and r2, | waits until
+// all are mapped and judged.
 class TwoRobots : public DoorClosuresTest, public ::testing::WithParamInterface<const char*> {
  protected:
   static const std::vector<DrivenSession>& DriveOf(int robot) {
@@ -35,7 +35,7 @@ class TwoRobots : public DoorClosuresTest, public ::testing::WithParamInterface<
     options.simulation.seed = static_cast<std::uint64_t>(robot);
     return drive = DriveThroughDoors(options);
   }
-  // The robots' next session.
+  // Sends the robot's next session.
   void SendNext(int robot) {
     std::vector<SessionId>& sessions = sent_[robot];
     const DrivenSession& driven = DriveOf(robot).at(sessions.size());
@@ -56,9 +56,9 @@ class TwoRobots : public DoorClosuresTest, public ::testing::WithParamInterface<
   std::map<int, std::vector<SessionId>> sent_;
 };
 
-// Each of them enters areas that the other one is in for the first time, by other doors. Scans alone must tell; with
-// images and clouds: tests/e2e/figure1_test.cc.
-TEST_P(TwoRobots, ThatMapACampusAtOnceMakeTheSameGraph) {
+// Each enters areas that the other one has mapped, through other doors. Only scans can show that; with images and
+// clouds: tests/e2e/figure1_test.cc.
+TEST_P(TwoRobots, ThatMapACampusTogetherMakeTheSameGraph) {
   for (const char* step = GetParam(); *step != 0; ++step) {
     if (*step == '|') {
       AwaitAll();

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include <optional>
+#include <set>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -25,7 +27,7 @@ graph::LinkPoint PointWithId() {
   return point;
 }
 
-struct Case {
+struct ActionCase {
   const char* what;
   DoorAction action;
   DoorDecision decision;
@@ -34,7 +36,7 @@ struct Case {
   bool changes;  // an existing link point
 };
 
-std::vector<Case> AllActions() {
+std::vector<ActionCase> AllActions() {
   return {
       {"unjudged", LeaveUnjudged{}, DoorDecision::kNotJudged, false, false, false},
       {"known", KeepKnownCandidate{kPoint}, DoorDecision::kCandidateKnown, true, false, false},
@@ -49,9 +51,9 @@ std::vector<Case> AllActions() {
 }
 
 TEST(DoorAction, EveryActionHasItsVerdict) {
-  const std::vector<Case> actions = AllActions();
+  const std::vector<ActionCase> actions = AllActions();
   EXPECT_THAT(actions, SizeIs(std::variant_size_v<DoorAction> - 1)) << "all but waiting";
-  for (const Case& one : actions) {
+  for (const ActionCase& one : actions) {
     const DoorVerdict verdict = ToVerdict({.action = one.action, .reason = "because"});
     EXPECT_EQ(verdict.decision, one.decision) << one.what;
     EXPECT_EQ(verdict.link_point.has_value(), one.has_link_point) << one.what;
@@ -67,6 +69,14 @@ TEST(DoorAction, EveryActionHasItsVerdict) {
   }
 }
 
+TEST(DoorAction, EveryDecisionHasANameOfItsOwn) {
+  std::set<std::string> names;
+  for (int i = 1; i <= 6; ++i) names.insert(NameOf(static_cast<DoorDecision>(i)));
+  EXPECT_THAT(names, SizeIs(6));
+  EXPECT_THAT(names, ::testing::Not(::testing::Contains("?")));
+  EXPECT_STREQ(NameOf(static_cast<DoorDecision>(7)), "?");
+}
+
 TEST(DoorAction, AnUnjudgedPassageEntersItsNewMapWithoutAPose) {
   const DoorVerdict verdict = ToVerdict({.action = LeaveUnjudged{MapToStart{.id = kRoom}}});
   EXPECT_EQ(verdict.decision, DoorDecision::kNotJudged);
@@ -76,7 +86,7 @@ TEST(DoorAction, AnUnjudgedPassageEntersItsNewMapWithoutAPose) {
 }
 
 TEST(DoorAction, OnlyActionsOnExistingLinkPointsChangeOne) {
-  for (const Case& one : AllActions()) {
+  for (const ActionCase& one : AllActions()) {
     const LinkPointId* changed = FindChangedLinkPoint(one.action);
     EXPECT_EQ(changed != nullptr, one.changes) << one.what;
     if (changed != nullptr) {
