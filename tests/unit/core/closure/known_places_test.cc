@@ -179,7 +179,7 @@ TEST_F(KnownPlacesTest, ASightingIsOfTheDoorThatIsAheadOfIt) {
                                                              {3.4, 0.0, 0.0, false},
                                                              {1.7, 0.9, 0.0, true},
                                                              {1.7, 1.2, 0.0, false},
-                                                             {1.7, 0.0, 0.7, true},
+                                                             {1.7, 0.0, 0.5, true},
                                                              {1.7, 0.0, M_PI, false}}) {
     const graph::LinkPoint sighting = Place("sighting", {{kHall, {0, 0, 0}, {}}});
     EXPECT_EQ(FindPassed({&sighting}, kHall, At(x, y, yaw), options_).size() == 1, found)
