@@ -120,7 +120,7 @@ class LinkPointReader {
 class LinkPointStore : public LinkPointReader {
  public:
   // With one anchor it is a candidate. NOT_FOUND naming the missing site or map; ALREADY_EXISTS if the id is taken, or
-  // the link point is redundant (graph::FindRedundant), naming the other one; INVALID_ARGUMENT naming the anchor that
+  // the link point is redundant (CheckNotRedundant), naming the other one; INVALID_ARGUMENT naming the anchor that
   // is not finite, has an invalid covariance, or repeats a map. `request_id` as in SiteStore.
   virtual absl::StatusOr<StoredLinkPoint> Create(const CallContext& context, const StoredLinkPoint& link_point,
                                                  const std::string& request_id) const = 0;

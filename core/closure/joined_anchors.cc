@@ -1,22 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/closure/joined_anchors.h"
 
-#include <algorithm>
-
 #include "core/graph/paths/pose_chain.h"
-#include "core/graph/search_radius.h"
+#include "core/graph/same_place.h"
 
 namespace enfilade::closure {
-namespace {
-
-constexpr double kSamePlace = 0.3;  // m, as migrations/deploy/link_points.sql has it
-
-bool IsSamePlace(const graph::Anchor& a, const graph::Anchor& b) {
-  const double distance = (a.T_map_place.translation() - b.T_map_place.translation()).norm();
-  return distance <= std::max(kSamePlace, graph::ErrorEllipse95(a.covariance + b.covariance).semi_major_m);
-}
-
-}  // namespace
 
 JoinedAnchors JoinAtDoor(const MapId& here, const Pose2& T_here_robot, const PoseWithCovariance& T_here_door,
                          const MapId& there, const PoseWithCovariance& T_there_robot) {
@@ -43,10 +31,8 @@ std::optional<PoseWithCovariance> PoseAcross(const graph::LinkPoint& link_point,
 const graph::LinkPoint* FindRedundant(const std::vector<const graph::LinkPoint*>& link_points,
                                       const JoinedAnchors& anchors) {
   for (const graph::LinkPoint* link_point : link_points) {
-    const graph::Anchor* here = link_point->FindAnchor(anchors.here.map);
-    const graph::Anchor* there = link_point->FindAnchor(anchors.there.map);
-    if (here == nullptr || there == nullptr || link_point->use == graph::LinkPointUse::kSuspended) continue;
-    if (IsSamePlace(*here, anchors.here) && IsSamePlace(*there, anchors.there)) return link_point;
+    if (link_point->use == graph::LinkPointUse::kSuspended) continue;
+    if (graph::FindCommonPlace(link_point->anchors, {anchors.here, anchors.there})) return link_point;
   }
   return nullptr;
 }

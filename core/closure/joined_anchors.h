@@ -29,8 +29,8 @@ graph::Anchor OriginAnchor(const MapId& map, const DoorClosureOptions& options);
 std::optional<PoseWithCovariance> PoseAcross(const graph::LinkPoint& link_point, const MapId& here, const MapId& there,
                                              const PoseWithCovariance& T_here_robot);
 
-// The first of `link_points` that joins the same two maps at the same place, by the database's definition: within the
-// 95 % circle of both covariances, at least 0.3 m, in each of them. Null if there is none.
+// The first of `link_points` that joins the same two maps at the same place (graph::FindCommonPlace) and is not
+// suspended. Null if there is none.
 const graph::LinkPoint* FindRedundant(const std::vector<const graph::LinkPoint*>& link_points,
                                       const JoinedAnchors& anchors);
 

@@ -5,11 +5,10 @@
 #include "core/sensor/record_codec.h"
 #include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/graph/door_verdict_rows.h"
 #include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_changes.h"
 #include "storage/postgres/graph/link_point_evidence.h"
-#include "storage/postgres/graph/link_point_rows.h"
-#include "storage/postgres/graph/placement.h"
 #include "storage/postgres/sessions/session_row.h"
 
 namespace enfilade::storage {
@@ -25,7 +24,7 @@ using postgres::Transaction;
 constexpr std::int16_t kDoorReport = static_cast<std::int16_t>(sensor::RecordKind::kDoorReport);
 static_assert(kDoorReport == 6);  // of the index session_records_doors_idx
 
-// As for mapping, work is found over all sites, and taken by its site's name.
+// Reads over all sites, as session_leases.cc does. The work it finds is then done within its site.
 constexpr Statement kFindPending{
     "looking for doors to judge",
     "SELECT site_id, session_id FROM ("
@@ -49,23 +48,13 @@ constexpr Statement kLockSiteLease{"locking the site's lease",
 constexpr Statement kIsJudged{
     "looking for the verdict",
     "SELECT true FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2 AND sequence = $3"};
-// The graph's lock keeps others from taking the same number.
+// The graph is locked: no other transaction can take the same number.
 constexpr Statement kInsertMapBehind{
     "making the map",
     "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile)"
     " SELECT $1, $2, $3 || ' ' || min(n), $4, $5, $6"
     " FROM generate_series(1, (SELECT count(*) + 1 FROM enfilade.maps WHERE site_id = $1)) AS n"
     " WHERE NOT EXISTS (SELECT FROM enfilade.maps WHERE site_id = $1 AND display_name = $3 || ' ' || n)"};
-constexpr Statement kInsertVerdict{
-    "storing the verdict",
-    "INSERT INTO enfilade.door_verdicts (site_id, session_id, sequence, decision, link_point_id, map_id, x, y, yaw,"
-    " covariance, odom_x, odom_y, odom_yaw, evidence, reason, graph_version)"
-    " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16)"};
-constexpr Statement kInsertComparison{
-    "storing a comparison",
-    "INSERT INTO enfilade.door_comparisons (site_id, session_id, sequence, ordinal, link_point_id, map_id, distance,"
-    " image_matches, images_agree, rmse, inlier_share, clouds_agree, chi2, accepted, reason)"
-    " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)"};
 constexpr Statement kEnter{
     "giving the next session its map",
     "UPDATE enfilade.sessions SET map_id = $3, initial_x = $4, initial_y = $5, initial_yaw = $6,"
@@ -74,9 +63,6 @@ constexpr Statement kEnter{
 constexpr Statement kMarkJudged{"closing the session's doors",
                                 "UPDATE enfilade.sessions SET doors_judged = true"
                                 " WHERE site_id = $1 AND session_id = $2"};
-#define ENFILADE_VERDICT_COLUMNS                                                                           \
-  "session_id, sequence, decision, link_point_id, map_id, x, y, yaw, coalesce(covariance, '{}'), odom_x, " \
-  "odom_y, odom_yaw, evidence::float8[], reason, graph_version, create_time"
 constexpr Statement kListVerdicts{"listing verdicts",
                                   "SELECT " ENFILADE_VERDICT_COLUMNS
                                   " FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2"
@@ -94,45 +80,6 @@ constexpr Statement kListComparisons{
     "SELECT sequence, link_point_id, map_id, distance, image_matches::bigint, images_agree, rmse, inlier_share,"
     " clouds_agree, chi2, accepted, reason FROM enfilade.door_comparisons WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 ORDER BY sequence, ordinal"};
-
-closure::DoorVerdict ReadVerdict(Row& row) {
-  closure::DoorVerdict verdict;
-  verdict.session = SessionId(std::string(row.Text()));
-  verdict.sequence = row.Int64();
-  verdict.decision = static_cast<closure::DoorDecision>(row.Int16());
-  if (const auto link_point = row.OptionalText()) verdict.link_point = LinkPointId(std::string(*link_point));
-  if (const auto map = row.OptionalText()) verdict.entered_map = MapId(std::string(*map));
-  verdict.T_map_robot = postgres::ReadOptionalPoseWithCovariance(row);
-  verdict.T_odom_robot = postgres::ReadOptionalPose(row);
-  for (const double sequence : row.Doubles()) verdict.evidence.push_back(static_cast<std::int64_t>(sequence));
-  verdict.reason = row.Text();
-  verdict.graph_version = row.Int64();
-  verdict.create_time = row.Time();
-  return verdict;
-}
-
-struct ComparisonRow {
-  std::int64_t sequence = 0;
-  closure::DoorComparison comparison;
-};
-
-ComparisonRow ReadComparison(Row& row) {
-  ComparisonRow out;
-  out.sequence = row.Int64();
-  closure::DoorComparison& comparison = out.comparison;
-  comparison.link_point = LinkPointId(std::string(row.Text()));
-  comparison.map = MapId(std::string(row.Text()));
-  comparison.distance = row.OptionalDouble();
-  if (const auto matches = row.OptionalInt64()) comparison.image_matches = static_cast<int>(*matches);
-  comparison.images_agree = row.Bool();
-  comparison.rmse = row.OptionalDouble();
-  comparison.inlier_share = row.Double();
-  comparison.clouds_agree = row.Bool();
-  comparison.chi2 = row.OptionalDouble();
-  comparison.accepted = row.Bool();
-  comparison.reason = row.Text();
-  return out;
-}
 
 absl::Status LockLease(Transaction& transaction, const SiteLease& lease) {
   ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockSiteLease, Params(lease.site)));
@@ -157,55 +104,19 @@ void QueueMap(Transaction& transaction, const SiteId& site, const NewMap& map) {
 
 absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, const DoorChange& change) {
   for (const LinkPointId& candidate : change.consumed) {
-    ENFILADE_RETURN_IF_ERROR(
-        postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointRemoved, postgres::ResourceOf(candidate))
-            .status());
     ENFILADE_RETURN_IF_ERROR(postgres::RemoveLinkPoint(transaction, site, candidate, 0));
   }
   if (change.new_link_point) {
-    const LinkPointId& id = change.new_link_point->point.id;
-    ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(*change.new_link_point));
-    ENFILADE_ASSIGN_OR_RETURN(
-        const std::int64_t version,
-        postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointAdded, postgres::ResourceOf(id)));
-    ENFILADE_RETURN_IF_ERROR(postgres::InsertLinkPoint(transaction, *change.new_link_point, version, ""));
-    ENFILADE_RETURN_IF_ERROR(postgres::PlaceLinkPoint(transaction, site, version, id));
+    ENFILADE_RETURN_IF_ERROR(postgres::InsertLinkPoint(transaction, *change.new_link_point, ""));
   }
-  if (change.link_point) {
-    const LinkPointId& id = change.link_point->point.id;
-    ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(*change.link_point));
-    ENFILADE_ASSIGN_OR_RETURN(
-        const std::int64_t version,
-        postgres::RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, postgres::ResourceOf(id)));
-    ENFILADE_RETURN_IF_ERROR(postgres::UpdateLinkPoint(transaction, *change.link_point, version));
-    ENFILADE_RETURN_IF_ERROR(postgres::PlaceLinkPoint(transaction, site, version, id));
-  }
+  if (change.link_point) ENFILADE_RETURN_IF_ERROR(postgres::UpdateLinkPoint(transaction, *change.link_point));
   return absl::OkStatus();
 }
 
-void QueueVerdict(Transaction& transaction, const SiteId& site, const closure::DoorVerdict& verdict) {
-  const PoseColumns pose(verdict.T_map_robot), odom(verdict.T_odom_robot);
-  transaction.Queue(kInsertVerdict,
-                    Params(site, verdict.session, verdict.sequence, static_cast<std::int16_t>(verdict.decision),
-                           verdict.link_point, verdict.entered_map, pose.x, pose.y, pose.yaw, pose.covariance, odom.x,
-                           odom.y, odom.yaw, verdict.evidence, verdict.reason, verdict.graph_version));
-  std::int32_t ordinal = 0;
-  for (const closure::DoorComparison& comparison : verdict.comparisons) {
-    std::optional<std::int32_t> matches;
-    if (comparison.image_matches) matches = *comparison.image_matches;
-    transaction.Queue(
-        kInsertComparison,
-        Params(site, verdict.session, verdict.sequence, ++ordinal, comparison.link_point, comparison.map,
-               comparison.distance, matches, comparison.images_agree, comparison.rmse, comparison.inlier_share,
-               comparison.clouds_agree, comparison.chi2, comparison.accepted, comparison.reason));
-  }
-}
-
-void QueueEntry(Transaction& transaction, const SiteId& site, const SessionId& previous, const MapId& map,
-                const std::optional<PoseWithCovariance>& T_map_robot, const std::optional<Pose2>& T_odom_robot) {
-  const PoseColumns pose(T_map_robot), odom(T_odom_robot);
-  transaction.Queue(kEnter,
-                    Params(site, previous, map, pose.x, pose.y, pose.yaw, pose.covariance, odom.x, odom.y, odom.yaw));
+void QueueEntry(Transaction& transaction, const SiteId& site, const EnteredMap& entered) {
+  const PoseColumns pose(entered.T_map_robot), odom(entered.T_odom_robot);
+  transaction.Queue(kEnter, Params(site, entered.previous, entered.map, pose.x, pose.y, pose.yaw, pose.covariance,
+                                   odom.x, odom.y, odom.yaw));
 }
 
 }  // namespace
@@ -262,9 +173,10 @@ absl::Status DoorVerdictStore::Commit(const CallContext& context, const SiteLeas
   if (change.new_map) QueueMap(transaction, site, *change.new_map);
   ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(transaction, site, change));
   postgres::QueueEvidence(transaction, site, change.evidence);
-  QueueVerdict(transaction, site, verdict);
+  postgres::QueueVerdict(transaction, site, verdict);
   if (verdict.entered_map) {
-    QueueEntry(transaction, site, verdict.session, *verdict.entered_map, verdict.T_map_robot, verdict.T_odom_robot);
+    QueueEntry(transaction, site,
+               {verdict.session, std::nullopt, *verdict.entered_map, verdict.T_map_robot, verdict.T_odom_robot});
   }
   return WithContext(transaction.Commit(), NameOf(site, verdict.session));
 }
@@ -275,7 +187,7 @@ absl::Status DoorVerdictStore::Enter(const CallContext& context, const SiteLease
   postgres::QueueGraphLock(transaction, lease.site);
   ENFILADE_RETURN_IF_ERROR(LockLease(transaction, lease));
   if (entered.new_map) QueueMap(transaction, lease.site, *entered.new_map);
-  QueueEntry(transaction, lease.site, entered.previous, entered.map, entered.T_map_robot, entered.T_odom_robot);
+  QueueEntry(transaction, lease.site, entered);
   const absl::Status committed = transaction.Commit();
   if (postgres::SqlStateOf(committed) == "23503") return NotFound("{} does not exist", NameOf(lease.site, entered.map));
   return WithContext(committed, NameOf(lease.site, entered.previous));
@@ -298,15 +210,15 @@ absl::StatusOr<std::vector<closure::DoorVerdict>> DoorVerdictStore::List(const C
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, session));
   ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::DoorVerdict> verdicts,
-                            storage::postgres::ReadRows(results[1], ReadVerdict));
+                            storage::postgres::ReadRows(results[1], postgres::ReadVerdict));
   if (verdicts.empty()) return verdicts;
   ENFILADE_ASSIGN_OR_RETURN(const auto listed,
                             transaction.Execute(kListComparisons, Params(site, session, verdicts.front().sequence,
                                                                          verdicts.back().sequence)));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<ComparisonRow> comparisons,
-                            storage::postgres::ReadRows(listed, ReadComparison));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<postgres::ComparisonRow> comparisons,
+                            storage::postgres::ReadRows(listed, postgres::ReadComparison));
   auto verdict = verdicts.begin();
-  for (ComparisonRow& row : comparisons) {
+  for (postgres::ComparisonRow& row : comparisons) {
     while (verdict != verdicts.end() && verdict->sequence < row.sequence) ++verdict;
     if (verdict != verdicts.end()) verdict->comparisons.push_back(std::move(row.comparison));
   }
@@ -320,7 +232,7 @@ absl::StatusOr<std::optional<closure::DoorVerdict>> DoorVerdictStore::FindPassag
                             storage::postgres::ExecuteAlone(pool_, context, kFindPassage, Params(site, session)));
   if (found.rows() == 0) return std::nullopt;
   ENFILADE_ASSIGN_OR_RETURN(closure::DoorVerdict verdict,
-                            storage::postgres::ReadOne(found, ReadVerdict, "the verdict"));
+                            storage::postgres::ReadOne(found, postgres::ReadVerdict, "the verdict"));
   return std::optional<closure::DoorVerdict>(std::move(verdict));
 }
 
@@ -329,7 +241,7 @@ absl::StatusOr<std::vector<closure::DoorVerdict>> DoorVerdictStore::ListInto(con
                                                                              int limit) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto listed, storage::postgres::ExecuteAlone(pool_, context, kListInto,
                                                                                Params(site, map, std::int64_t{limit})));
-  return storage::postgres::ReadRows(listed, ReadVerdict);
+  return storage::postgres::ReadRows(listed, postgres::ReadVerdict);
 }
 
 }  // namespace enfilade::storage

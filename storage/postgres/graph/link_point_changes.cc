@@ -2,11 +2,16 @@
 #include "storage/postgres/graph/link_point_changes.h"
 
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/resource_name.h"
+#include "storage/link_point_rules.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_rows.h"
+#include "storage/postgres/graph/placement.h"
 
 namespace enfilade::storage::postgres {
 namespace {
@@ -40,8 +45,25 @@ constexpr Statement kPutAnchors{
 constexpr Statement kDropAnchors{"removing anchors",
                                  "DELETE FROM enfilade.link_point_anchors"
                                  " WHERE site_id = $1 AND link_point_id = $2 AND NOT map_id = ANY ($3)"};
-constexpr Statement kExists{"looking for the link point",
-                            "SELECT true FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = $2"};
+// $3 = 0: any etag.
+constexpr Statement kTouch{"updating the link point",
+                           "UPDATE enfilade.link_points SET changed_version = $4, etag = nextval('enfilade.etags'),"
+                           " update_time = now(), forced = forced OR $5"
+                           " WHERE site_id = $1 AND link_point_id = $2 AND $3 IN (0, etag) RETURNING etag"};
+constexpr Statement kSetUse{"changing the link point's use",
+                            "UPDATE enfilade.link_points SET \"use\" = $5, changed_version = $4,"
+                            " etag = nextval('enfilade.etags'), update_time = now()"
+                            " WHERE site_id = $1 AND link_point_id = $2 AND $3 IN (0, etag) RETURNING etag"};
+// The link point itself, and all that share two maps with it once it has anchors in the maps $3.
+constexpr Statement kSelectNearby{
+    "reading the link points of the same maps",
+    "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
+    " WHERE p.site_id = $1 AND p.link_point_id IN (SELECT o.link_point_id FROM enfilade.link_point_anchors o"
+    "   WHERE o.site_id = $1 AND o.map_id IN (SELECT u.map_id COLLATE \"C\" FROM unnest($3::text[]) u (map_id)"
+    "     UNION SELECT map_id FROM enfilade.link_point_anchors WHERE site_id = $1 AND link_point_id = $2)"
+    "   GROUP BY o.link_point_id HAVING count(*) > 1 OR o.link_point_id = $2)"
+    " ORDER BY p.link_point_id, a.ordinal"};
+
 std::optional<std::string_view> DirectionOf(const graph::LinkPoint& point) {
   return NullIfEmpty(point.direction.value());
 }
@@ -55,43 +77,8 @@ std::optional<Timestamp> ValidUntilOf(const graph::LinkPoint& point) {
   return Timestamp{*point.state_valid_until};
 }
 
-}  // namespace
-
-absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point, std::int64_t version,
-                             const std::string& request_id) {
-  const SiteId& site = link_point.site;
-  const graph::LinkPoint& point = link_point.point;
-  transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
-                                             DirectionOf(point), std::int32_t{point.difficulty},
-                                             EnvironmentOf(link_point), static_cast<std::int16_t>(point.state),
-                                             ValidUntilOf(point), link_point.forced, version, NullIfEmpty(request_id)));
-  QueueAnchors(transaction, site, point.id, point.anchors);
-  return ExplainLinkPoint(transaction.Flush().status(), site, point);
-}
-
-absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point, std::int64_t version) {
-  const SiteId& site = link_point.site;
-  const graph::LinkPoint& point = link_point.point;
-  const auto updated = transaction.Execute(
-      kUpdateLinkPoint,
-      Params(site, point.id, link_point.etag, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
-             std::int32_t{point.difficulty}, EnvironmentOf(link_point), static_cast<std::int16_t>(point.state),
-             ValidUntilOf(point), link_point.forced, version));
-  if (!updated.ok()) return ExplainLinkPoint(updated.status(), site, point);
-  if (updated->rows() == 0) return WhyUnchanged(transaction, site, point.id);
-  std::vector<std::string_view> maps;
-  for (const graph::Anchor& anchor : point.anchors) maps.push_back(anchor.map.value());
-  transaction.Queue(kDropAnchors, Params(site, point.id, maps));
-  QueueAnchors(transaction, site, point.id, point.anchors);
-  return ExplainLinkPoint(transaction.Flush().status(), site, point);
-}
-
-absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto deleted, transaction.Execute(kDeleteLinkPoint, Params(site, id, etag)));
-  if (deleted.rows() == 0) return WhyUnchanged(transaction, site, id);
-  QueueRemoval(transaction, site, id);
-  return absl::OkStatus();
-}
+// The resource of a link point in the graph's history.
+std::string ResourceOf(const LinkPointId& id) { return "linkPoints/" + id.value(); }
 
 void QueueAnchors(Transaction& transaction, const SiteId& site, const LinkPointId& id,
                   const std::vector<graph::Anchor>& anchors) {
@@ -108,6 +95,7 @@ void QueueAnchors(Transaction& transaction, const SiteId& site, const LinkPointI
   transaction.Queue(kPutAnchors, Params(site, id, maps, x, y, yaw, covariances));
 }
 
+// An error of the schema in terms of the API.
 absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, const graph::LinkPoint& point) {
   if (status.ok()) return status;
   const std::string constraint = ConstraintOf(status);
@@ -127,10 +115,121 @@ absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, co
   return WithContext(status, name);
 }
 
-absl::Status WhyUnchanged(Transaction& transaction, const SiteId& site, const LinkPointId& id) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kExists, Params(site, id)));
-  if (found.rows() == 0) return NotFound("{} does not exist", NameOf(site, id));
-  return StaleEtag(NameOf(site, id));
+struct Nearby {
+  std::optional<StoredLinkPoint> stored;  // the link point itself
+  std::vector<StoredLinkPoint> others;
+};
+
+// Of a graph that the transaction has locked.
+absl::StatusOr<Nearby> ReadNearby(Transaction& transaction, const SiteId& site, const LinkPointId& id,
+                                  const std::vector<graph::Anchor>& anchors) {
+  std::vector<std::string_view> maps;
+  for (const graph::Anchor& anchor : anchors) maps.push_back(anchor.map.value());
+  ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectNearby, Params(site, id, maps)));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<StoredLinkPoint> link_points, ReadLinkPoints(result));
+  Nearby nearby;
+  for (StoredLinkPoint& link_point : link_points) {
+    if (link_point.point.id == id) {
+      nearby.stored = std::move(link_point);
+    } else {
+      nearby.others.push_back(std::move(link_point));
+    }
+  }
+  return nearby;
+}
+
+// The same of an existing link point. NOT_FOUND; ABORTED unless `etag` is 0 or the stored one.
+absl::StatusOr<Nearby> ReadNearbyExisting(Transaction& transaction, const SiteId& site, const LinkPointId& id,
+                                          std::int64_t etag, const std::vector<graph::Anchor>& anchors) {
+  ENFILADE_ASSIGN_OR_RETURN(Nearby nearby, ReadNearby(transaction, site, id, anchors));
+  if (!nearby.stored) return NotFound("{} does not exist", NameOf(site, id));
+  if (etag != 0 && etag != nearby.stored->etag) return StaleEtag(NameOf(site, id));
+  return nearby;
+}
+
+// Executes what is queued, and places the link point.
+absl::Status FlushAndPlace(Transaction& transaction, const StoredLinkPoint& link_point, std::int64_t version) {
+  ENFILADE_RETURN_IF_ERROR(ExplainLinkPoint(transaction.Flush().status(), link_point.site, link_point.point));
+  return PlaceLinkPoint(transaction, link_point.site, version, link_point.point);
+}
+
+}  // namespace
+
+absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point,
+                             const std::string& request_id) {
+  ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(link_point));
+  const SiteId& site = link_point.site;
+  StoredLinkPoint created = link_point;
+  created.point.use = graph::LinkPointUse::kUsed;
+  const graph::LinkPoint& point = created.point;
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointAdded, ResourceOf(point.id)));
+  if (!point.is_candidate() && !created.forced) {
+    ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearby(transaction, site, point.id, point.anchors));
+    if (nearby.stored) return AlreadyExists("{} exists already", NameOf(site, point.id));
+    ENFILADE_RETURN_IF_ERROR(CheckNotRedundant(created, AnchorChange::kAdded, nearby.others));
+  }
+  transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
+                                             DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(created),
+                                             static_cast<std::int16_t>(point.state), ValidUntilOf(point),
+                                             created.forced, version, NullIfEmpty(request_id)));
+  QueueAnchors(transaction, site, point.id, point.anchors);
+  return FlushAndPlace(transaction, created, version);
+}
+
+absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point) {
+  ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(link_point));
+  const SiteId& site = link_point.site;
+  const LinkPointId& id = link_point.point.id;
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(id)));
+  ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearby(transaction, site, id, link_point.point.anchors));
+  if (!nearby.stored) return NotFound("{} does not exist", NameOf(site, id));
+  if (nearby.stored->etag != link_point.etag) return StaleEtag(NameOf(site, id));
+  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, ApplyUpdate(*nearby.stored, link_point, nearby.others));
+  const graph::LinkPoint& point = changed.point;
+  transaction.Queue(kUpdateLinkPoint,
+                    Params(site, id, changed.etag, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
+                           std::int32_t{point.difficulty}, EnvironmentOf(changed),
+                           static_cast<std::int16_t>(point.state), ValidUntilOf(point), changed.forced, version));
+  std::vector<std::string_view> maps;
+  for (const graph::Anchor& anchor : point.anchors) maps.push_back(anchor.map.value());
+  transaction.Queue(kDropAnchors, Params(site, id, maps));
+  QueueAnchors(transaction, site, id, point.anchors);
+  return FlushAndPlace(transaction, changed, version);
+}
+
+absl::Status InsertAnchor(Transaction& transaction, const SiteId& site, const NewAnchor& added) {
+  ENFILADE_RETURN_IF_ERROR(ValidateAnchors({added.anchor}));
+  const LinkPointId& id = added.link_point;
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(id)));
+  ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearbyExisting(transaction, site, id, added.etag, {added.anchor}));
+  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, ApplyAnchor(*nearby.stored, added, nearby.others));
+  transaction.Queue(kTouch, Params(site, id, added.etag, version, added.force));
+  QueueAnchors(transaction, site, id, {added.anchor});
+  return FlushAndPlace(transaction, changed, version);
+}
+
+absl::Status SetSuspended(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag,
+                          bool suspended) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(id)));
+  ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearbyExisting(transaction, site, id, etag, {}));
+  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, ApplySuspension(*nearby.stored, suspended, nearby.others));
+  transaction.Queue(kSetUse, Params(site, id, etag, version, static_cast<std::int16_t>(changed.point.use)));
+  return FlushAndPlace(transaction, changed, version);
+}
+
+absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag) {
+  ENFILADE_RETURN_IF_ERROR(
+      RaiseGraphVersion(transaction, site, GraphCause::kLinkPointRemoved, ResourceOf(id)).status());
+  ENFILADE_ASSIGN_OR_RETURN(const auto deleted, transaction.Execute(kDeleteLinkPoint, Params(site, id, etag)));
+  if (deleted.rows() == 0) {
+    return ReadNearbyExisting(transaction, site, id, etag, {}).status();
+  }
+  QueueRemoval(transaction, site, id);
+  return absl::OkStatus();
 }
 
 }  // namespace enfilade::storage::postgres

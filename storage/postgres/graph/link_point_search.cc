@@ -37,7 +37,7 @@ constexpr Statement kListUnplaced{"listing link points without a place",
   "   ORDER BY l.link_point_id LIMIT $8) p" ENFILADE_JOIN_ANCHORS " ORDER BY p.link_point_id, a.ordinal"
 
 constexpr Statement kListAll{"listing link points", ENFILADE_LIST_LINK_POINTS("")};
-// A statement of its own: with the map as one more optional filter its index would not be used.
+// A separate statement: as one more optional filter, the map would not use its index.
 constexpr Statement kListInMap{"listing a map's link points",
                                ENFILADE_LIST_LINK_POINTS(" JOIN enfilade.link_point_anchors f ON f.site_id = l.site_id"
                                                          " AND f.link_point_id = l.link_point_id AND f.map_id = $9")};

@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/graph/placement.h"
 
-#include <map>
-#include <optional>
-#include <set>
+#include <string>
+#include <utility>
 
-#include "core/base/resource_name.h"
+#include "core/graph/placement.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/link_point_rows.h"
 
 namespace enfilade::storage::postgres {
 namespace {
 
-constexpr Statement kSelectWithMaps{
-    "reading link points to be placed",
-    "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
-    " WHERE p.site_id = $1 AND p.link_point_id = $2 ORDER BY p.link_point_id, a.ordinal"};
 constexpr Statement kSelectUnplacedAt{
-    "looking for link points to be placed",
+    "looking for link points to place",
     "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
     " WHERE p.site_id = $1 AND p.position IS NULL AND p.link_point_id IN (SELECT link_point_id"
     "   FROM enfilade.link_point_anchors WHERE site_id = $1 AND map_id = ANY ($2))"
@@ -25,7 +20,7 @@ constexpr Statement kSelectUnplacedAt{
 constexpr Statement kSelectPlaces{"reading maps' places",
                                   "SELECT map_id, x, y, yaw, covariance FROM enfilade.graph_maps"
                                   " WHERE site_id = $1 AND map_id = ANY ($2) AND x IS NOT NULL"};
-// A covariance is nine numbers of the last array.
+// The last array has nine numbers for each covariance.
 constexpr Statement kPlaceMaps{
     "placing maps",
     "UPDATE enfilade.graph_maps m SET changed_version = $2, x = u.x, y = u.y, yaw = u.yaw,"
@@ -39,8 +34,7 @@ constexpr Statement kPlaceLinkPoints{
     " FROM unnest($3::text[], $4::float8[], $5::float8[], $6::float8[]) WITH ORDINALITY AS u (id, x, y, yaw, n)"
     " WHERE p.site_id = $1 AND p.link_point_id = u.id"};
 
-using Places = std::map<MapId, PoseWithCovariance>;
-
+// The columns of places, as arrays.
 class Columns {
  public:
   void Add(const std::string& id, const PoseWithCovariance& place) {
@@ -60,74 +54,52 @@ class Columns {
   std::vector<double> x_, y_, yaw_, covariances_;
 };
 
-absl::Status ReadPlaces(Transaction& transaction, const SiteId& site, const std::vector<StoredLinkPoint>& link_points,
-                        Places& places) {
-  std::set<std::string_view> ids;
-  for (const StoredLinkPoint& link_point : link_points) {
-    for (const graph::Anchor& anchor : link_point.point.anchors) {
-      if (!places.contains(anchor.map)) ids.insert(anchor.map.value());
-    }
-  }
-  if (ids.empty()) return absl::OkStatus();
-  const std::vector<std::string_view> wanted(ids.begin(), ids.end());
-  ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectPlaces, Params(site, wanted)));
+absl::Status ReadPlaces(Transaction& transaction, const SiteId& site, const std::vector<MapId>& maps,
+                        graph::Placement& placement) {
+  if (maps.empty()) return absl::OkStatus();
+  std::vector<std::string_view> ids;
+  for (const MapId& map : maps) ids.push_back(map.value());
+  ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectPlaces, Params(site, ids)));
   for (int i = 0; i < result.rows(); ++i) {
     Row row(result, i);
     const MapId map{std::string(row.Text())};
-    PoseWithCovariance& place = places[map];
-    place.pose = {row.Double(), row.Double(), row.Double()};
-    place.covariance = ReadCovariance(row);
+    PoseWithCovariance T_world_map;
+    T_world_map.pose = {row.Double(), row.Double(), row.Double()};
+    T_world_map.covariance = ReadCovariance(row);
     ENFILADE_RETURN_IF_ERROR(row.status());
+    placement.SetPlace(map, T_world_map);
   }
   return absl::OkStatus();
 }
 
-std::optional<PoseWithCovariance> BestPlace(const graph::LinkPoint& point, const Places& places) {
-  std::optional<PoseWithCovariance> best;
-  for (const graph::Anchor& anchor : point.anchors) {
-    const auto map = places.find(anchor.map);
-    if (map == places.end()) continue;
-    const PoseWithCovariance place = Compose(map->second, {anchor.T_map_place, anchor.covariance});
-    if (!best || place.covariance.topLeftCorner<2, 2>().trace() < best->covariance.topLeftCorner<2, 2>().trace()) {
-      best = place;
-    }
-  }
-  return best;
+absl::StatusOr<std::vector<graph::LinkPoint>> ReadUnplacedAt(Transaction& transaction, const SiteId& site,
+                                                             const std::vector<MapId>& maps) {
+  std::vector<std::string_view> ids;
+  for (const MapId& map : maps) ids.push_back(map.value());
+  ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectUnplacedAt, Params(site, ids)));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<StoredLinkPoint> stored, ReadLinkPoints(result));
+  std::vector<graph::LinkPoint> link_points;
+  for (StoredLinkPoint& link_point : stored) link_points.push_back(std::move(link_point.point));
+  return link_points;
 }
 
 }  // namespace
 
 absl::Status PlaceLinkPoint(Transaction& transaction, const SiteId& site, std::int64_t version,
-                            const LinkPointId& link_point) {
-  ENFILADE_ASSIGN_OR_RETURN(const Result first, transaction.Execute(kSelectWithMaps, Params(site, link_point)));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<StoredLinkPoint> waiting, ReadLinkPoints(first));
-  Places places;
-  std::vector<MapPose> new_maps;
-  std::map<LinkPointId, PoseWithCovariance> placed;
-  while (!waiting.empty()) {
-    ENFILADE_RETURN_IF_ERROR(ReadPlaces(transaction, site, waiting, places));
-    std::vector<std::string_view> reached;
-    for (const StoredLinkPoint& next : waiting) {
-      if (placed.contains(next.point.id)) continue;
-      const auto place = BestPlace(next.point, places);
-      if (!place) continue;
-      placed.emplace(next.point.id, *place);
-      if (next.point.use != graph::LinkPointUse::kUsed) continue;
-      for (const graph::Anchor& anchor : next.point.anchors) {
-        const auto [map, is_new] = places.try_emplace(anchor.map);
-        if (!is_new) continue;
-        map->second = Compose(*place, Inverse(PoseWithCovariance{anchor.T_map_place, anchor.covariance}));
-        new_maps.push_back({anchor.map, map->second});
-        reached.push_back(map->first.value());
-      }
-    }
+                            const graph::LinkPoint& link_point) {
+  graph::Placement placement;
+  std::vector<graph::LinkPoint> next = {link_point};
+  while (!next.empty()) {
+    ENFILADE_RETURN_IF_ERROR(ReadPlaces(transaction, site, placement.UnknownMapsOf(next), placement));
+    const std::vector<MapId> reached = placement.Visit(next);
     if (reached.empty()) break;
-    ENFILADE_ASSIGN_OR_RETURN(const Result found, transaction.Execute(kSelectUnplacedAt, Params(site, reached)));
-    ENFILADE_ASSIGN_OR_RETURN(waiting, ReadLinkPoints(found));
+    ENFILADE_ASSIGN_OR_RETURN(next, ReadUnplacedAt(transaction, site, reached));
   }
+  std::vector<MapPose> maps;
+  for (const auto& [map, place] : placement.maps()) maps.push_back({map, place});
   std::vector<LinkPointPose> link_points;
-  for (const auto& [id, place] : placed) link_points.push_back({id, place});
-  QueuePlaces(transaction, site, version, new_maps, link_points);
+  for (const auto& [id, place] : placement.link_points()) link_points.push_back({id, place});
+  QueuePlaces(transaction, site, version, maps, link_points);
   return absl::OkStatus();
 }
 
