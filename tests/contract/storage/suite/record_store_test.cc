@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "fmt/format.h"
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class RecordStoreTest : public StoreTest {
+class RecordStoreTest : public StoreContractTest {
  protected:
   std::vector<sensor::Record> ReadAll(const SessionId& session) {
     const auto records = records_.Read(Soon(), site_, session, 1, 1 << 30);
@@ -27,7 +27,6 @@ class RecordStoreTest : public StoreTest {
     EXPECT_OK(session);
     return *session;
   }
-  std::string StoredRows() { return database_.SqlValue("SELECT count(*) FROM enfilade.session_records"); }
 };
 
 TEST_F(RecordStoreTest, GivesBackEveryKindOfRecordExactly) {
@@ -144,7 +143,7 @@ TEST_F(RecordStoreTest, RefusesSequencesThatDoNotIncrease) {
   EXPECT_CODE(repeated, absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(storage::RefusedSequenceOf(repeated.status()), 2);
   EXPECT_CODE(Append(session, {ScanRecord(0)}), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(StoredRows(), "0");
+  EXPECT_EQ(backend_->CountRecords(), 0);
 }
 
 TEST_F(RecordStoreTest, AnEmptyBatchTellsWhereTheLogStands) {
@@ -185,15 +184,15 @@ TEST_F(RecordStoreTest, RefusesARecordWhoseBlobIsMissingOrOfAnotherSize) {
   const auto wrong_size = Append(session, {ImageRecord(1, longer)}, {blob.view()});
   EXPECT_STATUS(wrong_size, absl::StatusCode::kInvalidArgument, HasSubstr("has 5 bytes, not 6"));
   EXPECT_CODE(Append(session, {ScanRecord(1)}, {{blob.sha256(), "evil"}}), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(StoredRows(), "0");
+  EXPECT_EQ(backend_->CountRecords(), 0);
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   EXPECT_OK(Append(session, {ImageRecord(1, blob.ref()), ImageRecord(2, blob.ref())}));
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "1");
+  EXPECT_EQ(backend_->CountBlobs(), 1);
 }
 
 TEST_F(RecordStoreTest, ARefusedBatchDoesNotTouchTheOthersOfItsGroup) {
-  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("other"), "x"), ""));
-  ASSERT_OK(robots_.Create(Soon(), MakeRobot(SiteId("other"), robot_, "x"), ""));
+  backend_->AddSite(SiteId("other"));
+  backend_->AddRobot(SiteId("other"), robot_);
   ASSERT_OK(sessions_.Create(Soon(), MakeSession(SiteId("other"), SessionId("s1"), robot_, std::nullopt), ""));
   const SiteId other("other");
   const SessionId first = NewSession("s1");
@@ -285,48 +284,108 @@ TEST_F(RecordStoreTest, ReadsSingleRecordsInTheOrderOfTheLog) {
   EXPECT_THAT(none, IsEmpty());
   ASSERT_OK_AND_ASSIGN(const auto missing, records_.ReadEach(Soon(), site_, SessionId("s9"), {1}));
   EXPECT_THAT(missing, IsEmpty());
-  database_.Sql("UPDATE enfilade.session_records SET payload = '\\x00' WHERE sequence = 2");
+  backend_->CorruptRecord(site_, session, 2);
   EXPECT_STATUS(records_.ReadEach(Soon(), site_, session, {2}), absl::StatusCode::kDataLoss, HasSubstr("record 2"));
 }
 
 TEST_F(RecordStoreTest, SaysWhenAStoredPayloadDoesNotDecode) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 2)));
-  database_.Sql("UPDATE enfilade.session_records SET payload = '\\x00' WHERE sequence = 2");
+  backend_->CorruptRecord(site_, session, 2);
   EXPECT_STATUS(records_.Read(Soon(), site_, session, 1, 1 << 20), absl::StatusCode::kDataLoss, HasSubstr("record 2"));
 }
 
-TEST_F(RecordStoreTest, AKilledConnectionStoresAllOrNothingAndTheBatchCanBeSentAgain) {
+TEST_F(RecordStoreTest, SelectsByKindTimeAndSequence) {
   const SessionId session = NewSession("s1");
-  std::atomic<bool> done = false;
-  std::thread killer([&] {
-    while (!done) {
-      database_.Sql(
-          "SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
-          " WHERE datname = current_database() AND application_name = 'enfilade'");
-      std::this_thread::sleep_for(std::chrono::milliseconds(15));
-    }
-  });
-  int unavailable = 0;
-  for (std::int64_t first = 1; first <= 200; first += 10) {
-    const auto batch = ScanRecords(first, first + 9);
-    absl::Status status;
-    do {
-      const auto result = Append(session, batch);
-      status = result.status();
-      if (result.ok()) {
-        EXPECT_EQ(result->acknowledged_sequence, first + 9);
-      }
-      if (!status.ok()) {
-        EXPECT_CODE(status, absl::StatusCode::kUnavailable);
-        ++unavailable;
-      }
-    } while (!status.ok() && unavailable < 10'000);
+  std::vector<sensor::Record> log;
+  for (std::int64_t sequence = 1; sequence <= 20; ++sequence) {
+    log.push_back(sequence % 2 == 0 ? ScanRecord(sequence) : OdometryRecord(sequence));
   }
-  done = true;
-  killer.join();
-  EXPECT_EQ(ReadAll(session), ScanRecords(1, 200));
-  EXPECT_EQ(Get(session).record_counts.laser_scans, 200);
+  ASSERT_OK(Append(session, log));
+  const storage::RecordSelection all{
+      {sensor::RecordKind::kLaserScan, sensor::RecordKind::kOdometry}, 0, 100 * kNsPerSecond, 1, 20};
+  struct Case {
+    std::string name;
+    storage::RecordSelection selection;
+    std::vector<std::int64_t> expected;
+  };
+  std::vector<Case> cases;
+  cases.push_back({"limits are inclusive", all, {5, 6, 7}});
+  cases.back().selection.first_sequence = 5;
+  cases.back().selection.last_sequence = 7;
+  cases.push_back({"times, too", all, {3, 4}});
+  cases.back().selection.from_time = 3 * kNsPerSecond;
+  cases.back().selection.to_time = 4 * kNsPerSecond;
+  cases.push_back({"just outside", all, {4}});
+  cases.back().selection.from_time = 3 * kNsPerSecond + 1;
+  cases.back().selection.to_time = 5 * kNsPerSecond - 1;
+  cases.push_back({"one kind", all, {18, 20}});
+  cases.back().selection.kinds = {sensor::RecordKind::kLaserScan};
+  cases.back().selection.first_sequence = 17;
+  cases.push_back({"a kind that is not there", all, {}});
+  cases.back().selection.kinds = {sensor::RecordKind::kImage};
+  cases.push_back({"no kind", all, {}});
+  cases.back().selection.kinds = {};
+  cases.push_back({"beyond the log", all, {}});
+  cases.back().selection.first_sequence = 21;
+  cases.back().selection.last_sequence = 99;
+  for (const Case& test : cases) {
+    ASSERT_OK_AND_ASSIGN(const auto records, records_.ReadSelected(Soon(), site_, session, test.selection));
+    std::vector<std::int64_t> sequences;
+    for (const sensor::Record& record : records) {
+      sequences.push_back(record.sequence);
+      EXPECT_EQ(record, log[static_cast<std::size_t>(record.sequence) - 1]) << test.name;
+    }
+    EXPECT_EQ(sequences, test.expected) << test.name;
+  }
+  ASSERT_OK_AND_ASSIGN(const auto missing, records_.ReadSelected(Soon(), site_, SessionId("s9"), all));
+  EXPECT_THAT(missing, IsEmpty());
+  backend_->CorruptRecord(site_, session, 2);
+  EXPECT_CODE(records_.ReadSelected(Soon(), site_, session, all), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(RecordStoreTest, WhatIsBeyondAHoleCanBeSelectedButNotRead) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, {OdometryRecord(1), OdometryRecord(3)}));
+  EXPECT_THAT(ReadAll(session), SizeIs(1));
+  ASSERT_OK_AND_ASSIGN(const auto each, records_.ReadEach(Soon(), site_, session, {1, 2, 3}));
+  EXPECT_EQ(each, (std::vector<sensor::Record>{OdometryRecord(1), OdometryRecord(3)}));
+}
+
+TEST_F(RecordStoreTest, AfterRetentionOldRecordsCountAsStoredAndNewOnesAreTaken) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 5)));
+  backend_->ExpireRecords(site_, session);
+  EXPECT_STATUS(records_.Read(Soon(), site_, session, 1, 1 << 20), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("retention"));
+  // What they were is no longer known: a robot that sends them again must not be refused.
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult again, Append(session, {OdometryRecord(2), ScanRecord(5)}));
+  EXPECT_EQ(again.duplicates, 2);
+  EXPECT_EQ(again.acknowledged_sequence, 5);
+  ASSERT_OK_AND_ASSIGN(const storage::AppendResult next, Append(session, {ScanRecord(5), ScanRecord(6)}));
+  EXPECT_EQ(next.inserted, 1);
+  EXPECT_EQ(next.acknowledged_sequence, 6);
+  EXPECT_TRUE(Get(session).records_deleted);
+}
+
+TEST_F(RecordStoreTest, CountsRecordsByKindAndTheirTimes) {
+  const SessionId session = NewSession("s1");
+  const TestBlob image("image");
+  sensor::DoorReport report;
+  report.time = 90 * kNsPerSecond;
+  ASSERT_OK(Append(session, {WithheldRecord(1)}));
+  EXPECT_EQ(Get(session).first_time, std::nullopt) << "a withheld record has no time";
+  ASSERT_OK(Append(session, {ScanRecord(50), OdometryRecord(51), ImageRecord(52, image.ref()), {53, report}},
+                   {image.view()}));
+  ASSERT_OK(Append(session, {OdometryRecord(7)}));
+  storage::RecordCounts counts;
+  counts.laser_scans = counts.images = counts.withheld = counts.door_reports = 1;
+  counts.odometry = 2;
+  EXPECT_EQ(Get(session).record_counts, counts);
+  EXPECT_EQ(Get(session).first_time, 7 * kNsPerSecond);
+  EXPECT_EQ(Get(session).last_time, 90 * kNsPerSecond);
+  EXPECT_EQ(Get(session).highest_sequence, 53);
+  EXPECT_EQ(Get(session).acknowledged_sequence, 1);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
@@ -9,7 +9,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-class MapDeletionTest : public StoreTest {
+class MapDeletionTest : public StoreContractTest {
  protected:
   MapDeletionTest() {
     for (const char* id : {"lab", "yard"}) EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId(id), id), ""));
@@ -58,15 +58,6 @@ TEST_F(MapDeletionTest, TheOldestOfTheOthersCarriesTheWorldFrameOn) {
   ASSERT_OK_AND_ASSIGN(const storage::GraphChanges anew, graph_.ReadChanges(Soon(), site_, 0));
   EXPECT_EQ(anew.root, MapId("new"));
   EXPECT_GT(anew.version, graph.version);
-}
-
-TEST_F(MapDeletionTest, ASiteGoesWithItsGraph) {
-  ASSERT_OK(sites_.Delete(Soon(), site_, 0, true));
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.link_points"), "0");
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.site_graphs"), "0");
-  EXPECT_NE(database_.SqlValue("SELECT count(*) FROM enfilade.audit_log"), "0");
-  ASSERT_OK(sites_.Create(Soon(), MakeSite(site_, "Campus"), ""));
-  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, map_, "Hall"), ""));
 }
 
 }  // namespace

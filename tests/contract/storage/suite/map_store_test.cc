@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/base/environment.h"
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
@@ -16,7 +16,7 @@ std::vector<Eigen::Vector2d> Square(double x, double y, double side) {
   return {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
 }
 
-class MapStoreTest : public StoreTest {
+class MapStoreTest : public StoreContractTest {
  protected:
   storage::Map Get(const std::string& id) {
     const auto map = maps_.Get(Soon(), site_, MapId(id));
@@ -123,6 +123,59 @@ TEST_F(MapStoreTest, AMapMadeAgainUnderAnOldIdStartsAnew) {
   ASSERT_EQ(page.size(), 2U);
   EXPECT_EQ(page[0].id, MapId("b"));
   EXPECT_EQ(page[1].id, MapId("c"));
+}
+
+TEST_F(MapStoreTest, PagesOfEverySizeListEachMapOnce) {
+  for (const char* id : {"b", "a", "a-1", "c"}) ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId(id), id), ""));
+  const std::vector<std::string> expected = {"a", "a-1", "b", "c", "hall"};
+  for (int limit = 1; limit <= 6; ++limit) {
+    std::vector<std::string> listed;
+    storage::PageRequest page{limit, ""};
+    while (true) {
+      ASSERT_OK_AND_ASSIGN(const auto maps, maps_.List(Soon(), site_, page));
+      if (maps.empty()) break;
+      for (const storage::Map& map : maps) listed.push_back(map.id.value());
+      page.after = listed.back();
+    }
+    EXPECT_EQ(listed, expected) << limit;
+  }
+  ASSERT_OK_AND_ASSIGN(const auto elsewhere, maps_.List(Soon(), SiteId("nowhere"), {}));
+  EXPECT_THAT(elsewhere, IsEmpty());
+}
+
+TEST_F(MapStoreTest, AChangeThatFailsMakesNoVersionOfTheGraph) {
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), "request"));
+  ASSERT_OK_AND_ASSIGN(const std::int64_t version, graph_.GetVersion(Soon(), site_));
+  storage::Map lab = Get("lab");
+  lab.etag += 100;
+  EXPECT_CODE(maps_.Update(Soon(), lab), absl::StatusCode::kAborted);
+  lab = Get("lab");
+  lab.display_name = "Hall";
+  EXPECT_CODE(maps_.Update(Soon(), lab), absl::StatusCode::kAlreadyExists);
+  EXPECT_CODE(maps_.Delete(Soon(), site_, MapId("m9"), 0, true), absl::StatusCode::kNotFound);
+  EXPECT_CODE(maps_.Delete(Soon(), site_, MapId("lab"), lab.etag + 100, true), absl::StatusCode::kAborted);
+  EXPECT_CODE(maps_.Create(Soon(), MakeMap(site_, MapId("new"), "Hall"), ""), absl::StatusCode::kAlreadyExists);
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab2"), "Lab 2"), "request"));
+  EXPECT_EQ(*graph_.GetVersion(Soon(), site_), version);
+}
+
+TEST_F(MapStoreTest, ANewLevelChangesTheMapsLinkPoints) {
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), ""));
+  ASSERT_OK(link_points_.Create(Soon(),
+                                MakeLinkPoint(site_, "door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)}), ""));
+  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "elsewhere", {MakeAnchor("hall", 9, 0)}), ""));
+  ASSERT_OK_AND_ASSIGN(const std::int64_t version, graph_.GetVersion(Soon(), site_));
+  storage::Map lab = Get("lab");
+  lab.slam_profile = "fine";
+  ASSERT_OK_AND_ASSIGN(lab, maps_.Update(Soon(), lab));
+  ASSERT_OK_AND_ASSIGN(const auto same_level, graph_.ReadChanges(Soon(), site_, version));
+  EXPECT_THAT(same_level.link_points, IsEmpty());
+  lab.level = 2;
+  ASSERT_OK(maps_.Update(Soon(), lab));
+  ASSERT_OK_AND_ASSIGN(const auto changes, graph_.ReadChanges(Soon(), site_, version));
+  ASSERT_EQ(changes.link_points.size(), 1U);
+  EXPECT_EQ(changes.link_points[0].point.id, LinkPointId("door"));
+  EXPECT_EQ(changes.link_points[0].point.graph_version, version + 2);
 }
 
 }  // namespace

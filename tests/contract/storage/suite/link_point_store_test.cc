@@ -5,8 +5,7 @@
 #include <limits>
 
 #include "core/base/environment.h"
-#include "storage/maintenance.h"
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
@@ -18,7 +17,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 // Maps "hall" (the root), "lab" and "yard", each on a level of its own where `levels` says so.
-class LinkPointStoreTest : public StoreTest {
+class LinkPointStoreTest : public StoreContractTest {
  protected:
   LinkPointStoreTest() {
     for (const char* id : {"lab", "yard"}) EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId(id), id), ""));
@@ -214,71 +213,168 @@ TEST_F(LinkPointStoreTest, ListsByFilterAndPage) {
   EXPECT_THAT(list({}, {.limit = 2, .after = "gate"}), ElementsAre("maybe"));
 }
 
-TEST_F(LinkPointStoreTest, EvidenceKeepsItsBlobs) {
-  ASSERT_OK(Create("door", {MakeAnchor("hall", 0, 0)}));
-  const TestBlob rear("rear image"), cloud("cloud"), unused("unused");
-  ASSERT_OK(blobs_.Put(Soon(), site_, {rear.view(), cloud.view(), unused.view()}));
-  storage::Evidence evidence{LinkPointId("door"), map_, storage::EvidenceKind::kRearImage, 1, rear.ref(), 42};
-  ASSERT_OK(link_points_.PutEvidence(Soon(), site_, evidence));
-  evidence.kind = storage::EvidenceKind::kCloud;
-  evidence.content = unused.ref();
-  ASSERT_OK(link_points_.PutEvidence(Soon(), site_, evidence));
-  evidence.content = cloud.ref();
-  evidence.encoding = 2;
-  ASSERT_OK(link_points_.PutEvidence(Soon(), site_, evidence));
-  evidence.map = MapId("lab");
-  EXPECT_STATUS(link_points_.PutEvidence(Soon(), site_, evidence), absl::StatusCode::kNotFound, HasSubstr("\"lab\""));
-  evidence.map = map_;
-  evidence.content = TestBlob("never sent").ref();
-  EXPECT_CODE(link_points_.PutEvidence(Soon(), site_, evidence), absl::StatusCode::kInvalidArgument);
-
-  storage::Maintenance maintenance(*pool_);
-  ASSERT_OK_AND_ASSIGN(const std::int64_t collected, maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
-  EXPECT_EQ(collected, 1) << "the one that was replaced";
-  ASSERT_OK_AND_ASSIGN(const auto listed, link_points_.ListEvidence(Soon(), site_, {LinkPointId("door")}));
-  ASSERT_THAT(listed, SizeIs(2));
-  EXPECT_EQ(listed[0].content, rear.ref());
-  EXPECT_EQ(listed[0].time, 42);
-  EXPECT_EQ(listed[1].content, cloud.ref());
-  EXPECT_EQ(listed[1].encoding, 2);
-  ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
-  ASSERT_OK_AND_ASSIGN(const std::int64_t freed, maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
-  EXPECT_EQ(freed, 2);
+TEST_F(LinkPointStoreTest, WhatIsRedundantDependsOnUseForceAndTheChange) {
+  // "door" as `first` says, then the change of the case on a second link point at the same place.
+  struct Case {
+    std::string name;
+    bool first_forced = false;
+    bool first_suspended = false;
+    bool second_forced = false;
+    absl::StatusCode created = absl::StatusCode::kOk;
+  };
+  const std::vector<Case> cases = {
+      {"plain", false, false, false, absl::StatusCode::kAlreadyExists},
+      {"forced", false, false, true, absl::StatusCode::kOk},
+      {"beside a forced one", true, false, false, absl::StatusCode::kAlreadyExists},
+      {"beside a suspended one", false, true, false, absl::StatusCode::kOk},
+      {"beside a suspended and forced one", true, true, false, absl::StatusCode::kOk},
+  };
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& test = cases[i];
+    const double x = 20.0 * static_cast<double>(i);
+    const std::string id = "c" + std::to_string(i);
+    ASSERT_OK(Create(id + "-first", {MakeAnchor("hall", x, 0), MakeAnchor("lab", x, 5)}, test.first_forced));
+    if (test.first_suspended) {
+      ASSERT_OK(link_points_.SetSuspended(Soon(), site_, LinkPointId(id + "-first"), 0, true));
+    }
+    const auto second =
+        Create(id + "-second", {MakeAnchor("hall", x + 0.1, 0), MakeAnchor("lab", x, 5)}, test.second_forced);
+    EXPECT_CODE(second, test.created) << test.name;
+    EXPECT_EQ(Get(id + "-second").ok(), test.created == absl::StatusCode::kOk) << test.name;
+  }
 }
 
-TEST_F(LinkPointStoreTest, TheAuditTrailSaysWhoDidWhat) {
-  storage::CallContext ann = Soon();
-  ann.actor = "ann's \"tool\"";
-  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door,
-                       link_points_.Create(ann, MakeLinkPoint(site_, "door", {MakeAnchor("hall", 0, 0)}), ""));
-  door.point.tag = "new";
-  storage::CallContext robot = Soon();
-  robot.actor = "robot r1";
-  ASSERT_OK(link_points_.Update(robot, door));
+TEST_F(LinkPointStoreTest, OneThatIsNoLongerForcedMustFit) {
+  ASSERT_OK(Create("door", {MakeAnchor("hall", 10, 0), MakeAnchor("lab", 0, 0)}));
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint forced,
+                       Create("forced", {MakeAnchor("hall", 10, 0.1), MakeAnchor("lab", 0, 0)}, true));
+  forced.forced = false;
+  EXPECT_STATUS(link_points_.Update(Soon(), forced), absl::StatusCode::kAlreadyExists, HasSubstr("linkPoints/door"));
+  ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint unchanged, Get("forced"));
+  EXPECT_TRUE(unchanged.forced);
+  EXPECT_EQ(unchanged.etag, forced.etag);
   ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
-  ASSERT_OK_AND_ASSIGN(const auto entries, audit_.List(Soon(), site_, "linkPoints/door", 0, 100));
-  // Newest first: anchor and link point deleted, link point updated, anchor and link point created.
-  ASSERT_THAT(entries, SizeIs(5));
-  EXPECT_EQ(entries[4].actor, ann.actor);
-  EXPECT_EQ(entries[4].action, storage::AuditAction::kCreated);
-  EXPECT_THAT(entries[4].before, IsEmpty());
-  EXPECT_EQ(entries[3].resource, "linkPoints/door/anchors/hall");
-  EXPECT_EQ(entries[2].actor, "robot r1");
-  EXPECT_EQ(entries[2].action, storage::AuditAction::kUpdated);
-  EXPECT_THAT(entries[2].before, HasSubstr("\"tag\": \"\""));
-  EXPECT_THAT(entries[2].after, HasSubstr("\"tag\": \"new\""));
-  EXPECT_EQ(entries[0].actor, "");
-  EXPECT_THAT(entries[0].after, IsEmpty());
-  ASSERT_OK_AND_ASSIGN(const auto versions, graph_.ListVersions(Soon(), site_, 0, 3));
-  ASSERT_THAT(versions, SizeIs(3));
-  EXPECT_EQ(versions[0].cause, storage::GraphCause::kLinkPointRemoved);
-  EXPECT_EQ(versions[1].actor, "robot r1");
-  EXPECT_EQ(versions[2].cause, storage::GraphCause::kLinkPointAdded);
-  EXPECT_EQ(versions[2].resource, "linkPoints/door");
-  // A change that fails leaves no trace.
-  EXPECT_CODE(link_points_.Update(ann, door), absl::StatusCode::kNotFound);
-  ASSERT_OK_AND_ASSIGN(const auto after, audit_.List(Soon(), site_, "linkPoints/door", 0, 100));
-  EXPECT_THAT(after, SizeIs(5));
+  ASSERT_OK_AND_ASSIGN(const storage::StoredLinkPoint updated, link_points_.Update(Soon(), forced));
+  EXPECT_FALSE(updated.forced);
+}
+
+TEST_F(LinkPointStoreTest, MovingAnAnchorOntoAnotherLinkPointIsRefused) {
+  ASSERT_OK(Create("door", {MakeAnchor("hall", 10, 0), MakeAnchor("lab", 0, 0)}));
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint other,
+                       Create("other", {MakeAnchor("hall", 15, 0), MakeAnchor("lab", 5, 0)}));
+  other.point.anchors[0].T_map_place.x = 10.1;
+  ASSERT_OK_AND_ASSIGN(other, link_points_.Update(Soon(), other));
+  other.point.anchors[1].T_map_place.x = 0.1;
+  const std::int64_t version = Version();
+  EXPECT_STATUS(link_points_.Update(Soon(), other), absl::StatusCode::kAlreadyExists,
+                AllOf(HasSubstr("linkPoints/other"), HasSubstr("the same 2 maps"), HasSubstr("linkPoints/door")));
+  EXPECT_EQ(Version(), version) << "a change that fails makes no version";
+}
+
+TEST_F(LinkPointStoreTest, TheNearestOfSeveralIsNamed) {
+  ASSERT_OK(Create("a", {MakeAnchor("hall", 0.28, 0), MakeAnchor("lab", 0, 0)}));
+  ASSERT_OK(Create("b", {MakeAnchor("hall", 0.05, 0), MakeAnchor("lab", 0, 0)}, true));
+  ASSERT_OK(Create("c", {MakeAnchor("hall", 0.15, 0), MakeAnchor("lab", 0, 0)}, true));
+  EXPECT_STATUS(Create("d", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)}), absl::StatusCode::kAlreadyExists,
+                AllOf(HasSubstr("linkPoints/b"), HasSubstr("0.05 m")));
+}
+
+TEST_F(LinkPointStoreTest, AnUpdateKeepsTheOrderOfAnchorsAndAppendsNewOnes) {
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint lift,
+                       Create("lift", {MakeAnchor("yard", 1, 0), MakeAnchor("hall", 2, 0)}));
+  lift.point.anchors = {MakeAnchor("lab", 3, 0), MakeAnchor("hall", 4, 0), MakeAnchor("yard", 5, 0)};
+  ASSERT_OK(link_points_.Update(Soon(), lift));
+  ASSERT_OK_AND_ASSIGN(lift, Get("lift"));
+  std::vector<std::string> maps;
+  for (const graph::Anchor& anchor : lift.point.anchors) maps.push_back(anchor.map.value());
+  EXPECT_THAT(maps, ElementsAre("yard", "hall", "lab"));
+  EXPECT_EQ(lift.point.anchors[0].T_map_place.x, 5.0);
+  EXPECT_EQ(lift.point.anchors[1].T_map_place.x, 4.0);
+}
+
+TEST_F(LinkPointStoreTest, ADirectionNeedsAnAnchor) {
+  storage::StoredLinkPoint door = MakeLinkPoint(site_, "door", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)});
+  door.point.direction = MapId("yard");
+  EXPECT_STATUS(link_points_.Create(Soon(), door, ""), absl::StatusCode::kInvalidArgument, HasSubstr("\"yard\""));
+  door.point.direction = MapId("lab");
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint created, link_points_.Create(Soon(), door, ""));
+  created.point.anchors.pop_back();
+  EXPECT_STATUS(link_points_.Update(Soon(), created), absl::StatusCode::kInvalidArgument, HasSubstr("\"lab\""));
+}
+
+TEST_F(LinkPointStoreTest, SuspendingWhatIsSuspendedIsAVersionAllTheSame) {
+  ASSERT_OK_AND_ASSIGN(const auto door, Create("door", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)}));
+  ASSERT_OK_AND_ASSIGN(const auto once, link_points_.SetSuspended(Soon(), site_, LinkPointId("door"), door.etag, true));
+  ASSERT_OK_AND_ASSIGN(const auto twice, link_points_.SetSuspended(Soon(), site_, LinkPointId("door"), 0, true));
+  EXPECT_EQ(twice.point.graph_version, once.point.graph_version + 1);
+  EXPECT_NE(twice.etag, once.etag);
+  ASSERT_OK_AND_ASSIGN(const auto resumed, link_points_.SetSuspended(Soon(), site_, LinkPointId("door"), 0, false));
+  EXPECT_EQ(resumed.point.use, graph::LinkPointUse::kUsed);
+  EXPECT_CODE(link_points_.SetSuspended(Soon(), site_, LinkPointId("gate"), 0, true), absl::StatusCode::kNotFound);
+}
+
+TEST_F(LinkPointStoreTest, EvidenceIsReplacedByKindAndGoesWithItsAnchor) {
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint door,
+                       Create("door", {MakeAnchor("hall", 0, 0), MakeAnchor("lab", 0, 0)}));
+  ASSERT_OK(Create("other", {MakeAnchor("hall", 9, 0)}));
+  const TestBlob front("front"), rear("rear"), cloud("cloud"), newer("newer cloud");
+  ASSERT_OK(blobs_.Put(Soon(), site_, {front.view(), rear.view(), cloud.view(), newer.view()}));
+  const auto put = [&](const std::string& id, const std::string& map, storage::EvidenceKind kind,
+                       const TestBlob& blob) {
+    return link_points_.PutEvidence(Soon(), site_, {LinkPointId(id), MapId(map), kind, 1, blob.ref(), 42});
+  };
+  ASSERT_OK(put("door", "lab", storage::EvidenceKind::kCloud, cloud));
+  ASSERT_OK(put("door", "hall", storage::EvidenceKind::kRearImage, rear));
+  ASSERT_OK(put("door", "hall", storage::EvidenceKind::kFrontImage, front));
+  ASSERT_OK(put("other", "hall", storage::EvidenceKind::kCloud, cloud));
+  ASSERT_OK(put("door", "lab", storage::EvidenceKind::kCloud, newer));
+  const auto list = [&](const std::vector<LinkPointId>& ids) {
+    const auto evidence = link_points_.ListEvidence(Soon(), site_, ids);
+    EXPECT_OK(evidence);
+    std::vector<std::string> names;
+    for (const storage::Evidence& item : *evidence) {
+      names.push_back(item.link_point.value() + "/" + item.map.value() + "/" +
+                      std::to_string(static_cast<int>(item.kind)));
+      EXPECT_EQ(item.time, 42);
+      EXPECT_FALSE(item.T_map_robot);
+    }
+    return names;
+  };
+  EXPECT_THAT(list({LinkPointId("other"), LinkPointId("door"), LinkPointId("gate")}),
+              ElementsAre("door/hall/1", "door/hall/2", "door/lab/3", "other/hall/3"));
+  EXPECT_THAT(list({}), IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto kept, link_points_.ListEvidence(Soon(), site_, {LinkPointId("door")}));
+  EXPECT_EQ(kept.back().content, newer.ref());
+  EXPECT_CODE(put("door", "yard", storage::EvidenceKind::kCloud, cloud), absl::StatusCode::kNotFound);
+  EXPECT_CODE(put("gate", "hall", storage::EvidenceKind::kCloud, cloud), absl::StatusCode::kNotFound);
+  EXPECT_CODE(put("door", "hall", storage::EvidenceKind::kCloud, TestBlob("never sent")),
+              absl::StatusCode::kInvalidArgument);
+  door.point.anchors = {MakeAnchor("hall", 0, 0), MakeAnchor("yard", 0, 0)};
+  ASSERT_OK(link_points_.Update(Soon(), door));
+  EXPECT_THAT(list({LinkPointId("door")}), ElementsAre("door/hall/1", "door/hall/2"));
+  ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
+  EXPECT_THAT(list({LinkPointId("door"), LinkPointId("other")}), ElementsAre("other/hall/3"));
+}
+
+TEST_F(LinkPointStoreTest, PagesOfEverySizeListEachOnce) {
+  std::vector<std::string> expected;
+  for (const char* id : {"a", "b", "b2", "c", "d"}) {
+    ASSERT_OK(Create(id, {MakeAnchor("hall", static_cast<double>(expected.size()), 0)}));
+    expected.push_back(id);
+  }
+  for (const auto& map : {std::optional<MapId>(), std::optional<MapId>("hall")}) {
+    for (int limit = 1; limit <= 6; ++limit) {
+      std::vector<std::string> listed;
+      storage::PageRequest page{limit, ""};
+      while (true) {
+        ASSERT_OK_AND_ASSIGN(const auto link_points, link_points_.List(Soon(), site_, {.map = map}, page));
+        if (link_points.empty()) break;
+        for (const auto& link_point : link_points) listed.push_back(link_point.point.id.value());
+        page.after = listed.back();
+      }
+      EXPECT_EQ(listed, expected) << limit;
+    }
+  }
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "fmt/format.h"
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 #include "tests/support/pose_matchers.h"
 
 namespace enfilade::testing {
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class GraphStoreTest : public StoreTest {
+class GraphStoreTest : public StoreContractTest {
  protected:
   GraphStoreTest() { EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), "")); }
 
@@ -39,7 +39,7 @@ TEST_F(GraphStoreTest, TheFirstMapIsTheRootAndCarriesTheWorldFrame) {
   ASSERT_TRUE(graph.maps[0].T_world_map);
   EXPECT_EQ(graph.maps[0].T_world_map->pose, Pose2());
   EXPECT_FALSE(graph.maps[1].T_world_map);
-  ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId("empty"), "Empty"), ""));
+  backend_->AddSite(SiteId("empty"));
   ASSERT_OK_AND_ASSIGN(const storage::GraphChanges empty, graph_.ReadChanges(Soon(), SiteId("empty"), 0));
   EXPECT_EQ(empty.version, 0);
   EXPECT_TRUE(empty.root.empty());
@@ -203,6 +203,141 @@ TEST_F(GraphStoreTest, ControlPointsAreReplacedAsAWhole) {
   EXPECT_EQ(stored[1].map, MapId("lab"));
   EXPECT_EQ(stored[1].longitude, 180.0);
   EXPECT_EQ(Read(0).version, raised);
+}
+
+TEST_F(GraphStoreTest, ListsVersionsInPagesWithWhoMadeThem) {
+  storage::CallContext ann = Soon();
+  ann.actor = "ann";
+  ASSERT_OK(link_points_.Create(ann, MakeLinkPoint(site_, "door", {MakeAnchor("hall", 1, 0)}), ""));
+  ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
+  ASSERT_OK(graph_.SetControlPoints(ann, site_, {}));
+  std::vector<storage::GraphVersion> listed;
+  std::int64_t before = 0;
+  while (true) {
+    ASSERT_OK_AND_ASSIGN(const auto page, graph_.ListVersions(Soon(), site_, before, 2));
+    if (page.empty()) break;
+    listed.insert(listed.end(), page.begin(), page.end());
+    before = page.back().version;
+  }
+  struct Case {
+    storage::GraphCause cause;
+    std::string resource;
+    std::string actor;
+  };
+  const std::vector<Case> expected = {{storage::GraphCause::kGeoreferenced, "", "ann"},
+                                      {storage::GraphCause::kLinkPointRemoved, "linkPoints/door", ""},
+                                      {storage::GraphCause::kLinkPointAdded, "linkPoints/door", "ann"},
+                                      {storage::GraphCause::kMapAdded, "maps/lab", ""},
+                                      {storage::GraphCause::kMapAdded, "maps/hall", ""}};
+  ASSERT_THAT(listed, SizeIs(expected.size()));
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(listed[i].version, static_cast<std::int64_t>(expected.size() - i));
+    EXPECT_EQ(listed[i].cause, expected[i].cause) << i;
+    EXPECT_EQ(listed[i].resource, expected[i].resource) << i;
+    EXPECT_EQ(listed[i].actor, expected[i].actor) << i;
+    EXPECT_FALSE(listed[i].optimization);
+    EXPECT_GT(listed[i].create_time, 0);
+  }
+  ASSERT_OK_AND_ASSIGN(const auto none, graph_.ListVersions(Soon(), SiteId("nowhere"), 0, 10));
+  EXPECT_THAT(none, IsEmpty());
+}
+
+TEST_F(GraphStoreTest, WhatWasRemovedAndMadeAgainComesAsBoth) {
+  Create("door", {MakeAnchor("hall", 1, 0)});
+  const std::int64_t since = Read(0).version;
+  ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
+  Create("door", {MakeAnchor("lab", 7, 0)});
+  ASSERT_OK(maps_.Delete(Soon(), site_, MapId("lab"), 0, true));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "Lab"), ""));
+  const storage::GraphChanges changes = Read(since);
+  EXPECT_THAT(changes.removed_maps, ElementsAre(MapId("lab")));
+  EXPECT_THAT(changes.removed_link_points, ElementsAre(LinkPointId("door")));
+  ASSERT_THAT(changes.maps, SizeIs(1));
+  EXPECT_EQ(changes.maps[0].id, MapId("lab"));
+  EXPECT_THAT(changes.link_points, IsEmpty()) << "it went with the lab";
+  EXPECT_EQ(Read(changes.version).maps.size(), 0U);
+}
+
+TEST_F(GraphStoreTest, PlacesAreThoseOfTheMapsThatAreAskedFor) {
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("yard"), "Yard"), ""));
+  Create("door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)});
+  const auto places_of = [&](const std::vector<MapId>& maps) {
+    const auto places = graph_.GetPlaces(Soon(), site_, maps);
+    EXPECT_OK(places);
+    std::vector<std::string> ids;
+    for (const storage::MapPose& place : *places) ids.push_back(place.map.value());
+    return ids;
+  };
+  EXPECT_THAT(places_of({}), ElementsAre("hall", "lab")) << "the yard is joined to nothing";
+  EXPECT_THAT(places_of({MapId("lab"), MapId("yard"), MapId("cellar")}), ElementsAre("lab"));
+  EXPECT_THAT(places_of({MapId("yard")}), IsEmpty());
+}
+
+TEST_F(GraphStoreTest, ASolutionLeavesAloneWhatItDoesNotName) {
+  Create("door", {MakeAnchor("hall", 1, 0), MakeAnchor("lab", 0, 0)});
+  Create("suspended", {MakeAnchor("hall", 5, 0), MakeAnchor("lab", 0, 5)});
+  ASSERT_OK(link_points_.SetSuspended(Soon(), site_, LinkPointId("suspended"), 0, true));
+  const storage::GraphChanges before = Read(0);
+  storage::GraphSolution solution;
+  solution.maps = {{MapId("gone"), {{9, 9, 9}, Eigen::Matrix3d::Identity()}}};
+  solution.link_points = {{LinkPointId("gone"), {{9, 9, 9}, Eigen::Matrix3d::Identity()}}};
+  solution.switched_off = {LinkPointId("suspended"), LinkPointId("gone")};
+  ASSERT_OK_AND_ASSIGN(const std::int64_t version, graph_.Apply(Soon(), site_, before.version, solution));
+  const storage::GraphChanges changes = Read(before.version);
+  EXPECT_EQ(changes.version, version);
+  EXPECT_THAT(changes.maps, IsEmpty());
+  EXPECT_THAT(changes.link_points, IsEmpty()) << "what a person has suspended stays so";
+  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, version), absl::StatusCode::kNotFound) << "no map of it is there";
+}
+
+TEST_F(GraphStoreTest, OnlyAGraphCanBeSolved) {
+  backend_->AddSite(SiteId("empty"));
+  for (const char* site : {"empty", "nowhere"}) {
+    EXPECT_CODE(graph_.Apply(Soon(), SiteId(site), 0, {}), absl::StatusCode::kNotFound);
+    EXPECT_EQ(*graph_.GetVersion(Soon(), SiteId(site)), 0);
+    EXPECT_EQ(*graph_.FindLastOptimization(Soon(), SiteId(site), 0), 0);
+    ASSERT_OK_AND_ASSIGN(const auto points, graph_.GetControlPoints(Soon(), SiteId(site)));
+    EXPECT_THAT(points, IsEmpty());
+  }
+  EXPECT_CODE(graph_.SetControlPoints(Soon(), SiteId("nowhere"), {}), absl::StatusCode::kNotFound);
+}
+
+TEST_F(GraphStoreTest, EveryListenerReceivesTheVersionsOfAllSitesSinceItListens) {
+  backend_->AddSite(SiteId("other"));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(SiteId("other"), map_, "Hall"), ""));
+  ASSERT_OK_AND_ASSIGN(const auto early, graph_.Listen(Soon()));
+  Create("a", {MakeAnchor("hall", 1, 0)});
+  ASSERT_OK_AND_ASSIGN(const auto late, graph_.Listen(Soon()));
+  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(SiteId("other"), "b", {MakeAnchor("hall", 1, 0)}), ""));
+  const auto versions = [&](storage::GraphListener& listener, std::size_t count) {
+    std::vector<std::string> received;
+    while (received.size() < count) {
+      const auto changes = listener.Await(Soon());
+      EXPECT_OK(changes);
+      if (!changes.ok() || changes->empty()) break;
+      for (const auto& change : *changes) received.push_back(fmt::format("{} {}", change.site.value(), change.version));
+    }
+    return received;
+  };
+  EXPECT_THAT(versions(*early, 2), ElementsAre("campus 3", "other 2"));
+  EXPECT_THAT(versions(*late, 1), ElementsAre("other 2"));
+  // A change that fails is none.
+  EXPECT_CODE(link_points_.Delete(Soon(), site_, LinkPointId("z"), 0), absl::StatusCode::kNotFound);
+  ASSERT_OK_AND_ASSIGN(const auto nothing,
+                       late->Await(storage::CallContext::WithTimeout(std::chrono::milliseconds(50))));
+  EXPECT_THAT(nothing, IsEmpty());
+}
+
+TEST_F(GraphStoreTest, AListenerWakesUpWhenSomethingChanges) {
+  ASSERT_OK_AND_ASSIGN(const auto listener, graph_.Listen(Soon()));
+  std::thread editor([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    Create("door", {MakeAnchor("hall", 1, 0)});
+  });
+  const auto changes = listener->Await(Soon());
+  editor.join();
+  ASSERT_OK(changes);
+  EXPECT_THAT(*changes, SizeIs(1));
 }
 
 }  // namespace

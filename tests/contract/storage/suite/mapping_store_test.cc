@@ -6,7 +6,7 @@
 
 #include "core/base/sha256.h"
 #include "fmt/format.h"
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 #include "tests/support/pose_matchers.h"
 
 namespace enfilade::testing {
@@ -41,7 +41,7 @@ slam::SlamDelta FirstDelta() {
   return delta;
 }
 
-class MappingStoreTest : public StoreTest {
+class MappingStoreTest : public StoreContractTest {
  protected:
   storage::LeasedSession AcquireOne(const std::string& owner = "worker", milliseconds ttl = seconds(60)) {
     const auto leased = mapping_.Acquire(Soon(), owner, ttl);
@@ -116,9 +116,7 @@ TEST_F(MappingStoreTest, ASessionThatWaitsForItsMapIsMappedOnceItIsKnown) {
   ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, waiting.id, 3));
   EXPECT_EQ(finished.state, storage::SessionState::kFinished);
   EXPECT_FALSE(FindsWork());
-  database_.Sql(
-      "UPDATE enfilade.sessions SET map_id = 'hall', initial_x = 1, initial_y = 2, initial_yaw = 0.5,"
-      " initial_covariance = '{1,0,0,0,1,0,0,0,1}' WHERE session_id = 's2'");
+  backend_->EnterMap(site_, waiting.id, map_, {{1, 2, 0.5}, Eigen::Matrix3d::Identity()});
   const storage::LeasedSession leased = AcquireOne();
   EXPECT_EQ(leased.session.id, waiting.id);
   EXPECT_EQ(leased.session.map, map_);
@@ -170,13 +168,17 @@ TEST_F(MappingStoreTest, EachSessionGoesToOneOfManyWorkers) {
       for (int misses = 0; misses < 20;) {
         const auto leased = mapping_.Acquire(Soon(), fmt::format("w{}", w), seconds(60));
         ASSERT_OK(leased);
-        leased->has_value() ? ++leases : ++misses;
+        if (leased->has_value()) {
+          ++leases;
+          EXPECT_EQ((*leased)->lease.token, 1);
+        } else {
+          ++misses;
+        }
       }
     });
   }
   for (std::thread& worker : workers) worker.join();
   EXPECT_EQ(leases, kSessions);
-  EXPECT_EQ(database_.SqlValue("SELECT max(token) FROM enfilade.session_leases"), "1");
 }
 
 TEST_F(MappingStoreTest, GivesBackTheSumOfAllSteps) {
@@ -253,8 +255,6 @@ TEST_F(MappingStoreTest, PublishesRevisionsAndClosesTheSession) {
   EXPECT_EQ(number, 1);
   ASSERT_OK_AND_ASSIGN(const storage::Map mapping, maps_.Get(Soon(), site_, map_));
   EXPECT_EQ(mapping.state, storage::MapState::kMapping);
-  EXPECT_EQ(database_.SqlValue("SELECT ST_AsText(track) FROM enfilade.session_tracks"),
-            "LINESTRING M (0 0.333333333333333 1,1.5 0.333333333333333 2)");
 
   const slam::SlamDelta nothing;
   storage::MappingStep last = StepOf(nothing, "c", 3);
@@ -386,6 +386,135 @@ TEST_F(MappingStoreTest, RecordingAndMappingOfOneSessionDoNotBlockEachOther) {
   EXPECT_OK(recorded);
   EXPECT_OK(mapped);
   EXPECT_THAT(LoadMap(session).nodes, SizeIs(100));
+}
+
+TEST_F(MappingStoreTest, TheSessionThatHasWaitedLongestComesFirst) {
+  for (const char* id : {"c", "a", "b"}) SessionWithRecords(id, 1);
+  std::vector<std::string> order;
+  std::vector<storage::LeasedSession> leased;
+  for (int i = 0; i < 3; ++i) {
+    leased.push_back(AcquireOne());
+    order.push_back(leased.back().session.id.value());
+  }
+  EXPECT_EQ(order, (std::vector<std::string>{"c", "a", "b"})) << "in the order of their creation";
+  // Given back in another order: that is how long they have been waiting now.
+  for (const int i : {1, 2, 0}) ASSERT_OK(mapping_.Release(Soon(), leased[static_cast<std::size_t>(i)].lease));
+  order.clear();
+  for (int i = 0; i < 3; ++i) order.push_back(AcquireOne().session.id.value());
+  EXPECT_EQ(order, (std::vector<std::string>{"a", "b", "c"}));
+}
+
+TEST_F(MappingStoreTest, AnExpiredLeaseOfTheSameOwnerIsAnotherLease) {
+  SessionWithRecords("s1", 1);
+  const storage::LeasedSession first = AcquireOne("worker", milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(5));
+  const storage::LeasedSession second = AcquireOne("worker");
+  EXPECT_EQ(second.lease.token, first.lease.token + 1);
+  EXPECT_CODE(mapping_.Renew(Soon(), first.lease, seconds(60)), absl::StatusCode::kAborted);
+  EXPECT_OK(mapping_.Release(Soon(), first.lease));
+  EXPECT_OK(mapping_.Renew(Soon(), second.lease, seconds(60)));
+}
+
+TEST_F(MappingStoreTest, AMappedSessionIsNotAcquiredAgain) {
+  const SessionId session = SessionWithRecords("s1", 2);
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 2));
+  const storage::LeasedSession leased = AcquireOne();
+  const slam::SlamDelta delta = FirstDelta();
+  storage::MappingStep step = StepOf(delta, "c", 2);
+  step.final_state = storage::SessionState::kRecording;
+  EXPECT_CODE(mapping_.Commit(Soon(), leased.lease, step), absl::StatusCode::kInvalidArgument);
+  step.final_state = storage::SessionState::kMapped;
+  ASSERT_OK_AND_ASSIGN(const std::int64_t number, mapping_.Commit(Soon(), leased.lease, step));
+  EXPECT_EQ(number, 0) << "no revision came with it";
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK_AND_ASSIGN(const storage::Map map, maps_.Get(Soon(), site_, map_));
+  EXPECT_EQ(map.state, storage::MapState::kEmpty) << "a map without a revision stays empty";
+}
+
+TEST_F(MappingStoreTest, FindsTheKeyframeNearestInTime) {
+  const SessionId session = SessionWithRecords("s1", 30);
+  ASSERT_OK_AND_ASSIGN(const auto none, mapping_.FindKeyframe(Soon(), site_, session, 0));
+  EXPECT_FALSE(none);
+  const storage::LeasedSession leased = AcquireOne();
+  slam::SlamDelta delta = FirstDelta();
+  delta.nodes.push_back(NodeOf(2, 4.0));
+  ASSERT_OK(CommitStep(leased.lease, delta, 11));  // at 1, 2 and 3 s
+  struct Case {
+    TimeNs time;
+    double x;
+  };
+  for (const auto& [time, x] :
+       {Case{0, 0.0}, Case{kNsPerSecond, 0.0}, Case{kNsPerSecond * 3 / 2 - 1, 0.0}, Case{kNsPerSecond * 3 / 2, 0.0},
+        Case{kNsPerSecond * 3 / 2 + 1, 1.5}, Case{kNsPerSecond * 5 / 2 + 1, 4.0}, Case{100 * kNsPerSecond, 4.0}}) {
+    ASSERT_OK_AND_ASSIGN(const auto keyframe, mapping_.FindKeyframe(Soon(), site_, session, time));
+    ASSERT_TRUE(keyframe);
+    EXPECT_EQ(keyframe->pose.x, x) << time;
+  }
+  ASSERT_OK_AND_ASSIGN(const auto found, mapping_.FindKeyframe(Soon(), site_, session, 3 * kNsPerSecond));
+  EXPECT_EQ(found->covariance, NodeOf(2, 4.0).covariance);
+}
+
+TEST_F(MappingStoreTest, ALaterStepReplacesPointsOfTheTrajectory) {
+  const SessionId session = SessionWithRecords("s1", 30);
+  const storage::LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 11));
+  slam::SlamDelta later;
+  later.trajectory = {{5, kNsPerSecond * 3 / 2, 1, {0.25, 0, 0}}, {12, 3 * kNsPerSecond, 1, {0.5, 0, 0}}};
+  ASSERT_OK(CommitStep(leased.lease, later, 12));
+  const slam::SlamMap map = LoadMap(session);
+  std::vector<std::int64_t> sequences;
+  for (const slam::TrajectoryPoint& point : map.trajectory) sequences.push_back(point.sequence);
+  EXPECT_EQ(sequences, (std::vector<std::int64_t>{1, 5, 11, 12}));
+  EXPECT_EQ(map.trajectory[1].node, 1);
+}
+
+TEST_F(MappingStoreTest, ALostLeaseStoresNothingOfAStepWithARevision) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const storage::LeasedSession lost = AcquireOne("first", milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(5));
+  AcquireOne("second");
+  const TestBlob tile("tile");
+  const storage::NewRevision revision = RevisionOf(session, tile);
+  const std::vector<storage::BlobView> blobs = {tile.view()};
+  const slam::SlamDelta delta = FirstDelta();
+  storage::MappingStep step = StepOf(delta, "c", 3);
+  step.revision = &revision;
+  step.blobs = blobs;
+  EXPECT_CODE(mapping_.Commit(Soon(), lost.lease, step), absl::StatusCode::kAborted);
+  EXPECT_CODE(revisions_.Get(Soon(), site_, map_, 0), absl::StatusCode::kNotFound);
+  EXPECT_EQ(backend_->CountBlobs(), 0);
+  ASSERT_OK_AND_ASSIGN(const auto stored, mapping_.Load(Soon(), site_, session));
+  EXPECT_FALSE(stored);
+}
+
+TEST_F(MappingStoreTest, AStepFromOldLayersIsRefusedWhole) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const storage::LeasedSession leased = AcquireOne();
+  ASSERT_OK_AND_ASSIGN(const auto seen, revisions_.ReadLayersBeside(Soon(), site_, map_, session));
+  const TestBlob imported("imported");
+  storage::NewRevision import;
+  import.source = storage::RevisionSource::kImport;
+  import.content_sha256 = imported.sha256();
+  import.tiles = {{ {0, 0}, imported.sha256() }};
+  ASSERT_OK(revisions_.Add(Soon(), site_, map_, import, {imported.view()}));
+  const TestBlob tile("tile");
+  storage::NewRevision revision = RevisionOf(session, tile);
+  revision.layers_version = seen.version;
+  const std::vector<storage::BlobView> blobs = {tile.view()};
+  const slam::SlamDelta delta = FirstDelta();
+  storage::MappingStep step = StepOf(delta, "c", 3);
+  step.revision = &revision;
+  step.blobs = blobs;
+  const absl::Status refused = mapping_.Commit(Soon(), leased.lease, step).status();
+  EXPECT_CODE(refused, absl::StatusCode::kAborted);
+  EXPECT_TRUE(storage::AreLayersChanged(refused)) << "so that the worker keeps its lease and repeats the step";
+  ASSERT_OK_AND_ASSIGN(const auto stored, mapping_.Load(Soon(), site_, session));
+  EXPECT_FALSE(stored);
+  ASSERT_OK_AND_ASSIGN(const auto now, revisions_.ReadLayersBeside(Soon(), site_, map_, session));
+  revision.layers_version = now.version;
+  ASSERT_OK_AND_ASSIGN(const std::int64_t number, mapping_.Commit(Soon(), leased.lease, step));
+  EXPECT_EQ(number, 2);
 }
 
 }  // namespace

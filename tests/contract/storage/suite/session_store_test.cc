@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/session_store.h"
 
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-class SessionStoreTest : public StoreTest {
+class SessionStoreTest : public StoreContractTest {
  protected:
   storage::Session Get(const SessionId& id) {
     const auto session = sessions_.Get(Soon(), site_, id);
@@ -138,6 +138,61 @@ TEST_F(SessionStoreTest, DeletingIsSeenAtOnceAndForGood) {
   EXPECT_CODE(sessions_.Delete(Soon(), site_, session), absl::StatusCode::kNotFound);
   EXPECT_STATUS(sessions_.Create(Soon(), MakeSession(site_, session, robot_, map_), ""),
                 absl::StatusCode::kAlreadyExists, HasSubstr("deleted"));
+}
+
+TEST_F(SessionStoreTest, PagesOfEverySizeListEachSessionOnce) {
+  std::vector<std::string> expected;
+  for (int i = 0; i < 7; ++i) {
+    NewSession("s" + std::to_string(i));
+    expected.insert(expected.begin(), "s" + std::to_string(i));
+  }
+  for (int limit = 1; limit <= 8; ++limit) {
+    std::vector<std::string> listed;
+    std::optional<storage::SessionPosition> after;
+    while (true) {
+      ASSERT_OK_AND_ASSIGN(const auto page, sessions_.List(Soon(), site_, {}, limit, after));
+      if (page.empty()) break;
+      ASSERT_LE(page.size(), static_cast<std::size_t>(limit));
+      for (const storage::Session& session : page) listed.push_back(session.id.value());
+      after = storage::SessionPosition{page.back().create_time, page.back().id};
+    }
+    EXPECT_EQ(listed, expected) << limit;
+  }
+  ASSERT_OK_AND_ASSIGN(const auto elsewhere, sessions_.List(Soon(), SiteId("nowhere"), {}, 10, std::nullopt));
+  EXPECT_TRUE(elsewhere.empty());
+}
+
+TEST_F(SessionStoreTest, AFinishedSessionKeepsItsTimeAndTakesNoOtherEnd) {
+  const SessionId session = NewSession("s1");
+  ASSERT_OK(Append(session, ScanRecords(1, 2)));
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 2));
+  EXPECT_CODE(sessions_.Finish(Soon(), site_, session, 1), absl::StatusCode::kFailedPrecondition);
+  EXPECT_CODE(sessions_.Finish(Soon(), site_, session, 3), absl::StatusCode::kFailedPrecondition);
+  storage::SessionFilter finished;
+  finished.state = storage::SessionState::kFinished;
+  EXPECT_THAT(List(finished), ElementsAre("s1"));
+}
+
+TEST_F(SessionStoreTest, RefusesAnEntryPoseWithAnInvalidCovariance) {
+  storage::Session session = MakeSession(site_, SessionId("s1"), robot_, map_);
+  session.entry.T_map_robot = PoseWithCovariance{{}, Eigen::Vector3d(1, 1, -1).asDiagonal()};
+  EXPECT_STATUS(sessions_.Create(Soon(), session, ""), absl::StatusCode::kInvalidArgument,
+                HasSubstr("entry.pose_map_robot"));
+  EXPECT_THAT(List({}), ElementsAre());
+}
+
+TEST_F(SessionStoreTest, ARequestIdBelongsToItsSite) {
+  backend_->AddSite(SiteId("other"));
+  backend_->AddRobot(SiteId("other"), robot_);
+  ASSERT_OK(sessions_.Create(Soon(), MakeSession(site_, SessionId("a"), robot_, map_), "request"));
+  ASSERT_OK_AND_ASSIGN(
+      const storage::Session other,
+      sessions_.Create(Soon(), MakeSession(SiteId("other"), SessionId("b"), robot_, std::nullopt), "request"));
+  EXPECT_EQ(other.id, SessionId("b"));
+  // Of a deleted session it does not come back.
+  ASSERT_OK(sessions_.Delete(Soon(), site_, SessionId("a")));
+  EXPECT_CODE(sessions_.Create(Soon(), MakeSession(site_, SessionId("c"), robot_, map_), "request"),
+              absl::StatusCode::kAlreadyExists);
 }
 
 }  // namespace

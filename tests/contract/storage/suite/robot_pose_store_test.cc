@@ -3,14 +3,14 @@
 
 #include <cmath>
 
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
 
 using ::testing::SizeIs;
 
-class RobotPoseStoreTest : public StoreTest {
+class RobotPoseStoreTest : public StoreContractTest {
  protected:
   storage::RobotPose At(double x, TimeNs time) {
     storage::RobotPose pose{site_, robot_, map_, std::nullopt, {}, time, 0};

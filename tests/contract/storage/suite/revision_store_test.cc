@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
@@ -42,7 +42,7 @@ Raster MakeRaster(int rows, int columns, const std::string& salt, std::size_t ti
   return raster;
 }
 
-class RevisionStoreTest : public StoreTest {
+class RevisionStoreTest : public StoreContractTest {
  protected:
   absl::StatusOr<storage::MapRevision> Add(const Raster& raster) {
     return revisions_.Add(Soon(), site_, map_, raster.revision, raster.views());
@@ -105,7 +105,7 @@ TEST_F(RevisionStoreTest, RevisionsCountAndShareTheirTiles) {
   second.revision.tiles.push_back(first.revision.tiles[0]);  // column 1, unchanged
   ASSERT_OK_AND_ASSIGN(const storage::MapRevision added, Add(second));
   EXPECT_EQ(added.number, 2);
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "3");
+  EXPECT_EQ(backend_->CountBlobs(), 3);
   ASSERT_OK_AND_ASSIGN(const auto revisions, revisions_.List(Soon(), site_, map_, 0, 10));
   ASSERT_THAT(revisions, SizeIs(2));
   EXPECT_EQ(revisions[0].number, 2);
@@ -136,7 +136,7 @@ TEST_F(RevisionStoreTest, StoresNothingWhereATileIsMissingOrGivenTwice) {
   broken.revision.geometry.resolution = 0;
   EXPECT_CODE(Add(broken), absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(revisions_.Get(Soon(), site_, map_, 0), absl::StatusCode::kNotFound);
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.blobs"), "0");
+  EXPECT_EQ(backend_->CountBlobs(), 0);
   EXPECT_CODE(revisions_.Add(Soon(), site_, MapId("m9"), missing.revision, {}), absl::StatusCode::kNotFound);
 }
 
@@ -160,6 +160,43 @@ TEST_F(RevisionStoreTest, NumbersAreGivenOnceToManyWriters) {
     numbers.insert(revision->number);
   }
   EXPECT_EQ(numbers, (std::set<std::int64_t>{1, 2, 3, 4, 5, 6}));
+}
+
+TEST_F(RevisionStoreTest, PortionsOfEverySizeGiveEachTileOnce) {
+  const Raster raster = MakeRaster(4, 4, "one", 100);
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision added, Add(raster));
+  for (const std::int64_t max_bytes : {1, 99, 100, 101, 350, 1600, 1 << 20}) {
+    std::vector<storage::TileKey> keys;
+    std::optional<storage::TileKey> after;
+    while (true) {
+      ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), added, after, max_bytes));
+      if (tiles.empty()) break;
+      std::int64_t bytes = 0;
+      for (const storage::Tile& tile : tiles) {
+        keys.push_back(tile.key);
+        bytes += static_cast<std::int64_t>(tile.data.size());
+      }
+      EXPECT_LT(bytes - static_cast<std::int64_t>(tiles.back().data.size()), max_bytes);
+      after = tiles.back().key;
+    }
+    ASSERT_THAT(keys, SizeIs(16)) << max_bytes;
+    EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
+  }
+}
+
+TEST_F(RevisionStoreTest, WhatIsNotThereHasNoTilesAndNoRevision) {
+  ASSERT_OK_AND_ASSIGN(storage::MapRevision added, Add(MakeRaster(1, 1, "one")));
+  EXPECT_CODE(revisions_.Get(Soon(), site_, map_, 2), absl::StatusCode::kNotFound);
+  EXPECT_CODE(revisions_.Get(Soon(), site_, MapId("m9"), 0), absl::StatusCode::kNotFound);
+  added.number = 2;
+  ASSERT_OK_AND_ASSIGN(const auto later, revisions_.ReadTiles(Soon(), added, std::nullopt, 1000));
+  EXPECT_THAT(later, IsEmpty());
+  added.map = MapId("m9");
+  ASSERT_OK_AND_ASSIGN(const auto elsewhere, revisions_.ReadTiles(Soon(), added, std::nullopt, 1000));
+  EXPECT_THAT(elsewhere, IsEmpty());
+  ASSERT_OK_AND_ASSIGN(const auto layers, revisions_.ReadLayersBeside(Soon(), site_, MapId("m9"), SessionId("s")));
+  EXPECT_THAT(layers.below, IsEmpty());
+  EXPECT_EQ(layers.version, 0);
 }
 
 }  // namespace

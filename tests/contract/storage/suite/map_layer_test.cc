@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/sha256.h"
-#include "storage/maintenance.h"
 #include "storage/revision_store.h"
-#include "tests/contract/storage/store_test.h"
+#include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
 namespace {
@@ -12,7 +11,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class MapLayerTest : public StoreTest {
+class MapLayerTest : public StoreContractTest {
  protected:
   // A raster of one row of tiles, each of the content named.
   storage::StoredRaster RasterOf(const std::vector<std::string>& contents) {
@@ -55,7 +54,7 @@ class MapLayerTest : public StoreTest {
   const SessionId second_ = NewSession("s2");
 };
 
-TEST_F(MapLayerTest, OneSessionAloneStoresItsTilesOnce) {
+TEST_F(MapLayerTest, TheLayerOfOneSessionIsItsRevision) {
   ASSERT_OK(Add(RevisionOf(first_, {"a", "b"})));
   ASSERT_OK(Add(RevisionOf(first_, {"a", "c"})));
   EXPECT_THAT(Beside("s1").below, IsEmpty());
@@ -64,7 +63,6 @@ TEST_F(MapLayerTest, OneSessionAloneStoresItsTilesOnce) {
   EXPECT_EQ(seen.below[0].session, first_);
   EXPECT_EQ(seen.below[0].raster.header, "header");
   EXPECT_THAT(DigestsOf(seen.below[0]), ElementsAre(DigestOf("a"), DigestOf("c")));
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.map_layer_tiles"), "0");
 }
 
 TEST_F(MapLayerTest, LayersLieInTheOrderInWhichSessionsCame) {
@@ -97,7 +95,7 @@ TEST_F(MapLayerTest, WhatWasLaidTogetherFromOldLayersIsRefusedWhole) {
   const absl::Status refused = Add(stale);
   EXPECT_CODE(refused, absl::StatusCode::kAborted);
   EXPECT_TRUE(storage::AreLayersChanged(refused));
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.map_revisions"), "1");
+  EXPECT_EQ(backend_->CountRevisions(), 1);
   EXPECT_THAT(Beside("s1").above, IsEmpty());
   stale.layers_version = Beside("s2").version;
   EXPECT_OK(Add(stale));
@@ -117,23 +115,6 @@ TEST_F(MapLayerTest, AnImportTakesTheirPlaceAndSessionsGoOnAboveIt) {
   next.layers_version = seen.version;
   ASSERT_OK(Add(next));
   EXPECT_THAT(Beside("s2").below, SizeIs(2));
-}
-
-TEST_F(MapLayerTest, TilesOfLayersAreKeptAsLongAsTheMap) {
-  ASSERT_OK(Add(RevisionOf(first_, {"a"})));
-  storage::NewRevision both = RevisionOf(second_, {"ab"});
-  both.layer = RasterOf({"only in the layer"});
-  ASSERT_OK(Add(both));
-  RasterOf({"nobody's"});
-  storage::Maintenance maintenance(*pool_);
-  ASSERT_OK_AND_ASSIGN(const std::int64_t collected, maintenance.CollectBlobs(Soon(), seconds(0), 1000));
-  EXPECT_EQ(collected, 1);
-  ASSERT_OK(sessions_.Delete(Soon(), site_, second_));
-  EXPECT_THAT(Beside("s1").above, SizeIs(1)) << "what a deleted session has seen stays in the map";
-  ASSERT_OK(maps_.Delete(Soon(), site_, map_, 0, true));
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.map_layers"), "0");
-  ASSERT_OK_AND_ASSIGN(const std::int64_t rest, maintenance.CollectBlobs(Soon(), seconds(0), 1000));
-  EXPECT_EQ(rest, 3);
 }
 
 }  // namespace

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/resource_name.h"
+#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
+#include "tests/fakes/in_memory_stores.h"
+#include "tests/fakes/map_rows.h"
+
+namespace enfilade::testing {
+namespace {
+
+std::int64_t LayersVersion(const MapRow& row) {
+  std::int64_t version = 0;
+  for (const LayerRow& layer : row.layers) version = std::max(version, layer.version);
+  return version;
+}
+
+absl::Status CheckTiles(const SiteRows& site, const std::vector<storage::TileRef>& tiles,
+                        absl::Span<const storage::BlobView> blobs) {
+  for (const storage::TileRef& tile : tiles) {
+    const bool sent = std::any_of(blobs.begin(), blobs.end(),
+                                  [&](const storage::BlobView& blob) { return blob.sha256 == tile.sha256; });
+    if (sent || site.blobs.contains(tile.sha256)) continue;
+    return FailedPrecondition("a tile's blob is not stored: {}", ToHex(tile.sha256));
+  }
+  return absl::OkStatus();
+}
+
+bool IsCurrent(const MapRow& row, const storage::NewRevision& revision) {
+  if (row.revisions.empty()) return false;
+  const storage::MapRevision& current = row.revisions.back().revision;
+  return current.source == revision.source && current.session == revision.session &&
+         current.content_sha256 == revision.content_sha256 && current.raster_header == revision.raster_header;
+}
+
+void SetLayer(MapRow& row, const storage::NewRevision& revision, std::int64_t version) {
+  const storage::StoredRaster whole{revision.raster_header, revision.tiles};
+  if (!revision.session) {
+    row.layers.clear();
+    row.layers.push_back({version, {std::nullopt, whole}});
+    return;
+  }
+  auto layer = std::find_if(row.layers.begin(), row.layers.end(),
+                            [&](const LayerRow& candidate) { return candidate.layer.session == revision.session; });
+  if (layer == row.layers.end()) layer = row.layers.insert(layer, LayerRow{});
+  *layer = {version, {revision.session, revision.layer.value_or(whole)}};
+  std::sort(layer->layer.raster.tiles.begin(), layer->layer.raster.tiles.end(),
+            [](const storage::TileRef& a, const storage::TileRef& b) { return a.key < b.key; });
+}
+
+}  // namespace
+
+absl::StatusOr<std::int64_t> AddRevision(InMemoryDatabase::Access& access, const SiteId& site, const MapId& map,
+                                         const storage::NewRevision& revision,
+                                         absl::Span<const storage::BlobView> blobs) {
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMap(site, map));
+  SiteRows& rows = *access.FindSite(site);
+  if (revision.layers_version && *revision.layers_version != LayersVersion(*row)) {
+    return storage::LayersChanged(site, map);
+  }
+  const grid::GridGeometry& geometry = revision.geometry;
+  if (!(geometry.resolution > 0.0) || geometry.width < 0 || geometry.height < 0) {
+    return InvalidArgument("the revision's geometry is invalid");
+  }
+  ENFILADE_RETURN_IF_ERROR(CheckTiles(rows, revision.tiles, blobs));
+  if (revision.layer) ENFILADE_RETURN_IF_ERROR(CheckTiles(rows, revision.layer->tiles, blobs));
+  RevisionRow added;
+  for (const storage::TileRef& tile : revision.tiles) {
+    if (!added.tiles.emplace(tile.key, tile.sha256).second) {
+      return InvalidArgument("a tile is given twice: row {}, column {}", tile.key.row, tile.key.column);
+    }
+  }
+  for (const storage::BlobView& blob : blobs) rows.blobs[std::string(blob.sha256)] = blob.data;
+  if (!IsCurrent(*row, revision)) {
+    added.revision = {site,
+                      map,
+                      static_cast<std::int64_t>(row->revisions.size()) + 1,
+                      revision.source,
+                      revision.session,
+                      geometry,
+                      revision.raster_header,
+                      revision.content_sha256,
+                      static_cast<std::int64_t>(revision.tiles.size()),
+                      0,
+                      access.Timestamp()};
+    for (const storage::TileRef& tile : revision.tiles) {
+      added.revision.tile_bytes += static_cast<std::int64_t>(rows.blobs.at(tile.sha256).size());
+    }
+    row->revisions.push_back(std::move(added));
+  }
+  SetLayer(*row, revision, access.NewEtag());
+  row->map.current_revision = row->revisions.back().revision.number;
+  return row->map.current_revision;
+}
+
+absl::StatusOr<storage::MapRevision> InMemoryRevisionStore::Add(const storage::CallContext& context, const SiteId& site,
+                                                                const MapId& map, const storage::NewRevision& revision,
+                                                                absl::Span<const storage::BlobView> blobs) const {
+  ENFILADE_RETURN_IF_ERROR(storage::ValidateBlobs(blobs));
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t number, AddRevision(access, site, map, revision, blobs));
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMap(site, map));
+  row->map.state = storage::MapState::kReady;
+  return row->revisions.at(static_cast<std::size_t>(number) - 1).revision;
+}
+
+absl::StatusOr<storage::MapRevision> InMemoryRevisionStore::Get(const storage::CallContext& context, const SiteId& site,
+                                                                const MapId& map, std::int64_t number) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  const auto row = access.GetMap(site, map);
+  if (row.ok()) {
+    const auto& revisions = (*row)->revisions;
+    const auto count = static_cast<std::int64_t>(revisions.size());
+    const std::int64_t wanted = number == 0 ? count : number;
+    if (wanted >= 1 && wanted <= count) return revisions[static_cast<std::size_t>(wanted) - 1].revision;
+  }
+  return NotFound("revision {} of {} does not exist", number, NameOf(site, map));
+}
+
+absl::StatusOr<std::vector<storage::MapRevision>> InMemoryRevisionStore::List(const storage::CallContext& context,
+                                                                              const SiteId& site, const MapId& map,
+                                                                              std::int64_t before, int limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(const MapRow* const row, access.GetMap(site, map));
+  std::vector<storage::MapRevision> revisions;
+  for (auto stored = row->revisions.rbegin(); stored != row->revisions.rend(); ++stored) {
+    if (before > 0 && stored->revision.number >= before) continue;
+    if (revisions.size() == static_cast<std::size_t>(limit)) break;
+    revisions.push_back(stored->revision);
+  }
+  return revisions;
+}
+
+absl::StatusOr<storage::LayersBeside> InMemoryRevisionStore::ReadLayersBeside(const storage::CallContext& context,
+                                                                              const SiteId& site, const MapId& map,
+                                                                              const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  storage::LayersBeside beside;
+  const auto row = access.GetMap(site, map);
+  if (!row.ok()) return beside;
+  beside.version = LayersVersion(**row);
+  bool above = false;
+  for (const LayerRow& stored : (*row)->layers) {
+    if (stored.layer.session == session) {
+      above = true;
+    } else {
+      (above ? beside.above : beside.below).push_back(stored.layer);
+    }
+  }
+  return beside;
+}
+
+absl::StatusOr<std::vector<storage::Tile>> InMemoryRevisionStore::ReadTiles(const storage::CallContext& context,
+                                                                            const storage::MapRevision& revision,
+                                                                            std::optional<storage::TileKey> after,
+                                                                            std::int64_t max_bytes) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  std::vector<storage::Tile> tiles;
+  const auto row = access.GetMap(revision.site, revision.map);
+  if (!row.ok() || revision.number < 1) return tiles;
+  const auto index = static_cast<std::size_t>(revision.number) - 1;
+  if (index >= (*row)->revisions.size()) return tiles;
+  const SiteRows& site = *access.FindSite(revision.site);
+  const auto& stored = (*row)->revisions[index].tiles;
+  std::int64_t bytes = 0;
+  for (auto tile = after ? stored.upper_bound(*after) : stored.begin(); tile != stored.end(); ++tile) {
+    if (bytes >= max_bytes) break;
+    tiles.push_back({tile->first, tile->second, site.blobs.at(tile->second)});
+    bytes += static_cast<std::int64_t>(tiles.back().data.size());
+  }
+  return tiles;
+}
+
+}  // namespace enfilade::testing

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/resource_name.h"
+#include "core/base/status_macros.h"
+#include "core/geometry/covariance.h"
+#include "tests/fakes/in_memory_stores.h"
+#include "tests/fakes/session_rows.h"
+
+namespace enfilade::testing {
+namespace {
+
+absl::Status CheckReferences(const SiteRows& site, const storage::Session& session) {
+  if (!site.robots.contains(session.robot)) return NotFound("{} does not exist", NameOf(session.site, session.robot));
+  if (session.map && !site.maps.contains(*session.map)) {
+    return NotFound("{} does not exist", NameOf(session.site, *session.map));
+  }
+  if (session.entry.previous && !site.sessions.contains(*session.entry.previous)) {
+    return NotFound("{} does not exist", NameOf(session.site, *session.entry.previous));
+  }
+  return absl::OkStatus();
+}
+
+bool Matches(const storage::SessionFilter& filter, const storage::Session& session) {
+  return (!filter.robot || session.robot == *filter.robot) && (!filter.map || session.map == *filter.map) &&
+         (!filter.state || session.state == *filter.state);
+}
+
+bool IsNewer(const storage::Session& a, const storage::Session& b) {
+  return a.create_time != b.create_time ? a.create_time > b.create_time : b.id < a.id;
+}
+
+}  // namespace
+
+storage::Session WithProgress(const SessionRow& row) {
+  storage::Session session = row.session;
+  if (row.mapping) session.mapped_sequence = row.mapping->mapped_sequence;
+  session.mapping_counts = row.counts;
+  return session;
+}
+
+void DeleteSession(SessionRow& row) {
+  row.deleted = true;
+  row.session.map = std::nullopt;
+  ++row.lease.token;
+  row.lease.owner.clear();
+}
+
+absl::StatusOr<storage::Session> InMemorySessionStore::Create(const storage::CallContext& context,
+                                                              const storage::Session& session,
+                                                              const std::string& request_id) const {
+  if (session.entry.T_map_robot) {
+    ENFILADE_RETURN_IF_ERROR(
+        WithContext(ValidateCovariance(session.entry.T_map_robot->covariance), "entry.pose_map_robot"));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(SiteRows* const site, access.GetSite(session.site));
+  bool taken = site->sessions.contains(session.id);
+  for (const auto& [id, row] : site->sessions) {
+    if (request_id.empty() || row.request_id != request_id) continue;
+    if (!row.deleted) return WithProgress(row);
+    taken = true;
+  }
+  if (taken) {
+    return AlreadyExists("{} exists already, or was deleted: choose another id", NameOf(session.site, session.id));
+  }
+  ENFILADE_RETURN_IF_ERROR(CheckReferences(*site, session));
+  SessionRow row;
+  row.session.site = session.site;
+  row.session.id = session.id;
+  row.session.robot = session.robot;
+  row.session.map = session.map;
+  row.session.entry = session.entry;
+  row.session.create_time = access.Timestamp();
+  row.request_id = request_id;
+  return site->sessions.emplace(session.id, std::move(row)).first->second.session;
+}
+
+absl::StatusOr<storage::Session> InMemorySessionStore::Get(const storage::CallContext& context, const SiteId& site,
+                                                           const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(const SessionRow* const row, access.GetSession(site, session));
+  return WithProgress(*row);
+}
+
+absl::StatusOr<std::vector<storage::Session>> InMemorySessionStore::List(
+    const storage::CallContext& context, const SiteId& site, const storage::SessionFilter& filter, int limit,
+    const std::optional<storage::SessionPosition>& after) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  std::vector<storage::Session> sessions;
+  const SiteRows* const rows = access.FindSite(site);
+  if (rows == nullptr) return sessions;
+  storage::Session last;
+  if (after) {
+    last.create_time = after->create_time;
+    last.id = after->id;
+  }
+  for (const auto& [id, row] : rows->sessions) {
+    if (row.deleted || !Matches(filter, row.session) || (after && !IsNewer(last, row.session))) continue;
+    sessions.push_back(WithProgress(row));
+  }
+  std::sort(sessions.begin(), sessions.end(), IsNewer);
+  if (sessions.size() > static_cast<std::size_t>(limit)) sessions.resize(static_cast<std::size_t>(limit));
+  return sessions;
+}
+
+absl::StatusOr<storage::Session> InMemorySessionStore::Finish(const storage::CallContext& context, const SiteId& site,
+                                                              const SessionId& session,
+                                                              std::int64_t last_sequence) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(SessionRow* const row, access.GetSession(site, session));
+  storage::Session& stored = row->session;
+  if (stored.highest_sequence != last_sequence) {
+    return FailedPrecondition("{} cannot finish at record {}: the highest that is stored is {}", NameOf(site, session),
+                              last_sequence, stored.highest_sequence);
+  }
+  if (stored.acknowledged_sequence != stored.highest_sequence) {
+    return FailedPrecondition("{} cannot finish: record {} is missing", NameOf(site, session),
+                              stored.acknowledged_sequence + 1);
+  }
+  if (!stored.finish_time) {
+    stored.finish_time = access.Timestamp();
+    const bool nothing_to_map = !stored.map && !stored.entry.previous;
+    if (stored.state != storage::SessionState::kFailed) {
+      stored.state = nothing_to_map ? storage::SessionState::kMapped : storage::SessionState::kFinished;
+    }
+  }
+  return WithProgress(*row);
+}
+
+absl::Status InMemorySessionStore::Delete(const storage::CallContext& context, const SiteId& site,
+                                          const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(SessionRow* const row, access.GetSession(site, session));
+  DeleteSession(*row);
+  return absl::OkStatus();
+}
+
+}  // namespace enfilade::testing

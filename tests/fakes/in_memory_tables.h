@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "storage/graph_store.h"
+#include "storage/link_point_store.h"
+#include "storage/map_store.h"
+#include "storage/mapping_store.h"
+#include "storage/record_store.h"
+#include "storage/revision_store.h"
+#include "storage/robot_pose_store.h"
+#include "storage/session_store.h"
+
+namespace enfilade::testing {
+
+// The rows behind the in-memory stores.
+
+struct LeaseRow {
+  std::string owner;
+  std::int64_t token = 0;  // 0: never held
+  std::chrono::steady_clock::time_point expires_at;
+};
+
+struct RecordRow {
+  sensor::RecordKind kind = sensor::RecordKind::kWithheld;
+  TimeNs time = 0;
+  std::string payload;
+};
+
+struct SessionRow {
+  storage::Session session;  // without the progress of its mapping
+  std::string request_id;
+  bool deleted = false;
+  std::map<std::int64_t, RecordRow> records;
+  LeaseRow lease;
+  std::optional<storage::StoredMapping> mapping;
+  storage::MappingCounts counts;
+};
+
+struct RevisionRow {
+  storage::MapRevision revision;
+  std::map<storage::TileKey, std::string> tiles;  // SHA-256
+};
+
+struct LayerRow {
+  std::int64_t version = 0;
+  storage::MapLayer layer;
+};
+
+struct MapRow {
+  storage::Map map;
+  std::string request_id;
+  std::vector<RevisionRow> revisions;  // number 1, 2, ...
+  std::vector<LayerRow> layers;        // from the bottom
+};
+
+struct GraphMapRow {
+  std::optional<PoseWithCovariance> T_world_map;
+  std::int64_t changed_version = 0;
+};
+
+struct LinkPointRow {
+  storage::StoredLinkPoint link_point;  // graph_version: when it last changed
+  std::string request_id;
+  std::vector<storage::Evidence> evidence;
+};
+
+struct GraphRows {
+  std::int64_t version = 0;
+  MapId root;
+  std::map<MapId, GraphMapRow> maps;
+  std::map<LinkPointId, LinkPointRow> link_points;
+  std::map<MapId, std::int64_t> removed_maps;  // and the version that removed them
+  std::map<LinkPointId, std::int64_t> removed_link_points;
+  std::map<std::int64_t, storage::GraphVersion> versions;
+  std::map<std::int64_t, std::vector<storage::MapPose>> map_poses;
+  std::vector<storage::ControlPoint> control_points;
+};
+
+struct SiteRows {
+  std::set<RobotId> robots;
+  std::map<MapId, MapRow> maps;
+  std::map<SessionId, SessionRow> sessions;
+  std::map<std::string, std::string, std::less<>> blobs;  // by SHA-256
+  std::map<RobotId, storage::RobotPose> robot_poses;
+  GraphRows graph;
+  LeaseRow lease;
+};
+
+using Tables = std::map<SiteId, SiteRows>;
+
+}  // namespace enfilade::testing
