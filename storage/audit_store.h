@@ -24,17 +24,17 @@ struct AuditEntry {
   std::string actor;  // CallContext::actor of the call that changed it
   AuditAction action = AuditAction::kCreated;
   std::string resource;  // maps/{map}, linkPoints/{link_point}, linkPoints/{link_point}/anchors/{map}, ...
-  std::string before;    // the row as JSON; empty for what was created
-  std::string after;     // empty for what was deleted
+  std::string before;    // the row as JSON; empty if it was created
+  std::string after;     // empty if it was deleted
 };
 
-// Who changed which map or link point when; written by the database with the change itself. Thread-safe; errors common
-// to all stores: see SiteStore.
+// Who changed which map or link point when; the database writes it in the transaction of the change. Thread-safe;
+// errors common to all stores: see SiteStore.
 class AuditStore {
  public:
   explicit AuditStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // The newest first, those before `before` (0: from the newest), of `resource` and what is below it (empty: of all).
+  // Entries below `before` (0: all), newest first, of `resource` and its children (empty: of all resources).
   absl::StatusOr<std::vector<AuditEntry>> List(const CallContext& context, const SiteId& site,
                                                const std::string& resource, std::int64_t before, int limit) const;
 

@@ -23,7 +23,7 @@ namespace postgres {
 class Pool;
 }
 
-// A session whose doors are to be judged, or out of which others wait for their map.
+// A session with doors to judge, or with a passage that another session waits for.
 struct PendingDoors {
   SiteId site;
   SessionId session;
@@ -37,7 +37,7 @@ struct StoredDoorReport {
   bool judged = false;
 };
 
-// A map that begins at a door. Its display name is `name_prefix` and the least number that is free.
+// A map that starts at a door. Its display name is `name_prefix` and the smallest free number.
 struct NewMap {
   MapId id;
   std::string name_prefix;
@@ -46,59 +46,59 @@ struct NewMap {
   std::string slam_profile;
 };
 
-// All that follows from one report. Its site is that of the lease.
+// All changes that follow from one report, in the lease's site.
 struct DoorChange {
-  closure::DoorVerdict verdict;                   // graph_version: the graph must still be at it
+  closure::DoorVerdict verdict;                   // the graph must still be at its graph_version
   std::optional<NewMap> new_map;                  // of verdict.entered_map
   std::optional<StoredLinkPoint> new_link_point;  // or candidate
-  std::optional<StoredLinkPoint> link_point;      // one that is there, as it is to be; with its etag
-  std::vector<LinkPointId> consumed;              // candidates that the link point takes the place of
-  std::vector<Evidence> evidence;                 // takes the place of what the anchors had of these kinds
+  std::optional<StoredLinkPoint> link_point;      // an existing one after the change, with its etag
+  std::vector<LinkPointId> consumed;              // candidates that the link point replaces
+  std::vector<Evidence> evidence;                 // replaces the anchors' evidence of these kinds
 };
 
-// Where the next sessions are, where no verdict says so.
+// Where sessions that wait for a passage are if no verdict says so.
 struct EnteredMap {
   SessionId previous;
   std::optional<NewMap> new_map;  // of `map`
   MapId map;
-  std::optional<PoseWithCovariance> T_map_robot;  // unset: the map begins with the session
+  std::optional<PoseWithCovariance> T_map_robot;  // unset: the map starts with the session
   std::optional<Pose2> T_odom_robot;
 };
 
-// Door reports, what was made of them, and the sessions that wait for it. Thread-safe; errors common to all stores: see
-// SiteStore.
+// Door reports, the verdicts on them, and the sessions that wait for a verdict. Thread-safe; errors common to all
+// stores: see SiteStore.
 class DoorVerdictStore {
  public:
   explicit DoorVerdictStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // Of all sites: sessions that are finished and mapped (or failed) with reports that are not judged, and those out of
-  // which a session waits. The longest waiting first.
+  // Of all sites: sessions that are finished and mapped (or failed) with reports that are not judged, and those with a
+  // passage that a session waits for. The longest waiting first.
   absl::StatusOr<std::vector<PendingDoors>> FindPending(const CallContext& context, int limit) const;
-  // In the order of the log. DATA_LOSS where a report does not decode.
+  // In the order of the log. DATA_LOSS if a report does not decode.
   absl::StatusOr<std::vector<StoredDoorReport>> ReadReports(const CallContext& context, const SiteId& site,
                                                             const SessionId& session) const;
-  // Sessions that wait for what `previous` ends with.
+  // Sessions that wait for the passage at the end of `previous`.
   absl::StatusOr<std::vector<SessionId>> ListWaiting(const CallContext& context, const SiteId& site,
                                                      const SessionId& previous) const;
 
-  // One transaction: maps, link points and evidence, the verdict, and the map and pose of all sessions that wait for
-  // it. Nothing happens where the report has been judged. ABORTED where the lease is lost or the graph is no longer at
-  // verdict.graph_version; ALREADY_EXISTS where the link point is redundant; NOT_FOUND.
+  // Stores maps, link points, evidence, the verdict, and the map and pose of all sessions that wait for it in one
+  // transaction. No-op if the report has been judged. ABORTED if the lease is lost or the graph is no longer at
+  // verdict.graph_version; ALREADY_EXISTS if the link point is redundant; NOT_FOUND.
   absl::Status Commit(const CallContext& context, const SiteLease& lease, const DoorChange& change) const;
-  // Gives those that wait for `entered.previous` their map. ABORTED where the lease is lost; NOT_FOUND where the map is
-  // gone.
+  // Gives the sessions that wait for `entered.previous` their map. ABORTED if the lease is lost; NOT_FOUND if the map
+  // does not exist.
   absl::Status Enter(const CallContext& context, const SiteLease& lease, const EnteredMap& entered) const;
-  // All reports of the session are judged. ABORTED where the lease is lost.
+  // Marks all reports of the session as judged. ABORTED if the lease is lost.
   absl::Status MarkJudged(const CallContext& context, const SiteLease& lease, const SessionId& session) const;
 
-  // By sequence, those behind `after`. NOT_FOUND where the session is missing.
+  // By sequence, those after `after`. NOT_FOUND if the session does not exist.
   absl::StatusOr<std::vector<closure::DoorVerdict>> List(const CallContext& context, const SiteId& site,
                                                          const SessionId& session, std::int64_t after, int limit) const;
-  // On the passage that the session ends with; unset where there is none, or it is not judged.
+  // On the passage at the end of the session; unset if there is none, or it is not judged.
   absl::StatusOr<std::optional<closure::DoorVerdict>> FindPassage(const CallContext& context, const SiteId& site,
                                                                   const SessionId& session) const;
 
-  // Those on passages into `map`, the latest first, without their comparisons.
+  // Those on passages into `map`, latest first, without their comparisons.
   absl::StatusOr<std::vector<closure::DoorVerdict>> ListInto(const CallContext& context, const SiteId& site,
                                                              const MapId& map, int limit) const;
 

@@ -14,15 +14,15 @@ namespace postgres {
 class Pool;
 }
 
-// What was found in stored images (perception/image/feature_codec.h), beside them: it goes when the image goes.
+// Features of stored images (perception/image/feature_codec.h). They are deleted with the image.
 // Thread-safe; errors common to all stores: see SiteStore.
 class FeatureStore {
  public:
   explicit FeatureStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // Empty where nothing is kept of the image.
+  // Empty if the image has no stored features.
   absl::StatusOr<std::string> Find(const CallContext& context, const SiteId& site, std::string_view sha256) const;
-  // Takes the place of what was kept. Nothing happens where there is no such image.
+  // Replaces the stored features. No-op if the image does not exist.
   absl::Status Put(const CallContext& context, const SiteId& site, std::string_view sha256,
                    std::string_view features) const;
 

@@ -14,18 +14,18 @@ namespace postgres {
 class Pool;
 }
 
-// A session's loop closures, as people see and undo them; MappingStore writes them. Thread-safe; errors common to all
-// stores: see SiteStore.
+// A session's loop closures, for people to list and suspend; MappingStore writes them. Thread-safe; errors common to
+// all stores: see SiteStore.
 class LoopClosureStore {
  public:
   explicit LoopClosureStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // By id, those behind `after` (-1: from the first). NOT_FOUND where the session is missing.
+  // By id, those after `after` (-1: from the first). NOT_FOUND if the session does not exist.
   absl::StatusOr<std::vector<slam::LoopClosure>> List(const CallContext& context, const SiteId& site,
                                                       const SessionId& session, std::int64_t after, int limit) const;
-  // A suspended closure takes no part in the map; a resumed one is judged anew. The session is mapped again from its
-  // checkpoint, whoever was at it: its lease is taken away, and a session that was mapped becomes finished until its
-  // graph is solved. NOT_FOUND. Nothing happens where it is so already.
+  // A suspended closure takes no part in the map; a resumed one is judged again. Revokes the session's lease, so that
+  // it is mapped again from its checkpoint; a session that was mapped becomes finished until its graph is solved.
+  // NOT_FOUND. No-op if already in that state.
   absl::StatusOr<slam::LoopClosure> SetSuspended(const CallContext& context, const SiteId& site,
                                                  const SessionId& session, std::int64_t closure, bool suspended) const;
 

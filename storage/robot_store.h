@@ -31,7 +31,7 @@ class RobotStore {
  public:
   explicit RobotStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // ALREADY_EXISTS; NOT_FOUND where the site is missing. `request_id` as in SiteStore.
+  // ALREADY_EXISTS; NOT_FOUND if the site does not exist. `request_id` as in SiteStore.
   absl::StatusOr<Robot> Create(const CallContext& context, const Robot& robot, const std::string& request_id) const;
   absl::StatusOr<Robot> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const;
   absl::StatusOr<std::vector<Robot>> List(const CallContext& context, const SiteId& site,

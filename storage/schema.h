@@ -11,7 +11,7 @@ namespace postgres {
 class Pool;
 }
 
-// Where the database stands in migrations/sqitch.plan as this program was built with it.
+// The position of the database in migrations/sqitch.plan as of the build of this program.
 struct SchemaState {
   enum class Position {
     kEmpty,   // never migrated
@@ -24,7 +24,7 @@ struct SchemaState {
   std::string expected;  // the plan's last change
 };
 
-// UNAVAILABLE where the database cannot be reached.
+// UNAVAILABLE if the database cannot be reached.
 absl::StatusOr<SchemaState> CheckSchema(const CallContext& context, postgres::Pool& pool);
 
 }  // namespace enfilade::storage

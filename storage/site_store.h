@@ -18,11 +18,11 @@ namespace postgres {
 class Pool;
 }
 
-// A campus: the tenant.
+// A campus: a tenant of the server.
 struct Site {
   SiteId id;
   std::string display_name;
-  // How long the records of a session are kept after it has finished; for ever where unset.
+  // How long the records of a session are kept after it has finished; unset: for ever.
   std::optional<std::chrono::seconds> raw_retention;
   // Set by the store. A new value with every change, never used twice.
   std::int64_t etag = 0;
@@ -30,24 +30,24 @@ struct Site {
   TimeNs update_time = 0;
 };
 
-// Thread-safe. Like every store: UNAVAILABLE where the database cannot be reached or the outcome of a commit is
-// unknown (retrying is safe), DEADLINE_EXCEEDED past the context's deadline, INVALID_ARGUMENT for what a constraint of
-// the schema refuses, naming it.
+// Thread-safe. Errors common to all stores: UNAVAILABLE if the database cannot be reached or the outcome of a commit is
+// unknown (retrying is safe); DEADLINE_EXCEEDED past the context's deadline; INVALID_ARGUMENT if a constraint of the
+// schema is violated, naming it.
 class SiteStore {
  public:
   explicit SiteStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // ALREADY_EXISTS where the id is taken. With a `request_id` (AIP-155; empty for none) that has created a site
-  // before, that site comes back and nothing is created.
+  // ALREADY_EXISTS if the id is taken. If an earlier call with the same `request_id` (AIP-155; empty: none) has created
+  // a site, returns that site and creates nothing.
   absl::StatusOr<Site> Create(const CallContext& context, const Site& site, const std::string& request_id) const;
   // NOT_FOUND.
   absl::StatusOr<Site> Get(const CallContext& context, const SiteId& site) const;
   // By id.
   absl::StatusOr<std::vector<Site>> List(const CallContext& context, const PageRequest& page) const;
-  // Writes display name and retention. ABORTED where `site.etag` is not the stored one, NOT_FOUND.
+  // Writes display name and retention. ABORTED if `site.etag` is not the stored one; NOT_FOUND.
   absl::StatusOr<Site> Update(const CallContext& context, const Site& site) const;
-  // ABORTED where `etag` (0: any) is not the stored one; FAILED_PRECONDITION where the site has maps, robots or
-  // sessions, unless `force`, which deletes all of them.
+  // ABORTED if `etag` (0: any) is not the stored one; FAILED_PRECONDITION if the site has maps, robots or sessions,
+  // unless `force`, which deletes all of them.
   absl::Status Delete(const CallContext& context, const SiteId& site, std::int64_t etag, bool force) const;
 
  private:

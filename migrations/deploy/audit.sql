@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: Apache-2.0
--- Who changed what, when, and how it was before: written with the change itself, and never changed. It outlives its
--- site.
+-- Who changed what, when, and how it was before: written in the transaction of the change, append-only. It outlives
+-- its site.
 BEGIN;
 
 CREATE SEQUENCE enfilade.audit_ids;
@@ -8,7 +8,7 @@ CREATE TABLE enfilade.audit_log (
   site_id  enfilade.resource_id NOT NULL,
   audit_id bigint NOT NULL DEFAULT nextval('enfilade.audit_ids'),
   time     timestamptz NOT NULL DEFAULT now(),
-  actor    text NOT NULL,  -- as the caller said; '' where it said nothing
+  actor    text NOT NULL,  -- as the caller said; '' if it said nothing
   action   smallint NOT NULL CHECK (action IN (1, 2, 3)),  -- created, updated, deleted
   resource text NOT NULL,  -- maps/{map}, linkPoints/{link_point}/anchors/{map}
   before   jsonb,
@@ -25,7 +25,7 @@ END $$;
 CREATE TRIGGER audit_log_append_only BEFORE UPDATE OR DELETE OR TRUNCATE ON enfilade.audit_log
   FOR EACH STATEMENT EXECUTE FUNCTION enfilade.refuse_change();
 
--- Arguments: the resource's form, as 'linkPoints/%s/anchors/%s', and the columns that fill it in.
+-- Arguments: the format of the resource, such as 'linkPoints/%s/anchors/%s', and its columns.
 CREATE FUNCTION enfilade.audit() RETURNS trigger LANGUAGE plpgsql AS $$
 DECLARE
   before jsonb;
@@ -42,7 +42,7 @@ BEGIN
   RETURN NULL;
 END $$;
 
--- Updates of what people write; revisions and solutions of the graph have their own history.
+-- Only columns that people write; revisions and solutions of the graph have their own history.
 CREATE TRIGGER maps_audit
   AFTER INSERT OR UPDATE OF display_name, level, environment, slam_profile, outline OR DELETE ON enfilade.maps
   FOR EACH ROW EXECUTE FUNCTION enfilade.audit('maps/%s', 'map_id');

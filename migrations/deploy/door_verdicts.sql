@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: Apache-2.0
--- What was made of robots' door reports, who may judge a site's, and what they are judged by.
+-- Verdicts on robots' door reports, the leases for judging them, and the features that they are judged by.
 BEGIN;
 
 -- The right to judge a site's doors or to solve its graph. The row stays when the lease is given back: tokens only grow.
@@ -16,7 +16,7 @@ CREATE INDEX sessions_doors_to_judge_idx ON enfilade.sessions (site_id, session_
 CREATE INDEX sessions_waiting_idx ON enfilade.sessions (site_id, previous_session_id)
   WHERE previous_session_id IS NOT NULL AND map_id IS NULL AND delete_time IS NULL;
 
--- Link points and maps that are gone since stay named.
+-- Keeps the names of link points and maps that have been deleted since.
 CREATE TABLE enfilade.door_verdicts (
   site_id       enfilade.resource_id NOT NULL,
   session_id    enfilade.resource_id NOT NULL,
@@ -31,7 +31,7 @@ CREATE TABLE enfilade.door_verdicts (
   odom_x        double precision,      -- T_odom_robot at that moment: m, m, rad
   odom_y        double precision,
   odom_yaw      double precision,
-  evidence      bigint[] NOT NULL,     -- the session's records that were looked at
+  evidence      bigint[] NOT NULL,     -- sequences of the session's records that were compared
   reason        text NOT NULL,
   graph_version bigint NOT NULL,       -- that it was judged by
   create_time   timestamptz NOT NULL DEFAULT now(),
@@ -63,7 +63,7 @@ CREATE TABLE enfilade.door_comparisons (
   FOREIGN KEY (site_id, session_id, sequence) REFERENCES enfilade.door_verdicts ON DELETE CASCADE
 );
 
--- A series of images of each camera, and where the robot was in the map when it took them.
+-- A series of images of each camera, with the poses of the robot in the map.
 ALTER TABLE enfilade.link_point_evidence
   ADD COLUMN ordinal integer NOT NULL DEFAULT 1 CHECK (ordinal >= 1),  -- 1: nearest to the door's moment
   ADD COLUMN x double precision,  -- T_map_robot: m, m, rad; NULL: not known, as at the anchor
@@ -75,7 +75,7 @@ ALTER TABLE enfilade.link_point_evidence
   DROP CONSTRAINT link_point_evidence_pkey,
   ADD PRIMARY KEY (site_id, link_point_id, map_id, kind, ordinal);
 
--- What matching needs of a stored image, found once (perception/image/feature_codec.h). It goes with the image.
+-- Features of a stored image (perception/image/feature_codec.h), deleted with the image.
 CREATE TABLE enfilade.image_features (
   site_id  enfilade.resource_id NOT NULL,
   sha256   enfilade.sha256_digest NOT NULL,

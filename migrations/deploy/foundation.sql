@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: Apache-2.0
--- The schema, its extensions, and the types that all tables share.
+-- The schema, its extensions, and the shared types.
 BEGIN;
 
--- A role without the right to create them finds them there already: the administrator has created them.
+-- If the role may not create extensions, the administrator creates them beforehand.
 CREATE EXTENSION IF NOT EXISTS postgis;
 CREATE EXTENSION IF NOT EXISTS btree_gist;
 
@@ -18,8 +18,8 @@ CREATE DOMAIN enfilade.display_name AS text COLLATE "C"
 CREATE DOMAIN enfilade.sha256_digest AS bytea
   CHECK (octet_length(VALUE) = 32);
 
--- Etags: one number for every version of every row, never given twice, so that a row deleted and made again under its
--- old id does not match an old etag.
+-- Etags: a unique number for every version of every row, so that a row that was deleted and created again under its old
+-- id does not match an old etag.
 CREATE SEQUENCE enfilade.etags;
 
 COMMIT;

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: Apache-2.0
--- What made each version of a site's graph, and where its maps lay after each optimisation.
+-- The cause of each version of a site's graph, and the poses of its maps after each optimisation.
 BEGIN;
 
 CREATE TABLE enfilade.graph_versions (
@@ -7,7 +7,7 @@ CREATE TABLE enfilade.graph_versions (
   version      bigint NOT NULL,
   cause        smallint NOT NULL,   -- storage/graph_store.h
   resource     text NOT NULL,
-  actor        text NOT NULL,       -- who changed it, as the caller said; '' where nobody did
+  actor        text NOT NULL,       -- who changed it, as the caller said; '' if it said nothing
   create_time  timestamptz NOT NULL DEFAULT now(),
   -- Of optimisations only.
   chi2_before  double precision,
@@ -32,7 +32,7 @@ INSERT INTO enfilade.graph_versions (site_id, version, cause, resource, actor)
 CREATE TRIGGER site_graphs_record AFTER INSERT OR UPDATE OF graph_version ON enfilade.site_graphs
   FOR EACH ROW EXECUTE FUNCTION enfilade.record_graph_version();
 
--- A map that is gone since keeps its old poses.
+-- Keeps the poses of maps that have been deleted since.
 CREATE TABLE enfilade.map_poses (
   site_id    enfilade.resource_id NOT NULL,
   version    bigint NOT NULL,
@@ -45,7 +45,7 @@ CREATE TABLE enfilade.map_poses (
   FOREIGN KEY (site_id, version) REFERENCES enfilade.graph_versions ON DELETE CASCADE
 );
 
--- Places whose coordinates are known on the globe, too: what a georeference is made from.
+-- Places with known coordinates on the globe: a georeference is fitted to them.
 CREATE TABLE enfilade.control_points (
   site_id   enfilade.resource_id NOT NULL REFERENCES enfilade.sites,
   ordinal   integer NOT NULL,

@@ -2,13 +2,13 @@
 -- The topological graph of a site: its maps, and the places where they meet.
 BEGIN;
 
--- One row per site. Writers of the graph hold it, so that a site's editors follow one another.
+-- One row per site. Writers of the graph lock it, so that the writers of a site follow one another.
 CREATE TABLE enfilade.site_graphs (
   site_id       enfilade.resource_id PRIMARY KEY REFERENCES enfilade.sites,
   graph_version bigint NOT NULL DEFAULT 0 CHECK (graph_version >= 0),  -- grows with every change of the graph
-  root_map_id   enfilade.resource_id,  -- its pose is held while the graph is solved: it carries the world frame
+  root_map_id   enfilade.resource_id,  -- carries the world frame: its pose is fixed when the graph is solved
   cause         smallint NOT NULL,     -- of this version: storage/graph_store.h
-  resource      text NOT NULL,         -- what was changed: maps/{map}, linkPoints/{link_point}; '' for the whole
+  resource      text NOT NULL,         -- the changed resource: maps/{map}, linkPoints/{link_point}; '' for the whole graph
   FOREIGN KEY (site_id, root_map_id) REFERENCES enfilade.maps,
   CONSTRAINT site_graphs_cause_check CHECK (cause BETWEEN 1 AND 8)
 ) WITH (fillfactor = 50);
@@ -106,7 +106,7 @@ CREATE TABLE enfilade.link_point_evidence (
 );
 CREATE INDEX link_point_evidence_blob_idx ON enfilade.link_point_evidence (site_id, sha256);
 
--- What is gone from the graph, for those who keep a copy of it.
+-- What was removed from the graph, for those who keep a copy of it.
 CREATE TABLE enfilade.graph_removals (
   site_id         enfilade.resource_id NOT NULL,
   kind            smallint NOT NULL CHECK (kind IN (1, 2)),  -- map, link point
@@ -116,17 +116,17 @@ CREATE TABLE enfilade.graph_removals (
 );
 CREATE INDEX graph_removals_version_idx ON enfilade.graph_removals (site_id, removed_version);
 
--- How far apart two estimates of one place may lie: the 95 % circle of their difference, by the greater eigenvalue of
--- the summed position blocks, but at least 0.3 m (half a narrow door).
+-- How far apart two estimates of one place may lie. core/graph/same_place.h has this rule and its numbers; the stores
+-- decide by it, and what follows is the last line of defence. A contract test compares both.
 CREATE FUNCTION enfilade.same_place_distance(a double precision[], b double precision[]) RETURNS double precision
   LANGUAGE sql IMMUTABLE PARALLEL SAFE AS $$
   SELECT greatest(0.3, sqrt(5.991 * ((xx + yy) / 2 + sqrt(((xx - yy) / 2) ^ 2 + xy ^ 2))))
   FROM (SELECT a[1] + b[1] AS xx, a[2] + b[2] AS xy, a[5] + b[5] AS yy) s
 $$;
 
--- Raises unique_violation where the link point joins two maps that another one joins at the same place, seen from every
--- map that both join. Suspended ones do not count: what replaces them stands beside them. One that was forced keeps new
--- ones away, but does not keep those that it stands beside from being changed.
+-- Raises unique_violation if the link point joins two maps that another one joins at the same place, as seen from every
+-- map that both join. As CheckNotRedundant in storage/link_point_rules.h: suspended link points do not count; a forced
+-- one keeps away new ones, but those that already stand beside it may be changed.
 CREATE FUNCTION enfilade.refuse_redundant_link_point(site text, id text, is_new boolean) RETURNS void LANGUAGE plpgsql AS $$
 DECLARE
   other record;
@@ -158,7 +158,7 @@ BEGIN
   RETURN NULL;
 END $$;
 
--- Keeps what a link point says of its anchors, and refuses it where it is redundant.
+-- Maintains the columns that depend on the anchors, and refuses a redundant link point.
 CREATE FUNCTION enfilade.follow_anchors() RETURNS trigger LANGUAGE plpgsql AS $$
 DECLARE
   changed record;
@@ -182,7 +182,7 @@ CREATE TRIGGER link_points_redundant AFTER UPDATE OF "use", forced ON enfilade.l
   FOR EACH ROW WHEN ((OLD."use" = 3 AND NEW."use" <> 3) OR (OLD.forced AND NOT NEW.forced))
   EXECUTE FUNCTION enfilade.check_redundant_link_point();
 
--- A map on another floor takes its link points along.
+-- A map's new level is a new level of its link points.
 CREATE FUNCTION enfilade.follow_level() RETURNS trigger LANGUAGE plpgsql AS $$
 BEGIN
   UPDATE enfilade.link_points p SET levels = a.levels, changed_version = g.graph_version

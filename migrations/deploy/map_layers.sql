@@ -1,17 +1,17 @@
 -- SPDX-License-Identifier: Apache-2.0
--- What a map's revisions are laid together from: what was imported, and over it what each session has seen.
+-- The layers of maps' revisions: what was imported, and above it what each session has seen.
 BEGIN;
 
--- From the bottom, position 1, to the top. A layer that was a whole revision when it was stored refers to that; any
--- other has tiles of its own. Layers go with their map only: also a deleted session's stays.
+-- Position 1 is the bottom. A layer that was a whole revision when it was stored refers to that revision; any other has
+-- its own tiles. Layers are deleted with their map only: the layer of a deleted session stays.
 CREATE TABLE enfilade.map_layers (
   site_id       enfilade.resource_id NOT NULL,
   map_id        enfilade.resource_id NOT NULL,
   position      bigint NOT NULL CHECK (position >= 1),
-  session_id    enfilade.resource_id,  -- NULL: an import, or what was there before layers were kept
+  session_id    enfilade.resource_id,  -- NULL: an import, or a revision from before layers were stored
   revision      bigint,
   raster_header bytea CHECK (octet_length(raster_header) <= 1048576),
-  version       bigint NOT NULL DEFAULT nextval('enfilade.etags'),  -- a new one with every change; the map's greatest grows
+  version       bigint NOT NULL DEFAULT nextval('enfilade.etags'),  -- a new one with every change; the map's maximum increases
   PRIMARY KEY (site_id, map_id, position),
   FOREIGN KEY (site_id, map_id) REFERENCES enfilade.maps ON DELETE CASCADE,
   FOREIGN KEY (site_id, map_id, revision) REFERENCES enfilade.map_revisions ON DELETE CASCADE,

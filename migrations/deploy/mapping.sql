@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: Apache-2.0
--- What mapping makes of a session's log, and who may do it.
+-- The results of mapping a session's log, and the leases for it.
 BEGIN;
 
--- The row stays when the lease is given back: tokens only grow.
+-- The row stays when the lease is released: tokens only increase.
 CREATE TABLE enfilade.session_leases (
   site_id    enfilade.resource_id NOT NULL,
   session_id enfilade.resource_id NOT NULL,
@@ -80,7 +80,7 @@ CREATE TABLE enfilade.slam_closures (
   CONSTRAINT slam_closures_state_check CHECK (state IN (1, 2, 3))  -- accepted, rejected, suspended
 );
 
--- One row per mapped scan, relative to a keyframe so that it stays right when keyframes move.
+-- One row per mapped scan, relative to a keyframe so that it remains correct when keyframes move.
 CREATE TABLE enfilade.trajectory_points (
   site_id    enfilade.resource_id NOT NULL,
   session_id enfilade.resource_id NOT NULL,
@@ -94,7 +94,7 @@ CREATE TABLE enfilade.trajectory_points (
   FOREIGN KEY (site_id, session_id, node_id) REFERENCES enfilade.slam_nodes
 );
 
--- Where the robot went, by its keyframes; M is the time in seconds since 1970. Renewed with each revision.
+-- The robot's track by its keyframes; M is the time in seconds since 1970. Updated with each revision.
 CREATE TABLE enfilade.session_tracks (
   site_id    enfilade.resource_id NOT NULL,
   session_id enfilade.resource_id NOT NULL,

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: Apache-2.0
--- Where robots say they are, and where sessions begin in a map that is there already.
+-- The poses that robots report, and the poses at which sessions enter an existing map.
 BEGIN;
 
 ALTER TABLE enfilade.sessions
-  ADD COLUMN initial_x double precision,  -- T_map_robot at the first scan: m, m, rad; NULL: the map begins with it
+  ADD COLUMN initial_x double precision,  -- T_map_robot at the first scan: m, m, rad; NULL: the map starts with it
   ADD COLUMN initial_y double precision,
   ADD COLUMN initial_yaw double precision,
   ADD CONSTRAINT sessions_initial_pose_check CHECK (

@@ -1,9 +1,9 @@
 -- SPDX-License-Identifier: Apache-2.0
--- How a session's robot came into its map, and the doors that it reports.
+-- How a session's robot entered its map, and the doors that it reports.
 BEGIN;
 
 ALTER TABLE enfilade.sessions
-  -- Out of which the robot came by a passage. map_id is NULL then until the passage is judged.
+  -- The session that ends with the passage into this one. map_id is NULL until the passage is judged.
   ADD COLUMN previous_session_id enfilade.resource_id,
   ADD COLUMN initial_covariance double precision[],  -- of initial_x, _y, _yaw; 9 numbers, row by row
   ADD COLUMN initial_odom_x double precision,  -- T_odom_robot at the initial pose: m, m, rad; NULL: of the first scan
@@ -27,7 +27,7 @@ ALTER TABLE enfilade.sessions
 
 CREATE INDEX sessions_previous_idx ON enfilade.sessions (site_id, previous_session_id)
   WHERE previous_session_id IS NOT NULL;
--- The few door reports among a session's many records.
+-- For the few door reports among a session's many records.
 CREATE INDEX session_records_doors_idx ON enfilade.session_records (site_id, session_id, sequence) WHERE kind = 6;
 
 COMMIT;

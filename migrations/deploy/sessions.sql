@@ -2,7 +2,7 @@
 -- Sessions and their logs.
 BEGIN;
 
--- The row of a deleted session stays, so that late records of it are refused and its id is never used again.
+-- The row of a deleted session stays, so that its late records are refused and its id is not used again.
 CREATE TABLE enfilade.sessions (
   site_id               enfilade.resource_id NOT NULL REFERENCES enfilade.sites,
   session_id            enfilade.resource_id NOT NULL,
@@ -25,7 +25,7 @@ CREATE TABLE enfilade.sessions (
   create_time           timestamptz NOT NULL DEFAULT now(),
   finish_time           timestamptz,
   delete_time           timestamptz,
-  purged                boolean NOT NULL DEFAULT false,  -- the rows that delete_time or records_deleted condemn are gone
+  purged                boolean NOT NULL DEFAULT false,  -- the rows that delete_time or records_deleted make obsolete are deleted
   PRIMARY KEY (site_id, session_id),
   UNIQUE (site_id, request_id),
   FOREIGN KEY (site_id, robot_id) REFERENCES enfilade.robots,
@@ -56,7 +56,7 @@ CREATE INDEX sessions_to_purge_idx ON enfilade.sessions (site_id, session_id)
 CREATE INDEX sessions_to_expire_idx ON enfilade.sessions (site_id, finish_time)
   WHERE delete_time IS NULL AND finish_time IS NOT NULL AND NOT records_deleted AND state IN (3, 4);
 
--- Written by COPY while the writer holds the session's row, which stands for the checks that a foreign key and the
+-- Written by COPY while the writer has locked the session's row. That replaces the checks that a foreign key and the
 -- ids' domain would repeat for every record.
 CREATE TABLE enfilade.session_records (
   site_id    text COLLATE "C" NOT NULL,
@@ -68,10 +68,10 @@ CREATE TABLE enfilade.session_records (
   PRIMARY KEY (site_id, session_id, sequence)
 ) WITH (toast_tuple_target = 8160);
 
--- Ranges hardly compress, and reading one record from its page is faster than from a second table.
+-- Ranges hardly compress, and one record is read faster from its page than from a TOAST table.
 ALTER TABLE enfilade.session_records ALTER COLUMN payload SET STORAGE EXTERNAL;
 
--- Which blobs the log refers to; apart, so that the many records without one pay nothing.
+-- The blobs that the log refers to. A separate table costs nothing for the many records without a blob.
 CREATE TABLE enfilade.session_record_blobs (
   site_id    enfilade.resource_id NOT NULL,
   session_id enfilade.resource_id NOT NULL,

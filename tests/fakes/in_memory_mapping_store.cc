@@ -47,7 +47,7 @@ absl::StatusOr<slam::SlamMap> Applied(slam::SlamMap map, const slam::SlamDelta& 
   for (const slam::SlamNode& node : delta.nodes) {
     if (!map.submaps.contains(node.submap)) return FailedPrecondition("submap {} does not exist", node.submap);
   }
-  for (const slam::LoopClosure& closure : delta.closures) {
+  for (const slam::LoopClosure& closure : delta.loop_closures) {
     if (!map.submaps.contains(closure.submap) || !map.nodes.contains(closure.node)) {
       return FailedPrecondition("the submap or node of closure {} does not exist", closure.id);
     }

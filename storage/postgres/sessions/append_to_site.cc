@@ -249,7 +249,7 @@ absl::Status SiteAppend::Write() {
   return transaction_.Commit();
 }
 
-// If a hole was filled, only the table knows where the next one is.
+// If a hole was filled, the position of the next one is only in the table.
 absl::Status SiteAppend::AdvanceAcknowledged() {
   for (auto& [session, log] : logs_) {
     if (!log.growth.filled_hole) continue;

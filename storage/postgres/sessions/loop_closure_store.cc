@@ -24,13 +24,13 @@ constexpr Statement kListLoopClosures{"listing closures",
 constexpr Statement kSelectLoopClosure{
     "reading the closure", "SELECT " ENFILADE_LOOP_CLOSURE_COLUMNS
                            " FROM enfilade.slam_closures WHERE site_id = $1 AND session_id = $2 AND closure_id = $3"};
-// Whoever maps the session finds at the next commit that the lease is lost, and the next holder reads the new state.
-constexpr Statement kTakeLeaseAway{"taking the lease away",
-                                   "INSERT INTO enfilade.session_leases AS l"
-                                   " (site_id, session_id, owner, token, expires_at)"
-                                   " VALUES ($1, $2, '', 1, clock_timestamp())"
-                                   " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = '', token = l.token + 1,"
-                                   " expires_at = clock_timestamp()"};
+// The next commit of the holder fails, and the next holder reads the new state.
+constexpr Statement kRevokeLease{"revoking the lease",
+                                 "INSERT INTO enfilade.session_leases AS l"
+                                 " (site_id, session_id, owner, token, expires_at)"
+                                 " VALUES ($1, $2, '', 1, clock_timestamp())"
+                                 " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = '', token = l.token + 1,"
+                                 " expires_at = clock_timestamp()"};
 constexpr Statement kSetLoopClosureState{"changing the closure's state",
                                          "UPDATE enfilade.slam_closures SET state = $4"
                                          " WHERE site_id = $1 AND session_id = $2 AND closure_id = $3"
@@ -61,15 +61,16 @@ absl::StatusOr<slam::LoopClosure> LoopClosureStore::SetSuspended(const CallConte
                                                                  bool suspended) const {
   const std::string name = LoopClosureName(site, session, closure);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kTakeLeaseAway, Params(site, session));
+  transaction.Queue(kRevokeLease, Params(site, session));
   transaction.Queue(kSelectLoopClosure, Params(site, session, closure));
   const auto locked = transaction.Flush();
-  // The lease's row refers to the session.
+  // The foreign key of the lease's row.
   if (!locked.ok() && absl::IsFailedPrecondition(locked.status())) return NotFound("{} does not exist", name);
   ENFILADE_RETURN_IF_ERROR(locked.status());
   ENFILADE_ASSIGN_OR_RETURN(const slam::LoopClosure stored,
                             storage::postgres::ReadOne((*locked)[1], postgres::ReadLoopClosure, name));
-  if ((stored.state == slam::LoopClosureState::kSuspended) == suspended) return stored;  // rolls the lease back
+  if ((stored.state == slam::LoopClosureState::kSuspended) == suspended)
+    return stored;  // the revocation is rolled back
   const slam::LoopClosureState state =
       suspended ? slam::LoopClosureState::kSuspended : slam::LoopClosureState::kAccepted;
   transaction.Queue(kSetLoopClosureState, Params(site, session, closure, static_cast<std::int16_t>(state)));

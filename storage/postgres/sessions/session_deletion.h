@@ -5,12 +5,12 @@
 
 namespace enfilade::storage::postgres {
 
-// What deleting a session means, for one session and for all that map into a deleted map. Locks are taken in the order
-// lease, map, session, as everywhere.
+// Deletes sessions: one, or all that map into a deleted map. Execute them in this order: locks are taken in the order
+// lease, map, session everywhere.
 
-// $1 site, $2 sessions (text[]): whoever holds the lease has lost it.
+// $1 site, $2 sessions (text[]). Their holders lose the leases.
 extern const Statement kRevokeLeases;
-// $1 site, $2 sessions (text[]): leaves what late records are refused by; gives the sessions that were not yet deleted.
+// $1 site, $2 sessions (text[]). Keeps the rows, which refuse late records; returns those that were not yet deleted.
 extern const Statement kMarkSessionsDeleted;
 
 }  // namespace enfilade::storage::postgres

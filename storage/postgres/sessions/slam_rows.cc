@@ -14,8 +14,8 @@ constexpr Statement kUpsertSubmap{
     " ON CONFLICT (site_id, session_id, submap_id) DO UPDATE SET version = EXCLUDED.version, x = EXCLUDED.x,"
     " y = EXCLUDED.y, yaw = EXCLUDED.yaw, finished = EXCLUDED.finished,"
     " content = CASE WHEN octet_length(EXCLUDED.content) = 0 THEN s.content ELSE EXCLUDED.content END"};
-// After solving the graph all nodes may come again, thousands of them: arrays in one statement, the nine numbers of the
-// covariances one after the other; and rows that have not changed are not written again.
+// After the graph is solved, thousands of nodes may be stored again: one statement takes arrays (nine numbers for each
+// covariance) and does not write rows that have not changed.
 constexpr Statement kUpsertNodes{
     "storing nodes",
     "INSERT INTO enfilade.slam_nodes AS n (site_id, session_id, node_id, sequence, time_ns, x, y, yaw, submap_id,"
@@ -150,7 +150,7 @@ slam::LoopClosure ReadLoopClosure(Row& row) {
   return closure;
 }
 
-// In the order in which they refer to one another.
+// Referenced rows first.
 void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const slam::SlamDelta& delta) {
   for (const slam::SlamSubmap& submap : delta.submaps) {
     const Pose2& pose = submap.T_map_submap;

@@ -11,12 +11,12 @@
 
 namespace enfilade::storage::postgres {
 
-// In the order in which ReadLoopClosure reads them.
+// In the order of ReadLoopClosure.
 #define ENFILADE_LOOP_CLOSURE_COLUMNS \
   "closure_id, submap_id, node_id, x, y, yaw, information, state, score, chi2, reason"
 slam::LoopClosure ReadLoopClosure(Row& row);
 
-// Queues the delta's rows: what is there already is overwritten, so that the same delta may be stored twice.
+// Queues the delta's rows. Existing ones are overwritten, so that the same delta may be stored twice.
 void QueueDelta(Transaction& transaction, const SiteId& site, const SessionId& session, const slam::SlamDelta& delta);
 
 // By id.

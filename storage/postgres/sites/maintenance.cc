@@ -15,7 +15,7 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-// Another replica's is left to it.
+// Skips sessions that another replica is purging.
 constexpr Statement kFindDeleted{"looking for deleted sessions",
                                  "SELECT site_id, session_id FROM enfilade.sessions"
                                  " WHERE delete_time IS NOT NULL AND NOT purged LIMIT 1 FOR UPDATE SKIP LOCKED"};
@@ -36,8 +36,7 @@ constexpr Statement kMarkPurged{"closing the session",
     "deleting from " table, "DELETE FROM enfilade." table " WHERE ctid = ANY (ARRAY(SELECT ctid FROM enfilade." table \
                             " WHERE site_id = $1 AND session_id = $2 LIMIT $3))"                                      \
   }
-// What a retention deletes, and after it what only the session's own deletion does, in an order that no foreign key
-// objects to.
+// First what retention deletes, then what only the session's deletion does, in an order that foreign keys permit.
 constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs"), ENFILADE_PURGE("session_records")};
 constexpr std::array kMappingTables = {
     ENFILADE_PURGE("door_verdicts"),       ENFILADE_PURGE("session_tracks"), ENFILADE_PURGE("trajectory_points"),
@@ -57,7 +56,7 @@ constexpr Statement kCollectBlobs{
     "    WHERE e.site_id = b.site_id AND e.sha256 = b.sha256)"
     "  LIMIT $2 FOR UPDATE SKIP LOCKED))"};
 
-// One session: deletes up to `limit` rows of it; unset where none was found.
+// Deletes up to `limit` rows of one session; unset if there is none to purge.
 absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const CallContext& context,
                                                      const Statement& find, bool with_mapping, std::int64_t limit) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));

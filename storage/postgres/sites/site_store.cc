@@ -37,11 +37,11 @@ constexpr Statement kCountContent{
     "SELECT (SELECT count(*) FROM enfilade.maps WHERE site_id = $1),"
     " (SELECT count(*) FROM enfilade.robots WHERE site_id = $1),"
     " (SELECT count(*) FROM enfilade.sessions WHERE site_id = $1 AND delete_time IS NULL)"};
-// Writers of records hold their session's row and nothing else.
+// Blocks writers of records, which lock nothing but their session's row.
 constexpr Statement kLockSessionsOfSite{
     "locking the site's sessions",
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 ORDER BY session_id FOR UPDATE"};
-// In an order that no foreign key objects to.
+// In an order that foreign keys permit.
 constexpr std::array kDeletes = {
     Statement{"deleting the site's lease", "DELETE FROM enfilade.site_leases WHERE site_id = $1"},
     Statement{"deleting door verdicts", "DELETE FROM enfilade.door_verdicts WHERE site_id = $1"},
