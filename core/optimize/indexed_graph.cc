@@ -89,13 +89,12 @@ absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph
   for (IndexedGraph& part : components) {
     if (std::find(part.held.begin(), part.held.end(), true) == part.held.end()) part.held.front() = true;
   }
-  for (std::size_t k = 0; k < graph.edges.size(); ++k) {
-    const PoseGraphEdge& edge = graph.edges[k];
+  for (const PoseGraphEdge& edge : graph.edges) {
     if (!edge.enabled) continue;
     const int from = index.at(edge.from);
     const int to = index.at(edge.to);
-    components[component[from]].edges.push_back({position[from], position[to], static_cast<int>(k), edge.robust,
-                                                 EdgeMeasurement(edge.T_from_to), edge.information});
+    components[component[from]].edges.push_back(
+        {position[from], position[to], edge.robust, EdgeMeasurement(edge.T_from_to), edge.information});
   }
   return components;
 }

@@ -15,7 +15,6 @@ namespace enfilade::optimize {
 struct IndexedEdge {
   int from = 0;
   int to = 0;
-  int source = 0;  // position in PoseGraph::edges
   bool robust = true;
   EdgeMeasurement measurement;
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();

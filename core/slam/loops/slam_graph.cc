@@ -144,7 +144,6 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
   const absl::StatusOr<optimize::SolveReport> second = optimize::SolvePoseGraph(solve, problem.graph);
   if (!second.ok()) return change;
   UpdateState(*second, problem, state, change);
-  change.solved = true;
   return change;
 }
 

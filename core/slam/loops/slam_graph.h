@@ -14,7 +14,6 @@ struct GraphChange {
   std::set<std::int64_t> nodes;
   std::set<std::int64_t> submaps;
   std::set<std::int64_t> loop_closures;
-  bool solved = false;
 };
 
 // Solves the pose graph of submaps and keyframes and updates their poses and covariances. Edges: from each submap to

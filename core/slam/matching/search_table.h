@@ -46,7 +46,6 @@ class SearchTable {
     return {l.cells.data(), l.window.min, static_cast<unsigned>(l.window.width),
             static_cast<unsigned>(l.window.height)};
   }
-  int At(int level, int column, int row) const { return ViewOf(level).At(column, row); }
 
  private:
   struct Level {

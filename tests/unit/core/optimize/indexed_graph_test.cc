@@ -35,7 +35,7 @@ TEST(IndexComponents, OrdersComponentsByTheirFirstNodes) {
   ASSERT_THAT(components[0].edges, SizeIs(1));
   EXPECT_EQ(components[0].edges[0].from, 1) << "node 4";
   EXPECT_EQ(components[0].edges[0].to, 0) << "node 7";
-  EXPECT_EQ(components[1].edges[0].source, 1);
+  EXPECT_EQ(components[1].edges[0].from, 1) << "node 900";
   EXPECT_TRUE(components[2].edges.empty());
 }
 

@@ -157,9 +157,9 @@ TEST(GraphCost, AddsTheKernelsCostsAndThePlainOnesOfEdgesThatAreNotRobust) {
   graph.poses = {{0.0, 0.0, 0.0}, {3.0, 0.0, 0.0}};
   graph.held = {true, false};
   const Eigen::Matrix3d information = 4.0 * Eigen::Matrix3d::Identity();
-  graph.edges.push_back({0, 1, 0, true, EdgeMeasurement({1.0, 0.0, 0.0}), information});    // chi2 4 * 2^2 = 16
-  graph.edges.push_back({0, 1, 1, false, EdgeMeasurement({2.5, 0.0, 0.0}), information});   // chi2 4 * 0.5^2 = 1
-  graph.edges.push_back({1, 0, 2, false, EdgeMeasurement({-3.0, 0.0, 0.0}), information});  // 0
+  graph.edges.push_back({0, 1, true, EdgeMeasurement({1.0, 0.0, 0.0}), information});    // chi2 4 * 2^2 = 16
+  graph.edges.push_back({0, 1, false, EdgeMeasurement({2.5, 0.0, 0.0}), information});   // chi2 4 * 0.5^2 = 1
+  graph.edges.push_back({1, 0, false, EdgeMeasurement({-3.0, 0.0, 0.0}), information});  // 0
   EXPECT_DOUBLE_EQ(GraphCost(graph, graph.poses, {}), 17.0);
   // Huber of width 2: 2 * 2 * sqrt(16) - 4.
   EXPECT_DOUBLE_EQ(GraphCost(graph, graph.poses, {RobustKernel::Type::kHuber, 2.0}), 12.0 + 1.0);

@@ -45,7 +45,7 @@ TEST(SearchTable, BoundsEveryLikelihoodInItsBlock) {
       for (int column = -40; column < 100; column += 3) {
         for (int dy = 0; dy < size; ++dy) {
           for (int dx = 0; dx < size; ++dx) {
-            EXPECT_GE(table.At(level, column >> level, row >> level), table.At(0, column + dx, row + dy));
+            EXPECT_GE(table.ViewOf(level).At(column >> level, row >> level), table.ViewOf(0).At(column + dx, row + dy));
           }
         }
       }
@@ -65,7 +65,7 @@ TEST(SearchTable, UpdatedByPartsIsTheSameAsMadeAtOnce) {
   for (int level = 0; level < 5; ++level) {
     for (int row = -40; row < 80; ++row) {
       for (int column = -40; column < 100; ++column) {
-        ASSERT_EQ(parts.At(level, column, row), whole.At(level, column, row)) << level;
+        ASSERT_EQ(parts.ViewOf(level).At(column, row), whole.ViewOf(level).At(column, row)) << level;
       }
     }
   }
@@ -109,7 +109,8 @@ TEST(SearchPose, ScoresTheMeanLikelihood) {
   double sum = 0.0;
   for (const Eigen::Vector2d& p : points) {
     const Eigen::Vector2d q = found.pose * p;
-    sum += table.At(0, static_cast<int>(std::floor(q.x() / 0.05)), static_cast<int>(std::floor(q.y() / 0.05))) / 255.0;
+    sum += table.ViewOf(0).At(static_cast<int>(std::floor(q.x() / 0.05)), static_cast<int>(std::floor(q.y() / 0.05))) /
+           255.0;
   }
   EXPECT_NEAR(found.score, sum / static_cast<double>(points.size()), 0.02) << "but for points at the border of a cell";
 }
