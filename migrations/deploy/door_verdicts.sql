@@ -2,7 +2,7 @@
 -- Verdicts on robots' door reports, the leases for judging them, and the features that they are judged by.
 BEGIN;
 
--- The right to judge a site's doors or to solve its graph. The row stays when the lease is given back: tokens only grow.
+-- The right to judge a site's doors or to solve its graph. The row stays when the lease is released.
 CREATE TABLE enfilade.site_leases (
   site_id    enfilade.resource_id PRIMARY KEY REFERENCES enfilade.sites,
   owner      text NOT NULL,

@@ -8,7 +8,7 @@ CREATE TABLE enfilade.site_graphs (
   graph_version bigint NOT NULL DEFAULT 0 CHECK (graph_version >= 0),  -- grows with every change of the graph
   root_map_id   enfilade.resource_id,  -- carries the world frame: its pose is fixed when the graph is solved
   cause         smallint NOT NULL,     -- of this version: storage/graph_store.h
-  resource      text NOT NULL,         -- the changed resource: maps/{map}, linkPoints/{link_point}; '' for the whole graph
+  resource      text NOT NULL,         -- that changed: maps/{map}, linkPoints/{link_point}; '' for the graph
   FOREIGN KEY (site_id, root_map_id) REFERENCES enfilade.maps,
   CONSTRAINT site_graphs_cause_check CHECK (cause BETWEEN 1 AND 8)
 ) WITH (fillfactor = 50);

@@ -11,7 +11,7 @@ CREATE TABLE enfilade.map_layers (
   session_id    enfilade.resource_id,  -- NULL: an import, or a revision from before layers were stored
   revision      bigint,
   raster_header bytea CHECK (octet_length(raster_header) <= 1048576),
-  version       bigint NOT NULL DEFAULT nextval('enfilade.etags'),  -- a new one with every change; the map's maximum increases
+  version       bigint NOT NULL DEFAULT nextval('enfilade.etags'),  -- a new one with every change: the map's maximum grows
   PRIMARY KEY (site_id, map_id, position),
   FOREIGN KEY (site_id, map_id) REFERENCES enfilade.maps ON DELETE CASCADE,
   FOREIGN KEY (site_id, map_id, revision) REFERENCES enfilade.map_revisions ON DELETE CASCADE,

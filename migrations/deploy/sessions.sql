@@ -25,7 +25,7 @@ CREATE TABLE enfilade.sessions (
   create_time           timestamptz NOT NULL DEFAULT now(),
   finish_time           timestamptz,
   delete_time           timestamptz,
-  purged                boolean NOT NULL DEFAULT false,  -- the rows that delete_time or records_deleted make obsolete are deleted
+  purged                boolean NOT NULL DEFAULT false,  -- its obsolete rows are deleted
   PRIMARY KEY (site_id, session_id),
   UNIQUE (site_id, request_id),
   FOREIGN KEY (site_id, robot_id) REFERENCES enfilade.robots,
