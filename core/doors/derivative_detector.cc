@@ -60,9 +60,7 @@ void DerivativeDetector::SearchBehind(const sensor::LaserScan& scan, const Pose2
     }
     // After the robot has turned round, the door behind it is ahead.
     turned_round = turned > kTurnedRound;
-    behind_.reason =
-        "the scanner does not look back: waiting for the door "
-        "ahead after turning round";
+    behind_.reason = "the scanner does not look back: waiting for the door ahead after turning round";
     if (!turned_round) return;
     search = FindJambsAhead(scan, o);
   }

@@ -57,10 +57,8 @@ absl::StatusOr<DoorDetector> DoorDetector::Restore(const DoorOptions& options, s
   detector.last_time_ = reader.Get<TimeNs>();
   const bool read = std::visit([&](auto& one) { return one.Read(reader); }, detector.detector_);
   if (!read || !reader.at_end()) {
-    return DataLoss(
-        "door detector: a state of {} bytes is truncated, has "
-        "trailing bytes, or is of other options",
-        bytes.size());
+    return DataLoss("door detector: a state of {} bytes is truncated, has trailing bytes, or is of other options",
+                    bytes.size());
   }
   return detector;
 }

@@ -24,16 +24,11 @@ absl::Status DoorOptions::Validate() const {
   if (gap.cell < 0.02 || gap.cell > 0.5) return InvalidArgument("gap.cell is {} m: expected 0.02 to 0.5", gap.cell);
   if (gap.reach > 15.0) return InvalidArgument("gap.reach is {} m: expected up to 15", gap.reach);
   if (gap.max_width <= gap.min_width || gap.max_width > 5.0) {
-    return InvalidArgument(
-        "gap.min_width and max_width are {} and {} m: "
-        "expected the former to be less, and up to 5 m",
-        gap.min_width, gap.max_width);
+    return InvalidArgument("gap.min_width and max_width are {} and {} m: expected the former to be less, and up to 5 m",
+                           gap.min_width, gap.max_width);
   }
   if (gap.look_ahead > gap.reach || gap.detour > gap.reach || gap.lag > gap.reach || gap.wall_reach > gap.reach) {
-    return InvalidArgument(
-        "gap.look_ahead, detour, lag and wall_reach must "
-        "not be beyond gap.reach, {} m",
-        gap.reach);
+    return InvalidArgument("gap.look_ahead, detour, lag and wall_reach must not be beyond gap.reach, {} m", gap.reach);
   }
   if (derivative.front_sector > 180.0 || derivative.back_sector > 180.0) {
     return InvalidArgument("derivative.front_sector and back_sector must be at most 180 deg");
@@ -49,10 +44,7 @@ absl::StatusOr<DoorOptions> DoorPreset(std::string_view name) {
   options.method = DoorMethod::kDerivative;
   if (name == "original-yaml") return options;
   if (name != "original-code") {
-    return InvalidArgument(
-        "there is no preset \"{}\": expected default, "
-        "original-yaml or original-code",
-        name);
+    return InvalidArgument("there is no preset \"{}\": expected default, original-yaml or original-code", name);
   }
   options.derivative.threshold = 1.0;
   options.environment.filter_half_width = 50;

@@ -140,10 +140,8 @@ NarrowsSearch JudgeMinimum(const Profile& profile, std::size_t bin, const GapOpt
   const double before = WidestBeside(profile, bin, -1, options.shoulder) - width;
   const double behind = WidestBeside(profile, bin, 1, options.shoulder) - width;
   if (before < options.widening || behind < options.widening) {
-    search.reason = fmt::format(
-        "{:.2f} m wide, but the way widens by {:.2f} m "
-        "before and {:.2f} m behind only",
-        width, before, behind);
+    search.reason = fmt::format("{:.2f} m wide, but the way widens by {:.2f} m before and {:.2f} m behind only", width,
+                                before, behind);
     return search;
   }
   const double depth = DepthAt(profile, bin);
@@ -153,10 +151,8 @@ NarrowsSearch JudgeMinimum(const Profile& profile, std::size_t bin, const GapOpt
   }
   const double repeated = RepeatedAbout(profile, bin);
   if (repeated >= options.repeated) {
-    search.reason = fmt::format(
-        "{:.2f} m wide, but so is {:.2f} m of the way "
-        "about it: its usual width",
-        width, repeated);
+    search.reason =
+        fmt::format("{:.2f} m wide, but so is {:.2f} m of the way about it: its usual width", width, repeated);
     return search;
   }
   search.reason = fmt::format("{:.2f} m wide, {:.2f} m deep", width, depth);

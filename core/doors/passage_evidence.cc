@@ -20,9 +20,8 @@ PassageVerdict JudgePassage(const PassageEvidence& evidence, const DoorOptions& 
   if (evidence.met() < options.criteria) return {false, fmt::format("{} of three criteria", evidence.met())};
   const bool across = walls.left_cornered && walls.right_cornered && walls.beside() >= o.wall_across;
   if (!across && (walls.beside() < o.wall_beside || walls.length() < o.wall)) {
-    return {false, fmt::format("no gap in a wall: {:.2f} m of wall at the left "
-                               "post, {:.2f} m at the right",
-                               walls.left, walls.right)};
+    return {false, fmt::format("no gap in a wall: {:.2f} m of wall at the left post, {:.2f} m at the right", walls.left,
+                               walls.right)};
   }
   if (evidence.parallel >= o.parallel) {
     return {false, fmt::format("walls run beside the way for {:.2f} m at both posts", evidence.parallel)};
