@@ -109,6 +109,9 @@ TEST(DecodeCloudTest, NamesTheFault) {
 TEST(LzfTest, RefusesReferencesBeforeTheBeginning) {
   EXPECT_CODE(UnpackLzf(std::string("\x20\x05", 2), 3), absl::StatusCode::kDataLoss);
   EXPECT_CODE(UnpackLzf(std::string("\x00z\xE0\xFF\x00", 5), 3), absl::StatusCode::kDataLoss);
+  EXPECT_CODE(UnpackLzf(std::string("\x20\x00", 2), 3), absl::StatusCode::kDataLoss) << "one byte before the start";
+  EXPECT_CODE(UnpackLzf(std::string("\x00z\x20\x01", 4), 4), absl::StatusCode::kDataLoss)
+      << "one byte before the start";
   ASSERT_OK_AND_ASSIGN(const std::string run, UnpackLzf(std::string("\x00z\x20\x00", 4), 4));
   EXPECT_EQ(run, "zzzz");
 }
