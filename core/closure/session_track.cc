@@ -76,7 +76,7 @@ std::optional<PoseWithCovariance> SessionTrack::PoseAt(TimeNs time) const {
 }
 
 std::optional<PoseWithCovariance> SessionTrack::ToMap(const Pose2& T_odom_x, TimeNs time) const {
-  const std::optional<PoseWithCovariance> T_map_robot = PoseAt(time);
+  std::optional<PoseWithCovariance> T_map_robot = PoseAt(time);
   if (!T_map_robot) return std::nullopt;
   const std::optional<Pose2> T_odom_robot = OdometryAt(time);
   if (!T_odom_robot) return T_map_robot;

@@ -23,7 +23,8 @@ std::uint8_t CellUnder(const grid::OccupancyGrid& grid, const Pose2& T_grid_scen
                        const Eigen::Vector2d& pixel, int samples) {
   std::uint8_t cell = grid::kUnknownCell;
   for (int i = 0; i < samples * samples; ++i) {
-    const Eigen::Vector2d offset((i % samples + 0.5) / samples, (i / samples + 0.5) / samples);
+    const int row = i / samples;
+    const Eigen::Vector2d offset((i % samples + 0.5) / samples, (row + 0.5) / samples);
     const Eigen::Vector2d p_grid = T_grid_scene * view.ToScene(pixel + offset) / grid.geometry.resolution;
     const Eigen::Vector2d corner = p_grid.array().floor();
     if (corner.x() < 0.0 || corner.y() < 0.0 || corner.x() >= grid.geometry.width ||

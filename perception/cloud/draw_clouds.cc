@@ -28,10 +28,12 @@ grid::RgbImage DrawClouds(const Cloud& source, const Cloud& target, const Eigen:
   Cloud all = below;
   all.points.insert(all.points.end(), above.points.begin(), above.points.end());
   if (all.points.empty()) return {1, 1, {255, 255, 255}};
-  const auto [left, right] = Extent(all, 0);
-  const auto [bottom, top] = Extent(all, 1);
-  const double scale = (kSide - 1.0) / std::max({right - left, top - bottom, 1e-3});
-  grid::RgbImage picture(1 + static_cast<int>((right - left) * scale), 1 + static_cast<int>((top - bottom) * scale),
+  const auto [min_x, max_x] = Extent(all, 0);
+  const auto [min_y, max_y] = Extent(all, 1);
+  const double left = min_x;
+  const double top = max_y;
+  const double scale = (kSide - 1.0) / std::max({max_x - min_x, max_y - min_y, 1e-3});
+  grid::RgbImage picture(1 + static_cast<int>((max_x - min_x) * scale), 1 + static_cast<int>((max_y - min_y) * scale),
                          {255, 255, 255});
   const auto draw = [&](const Cloud& cloud, grid::Rgb color) {
     for (const Eigen::Vector3f& point : cloud.points) {

@@ -101,11 +101,11 @@ class Mapper::Impl {
   }
 
   grid::OccupancyGrid RenderGrid() const {
-    for (const auto& [id, submap] : state_.finished) {
-      if (state_.is_existing_map(id)) continue;
+    for (const auto& finished : state_.finished) {
+      if (state_.is_existing_map(finished.first)) continue;
       std::optional<SubmapContent> content;
-      renderer_.Place(id, submap.T_map_submap, [&]() -> const SubmapGrid& {
-        content = DecodeSubmapContent(submap.content, options_.occupancy).value();  // written by this program
+      renderer_.Place(finished.first, finished.second.T_map_submap, [&]() -> const SubmapGrid& {
+        content = DecodeSubmapContent(finished.second.content, options_.occupancy).value();  // written by this program
         return content->grid;
       });
     }

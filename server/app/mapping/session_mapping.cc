@@ -196,8 +196,9 @@ absl::Status SessionMapping::Fail(const SessionMappingStores& stores, const stor
   ENFILADE_ASSIGN_OR_RETURN(const auto stored,
                             stores.mappings.Load(MappingContext(), leased.lease.site, leased.lease.session));
   const slam::SlamDelta nothing;
+  const std::string checkpoint = stored ? stored->checkpoint : std::string();  // the step only refers to it
   const storage::MappingStep step{.delta = nothing,
-                                  .checkpoint = stored ? stored->checkpoint : std::string(),
+                                  .checkpoint = checkpoint,
                                   .counts = leased.session.mapping_counts,
                                   .mapped_sequence = leased.session.mapped_sequence,
                                   .revision = nullptr,

@@ -38,7 +38,7 @@ absl::Status BlobStore::Put(const CallContext& context, const SiteId& site, absl
   ENFILADE_RETURN_IF_ERROR(ValidateBlobs(blobs));
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   QueueBlobs(transaction, site, blobs);
-  const absl::Status committed = transaction.Commit();
+  absl::Status committed = transaction.Commit();
   if (SqlStateOf(committed) == "23503") return NotFound("{} does not exist", NameOf(site));
   return committed;
 }
