@@ -19,7 +19,7 @@ struct SearchGraph {
   };
   Target target = Target::kPassedDoor;
 };
-// ... compare the images of these places with those behind the door: sets `evidence.images` where there are some to
+// ... compare the images of these places with those behind the door: sets `evidence.images` if there are any to
 // compare, and `images_compared` ...
 struct CompareImages {
   std::vector<PlaceIndex> places;

@@ -28,7 +28,7 @@ struct MapToStart {
 MapToStart DescribeNewMap(const MapId& id, const SessionMap* from, const sensor::DoorReport* report,
                           const DoorClosureOptions& options);
 
-// The map that the robot is in after a passage, and where: unset where the session's start says it.
+// The map that the robot is in after a passage, and its pose there when it reports; unset: not known.
 struct EnteredMap {
   MapId map = {};
   std::optional<PoseWithCovariance> T_map_robot = {};
@@ -92,14 +92,14 @@ struct DoorJudgement {
   std::vector<LinkPointId> used_up = {};         // candidates that the link point replaces
 };
 
-// The verdict that the judgement is, without what belongs to the report (session, sequence, graph version, odometry).
-// Not of WaitForMapping.
+// The judgement as a verdict, without what belongs to the report (session, sequence, graph version, odometry). Not for
+// WaitForMapping.
 DoorVerdict ToVerdict(const DoorJudgement& judgement);
 
 // "candidate made", as in docs/closure.md.
 const char* NameOf(DoorDecision decision);
 
-// The existing link point or candidate that the action changes; null where it changes none.
+// The existing link point or candidate that the action changes; null if it changes none.
 const LinkPointId* FindChangedLinkPoint(const DoorAction& action);
 
 }  // namespace enfilade::closure

@@ -38,7 +38,7 @@ struct ComparedPlace {
   bool clouds_compared = false;
 };
 
-// A link point of the session's own map that lies where the robot went through the door.
+// A link point of the session's own map at the place where the robot went through the door.
 struct PassedLinkPoint {
   KnownPlace known;
   ComparedPlace place;  // on its other side
@@ -79,10 +79,10 @@ struct DoorKnowledge {
   std::optional<PoseWithCovariance> T_door_robot = {};  // the same, relative to the door
   bool has_views = false;                               // images or clouds were recorded near the door (of a candidate)
   std::vector<Eigen::Vector2d> points_behind_door = {};  // of scans, in the frame of T_map_robot, m
-  std::set<LinkPointId> redundant = {};  // candidates that the database refused to promote: they would join two maps
-                                         // where another link point joins them already
-  double waited = 0.0;                   // s, for maps that are being mapped
-  LinkPointId new_link_point = {};       // ids for what the action makes
+  // Candidates that the database refused to promote: another link point joins the two maps at that place already.
+  std::set<LinkPointId> redundant = {};
+  double waited = 0.0;              // s, for maps that are being mapped
+  LinkPointId new_link_point = {};  // ids for what the action makes
   MapId new_map = {};
 
   // Unset: not searched yet.

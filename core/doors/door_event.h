@@ -37,7 +37,7 @@ struct DoorEvent {
   // door, looking along the way through.
   Pose2 T_odom_door;
   TimeNs door_time = 0;  // when the robot was there (kPassage: when it crossed, as near as is known)
-  double width = 0.0;    // m between the posts; 0 where unknown
+  double width = 0.0;    // m between the posts; 0: unknown
   CriterionVerdict ahead;
   CriterionVerdict behind;
   CriterionVerdict environment;
