@@ -89,5 +89,60 @@ TEST(CommandFromJson, RefusesWhatItCannotRead) {
   }
 }
 
+TEST(ParseCommand, ReadsOldAndExistingAsOneCommand) {
+  for (const char* word : {"old", "existing"}) {
+    const auto existing = Parsed<MapOnExistingMap>(std::string(word) + " m1 0 0 -270");
+    EXPECT_EQ(existing.map, "m1");
+    EXPECT_NEAR(existing.T_map_robot.pose.yaw, M_PI / 2.0, 1e-12) << "the yaw is wrapped";
+  }
+}
+
+// Each line of the help is a command that parses once its arguments are filled in.
+TEST(CommandHelp, NamesEveryCommandWithItsArguments) {
+  const std::string help = CommandHelp();
+  const std::pair<const char*, const char*> samples[] = {{"PLACE", "ramp"},   {"LEVEL", "3"}, {"NAME", "x"},
+                                                         {"LINK_POINT", "l"}, {"MAP", "m"},   {"X Y YAW", "1 2 3"}};
+  int commands = 0;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; (end = help.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    const std::string line = help.substr(begin, end - begin);
+    std::string command = line.substr(2, line.find("  ", 2) - 2);
+    std::erase_if(command, [](char c) { return c == '[' || c == ']'; });
+    for (const auto& [name, sample] : samples) {
+      const std::size_t at = command.find(name);
+      if (at != std::string::npos) command.replace(at, std::string(name).size(), sample);
+    }
+    EXPECT_OK(ParseCommand(command, kCovariance)) << command;
+    ++commands;
+  }
+  EXPECT_EQ(commands, 10);
+}
+
+TEST(CommandFromJson, RefusesNumbersThatDoNotFit) {
+  for (const char* text :
+       {R"({"command":"set-link-point","level":1e10})", R"({"command":"set-link-point","level":4294967296})",
+        R"({"command":"set-link-point","level":1.5})"}) {
+    EXPECT_STATUS(CommandFromJson(nlohmann::json::parse(text), kCovariance), absl::StatusCode::kInvalidArgument,
+                  HasSubstr("level"))
+        << text;
+  }
+}
+
+TEST(CommandFromJson, CannotCrashOnAnyOfItsMembers) {
+  const char* const values[] = {
+      "null", "true", "-1", "1.5", "\"x\"", "[]", "[1,2,3,4,5,6,7,8,9]", "{}", R"({"x_m":1,"y_m":2,"yaw_rad":3})"};
+  for (const char* command : {"set-link-point", "existing", "new", "delete-map", "delete-link-point", "status"}) {
+    for (const char* member : {"place", "level", "map", "link_point", "pose", "covariance", "type", "command", "x"}) {
+      for (const char* value : values) {
+        const std::string text = std::string(R"({"command":")") + command + R"(",")" + member + R"(":)" + value + "}";
+        const absl::StatusOr<Command> parsed = CommandFromJson(nlohmann::json::parse(text), kCovariance);
+        if (!parsed.ok()) {
+          EXPECT_CODE(parsed.status(), absl::StatusCode::kInvalidArgument) << text;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace enfilade::robot

@@ -139,5 +139,33 @@ INSTANTIATE_TEST_SUITE_P(
                     "camera is \"side\""}),
     [](const auto& param) { return param.param.name; });
 
+// What a log cannot hold is refused when it is written, so that no reader meets it.
+TEST(JsonLines, RefusesToWriteWhatALogCannotHold) {
+  const auto written = [](sensor::RecordPayload payload) {
+    return sources::ToJsonLine(LogEntry{std::move(payload), {}}).status();
+  };
+  sensor::LaserScan scan;
+  scan.ranges = {1.0F};
+  scan.time = 17;
+  EXPECT_OK(written(scan));
+  for (double sensor::LaserScan::*member :
+       {&sensor::LaserScan::angle_min, &sensor::LaserScan::angle_increment, &sensor::LaserScan::time_increment}) {
+    sensor::LaserScan bad = scan;
+    bad.*member = std::numeric_limits<double>::infinity();
+    EXPECT_STATUS(written(bad), kInvalid, HasSubstr("the scan at 17 ns has a non-finite parameter"));
+  }
+  sensor::LaserScan bad = scan;
+  bad.range_max = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_STATUS(written(bad), kInvalid, HasSubstr("non-finite parameter"));
+  bad = scan;
+  bad.T_robot_laser.yaw = NAN;
+  EXPECT_STATUS(written(bad), kInvalid, HasSubstr("non-finite mount"));
+  EXPECT_STATUS(written(sensor::Odometry{5, {NAN, 0.0, 0.0}}), kInvalid, HasSubstr("the odometry at 5 ns"));
+  EXPECT_STATUS(written(sensor::DoorReport{}), kInvalid, HasSubstr("has no place in a log file"));
+  sensor::Withheld withheld;
+  withheld.reason = "damaged";
+  EXPECT_STATUS(written(withheld), kInvalid, HasSubstr("\"damaged\""));
+}
+
 }  // namespace
 }  // namespace enfilade::sources

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -81,7 +83,7 @@ TEST(BuildingFileTest, ReadsLevelsDoorsAndLiftsInMetres) {
   EXPECT_THAT(building.lifts[0].stops[1].T_level_cabin, PoseNear(Pose2{10, -7, 0.5}, 1e-9, 1e-9));
 }
 
-TEST(BuildingFileTest, TellsWhatItDidNotTake) {
+TEST(BuildingFileTest, RemarksOnWhatItDidNotImport) {
   ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoLevels));
   ASSERT_THAT(building.remarks, SizeIs(2));
   EXPECT_EQ(building.remarks[0].item, "levels Roof");
@@ -117,6 +119,103 @@ TEST(BuildingFileTest, ReadsTheHotelOfTheRmfDemos) {
     EXPECT_GE(level.outline.size(), 3U);
     EXPECT_FALSE(level.doors.empty());
   }
+}
+
+struct RefusedPart {
+  const char* name;
+  const char* yaml;
+  const char* item;
+  const char* why;
+};
+
+class BuildingFileRefusals : public ::testing::TestWithParam<RefusedPart> {};
+
+// A part that cannot be read gives a remark, and the sound level beside it is imported all the same.
+TEST_P(BuildingFileRefusals, NameThePartAndSpareTheOthers) {
+  const std::string sound = R"(
+  Sound:
+    elevation: 100
+    measurements: [[0, 1, {distance: [3, 10]}]]
+    vertices: [[0, 0, 0, ""], [100, 0, 0, ""], [100, 50, 0, ""]]
+    floors: [{vertices: [0, 1, 2]}]
+)";
+  ASSERT_OK_AND_ASSIGN(const sources::Building building,
+                       sources::ParseBuilding("levels:" + sound + std::string(GetParam().yaml)));
+  EXPECT_EQ(std::count_if(building.levels.begin(), building.levels.end(),
+                          [](const sources::BuildingLevel& level) { return level.name == "Sound"; }),
+            1);
+  ASSERT_THAT(building.remarks, SizeIs(1));
+  EXPECT_EQ(building.remarks[0].item, GetParam().item);
+  EXPECT_THAT(building.remarks[0].why, HasSubstr(GetParam().why));
+}
+
+#define LEVEL(members) "  Bad:\n    vertices: [[0, 0], [100, 0], [100, 50]]\n" members
+#define MEASURED "    measurements: [[0, 1, {distance: [3, 10]}]]\n"
+#define LIFT(members) "lifts:\n  Bad:\n" members
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BuildingFileRefusals,
+    ::testing::Values(
+        RefusedPart{"NoScale", LEVEL("    walls: [[0, 1]]\n"), "levels Bad", "scale is unknown"},
+        RefusedPart{"MeasuredNothing", LEVEL("    measurements: [[0, 0, {distance: [3, 10]}]]\n"), "levels Bad",
+                    "scale is unknown"},
+        RefusedPart{"MeasuredBackwards", LEVEL("    measurements: [[0, 1, {distance: [3, -10]}]]\n"), "levels Bad",
+                    "scale is unknown"},
+        RefusedPart{"MeasuredBeyondTheVertices", LEVEL("    measurements: [[0, 9, {distance: [3, 10]}]]\n"),
+                    "levels Bad", "scale is unknown"},
+        RefusedPart{"FloorBeyondTheVertices", LEVEL(MEASURED "    floors: [{vertices: [0, 1, 7]}]\n"), "levels Bad",
+                    "a vertex that does not exist"},
+        RefusedPart{"DoorBeyondTheVertices",
+                    LEVEL(MEASURED "    floors: [{vertices: [0, 1, 2]}]\n    doors: [[0, 8, {name: [1, d]}]]\n"),
+                    "levels Bad", "a vertex that does not exist"},
+        RefusedPart{"VertexOfWords", "  Bad:\n    vertices: [[a, b]]\n" MEASURED, "levels Bad",
+                    "traffic editor's format"},
+        RefusedPart{"ElevationOfWords", LEVEL(MEASURED "    elevation: high\n"), "levels Bad",
+                    "traffic editor's format"},
+        RefusedPart{"NegativeIndex", LEVEL(MEASURED "    walls: [[0, -1]]\n"), "levels Bad", "traffic editor's format"},
+        RefusedPart{"NoOutline", LEVEL(MEASURED), "levels Bad", "neither floors nor walls"},
+        RefusedPart{"WallsOnOneLine", LEVEL(MEASURED "    walls: [[0, 1], [1, 0]]\n"), "levels Bad", "no outline"},
+        RefusedPart{"LiftWithoutReference", LIFT("    x: 1\n    y: 1\n"), "lifts Bad", "traffic editor's format"},
+        RefusedPart{"LiftOnAnUnknownFloor", LIFT("    reference_floor_name: Attic\n    x: 1\n    y: 1\n"), "lifts Bad",
+                    "its reference floor \"Attic\" was not imported"},
+        RefusedPart{"LiftWithoutPlace", LIFT("    reference_floor_name: Sound\n    y: 1\n"), "lifts Bad",
+                    "traffic editor's format"},
+        RefusedPart{"LiftWithoutDoors", LIFT("    reference_floor_name: Sound\n    x: 1\n    y: 1\n"), "lifts Bad",
+                    "does not stop at any imported level"}),
+    [](const auto& param) { return param.param.name; });
+
+TEST(BuildingFileTest, CountsLevelsFromTheGround) {
+  const auto level = [](const char* name, double elevation) {
+    return std::string("  ") + name + ":\n    elevation: " + std::to_string(elevation) +
+           "\n    vertices: [[0, 0], [100, 0], [100, 50]]\n    measurements: [[0, 1, {distance: [3, 10]}]]\n"
+           "    floors: [{vertices: [0, 1, 2]}]\n";
+  };
+  ASSERT_OK_AND_ASSIGN(const sources::Building building,
+                       sources::ParseBuilding("levels:\n" + level("Top", 8.0) + level("Cellar", -4.0) +
+                                              level("Ground", -0.2) + level("Deep", -8.0)));
+  ASSERT_THAT(building.levels, SizeIs(4));
+  const std::pair<const char*, int> expected[] = {{"Deep", -2}, {"Cellar", -1}, {"Ground", 0}, {"Top", 1}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(building.levels[i].name, expected[i].first);
+    EXPECT_EQ(building.levels[i].level, expected[i].second);
+  }
+}
+
+TEST(BuildingFileTest, TakesMetresAndUpwardYFromCartesianBuildings) {
+  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(R"(
+coordinate_system: cartesian_meters
+levels:
+  L1:
+    vertices: [[0, 0], [4, 0], [4, 3], [0, 3]]
+    floors: [{vertices: [0, 1, 2, 3]}]
+    doors: [[1, 2, {name: [1, east]}]]
+)"));
+  ASSERT_THAT(building.levels, SizeIs(1));
+  EXPECT_THAT(building.remarks, IsEmpty());
+  EXPECT_THAT(building.levels[0].doors.at(0).T_level_door, PoseNear(Pose2{4.0, 1.5, -M_PI}, 1e-9, 1e-9));
+  double top = 0.0;
+  for (const Eigen::Vector2d& corner : building.levels[0].outline) top = std::max(top, corner.y());
+  EXPECT_NEAR(top, 3.0, 1e-12);
 }
 
 }  // namespace
