@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "yaml-cpp/yaml.h"
+#include "core/options/yaml_options.h"
 
 namespace enfilade::server {
 namespace {
@@ -97,27 +97,6 @@ std::string EnvironmentName(const std::string& key) {
   return name;
 }
 
-absl::Status ApplyNode(const YAML::Node& node, const std::string& prefix, const std::string& file,
-                       ServerOptions& options) {
-  const auto context = [&](const YAML::Node& at) { return fmt::format("{}:{}", file, at.Mark().line + 1); };
-  if (!node.IsMap()) {
-    return InvalidArgument("{}: \"{}\" must hold keys and values", context(node), prefix.empty() ? "the file" : prefix);
-  }
-  for (const auto& entry : node) {
-    const std::string key = prefix.empty() ? entry.first.Scalar() : prefix + "." + entry.first.Scalar();
-    if (entry.second.IsMap()) {
-      ENFILADE_RETURN_IF_ERROR(ApplyNode(entry.second, key, file, options));
-    } else if (entry.second.IsScalar()) {
-      if (absl::Status status = Apply({key, entry.second.Scalar()}, options); !status.ok()) {
-        return WithContext(status, context(entry.first));
-      }
-    } else {
-      return InvalidArgument("{}: option {} must be a single value", context(entry.first), key);
-    }
-  }
-  return absl::OkStatus();
-}
-
 absl::Status RequireAtLeast(const char* key, double value, double minimum) {
   if (value >= minimum && std::isfinite(value)) return absl::OkStatus();
   return InvalidArgument("option {} is {}: it must be at least {}", key, value, minimum);
@@ -144,12 +123,13 @@ std::vector<Setting> Describe(const ServerOptions& options) {
 }
 
 absl::Status ApplyYaml(const std::string& text, const std::string& name, ServerOptions& options) {
-  try {
-    const YAML::Node root = YAML::Load(text);
-    return root.IsNull() ? absl::OkStatus() : ApplyNode(root, "", name, options);
-  } catch (const YAML::Exception& error) {
-    return InvalidArgument("{}:{}: {}", name, error.mark.line + 1, error.msg);
+  ENFILADE_ASSIGN_OR_RETURN(const yaml_options::Values values, yaml_options::Load(text, name));
+  for (const auto& [key, node] : values) {
+    if (absl::Status status = Apply({key, node.Scalar()}, options); !status.ok()) {
+      return WithContext(status, yaml_options::Location(name, node.Mark()));
+    }
   }
+  return absl::OkStatus();
 }
 
 absl::Status ApplyEnvironment(const std::vector<std::string>& environment, ServerOptions& options) {

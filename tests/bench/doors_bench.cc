@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Door detection in random simulated buildings, and on a recording with known doors, as JSON on standard output:
 //   bench_doors [--buildings N] [--first-seed S] [--presets a,b] [--intel LOG DOORS] [--list]
-// A reported passage is right if the robot really passed a door at most 3 s later or 15 s earlier and at most 2.5 m from
-// the reported place, and no other reported passage is closer to that one. On the recording: if it is within 6 s of a
-// trusted passage.
+// A reported passage is right if the robot really passed a door at most 3 s later or 15 s earlier and at most 2.5 m
+// from the reported place, and no other reported passage is closer to that one. On the recording: if it is within 6 s
+// of a trusted passage.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

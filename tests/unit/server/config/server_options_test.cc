@@ -30,13 +30,13 @@ TEST(ServerOptions, YamlIsNestedAndLeavesTheRest) {
 TEST(ServerOptions, UnknownKeysAndWrongTypesAreRefusedWithFileLineAndAProposal) {
   ServerOptions options;
   EXPECT_STATUS(ApplyYaml("listen:\n  adress: x\n", "server.yaml", options), absl::StatusCode::kInvalidArgument,
-                AllOf(HasSubstr("server.yaml:2"), HasSubstr("listen.adress"), HasSubstr("listen.address")));
+                AllOf(HasSubstr("server.yaml, line 2"), HasSubstr("listen.adress"), HasSubstr("listen.address")));
   EXPECT_STATUS(ApplyYaml("mapping:\n  workers: many\n", "server.yaml", options), absl::StatusCode::kInvalidArgument,
                 HasSubstr("mapping.workers"));
   EXPECT_STATUS(ApplyYaml("mapping: [1, 2]\n", "server.yaml", options), absl::StatusCode::kInvalidArgument,
                 HasSubstr("mapping"));
   EXPECT_STATUS(ApplyYaml("a: b: c", "server.yaml", options), absl::StatusCode::kInvalidArgument,
-                HasSubstr("server.yaml:1"));
+                HasSubstr("server.yaml, line 1"));
   EXPECT_CODE(Apply({"mapping.workers", "1x"}, options), absl::StatusCode::kInvalidArgument);
 }
 
