@@ -35,7 +35,7 @@ class CommandTest : public ::testing::Test {
   // `add`: AddSlam and its like. What the command prints goes to `printed_`. A wrong use is INVALID_ARGUMENT.
   template <typename Add>
   absl::Status RunCommandLine(const Add& add, std::vector<std::string> arguments, bool json) {
-    Globals globals;
+    Globals globals = globals_;
     globals.json = json;
     globals.quiet = json;
     CLI::App app("enfilade");
@@ -57,6 +57,7 @@ class CommandTest : public ::testing::Test {
   }
 
   enfilade::testing::TemporaryDirectory directory_;
+  Globals globals_;  // of every run, apart from --json and --quiet
   std::string printed_;
 };
 
