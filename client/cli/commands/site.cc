@@ -70,13 +70,19 @@ struct AuditCommandOptions {
   int count = 50;
 };
 
+// A resource as JSON; text that is not JSON stays a string, so that the document around it stays valid.
+nlohmann::json ParseState(const std::string& text) {
+  nlohmann::json state = nlohmann::json::parse(text, nullptr, false);
+  return state.is_discarded() ? nlohmann::json(text) : state;
+}
+
 nlohmann::json ToJson(const v1::AuditEntry& entry) {
   nlohmann::json json{{"time", FormatTime(entry.time())},
                       {"actor", entry.actor()},
                       {"action", ActionName(entry.action())},
                       {"resource", entry.resource()}};
-  if (!entry.before().empty()) json["before"] = nlohmann::json::parse(entry.before(), nullptr, false);
-  if (!entry.after().empty()) json["after"] = nlohmann::json::parse(entry.after(), nullptr, false);
+  if (!entry.before().empty()) json["before"] = ParseState(entry.before());
+  if (!entry.after().empty()) json["after"] = ParseState(entry.after());
   return json;
 }
 

@@ -180,12 +180,16 @@ class MapFilesTest : public ::testing::Test {
     EXPECT_OK(io::WriteFile(directory_.path() / name, bytes));
     return directory_.path() / name;
   }
+  static std::string Yaml(const std::string& image) {
+    return "image: " + image +
+           "\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n";
+  }
   enfilade::testing::TemporaryDirectory directory_;
 };
 
 TEST_F(MapFilesTest, AYamlBringsTheImageThatItNames) {
   File("floor.pgm", "P5");
-  ASSERT_OK_AND_ASSIGN(const auto files, ReadMapFiles(File("hall.yaml", "image: floor.pgm\nresolution: 0.05\n")));
+  ASSERT_OK_AND_ASSIGN(const auto files, ReadMapFiles(File("hall.yaml", Yaml("floor.pgm"))));
   ASSERT_EQ(files.size(), 2U);
   EXPECT_EQ(files[0].name, "hall.yaml");
   EXPECT_EQ(files[1].name, "floor.pgm");
@@ -196,8 +200,7 @@ TEST_F(MapFilesTest, AYamlBringsTheImageThatItNames) {
 
 TEST_F(MapFilesTest, WhatIsMissingIsNamed) {
   EXPECT_STATUS(ReadMapFiles(directory_.path() / "none.yaml"), absl::StatusCode::kNotFound, HasSubstr("none.yaml"));
-  EXPECT_STATUS(ReadMapFiles(File("hall.yaml", "image: gone.pgm\n")), absl::StatusCode::kNotFound,
-                HasSubstr("gone.pgm"));
+  EXPECT_STATUS(ReadMapFiles(File("hall.yaml", Yaml("gone.pgm"))), absl::StatusCode::kNotFound, HasSubstr("gone.pgm"));
   EXPECT_STATUS(ReadMapFiles(File("hall.yaml", "resolution: 0.05\n")), absl::StatusCode::kInvalidArgument,
                 HasSubstr("hall.yaml"));
 }

@@ -394,6 +394,7 @@ TEST_F(ServerCommandsTest, TheAuditTrailLeavesTheSiteOut) {
   EXPECT_THAT(printed_, HasSubstr("-    deleted  linkPoints/door"));
   ASSERT_OK(Run({"site", "audit"}));
   EXPECT_EQ(Printed()[0]["before"]["tag"], "x");
+  EXPECT_EQ(Printed()[0]["after"], "not JSON") << "and the document stays valid";
   EXPECT_EQ(asked.resource(), "");
 }
 

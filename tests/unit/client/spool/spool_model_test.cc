@@ -105,7 +105,10 @@ class SpoolModel : public ::testing::TestWithParam<std::uint32_t> {
       ASSERT_EQ(batch.size(), session.pending.size()) << id;
       for (const sensor::Record& record : batch) {
         EXPECT_EQ(record.payload, session.pending.at(record.sequence)) << id << ' ' << record.sequence;
-        if (const sensor::BlobRef* blob = sensor::FindBlob(record)) EXPECT_OK(spool_->ReadBlob(*blob));
+        const sensor::BlobRef* const blob = sensor::FindBlob(record);
+        if (blob != nullptr) {
+          EXPECT_OK(spool_->ReadBlob(*blob));
+        }
       }
       ASSERT_OK_AND_ASSIGN(const auto kept, spool_->ListQuarantined(SessionId(id)));
       EXPECT_EQ(kept.size(), static_cast<std::size_t>(session.quarantined));
