@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "tests/support/eventually.h"
-#include "tests/support/fake_server.h"
+#include "tests/support/fake_server/fake_server.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 

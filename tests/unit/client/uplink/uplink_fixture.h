@@ -10,7 +10,7 @@
 
 #include "client/sdk/uplink/uplink.h"
 #include "proto/convert/record.h"
-#include "tests/support/fake_server.h"
+#include "tests/support/fake_server/fake_server.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/client/spool/spool_samples.h"

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <thread>
 
-#include "tests/support/cutting_proxy.h"
+#include "tests/support/fake_server/cutting_proxy.h"
 #include "tests/unit/client/uplink/uplink_fixture.h"
 
 namespace enfilade::client {

@@ -11,7 +11,7 @@
 #include "client/sources/content.h"
 #include "core/base/environment.h"
 #include "tests/support/eventually.h"
-#include "tests/support/fake_server.h"
+#include "tests/support/fake_server/fake_server.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "enfilade/v1/ingest_service.grpc.pb.h"
-#include "tests/support/fake_server.h"
+#include "tests/support/fake_server/fake_server.h"
 
 namespace enfilade::testing {
 

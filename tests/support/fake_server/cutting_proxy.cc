@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/cutting_proxy.h"
+#include "tests/support/fake_server/cutting_proxy.h"
 
 #include <poll.h>
 #include <sys/socket.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/fake_ingest_service.h"
+#include "tests/support/fake_server/fake_ingest_service.h"
 
 #include <chrono>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/fake_server.h"
+#include "tests/support/fake_server/fake_server.h"
 
 #include <chrono>
 #include <stdexcept>
@@ -7,7 +7,7 @@
 
 #include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server_builder.h"
-#include "tests/support/fake_ingest_service.h"
+#include "tests/support/fake_server/fake_ingest_service.h"
 
 namespace enfilade::testing {
 namespace {
