@@ -34,7 +34,8 @@ absl::StatusOr<grid::OccupancyGrid> OnMapLattice(const grid::MapRaster& raster, 
 absl::Status PutTiles(const storage::CallContext& context, const storage::BlobStore& blobs, const SiteId& site,
                       const RasterRevision& raster, const std::set<std::string>& known);
 
-// Reads the raster of a stored revision. DATA_LOSS if its tiles do not match its header.
+// Reads the raster of a stored revision. DATA_LOSS if its tiles do not match its header;
+// FAILED_PRECONDITION if a newer program stored it.
 absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::RevisionStore& revisions,
                                            const storage::MapRevision& revision);
 

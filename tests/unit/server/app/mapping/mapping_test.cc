@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/mapping/mapping.h"
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "tests/unit/server/app/mapping/mapping_fixture.h"
+
+namespace enfilade::server {
+namespace {
+
+using ::testing::HasSubstr;
+using State = storage::SessionState;
+
+// Counts how often a session's results are loaded.
+class CountingMappingStore final : public storage::MappingStore {
+ public:
+  explicit CountingMappingStore(const storage::MappingStore& store) : store_(store) {}
+
+  int loads() const { return loads_; }
+
+  absl::StatusOr<std::optional<storage::LeasedSession>> Acquire(const storage::CallContext& context,
+                                                                const std::string& owner,
+                                                                std::chrono::milliseconds ttl) const override {
+    return store_.Acquire(context, owner, ttl);
+  }
+  absl::Status Renew(const storage::CallContext& context, const storage::SessionLease& lease,
+                     std::chrono::milliseconds ttl) const override {
+    return store_.Renew(context, lease, ttl);
+  }
+  absl::Status Release(const storage::CallContext& context, const storage::SessionLease& lease) const override {
+    return store_.Release(context, lease);
+  }
+  absl::StatusOr<std::int64_t> Commit(const storage::CallContext& context, const storage::SessionLease& lease,
+                                      const storage::MappingStep& step) const override {
+    return store_.Commit(context, lease, step);
+  }
+  absl::StatusOr<std::optional<storage::StoredMapping>> Load(const storage::CallContext& context, const SiteId& site,
+                                                             const SessionId& session) const override {
+    ++loads_;
+    return store_.Load(context, site, session);
+  }
+  absl::StatusOr<storage::Trajectory> ReadTrajectory(const storage::CallContext& context, const SiteId& site,
+                                                     const SessionId& session) const override {
+    return store_.ReadTrajectory(context, site, session);
+  }
+  absl::StatusOr<std::vector<slam::SlamNode>> ListKeyframes(const storage::CallContext& context, const SiteId& site,
+                                                            const SessionId& session) const override {
+    return store_.ListKeyframes(context, site, session);
+  }
+  absl::StatusOr<std::optional<PoseWithCovariance>> FindKeyframe(const storage::CallContext& context,
+                                                                 const SiteId& site, const SessionId& session,
+                                                                 TimeNs time) const override {
+    return store_.FindKeyframe(context, site, session, time);
+  }
+
+ private:
+  const storage::MappingStore& store_;
+  mutable std::atomic<int> loads_{0};
+};
+
+class MappingWorkersTest : public MappingFixture {
+ protected:
+  void Start(int workers = 1) {
+    options_.workers = workers;
+    SessionMappingStores stores{counting_,         stores_.records,     stores_.sessions, stores_.blobs,
+                                stores_.revisions, stores_.robot_poses, stores_.maps};
+    mapping_.emplace(options_, slam::SlamOptions(), stores, *metrics_, [this] { ++ended_; });
+  }
+  void AwaitState(const SessionId& session, State state) {
+    while (Session(session).state != state) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  void AwaitMapped(const SessionId& session, std::int64_t sequence) {
+    while (Session(session).mapped_sequence < sequence) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  void AwaitEnded(int count) {
+    while (ended_ < count) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+
+  ServerOptions::Mapping options_;
+  CountingMappingStore counting_{stores_.mappings};
+  const std::unique_ptr<Metrics> metrics_ = *Metrics::Create("");
+  std::atomic<int> ended_{0};
+  std::optional<Mapping> mapping_;
+};
+
+TEST_F(MappingWorkersTest, MapsFinishedSessionsAndReportsTheirEnd) {
+  const SessionId a = NewFinishedSession("a");
+  const SessionId b = NewFinishedSession("b");
+  Start();
+  AwaitEnded(2);
+  for (const SessionId& session : {a, b}) {
+    EXPECT_EQ(Session(session).state, State::kMapped);
+    ExpectOfflineMap(session);
+  }
+  mapping_.reset();
+  EXPECT_EQ(metrics_->sessions_mapping(), 0);
+}
+
+TEST_F(MappingWorkersTest, SeveralWorkersMapManySessionsEachOnce) {
+  std::vector<SessionId> sessions;
+  for (int i = 0; i < 6; ++i) {
+    const std::string id = std::to_string(i);
+    ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "room" + id), ""));
+    sessions.push_back(NewFinishedSession("s" + id, "room" + id));
+  }
+  Start(3);
+  AwaitEnded(6);
+  for (const SessionId& session : sessions) ExpectOfflineMap(session);
+  EXPECT_EQ(ended_, 6);
+}
+
+TEST_F(MappingWorkersTest, ALiveSessionIsMappedAsItsRecordsComeAndLoadedOnce) {
+  const SessionId session = NewSession("s");
+  Start();
+  for (std::size_t begin = 0; begin < Log().size(); begin += 67) {
+    const std::size_t end = std::min(Log().size(), begin + 67);
+    Append(session, begin, end);
+    mapping_->Wake();
+    AwaitMapped(session, static_cast<std::int64_t>(end));
+  }
+  Finish(session);
+  mapping_->Wake();
+  AwaitState(session, State::kMapped);
+  ExpectOfflineMap(session);
+  EXPECT_EQ(counting_.loads(), 1) << "kept between its turns";
+}
+
+TEST_F(MappingWorkersTest, AnUnreadableRecordFailsItsSessionAndNoOther) {
+  const SessionId broken = NewFinishedSession("broken");
+  stores_.database.CorruptRecord(site_, broken, 100);
+  ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "room"), ""));
+  const SessionId sound = NewFinishedSession("sound", "room");
+  Start();
+  AwaitEnded(2);
+  EXPECT_EQ(Session(broken).state, State::kFailed);
+  EXPECT_THAT(Session(broken).error, HasSubstr("broken"));
+  EXPECT_EQ(Session(sound).state, State::kMapped);
+}
+
+TEST_F(MappingWorkersTest, StoppingStoresTheCheckpointAndReleasesTheLease) {
+  const SessionId session = NewSession("s");
+  Append(session, 0, 100);
+  Start();
+  AwaitMapped(session, 100);
+  Append(session, 100, 150);
+  mapping_.reset();
+  // Whether or not the last records were mapped before the stop: another process continues without waiting.
+  Append(session, 150, Log().size());
+  Finish(session);
+  Start();
+  AwaitState(session, State::kMapped);
+  ExpectOfflineMap(session);
+}
+
+TEST_F(MappingWorkersTest, ContinuesFromTheCheckpointAfterAnOutage) {
+  const SessionId session = NewSession("s");
+  Append(session, 0, 100);
+  Start();
+  AwaitMapped(session, 100);
+  stores_.database.FailCalls(absl::UnavailableError("gone"));
+  mapping_->Wake();
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  stores_.database.FailCalls(absl::OkStatus());
+  Append(session, 100, Log().size());
+  Finish(session);
+  mapping_->Wake();
+  AwaitState(session, State::kMapped);
+  ExpectOfflineMap(session);
+}
+
+TEST_F(MappingWorkersTest, ASessionThatAnotherProcessMappedMeanwhileIsLoadedAgain) {
+  const SessionId session = NewSession("s");
+  Append(session, 0, 67);
+  Start();
+  AwaitMapped(session, 67);
+  ASSERT_EQ(counting_.loads(), 1);
+  // Another process takes the next turn.
+  std::optional<storage::LeasedSession> taken;
+  std::size_t end = 67;
+  while (!taken) {
+    Append(session, end, end + 1);
+    ++end;
+    const auto leased = stores_.mappings.Acquire(Soon(), "another process", std::chrono::hours(1));
+    ASSERT_OK(leased);
+    taken = *leased;  // unset: this process was faster
+  }
+  auto other = SessionMapping::Load(mapping_stores(), {}, taken->session);
+  ASSERT_OK(other);
+  while (*(*other)->Step(taken->lease) == SessionMapping::Progress::kWorked) {
+  }
+  ASSERT_OK((*other)->Store(taken->lease));
+  ASSERT_OK(stores_.mappings.Release(Soon(), taken->lease));
+  Append(session, end, Log().size());
+  Finish(session);
+  mapping_->Wake();
+  AwaitState(session, State::kMapped);
+  ExpectOfflineMap(session);
+  EXPECT_EQ(counting_.loads(), 2);
+}
+
+// The lease expires whenever another process gets hold of the clock: whoever loses it stores nothing more.
+TEST_F(MappingWorkersTest, TheResultIsTheSameHoweverOftenLeasesAreLost) {
+  const SessionId session = NewFinishedSession("s");
+  options_.checkpoint_interval_s = 0.0;
+  Start();
+  for (int i = 0; i < 20 && Session(session).state != State::kMapped; ++i) {
+    stores_.database.AdvanceClock(std::chrono::hours(1));
+    const auto leased = stores_.mappings.Acquire(Soon(), "thief", std::chrono::seconds(10));
+    ASSERT_OK(leased);
+    if (!leased->has_value()) continue;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    ASSERT_OK(stores_.mappings.Release(Soon(), (*leased)->lease));
+    mapping_->Wake();
+  }
+  AwaitState(session, State::kMapped);
+  ExpectOfflineMap(session);
+}
+
+}  // namespace
+}  // namespace enfilade::server
