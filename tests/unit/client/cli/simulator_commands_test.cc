@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/commands/commands.h"
@@ -63,6 +64,42 @@ TEST_F(SimulatorCommandsTest, SimulateNamesWhatItDoesNotKnow) {
                 HasSubstr("r9"));
   EXPECT_STATUS(Run({"simulate", File("bad.yaml", "walls: 7\n"), "-o", out_}), absl::StatusCode::kInvalidArgument,
                 HasSubstr("bad.yaml"));
+}
+
+TEST_F(SimulatorCommandsTest, WithoutACampusOneLogIsWrittenWithTheScannerOfTheRooms) {
+  const std::string log = directory_.path() / "drive.jsonl";
+  const std::string truth = directory_.path() / "truth.txt";
+  ASSERT_OK(Run({"simulate", "-o", log, "--truth", truth, "--laps", "1", "--seed", "3"}));
+  const nlohmann::json document = nlohmann::json::parse(printed_);
+  EXPECT_EQ(document["log"], log);
+  const std::string poses = Content(truth);
+  EXPECT_EQ(document["scans"], std::count(poses.begin(), poses.end(), '\n'));
+  int scans = 0;
+  for (const nlohmann::json& line : Lines(Content(log))) {
+    if (!line.contains("ranges_m")) continue;
+    ++scans;
+    ASSERT_EQ(line["ranges_m"].size(), 361U) << "270 degrees, not the full turn of a campus";
+  }
+  EXPECT_EQ(scans, document["scans"]);
+  const std::string first = Content(log);
+  ASSERT_OK(Run({"sim", "-o", log, "--laps", "1", "--seed", "3"})) << "the former name";
+  EXPECT_TRUE(Content(log) == first);
+  ASSERT_OK(Run({"simulate", "-o", log, "--laps", "1", "--seed", "3", "--beams", "90"}));
+  EXPECT_FALSE(Content(log) == first);
+}
+
+TEST_F(SimulatorCommandsTest, WhatOnlyOneFormOfSimulateHasIsRefusedByTheOther) {
+  const std::string log = directory_.path() / "drive.jsonl";
+  constexpr auto kBad = absl::StatusCode::kInvalidArgument;
+  EXPECT_STATUS(Run({"simulate", "-o", log, "--robots", "r1"}), kBad, HasSubstr("--robots"));
+  for (const char* sensor : {"--image-hz", "--depth-hz", "--cloud-hz"}) {
+    EXPECT_STATUS(Run({"simulate", "-o", log, sensor, "1"}), kBad, HasSubstr("CAMPUS")) << sensor;
+  }
+  EXPECT_STATUS(Run({"simulate", "figure1", "-o", out_, "--truth", log}), kBad, HasSubstr("truth.txt"));
+  EXPECT_STATUS(Run({"simulate", "-o", log, "--laps", "0"}), kBad, HasSubstr("laps is 0"));
+  EXPECT_CODE(Run({"simulate", "figure1"}), kBad) << "without -o";
+  EXPECT_FALSE(std::filesystem::exists(log));
+  EXPECT_FALSE(std::filesystem::exists(out_));
 }
 
 TEST_F(SimulatorCommandsTest, DoorsTellsEventsAsJsonLinesAndDrawsThem) {
