@@ -119,9 +119,11 @@ absl::StatusOr<storage::StoredLinkPoint> InMemoryLinkPointStore::AddAnchor(const
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_ASSIGN_OR_RETURN(LinkPointRow* const row, GetRow(access, site, added.link_point, added.etag));
   const SiteRows& rows = *access.FindSite(site);
+  storage::StoredLinkPoint only_added = row->link_point;
+  only_added.point.anchors = {added.anchor};
+  ENFILADE_RETURN_IF_ERROR(CheckMaps(rows, only_added));
   ENFILADE_ASSIGN_OR_RETURN(storage::StoredLinkPoint changed,
                             storage::ApplyAnchor(row->link_point, added, ListLinkPoints(rows.graph)));
-  ENFILADE_RETURN_IF_ERROR(CheckMaps(rows, changed));
   return Finish(access, *row, std::move(changed), storage::GraphCause::kLinkPointChanged);
 }
 

@@ -95,6 +95,12 @@ void QueueAnchors(Transaction& transaction, const SiteId& site, const LinkPointI
   transaction.Queue(kPutAnchors, Params(site, id, maps, x, y, yaw, covariances));
 }
 
+absl::Status MapMissing(const SiteId& site, const LinkPointId& id, const std::vector<graph::Anchor>& anchors) {
+  std::string maps;
+  for (const graph::Anchor& anchor : anchors) maps += (maps.empty() ? "" : ", ") + anchor.map.value();
+  return NotFound("{}: one of its maps does not exist: {}", NameOf(site, id), maps);
+}
+
 // An error of the schema in terms of the API.
 absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, const graph::LinkPoint& point) {
   if (status.ok()) return status;
@@ -107,11 +113,7 @@ absl::Status ExplainLinkPoint(const absl::Status& status, const SiteId& site, co
                          message.substr(0, message.rfind(" (SQLSTATE")));
   }
   if (constraint == "link_points_pkey") return AlreadyExists("{} exists already", name);
-  if (constraint == "link_point_anchors_site_id_map_id_fkey") {
-    std::string maps;
-    for (const graph::Anchor& anchor : point.anchors) maps += (maps.empty() ? "" : ", ") + anchor.map.value();
-    return NotFound("{}: one of its maps does not exist: {}", name, maps);
-  }
+  if (constraint == "link_point_anchors_site_id_map_id_fkey") return MapMissing(site, point.id, point.anchors);
   return WithContext(status, name);
 }
 
@@ -147,6 +149,20 @@ absl::StatusOr<Nearby> ReadNearbyExisting(Transaction& transaction, const SiteId
   return nearby;
 }
 
+constexpr Statement kCountMaps{"looking for the link point's maps",
+                               "SELECT count(*) FROM enfilade.maps WHERE site_id = $1 AND map_id = ANY ($2)"};
+
+// Why a link point with these anchors is refused: a map that does not exist comes before `redundant`.
+absl::Status WhyRefused(Transaction& transaction, const SiteId& site, const LinkPointId& id,
+                        const std::vector<graph::Anchor>& anchors, const absl::Status& redundant) {
+  std::vector<std::string_view> maps;
+  for (const graph::Anchor& anchor : anchors) maps.push_back(anchor.map.value());
+  ENFILADE_ASSIGN_OR_RETURN(const Result counted, transaction.Execute(kCountMaps, Params(site, maps)));
+  Row row(counted, 0);
+  if (row.Int64() == static_cast<std::int64_t>(maps.size())) return redundant;
+  return MapMissing(site, id, anchors);
+}
+
 // Executes what is queued, and places the link point.
 absl::Status FlushAndPlace(Transaction& transaction, const StoredLinkPoint& link_point, std::int64_t version) {
   ENFILADE_RETURN_IF_ERROR(ExplainLinkPoint(transaction.Flush().status(), link_point.site, link_point.point));
@@ -167,7 +183,8 @@ absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   if (!point.is_candidate() && !created.forced) {
     ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearby(transaction, site, point.id, point.anchors));
     if (nearby.stored) return AlreadyExists("{} exists already", NameOf(site, point.id));
-    ENFILADE_RETURN_IF_ERROR(CheckNotRedundant(created, AnchorChange::kAdded, nearby.others));
+    const absl::Status fits = CheckNotRedundant(created, AnchorChange::kAdded, nearby.others);
+    if (!fits.ok()) return WhyRefused(transaction, site, point.id, point.anchors, fits);
   }
   transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
                                              DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(created),
@@ -186,7 +203,9 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearby(transaction, site, id, link_point.point.anchors));
   if (!nearby.stored) return NotFound("{} does not exist", NameOf(site, id));
   if (nearby.stored->etag != link_point.etag) return StaleEtag(NameOf(site, id));
-  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, ApplyUpdate(*nearby.stored, link_point, nearby.others));
+  const auto applied = ApplyUpdate(*nearby.stored, link_point, nearby.others);
+  if (!applied.ok()) return WhyRefused(transaction, site, id, link_point.point.anchors, applied.status());
+  const StoredLinkPoint& changed = *applied;
   const graph::LinkPoint& point = changed.point;
   transaction.Queue(kUpdateLinkPoint,
                     Params(site, id, changed.etag, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
@@ -205,10 +224,11 @@ absl::Status InsertAnchor(Transaction& transaction, const SiteId& site, const Ne
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
                             RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(id)));
   ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearbyExisting(transaction, site, id, added.etag, {added.anchor}));
-  ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, ApplyAnchor(*nearby.stored, added, nearby.others));
+  const auto changed = ApplyAnchor(*nearby.stored, added, nearby.others);
+  if (!changed.ok()) return WhyRefused(transaction, site, id, {added.anchor}, changed.status());
   transaction.Queue(kTouch, Params(site, id, added.etag, version, added.force));
   QueueAnchors(transaction, site, id, {added.anchor});
-  return FlushAndPlace(transaction, changed, version);
+  return FlushAndPlace(transaction, *changed, version);
 }
 
 absl::Status SetSuspended(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag,
