@@ -97,6 +97,12 @@ absl::StatusOr<std::string> SpoolPathOf(const RobotCommandOptions& options) {
   return DefaultSpoolPath("robot-" + options.robot);
 }
 
+absl::StatusOr<std::unique_ptr<client::Spool>> OpenSpool(const std::string& path, const robot::RobotOptions& options) {
+  client::SpoolOptions spool_options;
+  spool_options.max_bytes = std::llround(options.spool.max_mib * 1024.0 * 1024.0);
+  return client::Spool::Open(path, spool_options);
+}
+
 // Prints events on standard output: lines for people, or one JSON object a line.
 class Console {
  public:
@@ -168,9 +174,7 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   if (!run.live && (isatty(STDIN_FILENO) || options.commands == "-")) commands.emplace(STDIN_FILENO);
 
   ENFILADE_ASSIGN_OR_RETURN(const std::string spool_path, SpoolPathOf(options));
-  client::SpoolOptions spool_options;
-  spool_options.max_bytes = std::llround(robot_options.spool.max_mib * 1024.0 * 1024.0);
-  ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<client::Spool> spool, client::Spool::Open(spool_path, spool_options));
+  ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<client::Spool> spool, OpenSpool(spool_path, robot_options));
   Console console(globals);
   const robot::NotificationListener listener = [&console](const robot::Notification& notification) {
     console.Show(notification);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/sdk/api/chunks.h"
 #include "client/sdk/connection.h"
 #include "core/base/sha256.h"
 #include "enfilade/v1/transfer.pb.h"
@@ -41,25 +42,33 @@ class DownloadCheck {
   std::int64_t received_ = 0;
 };
 
-// Reads a stream of one manifest and the chunks of its files to its end. `start(manifest)` is called for the first
-// message, `take(chunk)` for every chunk once it is checked; both return an absl::Status, and the first error cancels
-// the call. `progress` is called after every chunk, if set. DATA_LOSS: as DownloadCheck, or no manifest comes first.
-template <typename Response, typename Start, typename Take, typename Progress>
+// Where ReceiveFiles puts what it receives: `start(manifest)` is called for the first message, `take(chunk)` for every
+// chunk once it is checked; both return an absl::Status, and the first error cancels the call. `progress(done, total)`
+// is called after every chunk, if set.
+template <typename Start, typename Take>
+struct FileSink {
+  Start start;
+  Take take;
+  TransferProgress progress;
+};
+
+// Reads a stream of one manifest and the chunks of its files to its end. DATA_LOSS: as DownloadCheck, or no manifest
+// comes first.
+template <typename Response, typename Sink>
 absl::Status ReceiveFiles(const Connection& connection, grpc::ClientContext& context,
-                          std::unique_ptr<grpc::ClientReader<Response>> reader, const Start& start, const Take& take,
-                          const Progress& progress) {
+                          std::unique_ptr<grpc::ClientReader<Response>> reader, const Sink& sink) {
   Response part;
   if (!reader->Read(&part)) {
     const absl::Status status = FromGrpcStatus(reader->Finish(), connection.address());
     return status.ok() ? absl::DataLossError("the server sent no manifest") : status;
   }
-  absl::Status status = part.has_manifest() ? start(part.manifest())
+  absl::Status status = part.has_manifest() ? sink.start(part.manifest())
                                             : absl::DataLossError("the server's first message is not a manifest");
   DownloadCheck check(part.manifest().files());
   while (status.ok() && reader->Read(&part)) {
     status = check.Add(part.chunk());
-    if (status.ok()) status = take(part.chunk());
-    if (status.ok() && progress) progress(check.received(), check.total());
+    if (status.ok()) status = sink.take(part.chunk());
+    if (status.ok() && sink.progress) sink.progress(check.received(), check.total());
   }
   if (!status.ok()) context.TryCancel();
   const absl::Status ended = FromGrpcStatus(reader->Finish(), connection.address());

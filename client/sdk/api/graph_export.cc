@@ -26,8 +26,8 @@ absl::StatusOr<ExportedGraph> ExportGraph(const Connection& connection, const Si
     graph.geojson += chunk.data();
     return absl::OkStatus();
   };
-  ENFILADE_RETURN_IF_ERROR(
-      ReceiveFiles(connection, context, stub.ExportGraph(&context, request), start, take, TransferProgress()));
+  ENFILADE_RETURN_IF_ERROR(ReceiveFiles(connection, context, stub.ExportGraph(&context, request),
+                                        FileSink<decltype(start), decltype(take)>{start, take, {}}));
   return graph;
 }
 

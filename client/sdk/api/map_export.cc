@@ -68,7 +68,8 @@ absl::Status ReceiveMap(const Connection& connection, const v1::ExportMapRequest
   v1::MapService::Stub stub(connection.channel());
   grpc::ClientContext context;
   connection.SetActor(context);
-  return ReceiveFiles(connection, context, stub.ExportMap(&context, request), start, take, progress);
+  return ReceiveFiles(connection, context, stub.ExportMap(&context, request),
+                      FileSink<Start, Take>{start, take, progress});
 }
 
 }  // namespace
