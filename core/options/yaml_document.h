@@ -15,7 +15,7 @@
 // source files only.
 namespace enfilade::yaml_options {
 
-// "slam options, line 3", or "line 3" where `what` is empty. `mark` counts from 0.
+// "slam options, line 3"; "line 3" if `what` is empty; "slam options" if the line is unknown. `mark` counts from 0.
 std::string Location(std::string_view what, const YAML::Mark& mark);
 
 // INVALID_ARGUMENT with the location of an exception of yaml-cpp.

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/grid/files/map_yaml.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/options/yaml_document.h"
 
 namespace enfilade::grid {
 namespace {
@@ -18,28 +18,30 @@ constexpr std::size_t kMaxSize = 1 << 20;
 constexpr std::array<std::string_view, 7> kKeys = {"image",           "resolution",  "origin", "negate",
                                                    "occupied_thresh", "free_thresh", "mode"};
 
-// " (line 3)"
-std::string LineOf(const YAML::Mark& mark) { return mark.line < 0 ? "" : fmt::format(" (line {})", mark.line + 1); }
+using yaml_options::Location;
+using yaml_options::ScalarAs;
+
+constexpr std::string_view kWhat = "the map's YAML";
+
+// "the map's YAML, line 3: ..."
+template <typename... Args>
+absl::Status Refused(const YAML::Node& where, fmt::format_string<Args...> format, Args&&... args) {
+  return InvalidArgument("{}: {}", Location(kWhat, where.Mark()), fmt::format(format, std::forward<Args>(args)...));
+}
 
 absl::StatusOr<YAML::Node> Required(const YAML::Node& document, const std::string& key) {
   const YAML::Node node = document[key];
-  if (!node.IsDefined() || node.IsNull()) return InvalidArgument("the map's YAML has no '{}'", key);
+  if (!node.IsDefined() || node.IsNull()) return InvalidArgument("{} has no '{}'", kWhat, key);
   return node;
 }
 
-template <typename T>
-std::optional<T> As(const YAML::Node& node) {
-  T value;
-  return node.IsScalar() && YAML::convert<T>::decode(node, value) ? std::optional<T>(value) : std::nullopt;
-}
-
 absl::StatusOr<double> NumberOf(const YAML::Node& node, const std::string& key) {
-  const std::optional<double> value = As<double>(node);
+  const std::optional<double> value = ScalarAs<double>(node);
   if (!value.has_value()) {
-    return InvalidArgument("the map's YAML: '{}' is not a number{}", key, LineOf(node.Mark()));
+    return Refused(node, "'{}' is not a number", key);
   }
   if (!std::isfinite(*value)) {
-    return InvalidArgument("the map's YAML: '{}' is {}, which is not finite{}", key, *value, LineOf(node.Mark()));
+    return Refused(node, "'{}' is {}, which is not finite", key, *value);
   }
   return *value;
 }
@@ -51,9 +53,9 @@ absl::StatusOr<double> Number(const YAML::Node& document, const std::string& key
 
 absl::StatusOr<std::string> ReadImage(const YAML::Node& document) {
   ENFILADE_ASSIGN_OR_RETURN(const YAML::Node node, Required(document, "image"));
-  const std::optional<std::string> image = As<std::string>(node);
+  const std::optional<std::string> image = ScalarAs<std::string>(node);
   if (!image.has_value() || image->empty()) {
-    return InvalidArgument("the map's YAML: 'image' is not a file name{}", LineOf(node.Mark()));
+    return Refused(node, "'image' is not a file name");
   }
   return *image;
 }
@@ -61,15 +63,13 @@ absl::StatusOr<std::string> ReadImage(const YAML::Node& document) {
 absl::StatusOr<double> ReadResolution(const YAML::Node& document) {
   ENFILADE_ASSIGN_OR_RETURN(const double resolution, Number(document, "resolution"));
   if (resolution > 0.0) return resolution;
-  return InvalidArgument("the map's YAML: 'resolution' is {}: expected positive metres per pixel{}", resolution,
-                         LineOf(document["resolution"].Mark()));
+  return Refused(document["resolution"], "'resolution' is {}: expected positive metres per pixel", resolution);
 }
 
 absl::StatusOr<Pose2> ReadOrigin(const YAML::Node& document) {
   ENFILADE_ASSIGN_OR_RETURN(const YAML::Node node, Required(document, "origin"));
   if (!node.IsSequence() || node.size() != 3) {
-    return InvalidArgument("the map's YAML: 'origin' is not a list of three numbers [x, y, yaw]{}",
-                           LineOf(node.Mark()));
+    return Refused(node, "'origin' is not a list of three numbers [x, y, yaw]");
   }
   Pose2 origin;
   ENFILADE_ASSIGN_OR_RETURN(origin.x, NumberOf(node[0], "origin[0]"));
@@ -80,27 +80,27 @@ absl::StatusOr<Pose2> ReadOrigin(const YAML::Node& document) {
 
 absl::StatusOr<bool> ReadNegate(const YAML::Node& document) {
   ENFILADE_ASSIGN_OR_RETURN(const YAML::Node node, Required(document, "negate"));
-  if (const std::optional<int> value = As<int>(node)) return *value != 0;
-  if (const std::optional<bool> value = As<bool>(node)) return *value;
-  return InvalidArgument("the map's YAML: 'negate' is neither a whole number nor true or false{}", LineOf(node.Mark()));
+  if (const std::optional<int> value = ScalarAs<int>(node)) return *value != 0;
+  if (const std::optional<bool> value = ScalarAs<bool>(node)) return *value;
+  return Refused(node, "'negate' is neither a whole number nor true or false");
 }
 
 absl::StatusOr<MapMode> ReadMode(const YAML::Node& document) {
   const YAML::Node node = document["mode"];
   if (!node.IsDefined()) return MapMode::kTrinary;
-  const std::string mode = As<std::string>(node).value_or("");
+  const std::string mode = ScalarAs<std::string>(node).value_or("");
   if (mode == "trinary") return MapMode::kTrinary;
   if (mode == "scale") return MapMode::kScale;
   if (mode == "raw") return MapMode::kRaw;
-  return InvalidArgument("the map's YAML: 'mode' is '{}': expected trinary, scale or raw{}", mode, LineOf(node.Mark()));
+  return Refused(node, "'mode' is '{}': expected trinary, scale or raw", mode);
 }
 
 std::vector<std::string> WarningsOf(const YAML::Node& document, const GreyInterpretation& by) {
   std::vector<std::string> warnings;
   for (const auto& entry : document) {
-    const std::string key = As<std::string>(entry.first).value_or("(not a word)");
+    const std::string key = ScalarAs<std::string>(entry.first).value_or("(not a word)");
     if (std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end()) continue;
-    warnings.push_back(fmt::format("the map's YAML: '{}' is unknown and ignored{}", key, LineOf(entry.first.Mark())));
+    warnings.push_back(fmt::format("{}: '{}' is unknown and ignored", Location(kWhat, entry.first.Mark()), key));
   }
   if (by.mode != MapMode::kRaw && by.free_thresh >= by.occupied_thresh) {
     warnings.push_back(
@@ -152,11 +152,7 @@ std::string_view NameOf(MapMode mode) {
 absl::StatusOr<ParsedMapYaml> ParseMapYaml(std::string_view text, MapDialect dialect) {
   if (text.size() > kMaxSize)
     return InvalidArgument("the map's YAML is {} bytes long: expected at most {}", text.size(), kMaxSize);
-  try {
-    return Read(YAML::Load(std::string(text)), dialect);
-  } catch (const YAML::Exception& e) {
-    return InvalidArgument("the map's YAML cannot be read: {}{}", e.msg, LineOf(e.mark));
-  }
+  return yaml_options::ReadYaml(text, kWhat, [&](const YAML::Node& document) { return Read(document, dialect); });
 }
 
 std::string FormatMapYaml(const MapYaml& yaml) {

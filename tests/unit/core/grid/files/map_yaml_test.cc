@@ -84,7 +84,7 @@ class BadMapYaml : public ::testing::TestWithParam<BadYaml> {};
 INSTANTIATE_TEST_SUITE_P(
     MapYaml, BadMapYaml,
     ::testing::Values(BadYaml{"", "not a list", ""}, BadYaml{"just words", "not a list", ""},
-                      BadYaml{"a: [1, 2", "cannot be read", "line"}, BadYaml{"a: b: c", "cannot be read", "line 1"},
+                      BadYaml{"a: [1, 2", "the map's YAML", "line"}, BadYaml{"a: b: c", "the map's YAML", "line 1"},
                       BadYaml{"P5\n2 2\n255\nabcd", "not a list", ""}, BadYaml{With("image", ""), "no 'image'", ""},
                       BadYaml{With("image", "image: \"\""), "'image' is not a file name", "line 1"},
                       BadYaml{With("image", "image: [a]"), "'image' is not a file name", "line 1"},
@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(
                       BadYaml{With("free_thresh", "free_thresh: -.inf"), "not finite", "line 7"},
                       BadYaml{With("mode", "mode: binary"), "'mode' is 'binary'", "line 2"},
                       BadYaml{std::string(2 << 20, '#'), "2097152 bytes", ""},
-                      BadYaml{std::string(100'000, '['), "cannot be read", ""}));
+                      BadYaml{std::string(100'000, '['), "the map's YAML", ""}));
 
 TEST_P(BadMapYaml, IsRefusedNamingKeyAndLine) {
   EXPECT_STATUS(ParseMapYaml(GetParam().text, MapDialect::kNav2), absl::StatusCode::kInvalidArgument,
