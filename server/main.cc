@@ -3,7 +3,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -12,10 +11,10 @@
 #include "absl/synchronization/mutex.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/slam/slam_options_yaml.h"
 #include "io/file.h"
 #include "server/app/runtime/logging.h"
 #include "server/config/server_options.h"
+#include "server/config/slam_profiles.h"
 #include "server/server.h"
 #include "server/version.h"
 #include "spdlog/spdlog.h"
@@ -49,29 +48,6 @@ absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
   return options;
 }
 
-absl::StatusOr<enfilade::slam::SlamOptions> ReadSlamOptions(const std::string& path) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(path));
-  return enfilade::slam::ParseSlamOptions(text, path);
-}
-
-absl::StatusOr<enfilade::slam::SlamProfiles> LoadSlamProfiles(const ServerOptions::Mapping& options) {
-  enfilade::slam::SlamOptions base;
-  if (!options.slam_options_file.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(base, ReadSlamOptions(options.slam_options_file));
-  }
-  enfilade::slam::SlamProfiles profiles(base);
-  if (options.slam_profiles_directory.empty()) return profiles;
-  std::error_code error;
-  for (const auto& file : std::filesystem::directory_iterator(options.slam_profiles_directory, error)) {
-    if (file.path().extension() != ".yaml") continue;
-    ENFILADE_ASSIGN_OR_RETURN(const enfilade::slam::SlamOptions slam, ReadSlamOptions(file.path()));
-    profiles.Set(file.path().stem(), slam);
-  }
-  if (error)
-    return NotFound("mapping.slam_profiles_directory: {}: {}", options.slam_profiles_directory, error.message());
-  return profiles;
-}
-
 absl::Status Run(const CommandLine& command_line) {
   ENFILADE_ASSIGN_OR_RETURN(const ServerOptions options, LoadOptions(command_line));
   if (command_line.print_config) {
@@ -80,16 +56,16 @@ absl::Status Run(const CommandLine& command_line) {
   }
   SetUpLogging(options.log);
 
-  // Signals are taken by this thread alone, at a time of its choosing; threads started from here on inherit the mask.
+  // Only this thread receives signals, in sigwait(): threads that start from here on inherit the mask.
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-  ENFILADE_ASSIGN_OR_RETURN(const enfilade::slam::SlamProfiles slam, LoadSlamProfiles(options.mapping));
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamProfiles slam, LoadSlamProfiles(options.mapping));
   ENFILADE_ASSIGN_OR_RETURN(const auto server, Server::Start(options, slam));
-  spdlog::info("enfilade-server {} listens at {}", kVersion, server->address());
+  spdlog::info("enfilade-server {} is listening on {}", kVersion, server->address());
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("signal {}", signal);
@@ -100,14 +76,16 @@ absl::Status Run(const CommandLine& command_line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Built with assertions, as Debian's, Abseil keeps a graph of the order of gRPC's locks, and aborts at a cycle in it.
+  // If Abseil is built with assertions, as in Debian, it keeps a graph of the order of gRPC's locks, and aborts at a
+  // cycle in it.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   CLI::App app("The map service of a fleet of robots.", "enfilade-server");
   app.set_version_flag("--version", std::string(kVersion));
   CommandLine command_line;
   app.add_option("--config", command_line.config, "A YAML file with options")->envname("ENFILADE_CONFIG");
-  app.add_option("--set", command_line.settings, "KEY=VALUE, such as listen.address=0.0.0.0:50051; may be repeated");
-  app.add_flag("--print-config", command_line.print_config, "Print every option with its value and end");
+  app.add_option("--set", command_line.settings,
+                 "KEY=VALUE, for example listen.address=0.0.0.0:50051; may be repeated");
+  app.add_flag("--print-config", command_line.print_config, "Print every option with its value and exit");
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = Run(command_line);
   if (status.ok()) return 0;

@@ -12,11 +12,11 @@
 namespace enfilade::convert {
 
 v1::PoseWithCovariance ToProto(const PoseWithCovariance& pose);
-// Into a message that is a part of another, without a copy.
+// Fills a message that is part of another one, without a copy.
 void ToProto(const PoseWithCovariance& pose, v1::PoseWithCovariance& out);
 
-// INVALID_ARGUMENT naming `field`: a pose that is missing or not finite, a covariance that is no covariance. Without
-// one it is zero.
+// INVALID_ARGUMENT naming `field`: a pose that is missing or not finite, an invalid
+// covariance. A missing covariance is zero.
 absl::StatusOr<PoseWithCovariance> FromProto(const std::string& field, const v1::PoseWithCovariance& pose);
 
 // Row by row.

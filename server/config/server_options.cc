@@ -16,7 +16,7 @@ namespace {
 
 constexpr char kEnvironmentPrefix[] = "ENFILADE_SERVER_";
 
-// Calls visit(key, reference) for every option: the one list of what can be set.
+// Calls visit(key, reference) for every option. This is the only list of the options.
 template <typename Options, typename Visitor>
 void VisitOptions(Options& options, Visitor&& visit) {
   visit("listen.address", options.listen.address);
@@ -56,9 +56,13 @@ absl::Status Parse(const Setting& setting, std::string& value) {
 template <typename Number>
 absl::Status Parse(const Setting& setting, Number& value) {
   const char* end = setting.value.data() + setting.value.size();
-  const auto result = std::from_chars(setting.value.data(), end, value);
-  if (result.ec == std::errc() && result.ptr == end) return absl::OkStatus();
-  return InvalidArgument("option {}: \"{}\" is not a number of the right kind", setting.key, setting.value);
+  Number parsed{};
+  const auto result = std::from_chars(setting.value.data(), end, parsed);
+  if (result.ec == std::errc() && result.ptr == end) {
+    value = parsed;
+    return absl::OkStatus();
+  }
+  return InvalidArgument("option {}: \"{}\" is not a valid number", setting.key, setting.value);
 }
 
 std::string Print(const std::string& value) { return value; }
@@ -158,8 +162,8 @@ absl::Status ServerOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("database.default_deadline_s", database.default_deadline_s, 0.001));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("ingest.writers", ingest.writers, 1));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.workers", mapping.workers, 0));
-  // One for each writer and mapper, one each to hear of changed graphs, to optimise them, to judge doors and to tell of
-  // entered maps, and one left for all else.
+  // One for each writer, two for each mapper, one each to receive changes of graphs, to optimise graphs, to judge doors
+  // and to look for entered maps, and one for everything else.
   ENFILADE_RETURN_IF_ERROR(
       RequireAtLeast("database.max_connections", database.max_connections, ingest.writers + 2 * mapping.workers + 5));
   for (const auto& [key, value] : {std::pair{"ingest.stream_buffer_bytes", ingest.stream_buffer_bytes},

@@ -10,32 +10,32 @@
 
 namespace enfilade::server {
 
-// Everything that can be set, with units and defaults. Sources, the later one wins: the YAML file, the environment
-// (ENFILADE_SERVER_DATABASE_URL sets database.url), the command line (--set database.url=...).
+// All options of the server, with units and defaults. They come from the YAML file, then the environment
+// (ENFILADE_SERVER_DATABASE_URL sets database.url), then the command line (--set database.url=...); later ones win.
 struct ServerOptions {
   struct Listen {
-    // host:port or unix:/path. Port 0: any free one (it is logged).
+    // host:port or unix:/path. Port 0: any free port, which is logged.
     std::string address = "0.0.0.0:50051";
     // After SIGTERM: how long streams may take to finish, s.
     double grace_s = 10.0;
-    // The largest message taken, bytes: an image or cloud of 64 MiB with its frame.
+    // The largest message accepted, bytes: an image or cloud of 64 MiB with its frame.
     std::int64_t max_message_bytes = (64LL << 20) + (1LL << 20);
-    // Threads for unary calls (they wait for the database).
+    // Threads for calls, which wait for the database.
     int workers = 8;
   } listen;
 
   struct Database {
-    // libpq's connection URL or keywords; the password belongs into PGPASSWORD or ~/.pgpass.
+    // libpq's connection URL or keywords; put the password into PGPASSWORD or ~/.pgpass.
     std::string url = "postgresql:///enfilade?host=/var/run/postgresql";
     int max_connections = 16;
-    // For calls that bring no deadline of their own, s.
+    // For calls whose client sets no deadline, and for each step of an open-ended stream, s.
     double default_deadline_s = 30.0;
   } database;
 
   struct Ingest {
-    // Threads that write batches, each with a connection of its own while it writes.
+    // Threads that write batches, each on its own connection while it writes.
     int writers = 3;
-    // A stream is read no further while this much of it is not yet stored, bytes.
+    // The server stops reading a stream while this much of it is not yet stored, bytes.
     std::int64_t stream_buffer_bytes = 8LL << 20;
     // The same over all streams, bytes.
     std::int64_t total_buffer_bytes = 256LL << 20;
@@ -46,7 +46,7 @@ struct ServerOptions {
   struct Mapping {
     // Sessions mapped at the same time by this process; 0: another replica maps.
     int workers = 1;
-    // How long a lease holds without being renewed, s: after a crash another process takes over that much later.
+    // How long a lease lasts if it is not renewed, s: another process takes over that long after a crash.
     double lease_s = 10.0;
     // Results and checkpoint are stored at least this often, s ...
     double checkpoint_interval_s = 5.0;
@@ -54,9 +54,10 @@ struct ServerOptions {
     double revision_interval_s = 20.0;
     // A scan is paired with odometry at most this far from it in time, s.
     double pairing_window_s = 0.5;
-    // A YAML file with SLAM options; empty: the defaults. They are the profile "indoor", and seen farther "outdoor".
+    // A YAML file with SLAM options; empty: the defaults. They are the profile "indoor" and, with a longer range,
+    // "outdoor".
     std::string slam_options_file;
-    // A folder with files NAME.yaml of SLAM options: further profiles for maps to name, or other ones for these two.
+    // A folder with SLAM options in files NAME.yaml: more profiles for maps to name, or replacements for these two.
     // Empty: none.
     std::string slam_profiles_directory;
   } mapping;
@@ -65,9 +66,9 @@ struct ServerOptions {
   closure::DoorClosureOptions closure;
 
   struct Transfers {
-    // Rendered files are kept here for the next download; empty: a folder of its own under the system's temporary one.
+    // Where rendered files are kept for the next download; empty: a new folder under the system's temporary one.
     std::string cache_directory;
-    // The oldest go when the cache is larger, bytes.
+    // The size above which the oldest files are removed, bytes.
     std::int64_t cache_bytes = 2LL << 30;
     // The largest import, bytes.
     std::int64_t max_import_bytes = 1LL << 30;
@@ -79,7 +80,7 @@ struct ServerOptions {
   } retention;
 
   struct Metrics {
-    // host:port for Prometheus; empty: none.
+    // host:port for Prometheus; empty: not served.
     std::string address = "0.0.0.0:9464";
   } metrics;
 
@@ -92,22 +93,23 @@ struct ServerOptions {
   absl::Status Validate() const;
 };
 
-// One key as people write it: "database.url".
+// One option by its key, for example "database.url".
 struct Setting {
   std::string key;
   std::string value;
 };
 
-// INVALID_ARGUMENT on an unknown key or a value of the wrong type, naming both (and the nearest known key).
+// INVALID_ARGUMENT for an unknown key, with the most similar known one, or for a value of the wrong type.
 absl::Status Apply(const Setting& setting, ServerOptions& options);
 
-// Every key with its present value, in order: for --print-config and the documentation.
+// Every key with its value, in order: for --print-config and the documentation.
 std::vector<Setting> Describe(const ServerOptions& options);
 
 // `text` is the content of the YAML file `name`. Errors name the line.
 absl::Status ApplyYaml(const std::string& text, const std::string& name, ServerOptions& options);
 
-// `environment` as in environ: "NAME=value". Variables that begin with ENFILADE_SERVER_ must name a key.
+// `environment`: "NAME=value", as in environ. INVALID_ARGUMENT for a variable that begins with ENFILADE_SERVER_ but
+// names no key.
 absl::Status ApplyEnvironment(const std::vector<std::string>& environment, ServerOptions& options);
 
 }  // namespace enfilade::server

@@ -92,7 +92,7 @@ class ApiOf : public Service {
                                 v1::Rpc##Response* response) override {                                \
     return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc));                       \
   }
-// Its Try##Rpc() may answer at once, without the executor.
+// Its Try##Rpc() may answer immediately, without the executor.
 #define ENFILADE_UNARY_OR_NOW(Rpc)                                                                          \
   grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,      \
                                 v1::Rpc##Response* response) override {                                     \

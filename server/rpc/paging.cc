@@ -11,7 +11,7 @@
 namespace enfilade::server {
 namespace {
 
-// In front of the key, so that other base64 is not taken for a token.
+// Precedes the key, so that other base64 is not accepted as a token.
 constexpr char kMark[] = "p1:";
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxNameCharacters = 200;
 
-// The number of code points; npos where `text` is no UTF-8 (protobuf has refused that already) or holds a NUL.
+// The number of code points of UTF-8, which protobuf has checked; npos if `text` contains a NUL.
 std::size_t CountCharacters(const std::string& text) {
   if (text.find('\0') != std::string::npos) return std::string::npos;
   return static_cast<std::size_t>(

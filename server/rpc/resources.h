@@ -38,13 +38,13 @@ absl::StatusOr<storage::Map> FromProto(const v1::Map& map);
 // 0 for "" (any).
 absl::StatusOr<std::int64_t> ParseEtag(const std::string& etag);
 
-// The id that the client wants, or a new one. INVALID_ARGUMENT naming `field` where it is no valid id.
+// The requested id, or a new one if it is empty. INVALID_ARGUMENT naming `field` if it is not a valid id.
 absl::StatusOr<std::string> IdOrNew(const char* field, const std::string& requested);
 
-// INVALID_ARGUMENT where a path of `mask` is none of the message's editable fields.
+// INVALID_ARGUMENT if a path of `mask` is not one of the editable fields.
 absl::Status CheckMask(const google::protobuf::FieldMask& mask, std::initializer_list<const char*> editable);
 
-// Whether an update writes the field: it is in the mask or, without a mask, it is set.
+// Whether an update writes the field: it is in the mask or, if the mask is empty, it is set.
 bool IsUpdated(const google::protobuf::FieldMask& mask, const char* path, bool is_set);
 
 }  // namespace enfilade::server

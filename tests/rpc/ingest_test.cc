@@ -79,7 +79,7 @@ TEST_F(IngestTest, RefusesWhatNoRecordMayBe) {
     EXPECT_THAT(answer.message(), HasSubstr(message));
   };
   refused([](v1::Record& r) { r.clear_payload(); }, "payload is not set");
-  refused([](v1::Record& r) { r.set_sequence(9); }, "go up by one");
+  refused([](v1::Record& r) { r.set_sequence(9); }, "increase by one");
   refused([](v1::Record& r) { r.mutable_laser_scan()->clear_ranges_m(); }, "ranges is empty");
   refused([](v1::Record& r) { r.mutable_laser_scan()->mutable_ranges_m()->Resize(200'000, 1.0F); }, "200000 beams");
   refused([](v1::Record& r) { r.mutable_laser_scan()->mutable_time()->set_nanos(-1); }, "time");
@@ -96,7 +96,7 @@ TEST_F(IngestTest, RefusesWhatNoRecordMayBe) {
         r.mutable_point_cloud()->mutable_content()->set_size_bytes(5);
       },
       "blob");
-  refused([](v1::Record& r) { r.set_sequence(0); }, "go up by one");
+  refused([](v1::Record& r) { r.set_sequence(0); }, "increase by one");
   EXPECT_EQ(Refused(session, {}).reason(), v1::BatchRefused::REASON_INVALID_BATCH);
   EXPECT_EQ(StoredCount(), "0");
 }

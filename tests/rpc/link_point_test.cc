@@ -146,7 +146,7 @@ TEST_F(LinkPointTest, RefusesWhatItDoesNotUnderstand) {
   EXPECT_CODE(Create("p", {MakeAnchor("cellar", {})}), absl::StatusCode::kNotFound);
   v1::FindLinkPointsRequest find;
   find.set_parent("sites/s");
-  EXPECT_STATUS(Call(&Stub::FindLinkPoints, find), absl::StatusCode::kInvalidArgument, HasSubstr("where to look"));
+  EXPECT_STATUS(Call(&Stub::FindLinkPoints, find), absl::StatusCode::kInvalidArgument, HasSubstr("no place to search"));
   find.mutable_point_world();
   find.set_subset(static_cast<v1::LinkPointSubset>(7));
   EXPECT_STATUS(Call(&Stub::FindLinkPoints, find), absl::StatusCode::kInvalidArgument, HasSubstr("subset"));

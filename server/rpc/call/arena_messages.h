@@ -6,8 +6,8 @@
 
 namespace enfilade::server {
 
-// Gives each call an arena for its request and response: an answer of hundreds of small messages is then allocated and
-// freed in a few pieces. For RPCs that answer in place; a response that is moved into an arena is copied.
+// Gives each call an arena for its request and response, so that an answer of hundreds of small messages is allocated
+// and freed in a few pieces. For handlers that fill the response: one that is moved into an arena is copied.
 template <typename Request, typename Response>
 class ArenaMessages final : public grpc::MessageAllocator<Request, Response> {
  public:

@@ -51,7 +51,7 @@ absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, cons
   v1::FindRoutesResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName start, convert::ParseMapName("start_map", request.start_map()));
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName goal, convert::ParseMapName("goal_map", request.goal_map()));
-  if (start.site != goal.site) return InvalidArgument("start_map and goal_map are of different sites");
+  if (start.site != goal.site) return InvalidArgument("start_map and goal_map belong to different sites");
   if (!request.has_pose_map_start()) return InvalidArgument("pose_map_start is missing");
   if (!request.has_pose_map_goal()) return InvalidArgument("pose_map_goal is missing");
   ENFILADE_ASSIGN_OR_RETURN(const graph::RouteOptions options, OptionsOf(request));

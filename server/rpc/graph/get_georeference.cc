@@ -13,7 +13,7 @@ absl::StatusOr<v1::GetGeoreferenceResponse> GetGeoreference(const Services& serv
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), site));
   if (graph->control_points.empty()) return NotFound("{} has no georeference", NameOf(site));
-  // Fitted anew where the graph's does not: the answer is then why.
+  // Fits again instead of using the graph's: if it does not fit, the error says why.
   ENFILADE_ASSIGN_OR_RETURN(const geo::GeoreferenceFit fit, FitControlPoints(graph->poses, graph->control_points));
   *response.mutable_georeference() = ToProto(site, *graph, fit, graph->control_points);
   return response;

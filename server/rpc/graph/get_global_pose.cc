@@ -12,12 +12,10 @@
 namespace enfilade::server {
 namespace {
 
-absl::StatusOr<v1::GlobalPose> Answer(const SiteGraph& graph, const SiteId& site, const MapId& map,
-                                      const PoseWithCovariance& T_map_robot) {
+v1::GlobalPose Answer(const SiteId& site, const std::optional<graph::GlobalPose>& pose, std::int64_t graph_version) {
   v1::GlobalPose out;
-  out.set_graph_version(graph.graph().version());
-  ENFILADE_ASSIGN_OR_RETURN(const std::optional<graph::GlobalPose> pose, graph.poses.Find(map, T_map_robot));
-  if (pose.has_value()) Fill(site, *pose, out);
+  out.set_graph_version(graph_version);
+  if (pose) Fill(site, *pose, out);
   return out;
 }
 
@@ -36,16 +34,17 @@ absl::StatusOr<GivenPose> Parse(const v1::MapPose& message) {
 absl::StatusOr<v1::GetGlobalPoseResponse> AnswerGiven(const SiteGraph& graph, const GivenPose& given,
                                                       const v1::MapPose& message) {
   v1::GetGlobalPoseResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_global_pose(),
-                            Answer(graph, given.name.site, given.name.map, given.T_map_robot));
+  ENFILADE_ASSIGN_OR_RETURN(const auto pose, graph.poses.Find(given.name.map, given.T_map_robot));
+  *response.mutable_global_pose() = Answer(given.name.site, pose, graph.graph().version());
   *response.mutable_global_pose()->mutable_map_pose() = message;
   return response;
 }
 
 }  // namespace
 
-absl::StatusOr<v1::GlobalPose> GlobalPoseOf(const SiteGraph& graph, const storage::RobotPose& report) {
-  ENFILADE_ASSIGN_OR_RETURN(v1::GlobalPose out, Answer(graph, report.site, report.map, report.T_map_robot));
+v1::GlobalPose ToProto(const storage::RobotPose& report, const std::optional<graph::GlobalPose>& pose,
+                       std::int64_t graph_version) {
+  v1::GlobalPose out = Answer(report.site, pose, graph_version);
   out.set_robot(convert::NameOf(convert::RobotName{report.site, report.robot}));
   out.mutable_map_pose()->set_map(convert::NameOf(convert::MapName{report.site, report.map}));
   *out.mutable_map_pose()->mutable_pose_map_robot() = convert::ToProto(report.T_map_robot);
@@ -77,11 +76,12 @@ absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services
       ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose report,
                                 services.robot_poses.Get(call.context(), name.site, name.robot));
       ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), name.site));
-      ENFILADE_ASSIGN_OR_RETURN(*response.mutable_global_pose(), GlobalPoseOf(*graph, report));
+      ENFILADE_ASSIGN_OR_RETURN(const auto pose, graph->poses.Find(report.map, report.T_map_robot));
+      *response.mutable_global_pose() = ToProto(report, pose, graph->graph().version());
       return response;
     }
     default:
-      return InvalidArgument("subject is not set: name a robot, or a pose in a map");
+      return InvalidArgument("subject is not set: expected a robot or a pose in a map");
   }
 }
 

@@ -12,7 +12,7 @@ constexpr int kMaxControlPoints = 1000;
 
 absl::StatusOr<std::vector<storage::ControlPoint>> Parse(const SiteId& site, const v1::Georeference& message) {
   if (message.control_points_size() > kMaxControlPoints) {
-    return InvalidArgument("georeference.control_points has {} of them: at most {}", message.control_points_size(),
+    return InvalidArgument("georeference.control_points has {} points: at most {}", message.control_points_size(),
                            kMaxControlPoints);
   }
   std::vector<storage::ControlPoint> points;
@@ -37,7 +37,7 @@ absl::StatusOr<v1::SetGeoreferenceResponse> SetGeoreference(const Services& serv
   v1::SetGeoreferenceResponse response;
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const auto points, Parse(site, request.georeference()));
-  // Fitted before it is stored: what does not fit is refused.
+  // Fitted before it is stored, to refuse points that do not fit.
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), site));
   if (!points.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const geo::GeoreferenceFit fit, FitControlPoints(graph->poses, points));

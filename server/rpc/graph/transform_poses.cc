@@ -20,7 +20,7 @@ absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& servic
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName target, convert::ParseMapName("target_map", request.target_map()));
   if (source.site != target.site) return InvalidArgument("source_map and target_map are of different sites");
   if (request.poses_size() > kMaxPoses) {
-    return InvalidArgument("poses has {} of them: at most {} at once", request.poses_size(), kMaxPoses);
+    return InvalidArgument("poses has {} poses: at most {}", request.poses_size(), kMaxPoses);
   }
   std::vector<PoseWithCovariance> poses;
   for (int i = 0; i < request.poses_size(); ++i) {

@@ -1,23 +1,105 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/graph/watch_global_poses.h"
 
+#include <algorithm>
+#include <charconv>
+#include <chrono>
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "server/rpc/graph/pose_watch.h"
+#include "proto/convert/names.h"
+#include "server/app/graph/pose_updates.h"
+#include "server/rpc/graph/get_global_pose.h"
 
 namespace enfilade::server {
+namespace {
+
+constexpr double kMaxRate = 20.0;
+
+struct PoseWatch {
+  SiteId site;
+  std::set<RobotId> robots;  // empty: all
+  PoseUpdates updates;
+  bool first = true;
+};
+
+absl::StatusOr<std::chrono::steady_clock::duration> PeriodOf(double rate_hz) {
+  const double rate = rate_hz == 0.0 ? 1.0 : rate_hz;
+  if (!(rate > 0.0 && rate <= kMaxRate)) {
+    return InvalidArgument("rate_hz is {}: it must lie in (0, {}]", rate_hz, kMaxRate);
+  }
+  // At least once in an hour, so that the period has a finite number of nanoseconds.
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(std::min(1.0 / rate, 3600.0)));
+}
+
+absl::StatusOr<std::set<RobotId>> RobotsOf(const SiteId& site, const v1::WatchGlobalPosesRequest& request) {
+  std::set<RobotId> robots;
+  for (const std::string& text : request.robots()) {
+    ENFILADE_ASSIGN_OR_RETURN(convert::RobotName name, convert::ParseRobotName("robots", text));
+    if (name.site != site) return InvalidArgument("robots: {} is of another site", text);
+    robots.insert(std::move(name.robot));
+  }
+  return robots;
+}
+
+// The first message answers also if there is nothing to report: it has the graph version and the resume token.
+absl::StatusOr<bool> Check(const Services& services, const storage::CallContext& context, PoseWatch& watch,
+                           v1::WatchGlobalPosesResponse& response) {
+  if (watch.first) {
+    for (const RobotId& robot : watch.robots) {
+      ENFILADE_RETURN_IF_ERROR(services.robots.Get(context, watch.site, robot).status());
+    }
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, watch.site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto reports, services.robot_poses.List(context, watch.site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto updates, watch.updates.Next(*graph, reports));
+  response.Clear();
+  for (const PoseUpdates::Update& update : updates) {
+    v1::GlobalPose& pose = *response.add_global_poses();
+    pose = server::ToProto(update.report, update.pose, graph->graph().version());
+    pose.clear_hops();
+  }
+  response.set_graph_version(graph->graph().version());
+  response.set_resume_token(ToResumeToken(watch.updates.position()));
+  return std::exchange(watch.first, false) || !updates.empty();
+}
+
+}  // namespace
+
+std::string ToResumeToken(const PoseUpdates::Position& position) {
+  return fmt::format("{}-{}", position.graph_version, position.report_version);
+}
+
+absl::StatusOr<PoseUpdates::Position> FromResumeToken(const std::string& token) {
+  PoseUpdates::Position position;
+  if (token.empty()) return position;
+  const char* const end = token.data() + token.size();
+  const auto version = std::from_chars(token.data(), end, position.graph_version);
+  if (version.ec == std::errc() && version.ptr != end && *version.ptr == '-') {
+    const auto report = std::from_chars(version.ptr + 1, end, position.report_version);
+    if (report.ec == std::errc() && report.ptr == end) return position;
+  }
+  return InvalidArgument("resume_token \"{}\" is not from this server", token.substr(0, 100));
+}
 
 absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>> WatchGlobalPoses(const Services& services, const Call& /*call*/,
                                                                      const v1::WatchGlobalPosesRequest& request) {
-  ENFILADE_ASSIGN_OR_RETURN(PoseWatch created, PoseWatch::Create(request));
-  const auto watch = std::make_shared<PoseWatch>(std::move(created));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::set<RobotId> robots, RobotsOf(site, request));
+  ENFILADE_ASSIGN_OR_RETURN(const auto period, PeriodOf(request.rate_hz()));
+  ENFILADE_ASSIGN_OR_RETURN(const PoseUpdates::Position resumed, FromResumeToken(request.resume_token()));
+  const auto watch = std::make_shared<PoseWatch>(PoseWatch{site, robots, PoseUpdates(resumed, robots)});
   return Watch<v1::WatchGlobalPosesResponse>{
-      .period = watch->period(),
+      .period = period,
       .check = [&services, watch](
                    const storage::CallContext& context,
-                   v1::WatchGlobalPosesResponse& message) { return watch->Check(services, context, message); },
+                   v1::WatchGlobalPosesResponse& message) { return Check(services, context, *watch, message); },
       .stopping = [&services] { return services.graphs.stopping(); }};
 }
 

@@ -32,9 +32,9 @@ IngestItem ReadBatch(const v1::RecordBatch& batch) {
   for (int i = 0; i < batch.records_size(); ++i) {
     const v1::Record& in = batch.records(i);
     if (in.sequence() != first + i) {
-      return RefuseBatch(batch,
-                         fmt::format("record {} of the batch has the sequence {}: sequences go up by one from {}", i,
-                                     in.sequence(), first));
+      return RefuseBatch(
+          batch, fmt::format("record {} of the batch has the sequence {}: sequences must increase by one from {}", i,
+                             in.sequence(), first));
     }
     absl::StatusOr<sensor::Record> record = enfilade::convert::FromProto(in);
     if (!record.ok()) {
@@ -61,13 +61,14 @@ absl::StatusOr<bool> BlobAssembly::Add(const v1::BlobChunk& chunk) {
   }
   if (chunk.blob().sha256() != blob_.sha256 || chunk.offset() != static_cast<std::int64_t>(blob_.data.size()) ||
       chunk.data().size() > size_ - blob_.data.size()) {
-    return InvalidArgument("blob_chunk at offset {} with {} bytes does not follow: {} of {} bytes of a blob are here",
-                           chunk.offset(), chunk.data().size(), blob_.data.size(), size_);
+    return InvalidArgument(
+        "blob_chunk at offset {} with {} bytes does not follow: {} of {} bytes of a blob have been received",
+        chunk.offset(), chunk.data().size(), blob_.data.size(), size_);
   }
   blob_.data += chunk.data();
   if (blob_.data.size() < size_) return false;
   if (Sha256(blob_.data) != blob_.sha256) {
-    return DataLoss("the blob of {} bytes has another SHA-256 than announced", blob_.data.size());
+    return DataLoss("the blob of {} bytes does not have the announced SHA-256", blob_.data.size());
   }
   return true;
 }

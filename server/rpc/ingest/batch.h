@@ -15,14 +15,14 @@ constexpr int kMaxBatchRecords = 10'000;
 constexpr std::size_t kMaxBatchBytes = 4U << 20;
 constexpr std::size_t kMaxChunkBytes = 1U << 20;
 
-// The batch as core values, or why all of it is refused, naming the record at fault.
+// The batch as core values, or the reason why the whole batch is refused, with the record at fault.
 IngestItem ReadBatch(const v1::RecordBatch& batch);
 
-// Puts a blob together from its chunks. One blob at a time: the chunks of a stream come blob after blob.
+// Assembles a blob from its chunks. One blob at a time: the chunks of a stream come blob after blob.
 class BlobAssembly {
  public:
-  // INVALID_ARGUMENT: a chunk out of order, of another blob than the one begun, too large, or a size or digest that is
-  // out of range. DATA_LOSS: the whole has another digest than was announced. True when the blob is complete.
+  // INVALID_ARGUMENT: a chunk out of order, of a different blob, too large, or with an invalid size or digest.
+  // DATA_LOSS: the blob's digest is not the announced one. True when the blob is complete.
   absl::StatusOr<bool> Add(const v1::BlobChunk& chunk);
 
   // The complete blob; the next may begin.

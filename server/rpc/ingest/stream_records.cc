@@ -18,9 +18,9 @@
 namespace enfilade::server {
 namespace {
 
-// One stream. Its life: reading -> (half-closed by the client, failed, draining) -> what is pending is answered ->
-// finished. At most one read and one write are under way. gRPC's callbacks, the executor and Ingest's writers call in;
-// nothing here blocks.
+// One stream: reading -> (half-closed by the client, failed or draining) -> pending batches are answered -> finished.
+// At most one read and one write are in progress. Called by gRPC's callbacks, the executor and Ingest's writers; only
+// the executor's calls may block.
 class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>,
                                    public std::enable_shared_from_this<StreamRecordsReactor> {
  public:
@@ -109,7 +109,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     ReadOn();
   }
 
-  // The robot has come into its map through a door, or was put there.
+  // If the robot came into its map through a door, or was placed there.
   void AwaitMap(const convert::SessionName& name, const sensor::SessionEntry& entry) {
     if (!entry.previous && !entry.T_map_robot) return;
     const auto self = std::weak_ptr<StreamRecordsReactor>(shared_from_this());
@@ -137,7 +137,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     Offer(std::move(blob), bytes);
   }
 
-  // The newest waits for the one that is being stored, in the place of any that waited.
+  // While one report is being stored the newest waits, and replaces any that waited.
   void TakePose() {
     absl::StatusOr<storage::RobotPose> pose = ReadPoseReport(request_.pose_report());
     bool is_open = false;
@@ -188,7 +188,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
       stream = stream_;
       if (stream) {
         if (!std::holds_alternative<IngestBlob>(item)) ++unanswered_;
-        waiting_for_room_ = true;  // until Offer says otherwise: RoomAgain may come before it returns
+        waiting_for_room_ = true;  // before Offer returns: RoomAgain may come earlier
       }
     }
     if (!stream) return EndReading(InvalidArgument("the first message must be open"));
@@ -215,7 +215,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     } else if (const auto* failed = std::get_if<Failed>(&event)) {
       EndReading(failed->status);
     } else if (std::holds_alternative<Drained>(event)) {
-      EndReading(absl::UnavailableError("the server is about to end: come again"));
+      EndReading(absl::UnavailableError("the server is shutting down: try again"));
     } else {
       bool read_on = false;
       {
@@ -226,7 +226,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     }
   }
 
-  // An acknowledgement that still waits to be written takes the new one's place: they are cumulative.
+  // Acknowledgements are cumulative: one that still waits to be written is updated.
   void Acknowledge(std::int64_t sequence) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (responses_.empty() || !responses_.back().has_acknowledgement()) responses_.emplace_back();
     responses_.back().mutable_acknowledgement()->set_acknowledged_sequence(sequence);
@@ -237,7 +237,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     if (!ending_) StartRead(&request_);
   }
 
-  // Nothing more is taken; OK: what is pending is answered first.
+  // Reads no more. OK: pending batches are answered first.
   void EndReading(absl::Status status) {
     MutexLock lock(mutex_);
     if (ending_ && (!status_.ok() || status.ok())) return;
@@ -262,21 +262,21 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
   const Services& services_;
   Call call_;
-  std::shared_ptr<StreamRecordsReactor> self_;  // until gRPC is done with it
+  std::shared_ptr<StreamRecordsReactor> self_;  // until OnDone()
 
-  v1::StreamRecordsRequest request_;  // of the one read under way
-  // Touched by the reading side only.
+  v1::StreamRecordsRequest request_;  // of the read in progress
+  // Used by the reading side only.
   BlobAssembly blob_;
   bool opening_ = false;
 
   Mutex mutex_;
   std::shared_ptr<Ingest::Stream> stream_ ABSL_GUARDED_BY(mutex_);
-  convert::RobotName robot_ ABSL_GUARDED_BY(mutex_);  // whose session it is
+  convert::RobotName robot_ ABSL_GUARDED_BY(mutex_);  // of the session
   SessionId session_ ABSL_GUARDED_BY(mutex_);
   std::optional<storage::RobotPose> waiting_pose_ ABSL_GUARDED_BY(mutex_);
   bool storing_pose_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<v1::StreamRecordsResponse> responses_ ABSL_GUARDED_BY(mutex_);
-  v1::StreamRecordsResponse response_;  // of the one write under way
+  v1::StreamRecordsResponse response_;  // of the write in progress
   std::int64_t unanswered_ ABSL_GUARDED_BY(mutex_) = 0;
   bool waiting_for_room_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;

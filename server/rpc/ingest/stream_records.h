@@ -8,7 +8,7 @@
 
 namespace enfilade::server {
 
-// IngestService.StreamRecords: one session's batches in, acknowledgements out.
+// IngestService.StreamRecords: receives one session's batches and answers with acknowledgements.
 grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>* StreamRecords(const Services& services,
                                                                                             const CallEntry& entry);
 

@@ -19,7 +19,7 @@ absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const Call& 
   if (blob) {
     const sensor::BlobRef& content = *sensor::FindBlob(record);
     if (content.size != static_cast<std::int64_t>(blob->size()) || content.sha256 != Sha256(*blob)) {
-      return InvalidArgument("content (size and SHA-256) is not that of the {} bytes of data", blob->size());
+      return InvalidArgument("size_bytes and sha256 of content do not match the {} bytes of data", blob->size());
     }
     blobs.push_back({content.sha256, *blob});
   }

@@ -11,12 +11,12 @@
 
 namespace enfilade::server {
 
-// The body of all Submit RPCs: stores one record, with its blob's bytes where it has one, and returns the session's
+// The body of all Submit RPCs: stores one record, with its blob's bytes if it has any, and returns the session's
 // acknowledged sequence.
 absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const Call& call, const std::string& session,
                                           const v1::Record& record, const std::string* blob = nullptr);
 
-// Fills in what the client may leave to the server: size and digest of `data`.
+// Sets size and digest of `data` if the client has not.
 void CompleteContent(const std::string& data, v1::BlobRef& content);
 
 }  // namespace enfilade::server

@@ -15,18 +15,18 @@ namespace enfilade::server {
 // Stored link points as the API's resources, and the API's values as rows.
 
 v1::LinkPoint ToProto(const storage::StoredLinkPoint& link_point);
-// Into a message that is a part of another, without a copy.
+// Fills a message that is part of another one, without a copy.
 void ToProto(const storage::StoredLinkPoint& link_point, v1::LinkPoint& out);
 v1::Evidence ToProto(const SiteId& site, const storage::Evidence& evidence);
 
-// INVALID_ARGUMENT naming the field. Name, etag and output-only fields are not read.
+// INVALID_ARGUMENT naming the field. Name, etag and output-only fields are ignored.
 absl::StatusOr<storage::StoredLinkPoint> FromProto(const SiteId& site, const v1::LinkPoint& link_point);
 absl::StatusOr<graph::Anchor> FromProto(const std::string& field, const SiteId& site, const v1::Anchor& anchor);
 absl::StatusOr<storage::Evidence> FromProto(const convert::LinkPointName& name, const v1::Evidence& evidence);
 
-// The id of a map that must be of `site`.
+// The id of a map of `site`. INVALID_ARGUMENT for one of another site.
 absl::StatusOr<MapId> MapOfSite(const std::string& field, const SiteId& site, const std::string& map);
-// Unset for unspecified; INVALID_ARGUMENT for one that this server does not know.
+// Unset: both. INVALID_ARGUMENT for an unknown value.
 absl::StatusOr<std::optional<bool>> CandidatesOf(v1::LinkPointSubset subset);
 
 // With their evidence.

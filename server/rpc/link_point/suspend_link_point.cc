@@ -7,16 +7,31 @@
 #include "server/rpc/resources.h"
 
 namespace enfilade::server {
+namespace {
+
+template <typename Response, typename Request>
+absl::StatusOr<Response> SetSuspended(const Services& services, const Call& call, const Request& request,
+                                      bool suspended) {
+  Response response;
+  ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const storage::StoredLinkPoint changed,
+      services.graph_editor.SetSuspended(call.context(), name.site, name.link_point, etag, suspended));
+  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
+  return response;
+}
+
+}  // namespace
 
 absl::StatusOr<v1::SuspendLinkPointResponse> SuspendLinkPoint(const Services& services, const Call& call,
                                                               const v1::SuspendLinkPointRequest& request) {
-  v1::SuspendLinkPointResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name, convert::ParseLinkPointName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint changed,
-                            services.graph_editor.SetSuspended(call.context(), name.site, name.link_point, etag, true));
-  ENFILADE_ASSIGN_OR_RETURN(*response.mutable_link_point(), WithEvidence(services, call.context(), changed));
-  return response;
+  return SetSuspended<v1::SuspendLinkPointResponse>(services, call, request, true);
+}
+
+absl::StatusOr<v1::ResumeLinkPointResponse> ResumeLinkPoint(const Services& services, const Call& call,
+                                                            const v1::ResumeLinkPointRequest& request) {
+  return SetSuspended<v1::ResumeLinkPointResponse>(services, call, request, false);
 }
 
 }  // namespace enfilade::server

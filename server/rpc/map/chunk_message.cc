@@ -40,7 +40,7 @@ absl::StatusOr<grpc::ByteBuffer> EncodeChunkMessage(std::int32_t file, std::int6
                                                     const ChunkFiller& fill) {
   const std::string header = Header(file, offset, size);
   grpc_slice bytes = grpc_slice_malloc(header.size() + size);
-  auto* const begin = reinterpret_cast<char*>(GRPC_SLICE_START_PTR(bytes));  // inside `bytes` where they are few
+  auto* const begin = reinterpret_cast<char*>(GRPC_SLICE_START_PTR(bytes));  // inside `bytes` if they are few
   std::memcpy(begin, header.data(), header.size());
   const absl::Status filled = fill(begin + header.size());
   const grpc::Slice owner(bytes, grpc::Slice::STEAL_REF);

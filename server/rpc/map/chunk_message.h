@@ -10,7 +10,7 @@
 
 namespace enfilade::server {
 
-// Writes the piece's `size` bytes to where they are sent from.
+// Writes the piece's `size` bytes to `data`, from which they are sent.
 using ChunkFiller = std::function<absl::Status(char* data)>;
 
 // An ExportMapResponse with a chunk, in the form in which it travels (protobuf's wire format): the bytes go from the

@@ -9,7 +9,7 @@
 
 namespace enfilade::server {
 
-// MapService.ExportMap, with its messages in the form in which they travel: see EncodeChunkMessage().
+// MapService.ExportMap, with its messages already encoded: see EncodeChunkMessage().
 absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const Call& call,
                                                           const v1::ExportMapRequest& request);
 

@@ -41,7 +41,7 @@ absl::Status FileAssembly::Add(const v1::FileChunk& chunk) {
          static_cast<std::int64_t>(files_[current_].bytes.size()) == entries_[current_].size_bytes()) {
     ++current_;
   }
-  if (current_ == files_.size()) return InvalidArgument("chunk: all files of the manifest are complete already");
+  if (current_ == files_.size()) return InvalidArgument("chunk: all files of the manifest are already complete");
   std::string& bytes = files_[current_].bytes;
   const auto missing = static_cast<std::size_t>(entries_[current_].size_bytes()) - bytes.size();
   if (chunk.file() != static_cast<std::int32_t>(current_) ||
@@ -63,7 +63,7 @@ absl::StatusOr<std::vector<grid::MapFile>> FileAssembly::Finish() {
                              entries_[i].size_bytes());
     }
     if (Sha256(files_[i].bytes) != entries_[i].sha256()) {
-      return DataLoss("file \"{}\" has another SHA-256 than the manifest says: send it again", entries_[i].name());
+      return DataLoss("file \"{}\" does not have the SHA-256 of the manifest: send it again", entries_[i].name());
     }
   }
   return std::exchange(files_, {});

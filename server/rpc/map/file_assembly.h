@@ -13,15 +13,15 @@
 
 namespace enfilade::server {
 
-// Puts the files of an upload together from their chunks.
+// Assembles the files of an upload from their chunks.
 class FileAssembly {
  public:
-  // INVALID_ARGUMENT: no files, more than a few, sizes out of range or above `max_bytes` together, a digest of the
-  // wrong length.
+  // INVALID_ARGUMENT: no files, too many, sizes out of range or above `max_bytes` in total, a digest of the wrong
+  // length.
   absl::Status Begin(const google::protobuf::RepeatedPtrField<v1::FileEntry>& entries, std::int64_t max_bytes);
-  // INVALID_ARGUMENT where the chunk is not the next one.
+  // INVALID_ARGUMENT if the chunk is not the next one.
   absl::Status Add(const v1::FileChunk& chunk);
-  // The files. INVALID_ARGUMENT where one is not complete, DATA_LOSS where its digest is another.
+  // The files. INVALID_ARGUMENT if one is incomplete, DATA_LOSS if it does not have its digest.
   absl::StatusOr<std::vector<grid::MapFile>> Finish();
 
  private:

@@ -8,7 +8,7 @@
 
 namespace enfilade::server {
 
-// MapService.ImportMap: gathers the files, then makes them the map's newest revision.
+// MapService.ImportMap: collects the files, then makes them the map's newest revision.
 grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(const Services& services, const CallEntry& entry,
                                                          v1::ImportMapResponse* response);
 

@@ -109,7 +109,7 @@ absl::Status Connection::Broken(absl::Status status) {
 bool Connection::broken() const { return broken_ || PQstatus(connection_.get()) != CONNECTION_OK; }
 
 bool Connection::idle() const {
-  return !broken() && queue_.empty() && PQtransactionStatus(connection_.get()) == PQTRANS_IDLE;
+  return !broken() && !cancel_may_follow_ && queue_.empty() && PQtransactionStatus(connection_.get()) == PQTRANS_IDLE;
 }
 
 bool Connection::closed_by_server() {
@@ -216,9 +216,8 @@ absl::Status Connection::Wait(bool for_writing, const CallContext& context, std:
   }
 }
 
-// From the waiting thread, so that a request that comes late meets a connection in the hands of the same caller:
-// PostgreSQL ignores it there once the statement has ended. Opens a connection of its own for it; if that fails the
-// statement runs on until its timeout.
+// Called by the waiting thread. Opens another connection for the request; if that fails, the statement runs on until
+// its timeout.
 void Connection::CancelStatement() {
   cancel_sent_ = true;
   PGcancel* const cancel = PQgetCancel(connection_.get());
@@ -229,8 +228,12 @@ void Connection::CancelStatement() {
 }
 
 absl::Status Connection::NameCancellation(absl::Status status, const CallContext& context) {
-  const bool was_sent = std::exchange(cancel_sent_, false);
-  if (!was_sent || SqlStateOf(status) != kQueryCanceled || steady_clock::now() >= context.deadline) return status;
+  const bool was_cancelled = SqlStateOf(status) == kQueryCanceled;
+  // A request that came too late for its statement might cancel the next one.
+  if (std::exchange(cancel_sent_, false) && !was_cancelled) cancel_may_follow_ = true;
+  if (!was_cancelled || !context.cancellation.stop_requested() || steady_clock::now() >= context.deadline) {
+    return status;
+  }
   return absl::CancelledError(status.message());
 }
 
@@ -282,7 +285,7 @@ absl::Status Connection::CopyIn(const Statement& statement, std::string_view dat
     status = StatusFromResult(start.get(), statement.what);
   }
   const absl::Status finished = FinishCopy(statement, context);
-  return status.ok() ? finished : status;
+  return NameCancellation(status.ok() ? finished : status, context);
 }
 
 absl::StatusOr<std::vector<std::string>> Connection::AwaitNotifications(Deadline deadline) {
@@ -317,7 +320,7 @@ absl::Status Connection::FinishCopy(const Statement& statement, const CallContex
     }
   }
   if (EndsConnection(status)) broken_ = true;
-  return NameCancellation(std::move(status), context);
+  return status;
 }
 
 }  // namespace enfilade::storage::postgres

@@ -18,7 +18,7 @@ struct CodeOfState {
   absl::StatusCode code;
 };
 
-// The first prefix that fits counts.
+// The first matching prefix counts.
 constexpr std::array kCodes = {
     CodeOfState{"40001", absl::StatusCode::kAborted},  // serialization_failure
     CodeOfState{"40P01", absl::StatusCode::kAborted},  // deadlock_detected
@@ -36,7 +36,7 @@ constexpr std::array kCodes = {
     CodeOfState{"25006", absl::StatusCode::kUnavailable},     // read_only_sql_transaction: a standby
     CodeOfState{"25P03", absl::StatusCode::kUnavailable},     // idle_in_transaction_session_timeout
     CodeOfState{"0A000", absl::StatusCode::kUnavailable},     // a plan from before a migration
-    CodeOfState{"26000", absl::StatusCode::kUnavailable},     // a prepared statement that is gone: a pooler between
+    CodeOfState{"26000", absl::StatusCode::kUnavailable},     // a prepared statement is missing: a pooler in between
     CodeOfState{"08", absl::StatusCode::kUnavailable},
     CodeOfState{"42501", absl::StatusCode::kPermissionDenied},
     CodeOfState{"28", absl::StatusCode::kPermissionDenied},
@@ -73,7 +73,7 @@ absl::StatusCode CodeOfSqlState(std::string_view sqlstate) {
 absl::Status StatusFromResult(const pg_result* result, std::string_view what) {
   const std::string sqlstate = Field(result, PG_DIAG_SQLSTATE);
   const std::string constraint = Field(result, PG_DIAG_CONSTRAINT_NAME);
-  if (sqlstate.empty()) {  // made by libpq itself
+  if (sqlstate.empty()) {  // made by libpq
     return Unavailable("{}: {}", what, WithoutLineEnd(PQresultErrorMessage(result)));
   }
   std::string message = fmt::format("{}: {}", what, Field(result, PG_DIAG_MESSAGE_PRIMARY));

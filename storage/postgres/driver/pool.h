@@ -87,7 +87,7 @@ class Pool {
     std::unique_ptr<Connection> idle;  // to be used if it is alive
     bool check = false;                // by a query
   };
-  // An idle connection, or none and the right to open one; the latter is counted as open already.
+  // An idle connection, or the right to open one, which then already counts as open.
   absl::StatusOr<Take> TakeOrWait(const CallContext& context);
   absl::StatusOr<std::unique_ptr<Connection>> Open(const CallContext& context);
   void GiveBack(std::unique_ptr<Connection> connection);

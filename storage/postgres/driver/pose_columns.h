@@ -10,7 +10,7 @@
 
 namespace enfilade::storage::postgres {
 
-// A pose that may be missing, as the parameters of its columns: NULLs where it is.
+// A pose that may be missing, as the parameters of its columns: NULLs if it is.
 struct PoseColumns {
   explicit PoseColumns(const std::optional<PoseWithCovariance>& pose) {
     if (!pose) return;
@@ -43,7 +43,7 @@ inline std::optional<Pose2> ReadOptionalPose(Row& row) {
   return Pose2{*x, *y, *yaw};
 }
 
-// From four; the covariance is read as {} where it is NULL.
+// From four; the covariance is {} if it is NULL.
 inline std::optional<PoseWithCovariance> ReadOptionalPoseWithCovariance(Row& row) {
   const std::optional<Pose2> pose = ReadOptionalPose(row);
   const Eigen::Matrix3d covariance = ReadCovariance(row);

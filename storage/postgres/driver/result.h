@@ -52,7 +52,7 @@ class Row {
   std::string_view Bytes() { return Value(TypeOid::kBytea).value_or(""); }
   // A one-dimensional float8[] without nulls.
   std::vector<double> Doubles();
-  // The same into `numbers`. False, and nothing is written, where it has another count.
+  // The same into `numbers`. False, and nothing is written, if the count differs.
   bool DoublesInto(absl::Span<double> numbers);
   // A one-dimensional text[] without nulls; none for NULL.
   std::vector<std::string> OptionalTexts();

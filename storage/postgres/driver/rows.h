@@ -15,7 +15,7 @@
 
 namespace enfilade::storage::postgres {
 
-// Bound as NULL where empty.
+// Bound as NULL if empty.
 inline std::optional<std::string_view> NullIfEmpty(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional<std::string_view>(text);
 }

@@ -15,7 +15,7 @@ namespace enfilade::storage::postgres {
 // until the deadline (rounded down by at most 5 %), and the audit trail's actor. The context's cancellation cancels the
 // running statement.
 //
-// Rolled back if it is destroyed without a commit. Costs no round trip of its own: BEGIN goes with the first statement,
+// Rolled back if it is destroyed without a commit. Costs no additional round trip: BEGIN goes with the first statement,
 // and queued statements go with the next one or the commit. Not thread-safe.
 class Transaction {
  public:

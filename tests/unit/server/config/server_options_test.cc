@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::server {
@@ -63,6 +69,86 @@ TEST(ServerOptions, ValidationNamesTheKey) {
   refused([](ServerOptions& o) { o.mapping.lease_s = 0.5; }, "mapping.lease_s");
   refused([](ServerOptions& o) { o.log.level = "loud"; }, "log.level");
   refused([](ServerOptions& o) { o.log.format = "xml"; }, "log.format");
+}
+
+// The environment's name of a key must lead back to that key alone.
+TEST(ServerOptions, EveryKeyCanBeSetByTheEnvironmentAndByYaml) {
+  for (const Setting& setting : Describe(ServerOptions())) {
+    std::string name = "ENFILADE_SERVER_";
+    for (const char c : setting.key) name += c == '.' ? '_' : static_cast<char>(std::toupper(c));
+    ServerOptions by_environment;
+    EXPECT_OK(ApplyEnvironment({name + "=" + setting.value}, by_environment)) << name;
+    const std::size_t dot = setting.key.find('.');
+    const std::string yaml =
+        setting.key.substr(0, dot) + ": {" + setting.key.substr(dot + 1) + ": \"" + setting.value + "\"}";
+    ServerOptions by_yaml;
+    EXPECT_OK(ApplyYaml(yaml, "server.yaml", by_yaml)) << yaml;
+  }
+}
+
+TEST(ServerOptions, LaterSourcesWin) {
+  ServerOptions options;
+  ASSERT_OK(ApplyYaml("listen: {workers: 2}\nlog: {level: warn}\n", "server.yaml", options));
+  ASSERT_OK(ApplyEnvironment({"ENFILADE_SERVER_LISTEN_WORKERS=3"}, options));
+  EXPECT_EQ(options.listen.workers, 3);
+  ASSERT_OK(Apply({"listen.workers", "4"}, options));
+  EXPECT_EQ(options.listen.workers, 4);
+  EXPECT_EQ(options.log.level, "warn") << "what later sources do not name stays";
+}
+
+TEST(ServerOptions, ProposesTheNearestKey) {
+  ServerOptions options;
+  for (const auto& [wrong, right] :
+       {std::pair{"listen.adress", "listen.address"}, std::pair{"database.uri", "database.url"},
+        std::pair{"mapping.worker", "mapping.workers"}, std::pair{"log.levels", "log.level"}}) {
+    EXPECT_STATUS(Apply({wrong, "1"}, options), absl::StatusCode::kInvalidArgument,
+                  AllOf(HasSubstr(wrong), HasSubstr("did you mean " + std::string(right))));
+  }
+}
+
+TEST(ServerOptions, RefusesNumbersThatAreNot) {
+  ServerOptions options;
+  for (const char* value : {"", " 1", "1 ", "1.5", "0x10", "one", "99999999999999999999", "+1"}) {
+    EXPECT_STATUS(Apply({"listen.workers", value}, options), absl::StatusCode::kInvalidArgument,
+                  HasSubstr("listen.workers"))
+        << value;
+  }
+  EXPECT_EQ(options.listen.workers, ServerOptions().listen.workers);
+  EXPECT_OK(Apply({"listen.grace_s", "1.5"}, options));
+  EXPECT_EQ(options.listen.grace_s, 1.5);
+}
+
+TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
+  struct Case {
+    const char* key;
+    void (*change)(ServerOptions&);
+  };
+  for (const Case& test :
+       {Case{"listen.grace_s", [](ServerOptions& o) { o.listen.grace_s = -0.1; }},
+        Case{"listen.grace_s", [](ServerOptions& o) { o.listen.grace_s = std::nan(""); }},
+        Case{"listen.max_message_bytes", [](ServerOptions& o) { o.listen.max_message_bytes = 1; }},
+        Case{"database.default_deadline_s", [](ServerOptions& o) { o.database.default_deadline_s = 0.0; }},
+        Case{"database.default_deadline_s",
+             [](ServerOptions& o) { o.database.default_deadline_s = std::numeric_limits<double>::infinity(); }},
+        Case{"ingest.writers", [](ServerOptions& o) { o.ingest.writers = 0; }},
+        Case{"ingest.total_buffer_bytes", [](ServerOptions& o) { o.ingest.total_buffer_bytes = 1; }},
+        Case{"ingest.transaction_bytes", [](ServerOptions& o) { o.ingest.transaction_bytes = -1; }},
+        Case{"mapping.workers", [](ServerOptions& o) { o.mapping.workers = -1; }},
+        Case{"mapping.checkpoint_interval_s", [](ServerOptions& o) { o.mapping.checkpoint_interval_s = -1.0; }},
+        Case{"mapping.revision_interval_s", [](ServerOptions& o) { o.mapping.revision_interval_s = -1.0; }},
+        Case{"mapping.pairing_window_s", [](ServerOptions& o) { o.mapping.pairing_window_s = -1.0; }},
+        Case{"transfers.cache_bytes", [](ServerOptions& o) { o.transfers.cache_bytes = 0; }},
+        Case{"transfers.max_import_bytes", [](ServerOptions& o) { o.transfers.max_import_bytes = 0; }},
+        Case{"retention.interval_s", [](ServerOptions& o) { o.retention.interval_s = 0.0; }},
+        // Ten mappers need twenty connections.
+        Case{"database.max_connections", [](ServerOptions& o) { o.mapping.workers = 10; }}}) {
+    ServerOptions options;
+    test.change(options);
+    EXPECT_STATUS(options.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr(test.key)) << test.key;
+  }
+  ServerOptions other_replica_maps;
+  other_replica_maps.mapping.workers = 0;
+  EXPECT_OK(other_replica_maps.Validate());
 }
 
 }  // namespace

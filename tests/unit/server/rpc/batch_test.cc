@@ -63,5 +63,88 @@ TEST(ReadBatch, IsBoundedInRecordsAndBytes) {
   EXPECT_TRUE(std::holds_alternative<Refusal>(ReadBatch(heavy)));
 }
 
+v1::RecordBatch OdometryBatch(std::int64_t first, int count) {
+  v1::RecordBatch batch;
+  for (int i = 0; i < count; ++i) {
+    v1::Record& record = *batch.add_records();
+    record.set_sequence(first + i);
+    record.mutable_odometry()->mutable_time()->set_seconds(1'700'000'000 + i);
+    record.mutable_odometry()->mutable_pose_odom_robot()->set_x(i);
+  }
+  return batch;
+}
+
+TEST(ReadBatch, KeepsOrderAndContent) {
+  const IngestItem item = ReadBatch(OdometryBatch(41, 3));
+  const auto* batch = std::get_if<IngestBatch>(&item);
+  ASSERT_NE(batch, nullptr);
+  ASSERT_EQ(batch->records.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(batch->records[i].sequence, 41 + i);
+    EXPECT_EQ(std::get<sensor::Odometry>(batch->records[i].payload).T_odom_robot.x, i);
+  }
+}
+
+TEST(ReadBatch, TakesABatchOfTheGreatestSize) {
+  EXPECT_TRUE(std::holds_alternative<IngestBatch>(ReadBatch(OdometryBatch(1, kMaxBatchRecords))));
+}
+
+TEST(ReadBatch, NamesTheRecordAtFaultAndTheBatchesFirst) {
+  struct Case {
+    const char* message;
+    std::int64_t sequence;
+    Refusal::Reason reason;
+    void (*change)(v1::RecordBatch&);
+  };
+  using Reason = Refusal::Reason;
+  for (const Case& test : {
+           Case{"sequences must increase by one from 5", 0, Reason::kInvalidBatch,
+                [](v1::RecordBatch& b) { b.mutable_records(2)->set_sequence(9); }},
+           Case{"sequences must increase by one from 5", 0, Reason::kInvalidBatch,
+                [](v1::RecordBatch& b) { b.mutable_records(2)->set_sequence(6); }},
+           Case{"record 6: payload is not set", 6, Reason::kInvalidRecord,
+                [](v1::RecordBatch& b) { b.mutable_records(1)->clear_payload(); }},
+           Case{"record 7: odometry.pose_odom_robot is not set", 7, Reason::kInvalidRecord,
+                [](v1::RecordBatch& b) { b.mutable_records(2)->mutable_odometry()->clear_pose_odom_robot(); }},
+       }) {
+    v1::RecordBatch batch = OdometryBatch(5, 3);
+    test.change(batch);
+    const IngestItem item = ReadBatch(batch);
+    const auto* refusal = std::get_if<Refusal>(&item);
+    ASSERT_NE(refusal, nullptr) << test.message;
+    EXPECT_EQ(refusal->first_sequence, 5);
+    EXPECT_EQ(refusal->sequence, test.sequence);
+    EXPECT_EQ(refusal->reason, test.reason);
+    EXPECT_THAT(refusal->message, ::testing::HasSubstr(test.message));
+  }
+  const IngestItem empty = ReadBatch(v1::RecordBatch());
+  EXPECT_EQ(std::get<Refusal>(empty).first_sequence, 0);
+}
+
+TEST(BlobAssembly, BeginsAnewWithAChunkAtTheStart) {
+  BlobAssembly assembly;
+  ASSERT_OK(assembly.Add(Chunk("abandoned", 0, 3)));
+  for (const std::size_t offset : {0, 4}) ASSERT_OK(assembly.Add(Chunk("abcdefgh", offset, 4)));
+  EXPECT_EQ(assembly.Take().data, "abcdefgh");
+}
+
+TEST(BlobAssembly, BoundsDigestSizeAndChunk) {
+  struct Case {
+    const char* message;
+    void (*change)(v1::BlobChunk&);
+  };
+  for (const Case& test :
+       {Case{"SHA-256 of 32 bytes", [](v1::BlobChunk& c) { c.mutable_blob()->set_sha256("short"); }},
+        Case{"size of 1", [](v1::BlobChunk& c) { c.mutable_blob()->set_size_bytes(0); }},
+        Case{"size of 1", [](v1::BlobChunk& c) { c.mutable_blob()->set_size_bytes(-6); }},
+        Case{"size of 1", [](v1::BlobChunk& c) { c.mutable_blob()->set_size_bytes(sensor::kMaxBlobBytes + 1); }},
+        Case{"blob_chunk.data", [](v1::BlobChunk& c) { c.set_data(std::string(kMaxChunkBytes + 1, 'x')); }},
+        Case{"does not follow", [](v1::BlobChunk& c) { c.set_offset(-1); }}}) {
+    v1::BlobChunk chunk = Chunk("abcdef", 0, 6);
+    test.change(chunk);
+    EXPECT_STATUS(BlobAssembly().Add(chunk), absl::StatusCode::kInvalidArgument, ::testing::HasSubstr(test.message));
+  }
+}
+
 }  // namespace
 }  // namespace enfilade::server

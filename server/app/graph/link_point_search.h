@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+#include "core/geometry/pose2.h"
+#include "core/graph/search_radius.h"
+#include "storage/call_context.h"
+#include "storage/graph_store.h"
+#include "storage/link_point_store.h"
+#include "storage/map_store.h"
+
+namespace enfilade::server {
+
+// Link points around a robot, a position or in an area. The rules of FindLinkPoints in
+// proto/enfilade/v1/link_point_service.proto.
+
+struct PoseInMap {
+  MapId map;
+  PoseWithCovariance T_map_robot;
+};
+
+struct LinkPointSearch {
+  // A pose, in a map or in the world, is searched around as far as its uncertainty requires: graph::SearchRadius().
+  std::variant<PoseInMap, PoseWithCovariance, storage::LinkPointCircle, std::vector<Eigen::Vector2d>> around;
+  graph::SearchRadiusOptions radius = {};  // for a pose
+  int limit = 1000;
+  std::optional<int> level = {};       // unset: all
+  std::optional<bool> candidate = {};  // unset: candidates and link points
+  bool with_unused = false;            // suspended and switched off ones, too
+  bool with_unplaced = false;          // those without a place in the world, too
+};
+
+// What a search asks the store for.
+struct LinkPointSearchPlan {
+  std::optional<storage::LinkPointQuery> query;      // unset: the pose's map has no place in the world
+  std::optional<PoseWithCovariance> T_world_center;  // of a pose or circle
+  bool with_unplaced = false;
+};
+
+// `T_world_map`: the place of a PoseInMap's map; unset if it has none, and ignored for other searches. INVALID_ARGUMENT
+// if a number of `search.radius` is not positive and finite.
+absl::StatusOr<LinkPointSearchPlan> PlanLinkPointSearch(const LinkPointSearch& search,
+                                                        const std::optional<PoseWithCovariance>& T_world_map);
+
+struct FoundLinkPoint {
+  storage::StoredLinkPoint link_point;
+  // From the search's centre; unset if it has none or the link point has no place in the world.
+  struct Offset {
+    double distance_m = 0.0;
+    double bearing_rad = 0.0;           // counter-clockwise from the world's x axis
+    double mahalanobis_distance = 0.0;  // infinite if the covariances are singular
+  };
+  std::optional<Offset> offset;
+};
+
+// How far and in which direction the link point lies from the centre.
+std::optional<FoundLinkPoint::Offset> OffsetFrom(const std::optional<PoseWithCovariance>& T_world_center,
+                                                 const storage::StoredLinkPoint& link_point);
+
+struct LinkPointSearchResult {
+  std::vector<FoundLinkPoint> found;  // those with a place first, in the order of LinkPointReader::Find()
+  std::optional<PoseWithCovariance> T_world_center;
+  std::optional<double> radius_m;  // of a search around something with a place
+  std::int64_t graph_version = 0;
+};
+
+struct LinkPointSearchStores {
+  const storage::LinkPointReader& link_points;
+  const storage::GraphReader& graph;
+  const storage::MapReader& maps;
+};
+
+// NOT_FOUND if there is no such site or map.
+absl::StatusOr<LinkPointSearchResult> SearchLinkPoints(const LinkPointSearchStores& stores,
+                                                       const storage::CallContext& context, const SiteId& site,
+                                                       const LinkPointSearch& search);
+
+}  // namespace enfilade::server
