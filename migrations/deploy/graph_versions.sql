@@ -5,7 +5,7 @@ BEGIN;
 CREATE TABLE enfilade.graph_versions (
   site_id      enfilade.resource_id NOT NULL,
   version      bigint NOT NULL,
-  cause        smallint NOT NULL,   -- storage/graph_store.h
+  cause        smallint NOT NULL,   -- storage/graph/graph_store.h
   resource     text NOT NULL,
   actor        text NOT NULL,       -- who changed it, as the caller said; '' if it said nothing
   create_time  timestamptz NOT NULL DEFAULT now(),

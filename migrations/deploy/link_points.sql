@@ -7,7 +7,7 @@ CREATE TABLE enfilade.site_graphs (
   site_id       enfilade.resource_id PRIMARY KEY REFERENCES enfilade.sites,
   graph_version bigint NOT NULL DEFAULT 0 CHECK (graph_version >= 0),  -- grows with every change of the graph
   root_map_id   enfilade.resource_id,  -- carries the world frame: its pose is fixed when the graph is solved
-  cause         smallint NOT NULL,     -- of this version: storage/graph_store.h
+  cause         smallint NOT NULL,     -- of this version: storage/graph/graph_store.h
   resource      text NOT NULL,         -- that changed: maps/{map}, linkPoints/{link_point}; '' for the graph
   FOREIGN KEY (site_id, root_map_id) REFERENCES enfilade.maps,
   CONSTRAINT site_graphs_cause_check CHECK (cause BETWEEN 1 AND 8)
@@ -125,7 +125,7 @@ CREATE FUNCTION enfilade.same_place_distance(a double precision[], b double prec
 $$;
 
 -- Raises unique_violation if the link point joins two maps that another one joins at the same place, as seen from every
--- map that both join. As CheckNotRedundant in storage/link_point_rules.h: suspended link points do not count; a forced
+-- map that both join. As CheckNotRedundant in storage/graph/link_point_rules.h: suspended link points do not count; a forced
 -- one keeps away new ones, but those that already stand beside it may be changed.
 CREATE FUNCTION enfilade.refuse_redundant_link_point(site text, id text, is_new boolean) RETURNS void LANGUAGE plpgsql AS $$
 DECLARE

@@ -13,11 +13,11 @@
 #include "enfilade/v1/site.pb.h"
 #include "google/protobuf/field_mask.pb.h"
 #include "proto/convert/names.h"
-#include "storage/map_store.h"
-#include "storage/revision_store.h"
-#include "storage/robot_store.h"
-#include "storage/session_store.h"
-#include "storage/site_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/maps/revision_store.h"
+#include "storage/sessions/session_store.h"
+#include "storage/sites/robot_store.h"
+#include "storage/sites/site_store.h"
 
 namespace enfilade::server {
 

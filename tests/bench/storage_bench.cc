@@ -18,8 +18,8 @@
 #include "storage/postgres/maps/revision_store.h"
 #include "storage/postgres/sessions/record_store.h"
 #include "storage/postgres/sessions/session_store.h"
-#include "storage/robot_store.h"
-#include "storage/site_store.h"
+#include "storage/sites/robot_store.h"
+#include "storage/sites/site_store.h"
 #include "tests/support/database.h"
 
 namespace enfilade::bench {

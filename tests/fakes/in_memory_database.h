@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "storage/call_context.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 #include "tests/fakes/in_memory_tables.h"
 
 namespace enfilade::testing {

@@ -7,7 +7,7 @@
 #include "core/base/resource_name.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
-#include "storage/link_point_rules.h"
+#include "storage/graph/link_point_rules.h"
 #include "tests/fakes/graph_rows.h"
 #include "tests/fakes/in_memory_stores.h"
 

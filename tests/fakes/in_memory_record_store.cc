@@ -6,7 +6,7 @@
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "core/sensor/record_codec.h"
-#include "storage/session_growth.h"
+#include "storage/sessions/session_growth.h"
 #include "tests/fakes/in_memory_stores.h"
 
 namespace enfilade::testing {

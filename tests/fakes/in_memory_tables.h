@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "storage/graph_store.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
-#include "storage/mapping_store.h"
-#include "storage/record_store.h"
-#include "storage/revision_store.h"
-#include "storage/robot_pose_store.h"
-#include "storage/session_store.h"
+#include "storage/graph/graph_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/graph/robot_pose_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/maps/revision_store.h"
+#include "storage/sessions/mapping_store.h"
+#include "storage/sessions/record_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::testing {
 

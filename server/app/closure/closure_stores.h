@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "storage/blob_store.h"
-#include "storage/door_verdict_store.h"
-#include "storage/feature_store.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
-#include "storage/mapping_store.h"
-#include "storage/record_store.h"
-#include "storage/session_store.h"
-#include "storage/site_lease_store.h"
+#include "storage/graph/door_verdict_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/graph/site_lease_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/feature_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/mapping_store.h"
+#include "storage/sessions/record_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::server {
 

@@ -6,7 +6,7 @@
 
 #include "core/closure/door_knowledge.h"
 #include "server/app/closure/session_scene.h"
-#include "storage/door_verdict_store.h"
+#include "storage/graph/door_verdict_store.h"
 
 namespace enfilade::server {
 

@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
-#include "storage/site_lease_store.h"
+#include "storage/graph/site_lease_store.h"
 
 namespace enfilade::server {
 

@@ -12,9 +12,9 @@
 #include "proto/convert/names.h"
 #include "server/app/runtime/stop_signal.h"
 #include "server/app/runtime/wake_signal.h"
-#include "storage/door_verdict_store.h"
-#include "storage/map_store.h"
-#include "storage/session_store.h"
+#include "storage/graph/door_verdict_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::server {
 

@@ -9,7 +9,7 @@
 #include "perception/cloud/cloud.h"
 #include "perception/image/features.h"
 #include "server/app/closure/stored_views.h"
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 
 namespace enfilade::server {
 

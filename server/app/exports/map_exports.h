@@ -16,8 +16,8 @@
 #include "core/grid/files/map_files.h"
 #include "proto/convert/names.h"
 #include "server/config/server_options.h"
-#include "storage/map_store.h"
-#include "storage/revision_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/maps/revision_store.h"
 
 namespace enfilade::server {
 

@@ -10,9 +10,9 @@
 #include "core/base/ids.h"
 #include "server/app/graph/site_graphs.h"
 #include "storage/call_context.h"
-#include "storage/graph_store.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
+#include "storage/graph/graph_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/maps/map_store.h"
 
 namespace enfilade::server {
 

@@ -13,8 +13,8 @@
 #include "server/app/graph/site_graphs.h"
 #include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
-#include "storage/graph_store.h"
-#include "storage/site_lease_store.h"
+#include "storage/graph/graph_store.h"
+#include "storage/graph/site_lease_store.h"
 
 namespace enfilade::server {
 

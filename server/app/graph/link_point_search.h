@@ -12,9 +12,9 @@
 #include "core/geometry/pose2.h"
 #include "core/graph/search_radius.h"
 #include "storage/call_context.h"
-#include "storage/graph_store.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
+#include "storage/graph/graph_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/maps/map_store.h"
 
 namespace enfilade::server {
 

@@ -12,7 +12,7 @@
 #include "core/geometry/pose2.h"
 #include "core/graph/global_pose.h"
 #include "server/app/graph/site_graph.h"
-#include "storage/robot_pose_store.h"
+#include "storage/graph/robot_pose_store.h"
 
 namespace enfilade::server {
 

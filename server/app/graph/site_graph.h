@@ -9,7 +9,7 @@
 #include "core/geo/georeference.h"
 #include "core/graph/global_pose.h"
 #include "core/graph/graph_snapshot.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 
 namespace enfilade::server {
 

@@ -15,7 +15,7 @@
 #include "server/app/graph/site_graph.h"
 #include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 
 namespace enfilade::server {
 

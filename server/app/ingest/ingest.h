@@ -20,8 +20,8 @@
 #include "proto/convert/names.h"
 #include "server/app/runtime/metrics.h"
 #include "server/config/server_options.h"
-#include "storage/blob_store.h"
-#include "storage/record_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/sessions/record_store.h"
 
 namespace enfilade::server {
 

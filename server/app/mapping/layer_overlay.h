@@ -7,9 +7,9 @@
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "core/grid/occupancy_grid.h"
-#include "storage/blob_store.h"
 #include "storage/call_context.h"
-#include "storage/revision_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/revision_store.h"
 
 namespace enfilade::server {
 

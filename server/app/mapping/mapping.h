@@ -17,7 +17,7 @@
 #include "server/app/runtime/stop_signal.h"
 #include "server/app/runtime/wake_signal.h"
 #include "server/config/server_options.h"
-#include "storage/mapping_store.h"
+#include "storage/sessions/mapping_store.h"
 
 namespace enfilade::server {
 

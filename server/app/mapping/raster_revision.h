@@ -8,9 +8,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/grid/map_raster.h"
-#include "storage/blob_store.h"
 #include "storage/call_context.h"
-#include "storage/revision_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/revision_store.h"
 
 namespace enfilade::server {
 

@@ -13,13 +13,13 @@
 #include "core/slam/mapper/log_mapper.h"
 #include "core/slam/slam_profiles.h"
 #include "server/app/mapping/layer_overlay.h"
-#include "storage/blob_store.h"
-#include "storage/map_store.h"
-#include "storage/mapping_store.h"
-#include "storage/record_store.h"
-#include "storage/revision_store.h"
-#include "storage/robot_pose_store.h"
-#include "storage/session_store.h"
+#include "storage/graph/robot_pose_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/maps/revision_store.h"
+#include "storage/sessions/mapping_store.h"
+#include "storage/sessions/record_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::server {
 

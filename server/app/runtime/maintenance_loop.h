@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
-#include "storage/maintenance.h"
+#include "storage/sites/maintenance.h"
 
 namespace enfilade::server {
 

@@ -8,7 +8,7 @@
 #include "core/graph/global_pose.h"
 #include "enfilade/v1/graph_service.pb.h"
 #include "server/app/services.h"
-#include "storage/robot_pose_store.h"
+#include "storage/graph/robot_pose_store.h"
 
 namespace enfilade::server {
 

@@ -5,7 +5,7 @@
 #include "core/graph/paths/routes.h"
 #include "enfilade/v1/graph.pb.h"
 #include "server/app/graph/site_graph.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 
 namespace enfilade::server {
 

@@ -4,7 +4,7 @@
 #include "absl/status/statusor.h"
 #include "enfilade/v1/ingest_service.pb.h"
 #include "server/app/ingest/ingest.h"
-#include "storage/robot_pose_store.h"
+#include "storage/graph/robot_pose_store.h"
 
 namespace enfilade::server {
 

@@ -8,7 +8,7 @@
 #include "enfilade/v1/link_point_service.pb.h"
 #include "proto/convert/names.h"
 #include "server/app/services.h"
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 
 namespace enfilade::server {
 

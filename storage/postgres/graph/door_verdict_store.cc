@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/door_verdict_store.h"
+#include "storage/graph/door_verdict_store.h"
 
 #include "core/base/resource_name.h"
 #include "core/sensor/record_codec.h"

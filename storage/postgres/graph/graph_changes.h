@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 #include "storage/postgres/driver/transaction.h"
 
 namespace enfilade::storage::postgres {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 #include "storage/postgres/driver/pool.h"
 
 namespace enfilade::storage::postgres {

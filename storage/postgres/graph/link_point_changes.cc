@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/resource_name.h"
-#include "storage/link_point_rules.h"
+#include "storage/graph/link_point_rules.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_rows.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 #include "storage/postgres/driver/transaction.h"
 
 namespace enfilade::storage::postgres {

@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 #include "storage/postgres/driver/transaction.h"
 
 namespace enfilade::storage::postgres {

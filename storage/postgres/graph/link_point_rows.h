@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 #include "storage/postgres/driver/result.h"
 
 namespace enfilade::storage::postgres {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 #include "storage/postgres/driver/connection.h"
 #include "storage/postgres/driver/pool.h"
 #include "storage/postgres/graph/link_point_rows.h"

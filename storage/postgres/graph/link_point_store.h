@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 #include "storage/postgres/driver/pool.h"
 
 namespace enfilade::storage::postgres {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 #include "storage/postgres/driver/transaction.h"
 
 namespace enfilade::storage::postgres {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "storage/blob_store.h"
+#include "storage/maps/blob_store.h"
 #include "storage/postgres/driver/pool.h"
 #include "storage/postgres/driver/transaction.h"
 

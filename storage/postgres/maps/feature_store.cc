@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/feature_store.h"
+#include "storage/maps/feature_store.h"
 
 #include "storage/postgres/driver/rows.h"
 

@@ -6,9 +6,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
+#include "storage/maps/revision_store.h"
 #include "storage/postgres/driver/transaction.h"
 #include "storage/postgres/maps/map_key.h"
-#include "storage/revision_store.h"
 
 namespace enfilade::storage::postgres {
 

@@ -5,10 +5,10 @@
 
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
-#include "storage/map_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/maps/revision_store.h"
 #include "storage/postgres/driver/transaction.h"
 #include "storage/postgres/maps/map_key.h"
-#include "storage/revision_store.h"
 
 namespace enfilade::storage::postgres {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "storage/maps/revision_store.h"
 #include "storage/postgres/driver/pool.h"
-#include "storage/revision_store.h"
 
 namespace enfilade::storage::postgres {
 

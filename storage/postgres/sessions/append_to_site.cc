@@ -12,7 +12,7 @@
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/maps/blob_store.h"
 #include "storage/postgres/sessions/session_row.h"
-#include "storage/session_growth.h"
+#include "storage/sessions/session_growth.h"
 
 namespace enfilade::storage::postgres {
 namespace {

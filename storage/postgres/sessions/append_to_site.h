@@ -8,7 +8,7 @@
 #include "core/base/ids.h"
 #include "storage/call_context.h"
 #include "storage/postgres/driver/pool.h"
-#include "storage/record_store.h"
+#include "storage/sessions/record_store.h"
 
 namespace enfilade::storage::postgres {
 

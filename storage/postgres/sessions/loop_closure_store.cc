@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/loop_closure_store.h"
+#include "storage/sessions/loop_closure_store.h"
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"

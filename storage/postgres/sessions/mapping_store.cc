@@ -2,7 +2,7 @@
 #include "storage/postgres/sessions/mapping_store.h"
 
 #include "core/base/resource_name.h"
-#include "storage/map_store.h"
+#include "storage/maps/map_store.h"
 #include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/link_point_rows.h"

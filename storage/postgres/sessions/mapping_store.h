@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "storage/mapping_store.h"
 #include "storage/postgres/driver/pool.h"
+#include "storage/sessions/mapping_store.h"
 
 namespace enfilade::storage::postgres {
 

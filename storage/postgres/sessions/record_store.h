@@ -2,7 +2,7 @@
 #pragma once
 
 #include "storage/postgres/driver/pool.h"
-#include "storage/record_store.h"
+#include "storage/sessions/record_store.h"
 
 namespace enfilade::storage::postgres {
 

@@ -7,8 +7,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "storage/mapping_store.h"
 #include "storage/postgres/driver/transaction.h"
+#include "storage/sessions/mapping_store.h"
 
 namespace enfilade::storage::postgres {
 

@@ -7,8 +7,8 @@
 #include "absl/types/span.h"
 #include "storage/postgres/driver/result.h"
 #include "storage/postgres/driver/transaction.h"
-#include "storage/session_growth.h"
-#include "storage/session_store.h"
+#include "storage/sessions/session_growth.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::storage::postgres {
 

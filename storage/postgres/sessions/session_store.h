@@ -2,7 +2,7 @@
 #pragma once
 
 #include "storage/postgres/driver/pool.h"
-#include "storage/session_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::storage::postgres {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/audit_store.h"
+#include "storage/sites/audit_store.h"
 
 #include "storage/postgres/driver/rows.h"
 

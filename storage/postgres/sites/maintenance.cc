@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/maintenance.h"
+#include "storage/sites/maintenance.h"
 
 #include <array>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/site_store.h"
+#include "storage/sites/site_store.h"
 
 #include <array>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/door_verdict_store.h"
+#include "storage/graph/door_verdict_store.h"
 
 #include <chrono>
 
 #include "core/base/environment.h"
-#include "storage/feature_store.h"
+#include "storage/maps/feature_store.h"
 #include "storage/postgres/graph/site_lease_store.h"
 #include "tests/contract/storage/store_test.h"
 #include "tests/support/pose_matchers.h"

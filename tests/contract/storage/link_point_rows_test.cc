@@ -6,7 +6,7 @@
 #include "core/graph/same_place.h"
 #include "fmt/format.h"
 #include "fmt/ranges.h"
-#include "storage/maintenance.h"
+#include "storage/sites/maintenance.h"
 #include "tests/contract/storage/store_test.h"
 
 namespace enfilade::testing {

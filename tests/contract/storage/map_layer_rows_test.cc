@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "core/base/sha256.h"
-#include "storage/maintenance.h"
+#include "storage/sites/maintenance.h"
 #include "tests/contract/storage/store_test.h"
 
 namespace enfilade::testing {

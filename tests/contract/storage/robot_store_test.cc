@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/robot_store.h"
+#include "storage/sites/robot_store.h"
 
 #include "tests/contract/storage/store_test.h"
 

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "storage/audit_store.h"
 #include "storage/postgres/graph/graph_store.h"
 #include "storage/postgres/graph/link_point_store.h"
 #include "storage/postgres/graph/robot_pose_store.h"
@@ -14,8 +13,9 @@
 #include "storage/postgres/sessions/mapping_store.h"
 #include "storage/postgres/sessions/record_store.h"
 #include "storage/postgres/sessions/session_store.h"
-#include "storage/robot_store.h"
-#include "storage/site_store.h"
+#include "storage/sites/audit_store.h"
+#include "storage/sites/robot_store.h"
+#include "storage/sites/site_store.h"
 #include "tests/contract/storage/store_values.h"
 #include "tests/support/database.h"
 #include "tests/support/status_assertions.h"

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "core/sensor/record.h"
-#include "storage/blob_store.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
-#include "storage/mapping_store.h"
-#include "storage/robot_store.h"
-#include "storage/session_store.h"
-#include "storage/site_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/mapping_store.h"
+#include "storage/sessions/session_store.h"
+#include "storage/sites/robot_store.h"
+#include "storage/sites/site_store.h"
 
 namespace enfilade::testing {
 

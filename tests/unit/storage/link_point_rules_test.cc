@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/link_point_rules.h"
+#include "storage/graph/link_point_rules.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/session_growth.h"
+#include "storage/sessions/session_growth.h"
 
 #include "gtest/gtest.h"
 

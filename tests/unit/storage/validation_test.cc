@@ -8,11 +8,11 @@
 
 #include "core/base/sha256.h"
 #include "core/sensor/record_codec.h"
-#include "storage/blob_store.h"
-#include "storage/map_store.h"
-#include "storage/mapping_store.h"
-#include "storage/record_store.h"
-#include "storage/revision_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/maps/revision_store.h"
+#include "storage/sessions/mapping_store.h"
+#include "storage/sessions/record_store.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::storage {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 
 #include <atomic>
 #include <thread>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/link_point_store.h"
+#include "storage/graph/link_point_store.h"
 
 #include <cmath>
 #include <limits>

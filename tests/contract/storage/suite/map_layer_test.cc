@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/sha256.h"
-#include "storage/revision_store.h"
+#include "storage/maps/revision_store.h"
 #include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/mapping_store.h"
+#include "storage/sessions/mapping_store.h"
 
 #include <atomic>
 #include <thread>

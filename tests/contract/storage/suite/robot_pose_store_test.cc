@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/robot_pose_store.h"
+#include "storage/graph/robot_pose_store.h"
 
 #include <cmath>
 

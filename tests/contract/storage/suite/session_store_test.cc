@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/session_store.h"
+#include "storage/sessions/session_store.h"
 
 #include "tests/contract/storage/suite/contract_test.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/site_lease_store.h"
+#include "storage/graph/site_lease_store.h"
 
 #include <atomic>
 #include <thread>

@@ -10,9 +10,9 @@
 #include "core/graph/link_point.h"
 #include "core/sensor/record.h"
 #include "storage/call_context.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
-#include "storage/session_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/session_store.h"
 
 // Values for the tests of server/app.
 

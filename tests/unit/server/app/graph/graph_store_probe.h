@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/mutex.h"
-#include "storage/graph_store.h"
+#include "storage/graph/graph_store.h"
 
 namespace enfilade::server {
 

@@ -13,10 +13,10 @@
 #include "absl/types/span.h"
 #include "core/base/ids.h"
 #include "core/slam/slam_map.h"
-#include "storage/blob_store.h"
 #include "storage/call_context.h"
-#include "storage/revision_store.h"
-#include "storage/session_store.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/revision_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::storage {
 

@@ -10,8 +10,8 @@
 #include "absl/types/span.h"
 #include "core/base/ids.h"
 #include "core/sensor/record.h"
-#include "storage/blob_store.h"
 #include "storage/call_context.h"
+#include "storage/maps/blob_store.h"
 
 namespace enfilade::storage {
 

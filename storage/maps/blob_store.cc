@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/blob_store.h"
+#include "storage/maps/blob_store.h"
 
 #include "core/base/error.h"
 #include "core/base/sha256.h"

@@ -6,7 +6,7 @@
 
 #include "core/base/time.h"
 #include "core/sensor/record.h"
-#include "storage/session_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::storage {
 

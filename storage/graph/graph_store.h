@@ -16,8 +16,8 @@
 #include "core/base/time.h"
 #include "core/geometry/pose2.h"
 #include "storage/call_context.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/maps/map_store.h"
 
 namespace enfilade::storage {
 

@@ -17,7 +17,7 @@
 #include "core/graph/link_point.h"
 #include "core/sensor/record.h"
 #include "storage/call_context.h"
-#include "storage/map_store.h"
+#include "storage/maps/map_store.h"
 
 namespace enfilade::storage {
 

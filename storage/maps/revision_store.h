@@ -13,8 +13,8 @@
 #include "core/base/ids.h"
 #include "core/base/time.h"
 #include "core/grid/occupancy_grid.h"
-#include "storage/blob_store.h"
 #include "storage/call_context.h"
+#include "storage/maps/blob_store.h"
 
 namespace enfilade::storage {
 enum class RevisionSource : std::int16_t { kMapping = 1, kImport = 2 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/record_store.h"
+#include "storage/sessions/record_store.h"
 
 #include <charconv>
 #include <string>

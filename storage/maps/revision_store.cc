@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/revision_store.h"
+#include "storage/maps/revision_store.h"
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"

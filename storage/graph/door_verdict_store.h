@@ -13,10 +13,10 @@
 #include "core/closure/door_verdict.h"
 #include "core/sensor/record.h"
 #include "storage/call_context.h"
-#include "storage/link_point_store.h"
-#include "storage/map_store.h"
-#include "storage/session_store.h"
-#include "storage/site_lease_store.h"
+#include "storage/graph/link_point_store.h"
+#include "storage/graph/site_lease_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/session_store.h"
 
 namespace enfilade::storage {
 namespace postgres {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/map_store.h"
+#include "storage/maps/map_store.h"
 
 #include <algorithm>
 
