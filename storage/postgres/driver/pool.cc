@@ -61,6 +61,8 @@ Pool::Lease::~Lease() {
 }
 
 absl::StatusOr<Pool::Lease> Pool::Acquire(const CallContext& context) {
+  if (steady_clock::now() >= context.deadline)
+    return absl::DeadlineExceededError("the deadline of the call has passed");
   while (true) {
     ENFILADE_ASSIGN_OR_RETURN(Take take, TakeOrWait(context));
     if (!take.idle) {

@@ -54,6 +54,17 @@ TEST_F(PoolTest, KeepsConnectionsForTheNextCaller) {
   EXPECT_EQ(pool_->stats().busy, 0);
 }
 
+TEST_F(PoolTest, RefusesACallWhoseDeadlineHasPassed) {
+  for (const int connections : {0, 1}) {
+    SCOPED_TRACE(connections);
+    EXPECT_STATUS(ExecuteAlone(*pool_, CallContext::WithTimeout(-std::chrono::milliseconds(1)), kOne, Params()),
+                  absl::StatusCode::kDeadlineExceeded, HasSubstr("has passed"));
+    EXPECT_EQ(pool_->stats().opened, connections);
+    EXPECT_EQ(pool_->stats().busy, 0);
+    ASSERT_OK(Ping(*pool_));  // the second round finds an idle connection
+  }
+}
+
 TEST_F(PoolTest, ServesManyThreadsWithFewConnections) {
   const auto pool = Make({.url = database_.url(), .max_connections = 3});
   std::atomic<int> right = 0;

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <thread>
+
+#include "fmt/format.h"
+#include "tests/contract/storage/suite/mapping_fixture.h"
+
+namespace enfilade::testing {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::HasSubstr;
+
+TEST_F(MappingStoreTest, ThereIsWorkWhereRecordsAreNotMappedOrASessionIsToBeClosed) {
+  NewSession("empty");
+  EXPECT_OK(Append(NewSession("recorded", false), ScanRecords(1, 3)));
+  EXPECT_FALSE(FindsWork());
+  const SessionId session = SessionWithRecords("s1", 3);
+  const storage::LeasedSession leased = AcquireOne();
+  EXPECT_EQ(leased.session.id, session);
+  EXPECT_EQ(leased.session.acknowledged_sequence, 3);
+  EXPECT_EQ(leased.lease.token, 1);
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK(CommitStep(leased.lease, {}, 3));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
+  EXPECT_TRUE(FindsWork());
+}
+
+TEST_F(MappingStoreTest, ASessionThatWaitsForItsMapIsMappedOnceItIsKnown) {
+  const SessionId previous = NewSession("s1");
+  ASSERT_OK(sessions_.Finish(Soon(), site_, previous, 0));
+  storage::Session waiting = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+  waiting.entry.previous = previous;
+  ASSERT_OK(sessions_.Create(Soon(), waiting, ""));
+  ASSERT_OK(Append(waiting.id, ScanRecords(1, 3)));
+  const storage::LeasedSession closing = AcquireOne();
+  EXPECT_EQ(closing.session.id, previous) << "the only one that can be mapped";
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, waiting.id, 3));
+  EXPECT_EQ(finished.state, storage::SessionState::kFinished);
+  EXPECT_FALSE(FindsWork());
+  backend_->EnterMap(site_, waiting.id, map_, {{1, 2, 0.5}, Eigen::Matrix3d::Identity()});
+  const storage::LeasedSession leased = AcquireOne();
+  EXPECT_EQ(leased.session.id, waiting.id);
+  EXPECT_EQ(leased.session.map, map_);
+  ASSERT_TRUE(leased.session.entry.T_map_robot);
+  EXPECT_EQ(leased.session.entry.T_map_robot->pose, (Pose2{1, 2, 0.5}));
+}
+
+TEST_F(MappingStoreTest, ALeaseThatRanOutGoesToAnotherWithAHigherToken) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const storage::LeasedSession lost = AcquireOne("first", milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(5));
+  const storage::LeasedSession held = AcquireOne("second");
+  EXPECT_EQ(held.lease.session, session);
+  EXPECT_GT(held.lease.token, lost.lease.token);
+  EXPECT_STATUS(CommitStep(lost.lease, FirstDelta(), 3), absl::StatusCode::kAborted, HasSubstr("first"));
+  EXPECT_CODE(mapping_.Renew(Soon(), lost.lease, seconds(60)), absl::StatusCode::kAborted);
+  EXPECT_OK(mapping_.Release(Soon(), lost.lease));
+  EXPECT_FALSE(FindsWork());
+  EXPECT_OK(CommitStep(held.lease, FirstDelta(), 3));
+}
+
+TEST_F(MappingStoreTest, ALeaseThatRanOutStillHoldsWhileNobodyElseTookIt) {
+  SessionWithRecords("s1", 3);
+  const storage::LeasedSession leased = AcquireOne("first", milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_OK(CommitStep(leased.lease, FirstDelta(), 3));
+  EXPECT_OK(mapping_.Renew(Soon(), leased.lease, seconds(60)));
+  EXPECT_OK(Append(leased.session.id, {ScanRecord(4)}));
+  EXPECT_FALSE(FindsWork());
+}
+
+TEST_F(MappingStoreTest, AReleasedSessionGoesToTheEndOfTheQueue) {
+  SessionWithRecords("s1", 3);
+  SessionWithRecords("s2", 3);
+  const storage::LeasedSession first = AcquireOne();
+  ASSERT_OK(mapping_.Release(Soon(), first.lease));
+  EXPECT_NE(AcquireOne().session.id, first.session.id);
+  EXPECT_EQ(AcquireOne().session.id, first.session.id);
+}
+
+TEST_F(MappingStoreTest, EachSessionGoesToOneOfManyWorkers) {
+  constexpr int kSessions = 12;
+  for (int i = 0; i < kSessions; ++i) SessionWithRecords(fmt::format("s{}", i), 1);
+  std::atomic<int> leases = 0;
+  std::vector<std::thread> workers;
+  for (int w = 0; w < 4; ++w) {
+    workers.emplace_back([&, w] {
+      // Losing a race for the candidates is no reason to stop.
+      for (int misses = 0; misses < 20;) {
+        const auto leased = mapping_.Acquire(Soon(), fmt::format("w{}", w), seconds(60));
+        ASSERT_OK(leased);
+        if (leased->has_value()) {
+          ++leases;
+          EXPECT_EQ((*leased)->lease.token, 1);
+        } else {
+          ++misses;
+        }
+      }
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  EXPECT_EQ(leases, kSessions);
+}
+
+TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const storage::LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, FirstDelta(), 1));
+  ASSERT_OK(sessions_.Delete(Soon(), site_, session));
+  EXPECT_CODE(CommitStep(leased.lease, {}, 2), absl::StatusCode::kAborted);
+  EXPECT_CODE(mapping_.Renew(Soon(), leased.lease, seconds(60)), absl::StatusCode::kAborted);
+  EXPECT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+  EXPECT_CODE(mapping_.ReadTrajectory(Soon(), site_, session), absl::StatusCode::kNotFound);
+}
+
+TEST_F(MappingStoreTest, TheSessionThatHasWaitedLongestComesFirst) {
+  for (const char* id : {"c", "a", "b"}) SessionWithRecords(id, 1);
+  std::vector<std::string> order;
+  std::vector<storage::LeasedSession> leased;
+  for (int i = 0; i < 3; ++i) {
+    leased.push_back(AcquireOne());
+    order.push_back(leased.back().session.id.value());
+  }
+  EXPECT_EQ(order, (std::vector<std::string>{"c", "a", "b"})) << "in the order of their creation";
+  // Given back in another order: that is how long they have been waiting now.
+  for (const int i : {1, 2, 0}) ASSERT_OK(mapping_.Release(Soon(), leased[static_cast<std::size_t>(i)].lease));
+  order.clear();
+  for (int i = 0; i < 3; ++i) order.push_back(AcquireOne().session.id.value());
+  EXPECT_EQ(order, (std::vector<std::string>{"a", "b", "c"}));
+}
+
+TEST_F(MappingStoreTest, AnExpiredLeaseOfTheSameOwnerIsAnotherLease) {
+  SessionWithRecords("s1", 1);
+  const storage::LeasedSession first = AcquireOne("worker", milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(5));
+  const storage::LeasedSession second = AcquireOne("worker");
+  EXPECT_EQ(second.lease.token, first.lease.token + 1);
+  EXPECT_CODE(mapping_.Renew(Soon(), first.lease, seconds(60)), absl::StatusCode::kAborted);
+  EXPECT_OK(mapping_.Release(Soon(), first.lease));
+  EXPECT_OK(mapping_.Renew(Soon(), second.lease, seconds(60)));
+}
+
+TEST_F(MappingStoreTest, AMappedSessionIsNotAcquiredAgain) {
+  const SessionId session = SessionWithRecords("s1", 2);
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 2));
+  const storage::LeasedSession leased = AcquireOne();
+  const slam::SlamDelta delta = FirstDelta();
+  storage::MappingStep step = StepOf(delta, "c", 2);
+  step.final_state = storage::SessionState::kRecording;
+  EXPECT_CODE(mapping_.Commit(Soon(), leased.lease, step), absl::StatusCode::kInvalidArgument);
+  step.final_state = storage::SessionState::kMapped;
+  ASSERT_OK_AND_ASSIGN(const std::int64_t number, mapping_.Commit(Soon(), leased.lease, step));
+  EXPECT_EQ(number, 0) << "no revision came with it";
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK_AND_ASSIGN(const storage::Map map, maps_.Get(Soon(), site_, map_));
+  EXPECT_EQ(map.state, storage::MapState::kEmpty) << "a map without a revision stays empty";
+}
+
+}  // namespace
+}  // namespace enfilade::testing
