@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 using Stub = v1::GraphService::Stub;
 
-TEST_F(GraphTest, GetGraphTellsMapsLinkPointsAndEdges) {
+TEST_F(GraphTest, GetGraphReportsMapsLinkPointsAndEdges) {
   const v1::Graph graph = AwaitSolution();
   EXPECT_EQ(graph.root_map(), "sites/s/maps/m");
   ASSERT_EQ(graph.maps_size(), 4);

@@ -98,7 +98,7 @@ TEST_F(ResourcesTest, SessionsPageFromTheNewest) {
   EXPECT_EQ(listed, std::vector<std::string>(created.rbegin(), created.rend()));
 }
 
-TEST_F(ResourcesTest, DeletionTellsWhatDependsAndForceRemovesIt) {
+TEST_F(ResourcesTest, DeletionReportsWhatDependsAndForceRemovesIt) {
   CreateSession(true);
   v1::DeleteMapRequest request;
   request.set_name("sites/s/maps/m");

@@ -131,7 +131,7 @@ TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
   EXPECT_EQ(passage->entered_map, MapId("yard"));
 }
 
-TEST_F(DoorVerdictStoreTest, TellsWhichPassagesLedIntoAMap) {
+TEST_F(DoorVerdictStoreTest, ReportsWhichPassagesLedIntoAMap) {
   DriveThroughADoor();
   MarkMapped();
   ASSERT_OK_AND_ASSIGN(const auto none, verdicts_.ListInto(Soon(), site_, MapId("yard"), 10));

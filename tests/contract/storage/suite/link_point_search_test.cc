@@ -136,7 +136,7 @@ TEST_F(LinkPointSearchTest, WhatIsEquallyNearComesById) {
   EXPECT_THAT(Find(Around(0, 0, 5)), ElementsAre("a", "b", "c"));
 }
 
-TEST_F(LinkPointSearchTest, TellsTheVersionOfTheGraphEvenIfNothingIsFound) {
+TEST_F(LinkPointSearchTest, ReportsTheVersionOfTheGraphEvenIfNothingIsFound) {
   Create("door", {MakeAnchor("hall", 3, 0)});
   ASSERT_OK_AND_ASSIGN(const std::int64_t version, graph_.GetVersion(Soon(), site_));
   ASSERT_OK_AND_ASSIGN(const auto found, link_points_.Find(Soon(), site_, Around(3, 0, 1)));

@@ -24,7 +24,7 @@ class MapDeletionTest : public StoreContractTest {
   }
 };
 
-TEST_F(MapDeletionTest, TellsWhichSessionsAndLinkPointsDependOnTheMap) {
+TEST_F(MapDeletionTest, ReportsWhichSessionsAndLinkPointsDependOnTheMap) {
   const SessionId session("s1");
   ASSERT_OK(sessions_.Create(Soon(), MakeSession(site_, session, robot_, MapId("lab")), ""));
   const auto version = graph_.GetVersion(Soon(), site_);

@@ -146,7 +146,7 @@ TEST_F(RecordStoreTest, RefusesSequencesThatDoNotIncrease) {
   EXPECT_EQ(backend_->CountRecords(), 0);
 }
 
-TEST_F(RecordStoreTest, AnEmptyBatchTellsWhereTheLogStands) {
+TEST_F(RecordStoreTest, AnEmptyBatchReportsWhereTheLogStands) {
   const SessionId session = NewSession("s1");
   ASSERT_OK(Append(session, ScanRecords(1, 3)));
   ASSERT_OK_AND_ASSIGN(const storage::AppendResult result, Append(session, {}));

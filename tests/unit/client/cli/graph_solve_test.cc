@@ -44,7 +44,7 @@ TEST_F(GraphSolveTest, PrintsWhatProgramsAskFor) {
   EXPECT_GT(document["covariances"][0]["covariance"][2][2], 0.0);
 }
 
-TEST_F(GraphSolveTest, TellsPeopleOfComponentsAndUnknownTags) {
+TEST_F(GraphSolveTest, ReportsToPeopleComponentsAndUnknownTags) {
   const std::string path = File(
       "a.g2o", optimize::WritePoseGraph(graph_, optimize::GraphFormat::kG2o) + "VERTEX_SE2 5000 1 1 0\nPARAMS_X 1\n");
   ASSERT_OK(Run({path}, false));

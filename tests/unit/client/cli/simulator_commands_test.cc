@@ -102,7 +102,7 @@ TEST_F(SimulatorCommandsTest, WhatOnlyOneFormOfSimulateHasIsRefusedByTheOther) {
   EXPECT_FALSE(std::filesystem::exists(out_));
 }
 
-TEST_F(SimulatorCommandsTest, DoorsTellsEventsAsJsonLinesAndDrawsThem) {
+TEST_F(SimulatorCommandsTest, DoorsReportsEventsAsJsonLinesAndDrawsThem) {
   ASSERT_OK(Drive(out_, "1"));
   const std::string plot = directory_.path() / "doors.png";
   ASSERT_OK(Run({"doors", out_ / "r1/log.jsonl", "--plot", plot}));

@@ -159,7 +159,7 @@ TEST_F(SlamTest, RefusesAnEntryThatIsHalfSaidOrNoPose) {
                 HasSubstr("none.yaml"));
 }
 
-TEST_F(SlamTest, TellsPeopleScansSecondsAndRate) {
+TEST_F(SlamTest, ReportsScansSecondsAndRateToPeople) {
   ASSERT_OK(Run({File("drive.jsonl", Log(3))}, false));
   EXPECT_THAT(printed_, HasSubstr("3 scans (3 used"));
   EXPECT_THAT(printed_, HasSubstr("scans/s"));

@@ -212,7 +212,7 @@ TEST_F(ReplayTest, KeepsItsSpoolInTheStateFolder) {
   unsetenv("XDG_STATE_HOME");
 }
 
-TEST(ReplayReport, TellsProgramsAndPeopleTheSame) {
+TEST(ReplayReport, ReportsTheSameToProgramsAndPeople) {
   ReplayOptions options;
   options.log = "a.clf";
   options.map = "hall";

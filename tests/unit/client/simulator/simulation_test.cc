@@ -127,7 +127,7 @@ TEST(Simulation, WithNoiseOdometryDrifts) {
   EXPECT_LT(error, 20.0);
 }
 
-TEST(Simulation, TellsThePassagesOfFigure1InTheOrderOfEvents) {
+TEST(Simulation, ReportsThePassagesOfFigure1InTheOrderOfEvents) {
   SimulationOptions options;
   options.scan_hz = 1.0;
   ASSERT_OK_AND_ASSIGN(const Drive drive, SimulateDrive(Shipped("figure1"), "r1", options));

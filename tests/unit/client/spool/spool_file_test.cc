@@ -105,7 +105,7 @@ TEST_F(SpoolFile, KeepsHowASessionCameIntoItsMap) {
   EXPECT_EQ(spool->FindSession(on_an_old_map.id)->environment, std::nullopt);
 }
 
-TEST_F(SpoolFile, TellsOfDamage) {
+TEST_F(SpoolFile, ReportsDamage) {
   Fill(200);
   const auto size = std::filesystem::file_size(path());
   ASSERT_GT(size, 100'000U);

@@ -195,7 +195,7 @@ TEST_F(UplinkTest, StopsWhileTheServerIsSilent) {
   EXPECT_CODE(uplink.WaitFor(std::chrono::seconds(0)).value(), absl::StatusCode::kCancelled);
 }
 
-TEST_F(UplinkTest, TellsWhichMapWasEnteredAndReportsPoses) {
+TEST_F(UplinkTest, ReportsWhichMapWasEnteredAndReportsPoses) {
   FakeServer::Behaviour behaviour;
   behaviour.map_entered.emplace().set_map("sites/campus/maps/hall");
   behaviour.refuse_pose = [](const v1::PoseReport& report) {

@@ -326,7 +326,7 @@ TEST_F(StateMachineTest, RefusesCommandsThatAreForAnotherState) {
   EXPECT_EQ(state(), State::kMapping);
 }
 
-TEST_F(StateMachineTest, TellsItsStatusInEveryState) {
+TEST_F(StateMachineTest, ReportsItsStatusInEveryState) {
   EXPECT_THAT(Do(Command(AskStatus{})), ElementsAre("status"));
   StartMapping();
   EXPECT_THAT(Do(Command(AskStatus{})), ElementsAre("status"));

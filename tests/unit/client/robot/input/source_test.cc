@@ -91,7 +91,7 @@ TEST_F(LinesTest, BringsThePictureFilesAlong) {
   EXPECT_EQ(std::get<client::SpoolItem>(Next()).content, "picture");
 }
 
-TEST_F(LinesTest, TellsBadLinesWithTheirNumberAndGoesOn) {
+TEST_F(LinesTest, ReportsBadLinesWithTheirNumberAndGoesOn) {
   Write("nonsense\n{\"type\":\"scan\"}\n{\"type\":\"command\",\"command\":\"fly\"}\n");
   Write("{\"type\":\"pose\",\"map\":\"m\",\"time_ns\":5}\n");
   Write("{\"type\":\"image\",\"time_ns\":5,\"camera\":\"rear\",\"encoding\":\"png\",\"file\":\"missing.png\"}\n");
