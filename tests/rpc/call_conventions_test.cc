@@ -8,7 +8,7 @@
 namespace enfilade::testing {
 namespace {
 
-class MannersTest : public ServerTest {};
+class CallConventionsTest : public ServerTest {};
 
 template <typename Service, typename Request, typename Response>
 void ExpectRefusesEmpty(const client::Connection& connection,
@@ -17,7 +17,7 @@ void ExpectRefusesEmpty(const client::Connection& connection,
       << Request::descriptor()->full_name();
 }
 
-TEST_F(MannersTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
+TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   using v1::IngestService;
   using v1::MapService;
   using v1::RobotService;
@@ -79,7 +79,7 @@ TEST_F(MannersTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   EXPECT_EQ(status.schema_version(), status.expected_schema_version());
 }
 
-TEST_F(MannersTest, StreamsAreToldToComeAgainWhenTheServerEnds) {
+TEST_F(CallConventionsTest, StreamsAreToldToComeAgainWhenTheServerEnds) {
   const std::string session = CreateSession(false);
   TestStream stream(*connection_, session);
   stream.Receive();
@@ -90,7 +90,7 @@ TEST_F(MannersTest, StreamsAreToldToComeAgainWhenTheServerEnds) {
   shutdown.join();
 }
 
-TEST_F(MannersTest, ASecondServerOnTheSameAddressSaysSo) {
+TEST_F(CallConventionsTest, ASecondServerOnTheSameAddressSaysSo) {
   server::ServerOptions options = Options();
   options.database.url = database_.url();
   options.listen.address = "127.0.0.1:0";
@@ -100,7 +100,7 @@ TEST_F(MannersTest, ASecondServerOnTheSameAddressSaysSo) {
                 ::testing::HasSubstr(first->address()));
 }
 
-TEST_F(MannersTest, ManyClientsComeAndGoWhileOthersList) {
+TEST_F(CallConventionsTest, ManyClientsComeAndGoWhileOthersList) {
   const std::string session = CreateSession(false);
   std::atomic<int> next{0};
   std::vector<std::thread> threads;
