@@ -17,7 +17,7 @@
 
 namespace enfilade::testing {
 
-// What the in-memory stores share: they keep the contracts of storage/*.h without a database, for unit tests of what
+// What the in-memory stores share: they keep the contracts of storage/ without a database, for unit tests of what
 // uses the stores (in_memory_stores.h). A call is atomic; writers of a graph follow one another, as with row locks.
 // Thread-safe.
 class InMemoryDatabase {

@@ -15,7 +15,7 @@
 
 namespace enfilade::testing {
 
-// The stores of storage/*.h over an InMemoryDatabase, which must outlive them. They pass the same contract tests as the
+// The stores of storage/ over an InMemoryDatabase, which must outlive them. They pass the same contract tests as the
 // PostgreSQL stores (tests/contract/storage/suite).
 
 class InMemoryMapStore final : public storage::MapStore {

@@ -107,7 +107,7 @@ absl::Status PrintAudit(const Globals& globals, const AuditCommandOptions& optio
 }  // namespace
 
 void AddSite(CLI::App& app, const Globals& globals) {
-  CLI::App* site = app.add_subcommand("site", "Sites: the campuses of a server, each by itself");
+  CLI::App* site = app.add_subcommand("site", "Sites: the separate campuses of a server");
   site->require_subcommand(1);
   auto options = std::make_shared<CreateSiteCommandOptions>();
   CLI::App* create =

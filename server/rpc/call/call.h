@@ -38,7 +38,7 @@ struct IncomingCall {
 };
 
 // One call of the API, whatever its shape, from its arrival to its end. Every RPC gets one. Authentication, quotas and
-// tracing belong here and in the functions that this calls. Thread-safe but for set_site().
+// tracing belong here and in the functions that this calls. Thread-safe except for set_site().
 class Call {
  public:
   Call(const CallEnvironment& environment, const IncomingCall& incoming);
@@ -46,7 +46,8 @@ class Call {
   Call& operator=(const Call&) = delete;
 
   const char* rpc() const { return rpc_; }
-  // As the client chose it, or a new one. It is in the log line of a failure and in the response's metadata.
+  // The client's choice, or a new one if that is missing or invalid. It is in the log line of a failure and in the
+  // response's metadata.
   const std::string& request_id() const { return request_id_; }
   const std::string& peer() const { return peer_; }
   const Principal& principal() const { return principal_; }

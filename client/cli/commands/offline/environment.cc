@@ -183,7 +183,7 @@ absl::Status RunEnvironment(const Globals& globals, const EnvironmentCommandOpti
 void AddEnvironment(CLI::App& app, const Globals& globals) {
   auto options = std::make_shared<EnvironmentCommandOptions>();
   CLI::App* command =
-      AddCommand(app, "environment", "Tell indoors from outdoors by scans, depth images or a scene classifier",
+      AddCommand(app, "environment", "Classify a log as indoor or outdoor by scans, depth images or a scene classifier",
                  [&globals, options] { return RunEnvironment(globals, *options); });
   command->add_option("INPUT", options->inputs, "A log, or images (a PNG of 16 bits is a depth image in mm)")
       ->required();

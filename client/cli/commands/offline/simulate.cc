@@ -170,7 +170,7 @@ void AddSimulate(CLI::App& app, const Globals& globals) {
       app, "simulate", "Drive robots through a simulated campus; write their logs and the truth", [&globals, options] {
         return options->campus.empty() ? SimulateRooms(globals, *options) : SimulateCampus(globals, *options);
       });
-  command->alias("sim");  // its former name
+  command->alias("sim");  // deprecated: its former name
   command->add_option("CAMPUS", options->campus,
                       fmt::format("A YAML file (docs/simulator.md), random:SEED, or one of: {}. Without it: a short "
                                   "drive of one robot through three rooms (270 degrees, 12 m), as one log file",

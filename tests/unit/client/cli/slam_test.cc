@@ -132,7 +132,7 @@ TEST_F(SlamTest, GoesOnInAMapFromWhereItIsToldTheLogBegins) {
   // The same drive again: it begins at the map's origin, which is told wrong by 0.4 m and 0.1 rad.
   ASSERT_OK(
       Run({File("again.jsonl", Log(11)), "--on", map, "--at", "-0.4,0.2,0.1", "--at-sigma", "0.3,0.1", "-o", both}));
-  EXPECT_EQ(Report()["submaps"], 2) << "the old map and its own";
+  EXPECT_EQ(Report()["submaps"], 2) << "the existing map and its own";
   EXPECT_GT(Report()["closures_accepted"], 0);
   std::istringstream first(Content(both / "trajectory.txt"));
   double t = 0.0, x = 0.0, y = 0.0, yaw = 0.0;

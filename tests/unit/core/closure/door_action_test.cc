@@ -105,7 +105,7 @@ TEST(DoorAction, TheVerdictKeepsTheComparisonsInTheirOrder) {
   EXPECT_EQ(verdict.comparisons[1].link_point, LinkPointId("second"));
 }
 
-TEST(DescribeNewMap, TakesTheReportsWordOverTheOldMaps) {
+TEST(DescribeNewMap, PrefersTheReportToTheMapThatWasLeft) {
   struct NewMapCase {
     const char* what;
     std::optional<SessionMap> from;
@@ -116,12 +116,12 @@ TEST(DescribeNewMap, TakesTheReportsWordOverTheOldMaps) {
   };
   const SessionMap garden{.id = MapId("garden"), .level = 3, .environment = Environment::kOutdoor};
   const std::vector<NewMapCase> cases = {
-      {"as the old map", garden, std::nullopt, std::nullopt, 3, Environment::kOutdoor},
+      {"as the map that was left", garden, std::nullopt, std::nullopt, 3, Environment::kOutdoor},
       {"into a building", garden, Environment::kIndoor, std::nullopt, 3, Environment::kIndoor},
       {"up the lift", garden, std::nullopt, 4, 4, Environment::kOutdoor},
       {"down to level 0", garden, std::nullopt, 0, 0, Environment::kOutdoor},
-      {"no old map", std::nullopt, std::nullopt, std::nullopt, 0, Environment::kIndoor},
-      {"no old map, outdoors", std::nullopt, Environment::kOutdoor, -2, -2, Environment::kOutdoor},
+      {"no map was left", std::nullopt, std::nullopt, std::nullopt, 0, Environment::kIndoor},
+      {"no map was left, outdoors", std::nullopt, Environment::kOutdoor, -2, -2, Environment::kOutdoor},
   };
   DoorClosureOptions options;
   options.indoor_profile = "short-range";
