@@ -6,7 +6,7 @@
 namespace enfilade::yaml_options {
 
 std::string Location(std::string_view what, const YAML::Mark& mark) {
-  if (mark.is_null()) return std::string(what);
+  if (mark.is_null() && !what.empty()) return std::string(what);
   return what.empty() ? fmt::format("line {}", mark.line + 1) : fmt::format("{}, line {}", what, mark.line + 1);
 }
 
