@@ -29,7 +29,7 @@ std::size_t DrivenPath::IndexAt(double travelled) const {
 
 Eigen::Vector2d DrivenPath::PositionAt(double travelled) const {
   const std::size_t i = IndexAt(travelled);
-  const Eigen::Vector2d at = points_[i].view.T_odom_robot.translation();
+  Eigen::Vector2d at = points_[i].view.T_odom_robot.translation();
   if (i == 0) return at;
   const Eigen::Vector2d before = points_[i - 1].view.T_odom_robot.translation();
   const double length = points_[i].travelled - points_[i - 1].travelled;
