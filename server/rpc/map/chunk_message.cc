@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/map/chunk_message.h"
 
-#include <cstring>
+#include <algorithm>
 #include <string>
 
 #include "enfilade/v1/map_service.pb.h"
@@ -41,7 +41,7 @@ absl::StatusOr<grpc::ByteBuffer> EncodeChunkMessage(std::int32_t file, std::int6
   const std::string header = Header(file, offset, size);
   grpc_slice bytes = grpc_slice_malloc(header.size() + size);
   auto* const begin = reinterpret_cast<char*>(GRPC_SLICE_START_PTR(bytes));  // inside `bytes` if they are few
-  std::memcpy(begin, header.data(), header.size());
+  std::copy(header.begin(), header.end(), begin);
   const absl::Status filled = fill(begin + header.size());
   const grpc::Slice owner(bytes, grpc::Slice::STEAL_REF);
   if (!filled.ok()) return filled;
