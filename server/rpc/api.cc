@@ -55,8 +55,9 @@ class ApiOf : public Service {
   auto Bind(absl::StatusOr<Response> (*handle)(const Services&, const Call&, const Request&)) const {
     return [this, handle](const Call& call, const Request& request, Response& response) {
       absl::StatusOr<Response> answer = handle(services_, call, request);
-      if (answer.ok()) response = *std::move(answer);
-      return answer.status();
+      if (!answer.ok()) return answer.status();
+      response = *std::move(answer);
+      return absl::OkStatus();
     };
   }
   template <typename Request, typename Response>
@@ -71,8 +72,9 @@ class ApiOf : public Service {
     return [this, try_now](const Request& request, Response& response) -> std::optional<absl::Status> {
       std::optional<absl::StatusOr<Response>> answer = try_now(services_, request);
       if (!answer) return std::nullopt;
-      if (answer->ok()) response = **std::move(answer);
-      return answer->status();
+      if (!answer->ok()) return answer->status();
+      response = **std::move(answer);
+      return absl::OkStatus();
     };
   }
   // A handler that opens a stream.

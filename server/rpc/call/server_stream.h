@@ -72,8 +72,9 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
 
   absl::Status Open() {
     absl::StatusOr<MessageSource<Response>> source = open_(call_);
-    if (source.ok()) source_ = *std::move(source);
-    return source.status();
+    if (!source.ok()) return source.status();
+    source_ = *std::move(source);
+    return absl::OkStatus();
   }
 
   // Fills the ring. `making_` says that a thread is here: only it touches the source and the message `made_`.
