@@ -111,7 +111,7 @@ class MapManagerImport {
     evidence.set_map(link_point.anchors(0).map());
     const auto attach = [&](const char* what, const std::string& bytes) -> absl::Status {
       if (bytes.empty()) return absl::OkStatus();
-      const absl::Status attached = AttachEvidence(connection_, link_point.name(), evidence, bytes).status();
+      absl::Status attached = AttachEvidence(connection_, link_point.name(), evidence, bytes).status();
       if (EndsImport(attached)) return attached;
       if (!attached.ok()) report_.Remark(row, fmt::format("its {} was refused: {}", what, Message(attached)));
       return absl::OkStatus();

@@ -146,7 +146,7 @@ class Runner {
 
 absl::Status Run(const RunContext& context, const RunOptions& options) {
   Runner runner(context, options);
-  const absl::Status recorded = runner.Record();
+  absl::Status recorded = runner.Record();
   if (!recorded.ok() && !absl::IsCancelled(recorded)) {
     // What was recorded before the error is kept.
     context.agent.Do(Abort{}).IgnoreError();

@@ -189,7 +189,7 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
       const std::unique_ptr<robot::Agent> agent,
       robot::Agent::Make(std::move(setup), {connection, *spool, uploader, listener, interrupted}));
   uploader.Start();
-  const absl::Status status =
+  absl::Status status =
       robot::Run({*agent, uploader, *source, commands ? &*commands : nullptr, interrupted, listener}, run);
   uploader.Stop();
   console.Show(Summary(*agent, status));

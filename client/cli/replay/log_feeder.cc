@@ -61,12 +61,12 @@ absl::Status LogFeeder::Gather(Clock::time_point now) {
 
 absl::Status LogFeeder::AppendGathered() {
   spool_is_full_ = false;
-  const absl::Status whole = spool_.Append(session_, gathered_).status();
+  absl::Status whole = spool_.Append(session_, gathered_).status();
   if (whole.ok()) gathered_.clear();
   if (!absl::IsResourceExhausted(whole)) return whole;
   // No room for all: one by one, as far as there is room.
   while (!gathered_.empty()) {
-    const absl::Status status = spool_.Append(session_, absl::MakeConstSpan(gathered_.data(), 1)).status();
+    absl::Status status = spool_.Append(session_, absl::MakeConstSpan(gathered_.data(), 1)).status();
     if (status.ok()) {
       gathered_.erase(gathered_.begin());
     } else if (absl::IsResourceExhausted(status) && spool_.usage().records > 0) {

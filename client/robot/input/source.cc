@@ -148,7 +148,7 @@ absl::StatusOr<std::unique_ptr<Source>> OpenSimulation(const std::string& campus
   return std::make_unique<SimulationSource>(std::move(simulation), std::move(truth));
 }
 
-std::unique_ptr<Source> OpenLines(int fd, std::filesystem::path folder, const Eigen::Matrix3d& covariance) {
+std::unique_ptr<Source> OpenLines(int fd, const std::filesystem::path& folder, const Eigen::Matrix3d& covariance) {
   return std::make_unique<LinesSource>(fd, folder, covariance);
 }
 

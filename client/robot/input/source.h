@@ -49,6 +49,6 @@ absl::StatusOr<std::unique_ptr<Source>> OpenSimulation(const std::string& campus
 
 // JSON lines read from `fd`: records as in docs/logs.md with files relative to `folder`, commands and pose reports
 // (docs/robot.md). `covariance`: of poses without one. A line that cannot be read is a BadInput.
-std::unique_ptr<Source> OpenLines(int fd, std::filesystem::path folder, const Eigen::Matrix3d& covariance);
+std::unique_ptr<Source> OpenLines(int fd, const std::filesystem::path& folder, const Eigen::Matrix3d& covariance);
 
 }  // namespace enfilade::robot

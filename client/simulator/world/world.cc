@@ -83,7 +83,8 @@ void LevelWorld::Rasterise(const std::vector<const Area*>& areas) {
   for (std::size_t i = 0; i < areas.size(); ++i) {
     for (int row = 0; row < raster_height_; ++row) {
       for (int column = 0; column < raster_width_; ++column) {
-        std::int16_t& cell = raster_[static_cast<std::size_t>(row * raster_width_ + column)];
+        std::int16_t& cell = raster_[static_cast<std::size_t>(row) * static_cast<std::size_t>(raster_width_) +
+                                     static_cast<std::size_t>(column)];
         if (cell >= 0) continue;
         const Eigen::Vector2d middle = origin_ + kRasterCell * Eigen::Vector2d(column + 0.5, row + 0.5);
         if (Contains(areas[i]->outline, middle)) cell = static_cast<std::int16_t>(i);

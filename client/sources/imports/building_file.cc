@@ -9,6 +9,7 @@
 #include "Eigen/Geometry"
 #include "core/base/error.h"
 #include "core/options/yaml_document.h"
+#include "fmt/format.h"
 
 namespace enfilade::sources {
 namespace {
@@ -186,7 +187,8 @@ class Parser {
       if (!T_level_home) {
         building_.remarks.push_back(
             {item_, false,
-             "\"" + level + "\" and \"" + reference + "\" do not share two fiducials: the lift gets no stop there"});
+             fmt::format("\"{}\" and \"{}\" do not share two fiducials: the lift gets no stop there", level,
+                         reference)});
         continue;
       }
       const Eigen::Vector2d place = *T_level_home * position;

@@ -46,8 +46,7 @@ absl::Status ImportBuilding(const Globals& globals, const BuildingCommandOptions
   ENFILADE_ASSIGN_OR_RETURN(const sources::Building building, sources::ParseBuilding(yaml));
   const std::string prefix = options.prefix.empty() && !building.name.empty() ? building.name + " " : options.prefix;
   client::ImportReport report;
-  const absl::Status status =
-      client::ImportBuilding(ConnectionOf(globals), SiteId(globals.site), building, prefix, report);
+  absl::Status status = client::ImportBuilding(ConnectionOf(globals), SiteId(globals.site), building, prefix, report);
   PrintReport(globals, report);
   return status;
 }
@@ -55,7 +54,7 @@ absl::Status ImportBuilding(const Globals& globals, const BuildingCommandOptions
 absl::Status ImportMapManager(const Globals& globals, const std::string& path) {
   ENFILADE_ASSIGN_OR_RETURN(const sources::MapManagerContent content, sources::ReadMapManagerDatabase(path));
   client::ImportReport report;
-  const absl::Status status = client::ImportMapManager(ConnectionOf(globals), SiteId(globals.site), content, report);
+  absl::Status status = client::ImportMapManager(ConnectionOf(globals), SiteId(globals.site), content, report);
   PrintReport(globals, report);
   return status;
 }

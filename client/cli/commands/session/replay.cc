@@ -184,7 +184,7 @@ absl::Status SendLog(const Globals& globals, const ReplayOptions& options, clien
   LogFeeder feeder(std::move(reader), spool, result.session, feeder_options);
   ENFILADE_RETURN_IF_ERROR(feeder.SkipSpooled());
   const auto start = Clock::now();
-  const absl::Status sent = Transfer(globals, feeder, spool, interrupt, result);
+  absl::Status sent = Transfer(globals, feeder, spool, interrupt, result);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   if (sent.ok()) return sent;
   return absl::Status(sent.code(), std::string(sent.message()) + "; " + HowToResume(globals, result));
