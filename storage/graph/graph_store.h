@@ -31,6 +31,7 @@ enum class GraphCause : std::int16_t {
   kLinkPointRemoved = 6,
   kOptimized = 7,
   kGeoreferenced = 8,
+  kRearranged = 9,
 };
 
 struct MapPose {
@@ -80,7 +81,8 @@ struct GraphSolution {
 struct GraphVersion {
   std::int64_t version = 0;
   GraphCause cause = GraphCause::kMapAdded;
-  std::string resource;  // the changed resource: maps/{map}, linkPoints/{link_point}; empty for the whole graph
+  std::string resource;  // the changed resource: maps/{map}, linkPoints/{link_point}, rearrangements/{id}; empty for
+                         // the whole graph
   std::string actor;     // CallContext::actor of the call that changed it
   TimeNs create_time = 0;
   // Of optimisations only.
