@@ -112,6 +112,82 @@ TEST_F(ServerCommandsTest, ATrajectoryIsWrittenWithNanoseconds) {
   EXPECT_CODE(Run({"trajectory", "export", "run", "-o", "/none/t.txt"}), absl::StatusCode::kInvalidArgument);
 }
 
+// The robot drove 1 s in the hall and 1 s in the lab, which has no place in the world; session 0 is another robot's.
+class RobotTrajectoryTest : public ServerCommandsTest {
+ protected:
+  RobotTrajectoryTest() {
+    server_.graph.get_graph = [this](const v1::GetGraphRequest&, v1::GetGraphResponse& response) {
+      v1::Graph& graph = *response.mutable_graph();
+      graph.set_site("sites/s");
+      graph.set_graph_version(++reads_ <= changes_ ? reads_ : changes_ + 1);
+      v1::GraphMap& hall = *graph.add_maps();
+      hall.set_map("sites/s/maps/h");
+      hall.set_display_name("Hall");
+      hall.mutable_pose_world_map()->mutable_pose()->set_x(10.0);
+      v1::GraphMap& lab = *graph.add_maps();
+      lab.set_map("sites/s/maps/l");
+      lab.set_display_name("Lab");
+      if (lab_is_placed_) lab.mutable_pose_world_map()->mutable_pose()->set_y(3.0);
+      return grpc::Status::OK;
+    };
+    server_.sessions.list = [](const v1::ListSessionsRequest&, v1::ListSessionsResponse& response) {
+      for (const int i : {2, 1, 0}) {
+        v1::Session& session = *response.add_sessions();
+        session.set_name("sites/s/sessions/" + std::to_string(i));
+        session.set_robot(i == 0 ? "sites/s/robots/r9" : "sites/s/robots/r1");
+        session.set_map(i == 1 ? "sites/s/maps/h" : "sites/s/maps/l");
+      }
+      return grpc::Status::OK;
+    };
+    server_.sessions.export_trajectory = [](const v1::ExportTrajectoryRequest& request,
+                                            grpc::ServerWriter<v1::ExportTrajectoryResponse>& writer) {
+      v1::ExportTrajectoryResponse part;
+      v1::TrajectoryPose& pose = *part.add_poses();
+      pose.mutable_time()->set_seconds(request.name().back() - '0');
+      pose.mutable_pose_map_robot()->set_x(1.5);
+      writer.Write(part);
+      return grpc::Status::OK;
+    };
+  }
+
+  int reads_ = 0;
+  int changes_ = 0;  // how many of the first reads see another version than the one before
+  bool lab_is_placed_ = true;
+};
+
+TEST_F(RobotTrajectoryTest, HoldsAllSessionsInTheWorld) {
+  ASSERT_OK(Run({"trajectory", "export", "--robot", "r1", "--world", "-o", "-"}));
+  EXPECT_EQ(printed_, "1.000000000 11.5 0 0\n2.000000000 1.5 3 0\n");
+}
+
+TEST_F(RobotTrajectoryTest, NamesTheMapsThatAreLeftOut) {
+  lab_is_placed_ = false;
+  const std::string file = directory_.path() / "t.txt";
+  EXPECT_STATUS(Run({"trajectory", "export", "--robot", "r1", "--world", "-o", file}),
+                absl::StatusCode::kFailedPrecondition, HasSubstr("1 poses are left out"));
+  EXPECT_EQ(Content(file), "1.000000000 11.5 0 0\n") << "the others are written";
+  EXPECT_EQ(Printed()["left_out"], nlohmann::json({"map \"Lab\""}));
+  EXPECT_EQ(Printed()["sessions"], 2);
+}
+
+TEST_F(RobotTrajectoryTest, IsReadAtOneVersionOfTheGraph) {
+  changes_ = 3;
+  ASSERT_OK(Run({"trajectory", "export", "--robot", "r1", "--world", "-o", "-"}));
+  EXPECT_EQ(reads_, 5) << "until two reads are equal";
+  reads_ = 0;
+  changes_ = 100;
+  EXPECT_CODE(Run({"trajectory", "export", "--robot", "r1", "--world", "-o", "-"}), absl::StatusCode::kAborted);
+}
+
+TEST_F(RobotTrajectoryTest, NeedsARobotWithSessionsAndTheWorld) {
+  EXPECT_CODE(Run({"trajectory", "export", "--robot", "r3", "--world", "-o", "-"}), absl::StatusCode::kNotFound);
+  EXPECT_CODE(Run({"trajectory", "export", "--robot", "r1", "-o", "-"}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Run({"trajectory", "export", "1", "--world", "-o", "-"}), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Run({"trajectory", "export", "1", "--robot", "r1", "--world", "-o", "-"}),
+              absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Run({"trajectory", "export", "-o", "-"}), absl::StatusCode::kInvalidArgument);
+}
+
 TEST_F(ServerCommandsTest, SitesAreCreatedAndListed) {
   v1::CreateSiteRequest created;
   server_.sites.create = [&](const v1::CreateSiteRequest& request, v1::CreateSiteResponse& response) {
