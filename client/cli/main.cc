@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   AddPose(app, globals);
   AddReplay(app, globals);
   AddRobot(app, globals);
+  AddRooms(app, globals);
   AddServer(app, globals);
   AddSession(app, globals);
   AddSimulate(app, globals);

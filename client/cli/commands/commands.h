@@ -26,6 +26,7 @@ void AddTrajectory(CLI::App& app, const Globals& globals);  // trajectory export
 void AddDoors(CLI::App& app, const Globals& globals);
 void AddEnvironment(CLI::App& app, const Globals& globals);
 void AddMatch(CLI::App& app, const Globals& globals);  // match images | clouds
+void AddRooms(CLI::App& app, const Globals& globals);
 void AddSimulate(CLI::App& app, const Globals& globals);
 void AddSlam(CLI::App& app, const Globals& globals);
 

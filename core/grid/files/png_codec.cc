@@ -133,7 +133,7 @@ bool Encode(png_structp png, png_infop info, const PixelRows& rows, Session& ses
   png_set_write_fn(png, &session, &OnWrite, &OnFlush);
   png_set_compression_level(png, kPngCompressionLevel);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(rows.width), static_cast<png_uint_32>(rows.height), 8,
+  png_set_IHDR(png, info, static_cast<png_uint_32>(rows.width), static_cast<png_uint_32>(rows.height), rows.bit_depth,
                ColorTypeOf(rows.channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
   for (int row = 0; row < rows.height; ++row) png_write_row(png, rows.top_row + row * rows.stride);
@@ -170,9 +170,9 @@ absl::StatusOr<PixelImage> DecodePng(std::string_view png) {
 
 absl::StatusOr<std::string> EncodePng(const PixelRows& rows) {
   if (rows.width <= 0 || rows.height <= 0 || rows.width > kMaxSide || rows.height > kMaxSide || rows.channels < 1 ||
-      rows.channels > 4) {
-    return InvalidArgument("cannot write a PNG image of {} x {} pixels with {} channels", rows.width, rows.height,
-                           rows.channels);
+      rows.channels > 4 || (rows.bit_depth != 8 && rows.bit_depth != 16)) {
+    return InvalidArgument("cannot write a PNG image of {} x {} pixels with {} channels of {} bits", rows.width,
+                           rows.height, rows.channels, rows.bit_depth);
   }
   Session session;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &session, &OnError, &OnWarning);

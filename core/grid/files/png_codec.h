@@ -28,7 +28,8 @@ struct PixelRows {
   int height = 0;
   int channels = 1;
   const std::uint8_t* top_row = nullptr;
-  std::ptrdiff_t stride = 0;  // from a row to the one below, in samples
+  std::ptrdiff_t stride = 0;  // from a row to the one below, in bytes
+  int bit_depth = 8;          // 8; 16: each sample is two bytes, the higher first
 };
 
 // Receives an image row by row, so that the pixels are not held in memory twice.
@@ -52,7 +53,8 @@ constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 28;
 absl::Status ReadPng(std::string_view png, PixelReceiver& receiver);
 absl::StatusOr<PixelImage> DecodePng(std::string_view png);
 
-// Writes a PNG; the same rows give the same bytes. INVALID_ARGUMENT: a side is not positive or above 1,000,000.
+// Writes a PNG; the same rows give the same bytes. INVALID_ARGUMENT: a side is not positive or above 1,000,000,
+// or another number of channels or bits.
 absl::StatusOr<std::string> EncodePng(const PixelRows& rows);
 absl::StatusOr<std::string> EncodePng(const PixelImage& image);
 

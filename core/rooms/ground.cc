@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/rooms/ground.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/pose2.h"
+
+namespace enfilade::rooms {
+namespace {
+
+constexpr double kRobotRadius = 0.15;  // m around where a robot has been is free
+
+void Threshold(const grid::OccupancyGrid& grid, const RoomOptions& options, GroundMap& ground) {
+  std::array<Ground, 256> kinds{};
+  for (int value = 1; value < 256; ++value) {
+    const double probability = grid::ProbabilityOfCell(static_cast<std::uint8_t>(value));
+    if (probability >= options.occupied_probability) kinds[static_cast<std::size_t>(value)] = Ground::kWall;
+    if (probability <= options.free_probability) kinds[static_cast<std::size_t>(value)] = Ground::kOpen;
+  }
+  std::transform(grid.cells.begin(), grid.cells.end(), ground.cells.begin(),
+                 [&](std::uint8_t value) { return kinds[value]; });
+}
+
+void FreeTrajectory(const grid::GridGeometry& geometry, std::span<const Eigen::Vector2d> trajectory,
+                    GroundMap& ground) {
+  const Pose2 T_grid_map = Inverse(geometry.T_map_grid);
+  const int radius = static_cast<int>(kRobotRadius / geometry.resolution);
+  for (const Eigen::Vector2d& p_map : trajectory) {
+    if (!p_map.allFinite()) continue;
+    const Eigen::Vector2d p = T_grid_map * p_map / geometry.resolution;
+    if (p.x() < 0.0 || p.y() < 0.0 || p.x() >= geometry.width || p.y() >= geometry.height) continue;
+    for (int dy = -radius; dy <= radius; ++dy) {
+      for (int dx = -radius; dx <= radius; ++dx) {
+        const int column = static_cast<int>(p.x()) + dx;
+        const int row = static_cast<int>(p.y()) + dy;
+        if (dx * dx + dy * dy <= radius * radius && ground.contains(column, row)) {
+          ground.cells[ground.index(column, row)] = Ground::kOpen;
+        }
+      }
+    }
+  }
+}
+
+// Steps, up to `limit`, from the cells in `front` through those that `passable` allows; sides only. -1: not reached.
+template <typename Passable>
+std::vector<std::int16_t> StepsFrom(const GroundMap& ground, std::vector<std::size_t> front, int limit,
+                                    Passable&& passable) {
+  std::vector<std::int16_t> steps(ground.cells.size(), -1);
+  for (const std::size_t cell : front) steps[cell] = 0;
+  const auto width = static_cast<std::size_t>(ground.width);
+  for (int step = 1; step <= limit && !front.empty(); ++step) {
+    std::vector<std::size_t> next;
+    const auto visit = [&](std::size_t cell) {
+      if (steps[cell] >= 0 || !passable(cell)) return;
+      steps[cell] = static_cast<std::int16_t>(step);
+      next.push_back(cell);
+    };
+    for (const std::size_t cell : front) {
+      if (cell % width > 0) visit(cell - 1);
+      if (cell % width + 1 < width) visit(cell + 1);
+      if (cell >= width) visit(cell - width);
+      if (cell + width < ground.cells.size()) visit(cell + width);
+    }
+    front = std::move(next);
+  }
+  return steps;
+}
+
+std::vector<std::size_t> CellsOf(const GroundMap& ground, Ground kind) {
+  std::vector<std::size_t> cells;
+  for (std::size_t i = 0; i < ground.cells.size(); ++i) {
+    if (ground.cells[i] == kind) cells.push_back(i);
+  }
+  return cells;
+}
+
+// Unknown cells between free ones: a morphological closing of the open ground that walls stop.
+void CloseHoles(GroundMap& ground, int steps) {
+  const std::vector<std::int16_t> grown = StepsFrom(ground, CellsOf(ground, Ground::kOpen), steps,
+                                                    [&](std::size_t c) { return ground.cells[c] == Ground::kUnknown; });
+  std::vector<std::size_t> outside;
+  for (std::size_t i = 0; i < grown.size(); ++i) {
+    if (grown[i] < 0 && ground.cells[i] == Ground::kUnknown) outside.push_back(i);
+  }
+  const std::vector<std::int16_t> back =
+      StepsFrom(ground, std::move(outside), steps, [&](std::size_t c) { return grown[c] > 0; });
+  for (std::size_t i = 0; i < grown.size(); ++i) {
+    if (grown[i] > 0 && back[i] < 0) ground.cells[i] = Ground::kOpen;
+  }
+}
+
+struct Extent {
+  int min_column = std::numeric_limits<int>::max();
+  int min_row = std::numeric_limits<int>::max();
+  int max_column = -1;
+  int max_row = -1;
+
+  void Add(int column, int row) {
+    min_column = std::min(min_column, column);
+    min_row = std::min(min_row, row);
+    max_column = std::max(max_column, column);
+    max_row = std::max(max_row, row);
+  }
+  int length() const { return std::max(max_column - min_column, max_row - min_row) + 1; }
+};
+
+// Marks as clutter the groups of obstacle cells (with gaps of up to one cell) that are at most `limit` cells long.
+void MarkClutter(GroundMap& ground, int limit) {
+  constexpr int kReach = 2;
+  std::vector<bool> seen(ground.cells.size(), false);
+  std::vector<std::size_t> group;
+  for (std::size_t start = 0; start < ground.cells.size(); ++start) {
+    if (seen[start] || ground.IsOpen(start)) continue;
+    group.assign(1, start);
+    seen[start] = true;
+    Extent extent;
+    for (std::size_t next = 0; next < group.size(); ++next) {
+      const int column = static_cast<int>(group[next] % static_cast<std::size_t>(ground.width));
+      const int row = static_cast<int>(group[next] / static_cast<std::size_t>(ground.width));
+      extent.Add(column, row);
+      for (int y = std::max(0, row - kReach); y <= std::min(ground.height - 1, row + kReach); ++y) {
+        for (int x = std::max(0, column - kReach); x <= std::min(ground.width - 1, column + kReach); ++x) {
+          const std::size_t neighbour = ground.index(x, y);
+          if (seen[neighbour] || ground.IsOpen(neighbour)) continue;
+          seen[neighbour] = true;
+          group.push_back(neighbour);
+        }
+      }
+    }
+    const bool at_border = extent.min_column == 0 || extent.min_row == 0 || extent.max_column == ground.width - 1 ||
+                           extent.max_row == ground.height - 1;
+    if (extent.length() > limit || at_border) continue;
+    for (const std::size_t cell : group) ground.cells[cell] = Ground::kClutter;
+  }
+}
+
+}  // namespace
+
+GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options,
+                     std::span<const Eigen::Vector2d> trajectory) {
+  GroundMap ground{grid.geometry.width, grid.geometry.height, grid.geometry.resolution, {}};
+  ground.cells.resize(grid.cells.size());
+  Threshold(grid, options, ground);
+  FreeTrajectory(grid.geometry, trajectory, ground);
+  CloseHoles(ground, static_cast<int>(options.hole / 2.0 / ground.resolution + 0.5));
+  MarkClutter(ground, static_cast<int>(options.clutter / ground.resolution));
+  return ground;
+}
+
+}  // namespace enfilade::rooms

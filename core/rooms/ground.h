@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/grid/occupancy_grid.h"
+#include "core/rooms/room_options.h"
+
+namespace enfilade::rooms {
+
+enum class Ground : std::uint8_t {
+  kUnknown = 0,
+  kWall = 1,
+  kOpen = 2,     // free, or an unseen spot between free cells
+  kClutter = 3,  // a small obstacle that stands free: it bounds no room
+};
+
+// What a map says about the ground. Cells and lengths are in cells, with (0, 0) the centre of the lower-left cell.
+struct GroundMap {
+  int width = 0;
+  int height = 0;
+  double resolution = 0.05;
+  std::vector<Ground> cells;
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+  }
+  bool contains(int column, int row) const { return column >= 0 && column < width && row >= 0 && row < height; }
+  Ground at(int column, int row) const { return contains(column, row) ? cells[index(column, row)] : Ground::kUnknown; }
+  // Belongs to a room: neither wall nor unknown.
+  bool IsOpen(int column, int row) const { return at(column, row) >= Ground::kOpen; }
+  bool IsOpen(std::size_t cell) const { return cells[cell] >= Ground::kOpen; }
+};
+
+GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options,
+                     std::span<const Eigen::Vector2d> trajectory);
+
+}  // namespace enfilade::rooms

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/rooms/door_candidate.h"
+#include "core/rooms/ground.h"
+
+namespace enfilade::rooms {
+
+// The open ground cut along lines: its connected pieces.
+struct RegionMap {
+  static constexpr std::int32_t kNone = -1;
+
+  std::vector<std::int32_t> region;  // of each cell; kNone: not open
+  std::vector<std::int64_t> sizes;   // cells of each region
+};
+
+// The two regions on either side of a line; kNone: none.
+struct Sides {
+  std::int32_t before = RegionMap::kNone;
+  std::int32_t behind = RegionMap::kNone;
+};
+
+struct CutGround {
+  RegionMap map;
+  std::vector<Sides> sides;  // of each line
+};
+
+// Cells on a line belong to the nearest region.
+CutGround CutAlong(const GroundMap& ground, std::span<const DoorCandidate> lines);
+
+}  // namespace enfilade::rooms
