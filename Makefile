@@ -6,9 +6,9 @@ JOBS ?= $(shell nproc)
 # More lists of deploy/packages that a target needs.
 PACKAGES ?=
 SEEDS ?= 20
-ROBOTS ?= r1
 CAMPUS ?= figure1
-VERDICTS ?= no
+# Further options of campus_seeds: --robots r1,r2 --laps 2 --verdicts ...
+OPTIONS ?=
 .PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus
 
 help: ## this list
@@ -35,9 +35,9 @@ configure: bootstrap
 bootstrap: ## install the Debian packages that are missing
 	@mkdir -p build && deploy/bootstrap $(PACKAGES)
 
-campus: configure ## measure automatic mapping of CAMPUS=figure1 over SEEDS=20 noise seeds by ROBOTS=r1,r2
+campus: configure ## measure automatic mapping of CAMPUS=figure1 (or random:8001-8050) with SEEDS=20 noise seeds, OPTIONS="--robots r1,r2"
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server campus_seeds
-	@$(BIN)/campus_seeds --campus $(CAMPUS) --seeds $(SEEDS) --robots $(ROBOTS) --verdicts $(VERDICTS)
+	@$(BIN)/campus_seeds --campus $(CAMPUS) --seeds $(SEEDS) $(OPTIONS)
 
 bench: ## run the benchmarks; they write JSON to build/bench
 	@$(MAKE) build PACKAGES=analysis

@@ -87,6 +87,8 @@ absl::StatusOr<std::unique_ptr<robot::Source>> OpenSource(const RobotCommandOpti
   if (!options.source.empty()) return robot::OpenLog(options.source, options.reading);
   simulator::SimulationOptions simulation = options.simulation;
   if (options.laps > 0) simulation.laps = options.laps;
+  if (options.reading.field_of_view) simulation.scanner.field_of_view = *options.reading.field_of_view;
+  if (options.reading.range_max) simulation.scanner.range_max = *options.reading.range_max;
   const bool by_depth = robot_options.environment.criterion == 1 || robot_options.environment.criterion == 2;
   if (by_depth && simulation.depth_hz == 0.0) simulation.depth_hz = 2.0;
   return robot::OpenSimulation(options.campus, options.robot, simulation, options.truth);
@@ -245,6 +247,10 @@ void AddRobot(CLI::App& app, const Globals& globals) {
   command->add_flag("--wait", options->wait,
                     "At the end, wait until the server has mapped everything and judged all doors");
   AddLogOptions(*command, options->reading);
+  command->get_option("--fov")->description(
+      "Field of view of scans that do not state theirs, degrees. Campus: of the scanner");
+  command->get_option("--range-max")
+      ->description("Ranges of this or more mean \"no return\", m. Campus: the scanner's range");
   command->footer("Commands, on the terminal:\n" + robot::CommandHelp() +
                   "Examples:\n"
                   "  enfilade robot --campus figure1 --robot r1 --map Hall --wait\n"

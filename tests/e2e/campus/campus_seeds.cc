@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// Automatic mapping of simulated campuses and of recorded logs by a private server and database, each run on a site of
+// its own, compared with the truth. docs/benchmarks.md explains the columns.
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "fmt/format.h"
+#include "tests/e2e/campus/campus_run.h"
+#include "tests/e2e/campus/report.h"
+
+namespace enfilade::testing {
+namespace {
+
+struct Options {
+  std::vector<std::string> campuses;
+  int seeds = 1;
+  CampusRun run;
+  std::string delay;
+  std::string report;
+  bool verdicts = false;
+  double require = 0.95;
+  std::vector<std::string> settings;  // of the server
+};
+
+// random:8001-8050 is fifty campuses; everything else is one.
+std::vector<std::string> Expand(const std::string& campus) {
+  const std::string random = "random:";
+  const std::size_t dash = campus.rfind('-');
+  if (!campus.starts_with(random) || dash == std::string::npos) return {campus};
+  const auto number = [&](std::size_t begin, std::size_t end) {
+    const std::string text = campus.substr(begin, end - begin);
+    if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos) {
+      throw CLI::ValidationError("--campus", campus + ": expected random:SEED or random:FIRST-LAST");
+    }
+    return std::stoull(text);
+  };
+  const std::uint64_t last = number(dash + 1, campus.size());
+  std::vector<std::string> campuses;
+  for (std::uint64_t seed = number(random.size(), dash); seed <= last; ++seed) {
+    campuses.push_back(random + std::to_string(seed));
+  }
+  if (campuses.empty()) throw CLI::ValidationError("--campus", campus + ": the last is before the first");
+  return campuses;
+}
+
+void AddOptions(CLI::App& app, Options& options) {
+  app.add_option("--campus", options.campuses,
+                 "Campuses, comma-separated: figure1, lookalike, levels, random:SEED, random:FIRST-LAST, a file (YAML)")
+      ->delimiter(',');
+  app.add_option("--seeds", options.seeds, "Seeds of noise, each a run of its own")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--first", options.run.seed, "The first seed of noise")->capture_default_str();
+  app.add_option("--robots", options.run.robots, "The robots that drive, comma-separated (default: the campus's first)")
+      ->delimiter(',');
+  app.add_option("--laps", options.run.laps, "Rounds of each robot's route (default: the campus's)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--delay", options.delay,
+                 "When the next robot starts: so many seconds after the one before, or `done`: when that one is done "
+                 "(default: at once)");
+  app.add_flag("--unknown-starts", options.run.unknown_starts,
+               "The other robots do not know where they start: each begins a map of its own");
+  app.add_option("--image-hz", options.run.image_hz, "Rate of images, Hz (0: none, which is much faster)");
+  app.add_option("--cloud-hz", options.run.cloud_hz, "Rate of point clouds, Hz (0: none)");
+  app.add_option("--fov", options.run.field_of_view_deg, "The scanner's field of view, degrees");
+  app.add_option("--setting", options.settings, "A setting of the server, KEY=VALUE (may be repeated)");
+  app.add_option("--report", options.report, "Write all figures into this file as JSON, again after every run");
+  app.add_flag("--verdicts", options.verdicts, "Print every verdict on a door with its reason");
+  app.add_option("--keep", options.run.keep,
+                 "Keep the truth, the robots' output and the graph in a folder per run here");
+  app.add_option("--require", options.require, "The share of runs that must be exact for exit code 0")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.footer(
+      "Exit code: 0; 1 if fewer runs are exact than required, a robot was placed falsely, or a run failed; 2 for bad "
+      "options.\n"
+      "Examples:\n"
+      "  campus_seeds --campus figure1 --seeds 20 --robots r1,r2\n"
+      "  campus_seeds --campus random:8001-8050 --image-hz 0 --cloud-hz 0 --require 0.8 --report runs.json\n"
+      "  campus_seeds --campus random:8001 --robots robot,robot2 --delay done --keep out");
+}
+
+void ApplyDelay(Options& options) {
+  if (options.delay.empty()) return;
+  options.run.start = options.delay == "done" ? Start::kAfterwards : Start::kDelayed;
+  if (options.delay == "done") return;
+  std::size_t end = 0;
+  try {
+    options.run.delay_s = std::stod(options.delay, &end);
+  } catch (const std::exception&) {
+  }
+  if (end != options.delay.size() || !(options.run.delay_s >= 0.0)) {
+    throw CLI::ValidationError("--delay", options.delay + ": expected seconds or `done`");
+  }
+}
+
+class Experiment {
+ public:
+  explicit Experiment(const Options& options) : options_(options) {}
+
+  int Run() {
+    WholeSystem system(Cluster::Durability::kFast, options_.settings);
+    std::cout << CampusHeader() << std::endl;
+    for (const std::string& campus : options_.campuses) {
+      CampusRun run = options_.run;
+      run.campus = campus;
+      for (int i = 0; i < options_.seeds; ++i, ++run.seed) RunOne(system, run);
+    }
+    std::cout << Summary(totals_) << std::endl;
+    const bool enough = totals_.exact_share() >= options_.require - 1e-9;
+    return enough && totals_.failed == 0 && totals_.sums.false_placements == 0 ? 0 : 1;
+  }
+
+ private:
+  void RunOne(WholeSystem& system, const CampusRun& run) {
+    try {
+      const CampusResult result = RunCampus(system, run);
+      totals_.Add(result);
+      std::cout << CampusLine(run, result) << std::endl;
+      if (options_.verdicts) {
+        for (const std::string& verdict : result.verdicts) std::cout << "    " << verdict << std::endl;
+      }
+      runs_.push_back(ToJson(run, result));
+    } catch (const std::exception& error) {
+      ++totals_.runs;
+      ++totals_.failed;
+      std::cout << fmt::format("{:<20} {:>4} FAILED {}", run.campus, run.seed, error.what()) << std::endl;
+      runs_.push_back({{"campus", run.campus}, {"seed", run.seed}, {"failed", error.what()}});
+    }
+    if (options_.report.empty()) return;
+    const nlohmann::json document = {{"runs", runs_}, {"totals", ToJson(totals_)}};
+    std::ofstream(options_.report) << document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  }
+
+  const Options& options_;
+  CampusTotals totals_;
+  nlohmann::json runs_ = nlohmann::json::array();
+};
+
+int Main(int argc, char** argv) {
+  CLI::App app("Map simulated campuses automatically and compare the maps with the truth (docs/benchmarks.md)",
+               "campus_seeds");
+  Options options;
+  AddOptions(app, options);
+  try {
+    app.parse(argc, argv);
+    ApplyDelay(options);
+    if (options.campuses.empty()) options.campuses = {"figure1"};
+    std::vector<std::string> expanded;
+    for (const std::string& campus : options.campuses) {
+      const std::vector<std::string> some = Expand(campus);
+      expanded.insert(expanded.end(), some.begin(), some.end());
+    }
+    options.campuses = expanded;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    return Experiment(options).Run();
+  } catch (const std::exception& error) {
+    std::cerr << "campus_seeds: " << error.what() << '\n';
+    return 2;
+  }
+}
+
+}  // namespace
+}  // namespace enfilade::testing
+
+int main(int argc, char** argv) { return enfilade::testing::Main(argc, argv); }

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/e2e/campus/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fmt/format.h"
+#include "fmt/ranges.h"
+
+namespace enfilade::testing {
+namespace {
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+// The counts of a comparison, by the names that the JSON uses.
+constexpr std::pair<const char*, int Comparison::*> kCounts[] = {
+    {"areas", &Comparison::areas},
+    {"maps", &Comparison::maps},
+    {"areas_doubled", &Comparison::areas_doubled},
+    {"areas_missing", &Comparison::areas_missing},
+    {"maps_merged", &Comparison::maps_merged},
+    {"maps_extra", &Comparison::maps_extra},
+    {"doors", &Comparison::doors},
+    {"joins", &Comparison::joins},
+    {"doors_doubled", &Comparison::doors_doubled},
+    {"doors_missing", &Comparison::doors_missing},
+    {"joins_wrong", &Comparison::joins_wrong},
+    {"joins_false", &Comparison::joins_false},
+    {"candidates", &Comparison::candidates},
+    {"components", &Comparison::components},
+    {"passages", &Comparison::passages},
+    {"stretches", &Comparison::stretches},
+    {"false_placements", &Comparison::false_placements},
+};
+
+double MedianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0.0 : values[values.size() / 2];
+}
+
+double Percent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
+
+}  // namespace
+
+void CampusTotals::Add(const CampusResult& result) {
+  ++runs;
+  exact += result.comparison.exact ? 1 : 0;
+  for (const auto& [name, count] : kCounts) sums.*count += result.comparison.*count;
+  sums.unplaced_s += result.comparison.unplaced_s;
+  sums.unmapped_s += result.comparison.unmapped_s;
+  sums.position_max = std::max(sums.position_max, result.comparison.position_max);
+  samples += result.samples;
+  inside += result.inside;
+  nees_sum += result.nees * result.samples;
+  errors.push_back(result.final_error);
+  yaw_errors.push_back(result.final_yaw_error * kDegrees);
+}
+
+std::string CampusHeader() {
+  return fmt::format(
+      "{:<20} {:>4} {:>5}  {:>10} {:>2} {:>2} {:>2}  {:>10} {:>2} {:>2} {:>2} {:>2}  {:>3} {:>6}  {:>6} {:>6} {:>5}  "
+      "{:>7} {:>7}  {}",
+      "campus", "seed", "exact", "areas/maps", "d", "m", "x", "doors/join", "d", "m", "w", "f", "pcs", "false", "rms m",
+      "end m", "deg", "inside", "seconds", "wrong");
+}
+
+std::string CampusLine(const CampusRun& run, const CampusResult& result) {
+  const Comparison& c = result.comparison;
+  std::string line = fmt::format(
+      "{:<20} {:>4} {:>5}  {:>10} {:>2} {:>2} {:>2}  {:>10} {:>2} {:>2} {:>2} {:>2}  {:>3} {:>6}  {:>6.3f} {:>6.3f} "
+      "{:>5.2f}  {:>7} {:>7.1f}  {}",
+      run.campus, run.seed, c.exact ? "yes" : "no", fmt::format("{}/{}", c.areas, c.maps), c.areas_doubled,
+      c.areas_missing, c.maps_extra, fmt::format("{}/{}", c.doors, c.joins), c.doors_doubled, c.doors_missing,
+      c.joins_wrong, c.joins_false, c.components, fmt::format("{}/{}", c.false_placements, c.stretches), c.position_rms,
+      result.final_error, result.final_yaw_error * kDegrees, fmt::format("{}/{}", result.inside, result.samples),
+      result.seconds, fmt::join(c.wrong, "; "));
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line;
+}
+
+std::string Summary(const CampusTotals& totals) {
+  const Comparison& c = totals.sums;
+  return fmt::format(
+      "{} of {} graphs exact ({:.0f} %){}; {} pieces in all\n"
+      "areas: {} entered, {} maps; {} doubled ({:.1f} %), {} without a map of their own ({:.1f} %), {} maps too many\n"
+      "doors: {} passed, {} joins; {} missing ({:.1f} %), {} doubled, {} joins of wrong maps, {} joins at no door\n"
+      "false placements: {} of {} stretches ({} passages); {:.1f} s without a place, {:.1f} s not mapped\n"
+      "final pose error: median {:.3f} m, {:.2f} deg; truth inside the 95 % ellipse: {:.1f} % of {} samples, mean NEES "
+      "{:.2f} (2 if right)",
+      totals.exact, totals.runs, 100.0 * totals.exact_share(),
+      totals.failed > 0 ? fmt::format(", {} FAILED", totals.failed) : "", c.components, c.areas, c.maps,
+      c.areas_doubled, Percent(c.areas_doubled, c.areas), c.areas_missing, Percent(c.areas_missing, c.areas),
+      c.maps_extra, c.doors, c.joins, c.doors_missing, Percent(c.doors_missing, c.doors), c.doors_doubled,
+      c.joins_wrong, c.joins_false, c.false_placements, c.stretches, c.passages, c.unplaced_s, c.unmapped_s,
+      MedianOf(totals.errors), MedianOf(totals.yaw_errors), Percent(totals.inside, totals.samples), totals.samples,
+      totals.samples > 0 ? totals.nees_sum / totals.samples : 0.0);
+}
+
+nlohmann::json ToJson(const CampusRun& run, const CampusResult& result) {
+  const Comparison& c = result.comparison;
+  nlohmann::json document = {{"campus", run.campus},
+                             {"seed", run.seed},
+                             {"robots", result.robots},
+                             {"laps", run.laps},
+                             {"site", result.site},
+                             {"exact", c.exact},
+                             {"wrong", c.wrong},
+                             {"unplaced_s", c.unplaced_s},
+                             {"unmapped_s", c.unmapped_s},
+                             {"position_rms_m", c.position_rms},
+                             {"position_max_m", c.position_max},
+                             {"yaw_max_deg", c.yaw_max * kDegrees},
+                             {"final_error_m", result.final_error},
+                             {"final_yaw_error_deg", result.final_yaw_error * kDegrees},
+                             {"samples", result.samples},
+                             {"inside", result.inside},
+                             {"nees", result.nees},
+                             {"seconds", result.seconds},
+                             {"verdicts", result.verdicts}};
+  for (const auto& [name, count] : kCounts) document[name] = c.*count;
+  return document;
+}
+
+nlohmann::json ToJson(const CampusTotals& totals) {
+  nlohmann::json document = {{"runs", totals.runs},
+                             {"failed", totals.failed},
+                             {"exact", totals.exact},
+                             {"exact_share", totals.exact_share()},
+                             {"unplaced_s", totals.sums.unplaced_s},
+                             {"unmapped_s", totals.sums.unmapped_s},
+                             {"position_max_m", totals.sums.position_max},
+                             {"median_final_error_m", MedianOf(totals.errors)},
+                             {"median_final_yaw_error_deg", MedianOf(totals.yaw_errors)},
+                             {"samples", totals.samples},
+                             {"inside", totals.inside},
+                             {"mean_nees", totals.samples > 0 ? totals.nees_sum / totals.samples : 0.0}};
+  for (const auto& [name, count] : kCounts) document[name] = totals.sums.*count;
+  return document;
+}
+
+}  // namespace enfilade::testing

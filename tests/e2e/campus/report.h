@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nlohmann/json.hpp"
+#include "tests/e2e/campus/campus_run.h"
+
+namespace enfilade::testing {
+
+// Sums over campus runs.
+struct CampusTotals {
+  int runs = 0;
+  int failed = 0;  // a program ended with an error, or never
+  int exact = 0;
+  Comparison sums;  // of the counts
+  int samples = 0;
+  int inside = 0;
+  double nees_sum = 0.0;
+  std::vector<double> errors;      // m, final
+  std::vector<double> yaw_errors;  // deg, final
+
+  void Add(const CampusResult& result);
+  double exact_share() const { return runs > 0 ? static_cast<double>(exact) / runs : 0.0; }
+};
+
+// The columns: docs/benchmarks.md.
+std::string CampusHeader();
+std::string CampusLine(const CampusRun& run, const CampusResult& result);
+std::string Summary(const CampusTotals& totals);
+
+nlohmann::json ToJson(const CampusRun& run, const CampusResult& result);
+nlohmann::json ToJson(const CampusTotals& totals);
+
+}  // namespace enfilade::testing
