@@ -17,11 +17,30 @@ constexpr double kTurned = 0.02;       // rad
 constexpr double kDoorApproach = 0.9;  // m in front of and behind a door in the route
 constexpr double kObstacle = 0.5;      // m: faces that begin lower stop the robot
 
+std::vector<RouteStep> StepsOf(const Robot& robot) {
+  std::vector<RouteStep> steps;
+  const auto go_home = [&] {
+    steps.insert(steps.end(), robot.back.begin(), robot.back.end());
+    steps.push_back(robot.route[0]);
+  };
+  for (int lap = 0; lap < robot.laps; ++lap) {
+    if (lap > 0 && !robot.returns) go_home();
+    steps.insert(steps.end(), robot.route.begin() + 1, robot.route.end());
+    if (robot.returns) go_home();
+  }
+  return steps;
+}
+
 }  // namespace
 
 RouteDriver::RouteDriver(std::shared_ptr<const World> world, const Robot& robot, const MotionLimits& limits,
                          double step_seconds)
-    : world_(std::move(world)), robot_(robot), limits_(limits), dt_(step_seconds), level_(robot.level) {
+    : world_(std::move(world)),
+      robot_(robot),
+      limits_(limits),
+      dt_(step_seconds),
+      level_(robot.level),
+      steps_(StepsOf(robot)) {
   if (robot_.speed) limits_.speed = *robot_.speed;
   const Eigen::Vector2d start = robot_.route[0].point;
   pose_ = {start.x(), start.y(), 0.0};
@@ -42,9 +61,8 @@ RouteDriver::RouteDriver(std::shared_ptr<const World> world, const Robot& robot,
 }
 
 void RouteDriver::Expand() {
-  if (next_step_ > robot_.route.size() || (next_step_ == robot_.route.size() && !robot_.returns)) return;
-  const bool home = next_step_ == robot_.route.size();
-  const RouteStep& step = home ? robot_.route[0] : robot_.route[next_step_];
+  if (next_step_ == steps_.size()) return;
+  const RouteStep& step = steps_[next_step_];
   if (step.kind == RouteStep::Kind::kDoor) {
     const Door& door = *world_->campus().FindDoor(step.name);
     const Eigen::Vector2d on = (door.b - door.a).normalized();
@@ -59,11 +77,6 @@ void RouteDriver::Expand() {
     goals_.push_back({step, step.value});
   }
   ++next_step_;
-  const std::size_t end = robot_.route.size() + (robot_.returns ? 1 : 0);
-  if (next_step_ == end && lap_ + 1 < robot_.laps) {
-    ++lap_;
-    next_step_ = robot_.returns ? 1 : 0;
-  }
 }
 
 absl::StatusOr<RouteDriver::Step> RouteDriver::Advance(Step step) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client/simulator/world/world.h"
@@ -46,7 +47,7 @@ class RouteDriver {
     double left = 0.0;  // s, of waiting
   };
 
-  void Expand();
+  void Expand();  // the next step into goals
   absl::StatusOr<Step> Advance(Step step);
   absl::StatusOr<std::optional<Step>> Ride(Goal& goal);
 
@@ -57,8 +58,8 @@ class RouteDriver {
   Pose2 pose_;
   std::string level_;
   int gate_ = -1;
-  std::size_t next_step_ = 1;
-  int lap_ = 0;
+  std::vector<RouteStep> steps_;  // of all laps, after the start
+  std::size_t next_step_ = 0;
   std::deque<Goal> goals_;
 };
 

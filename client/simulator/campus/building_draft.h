@@ -52,4 +52,9 @@ void PlanRoute(BuildingDraft& draft);
 // Boxes, narrow places and people that leave the route free. Removes door leaves that block it.
 void Furnish(BuildingDraft& draft);
 
+// Last, with noise of its own, so that the building and the first robot's route do not depend on it: the robot
+// "robot2", which starts in the same space and takes another way around the furniture, and the ways back from the ends
+// of both routes.
+void AddSecondRobot(BuildingDraft& draft, std::uint64_t seed);
+
 }  // namespace enfilade::simulator

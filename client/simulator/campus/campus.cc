@@ -83,7 +83,9 @@ class Check {
     }
     if (robot.laps < 1 || robot.laps > 1000)
       return InvalidArgument("{}: laps is {}: expected 1 to 1000", what, robot.laps);
-    for (const RouteStep& step : robot.route) {
+    std::vector<RouteStep> steps = robot.route;
+    steps.insert(steps.end(), robot.back.begin(), robot.back.end());
+    for (const RouteStep& step : steps) {
       if (step.kind == RouteStep::Kind::kDoor && !campus_.FindDoor(step.name)) {
         return InvalidArgument("{}: there is no door \"{}\"", what, step.name);
       }

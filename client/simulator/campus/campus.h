@@ -104,7 +104,8 @@ struct Robot {
   std::string id;
   std::string level;
   std::vector<RouteStep> route;  // the first step is a point, the start
-  int laps = 1;                  // how often the route is driven, from its end straight back to its start
+  std::vector<RouteStep> back;   // from the route's end to its start; empty: straight
+  int laps = 1;                  // how often the route is driven, with the way back between two rounds
   bool returns = false;          // also drives back to the start after the last lap
   std::optional<double> speed;   // m/s, instead of the option
 };

@@ -228,6 +228,7 @@ class CampusReader {
     robot.returns = map.Get<bool>("returns", false);
     if (map.Has("speed")) robot.speed = map.Number("speed", 0.6, 0.01, 5.0);
     map.Each("route", [&](const YAML::Node& step) { robot.route.push_back(ReadStep(step, map)); });
+    map.Each("back", [&](const YAML::Node& step) { robot.back.push_back(ReadStep(step, map)); });
     map.Finish();
     campus_.robots.push_back(std::move(robot));
   }

@@ -20,6 +20,7 @@ Campus RandomBuilding(std::uint64_t seed, const BuildingOptions& options) {
   LayOutSpaces(draft);
   PlanRoute(draft);
   Furnish(draft);
+  AddSecondRobot(draft, seed);
   return std::move(draft.campus);
 }
 

@@ -23,8 +23,8 @@ struct BuildingOptions {
 
 // A building generated from a seed: a corridor with rooms on both sides, a hall at its end and a yard; doors of all
 // widths, open, closed and glazed, some in corners, some with their leaf in the room; furniture, narrow places that are
-// not doors, people. One robot, "robot", drives through doors at all angles. The same seed and options give the same
-// building.
+// not doors, people. The robot "robot" drives through doors at all angles; "robot2" starts in the same area and takes
+// another way. Both can drive several laps. The same seed and options give the same building.
 Campus RandomBuilding(std::uint64_t seed, const BuildingOptions& options = {});
 
 }  // namespace enfilade::simulator

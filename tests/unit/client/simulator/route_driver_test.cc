@@ -99,6 +99,10 @@ TEST(RouteDriver, RepeatsItsRouteForEveryLap) {
   EXPECT_NEAR(length("returns: true, " + route), 20.0, 1.0);
   EXPECT_NEAR(length("laps: 3, " + route), 50.0, 2.5) << "back to the start between laps";
   EXPECT_NEAR(length("laps: 3, returns: true, " + route), 60.0, 3.0);
+  const std::string around = "back: [[10, 5], [0, 5]], " + route;  // 20 m
+  EXPECT_NEAR(length(around), 10.0, 0.5) << "the way back is for further laps";
+  EXPECT_NEAR(length("laps: 2, " + around), 40.0, 3.0);
+  EXPECT_NEAR(length("returns: true, " + around), 30.0, 2.0);
 }
 
 TEST(RouteDriver, DrivesAtTheSpeedOfTheRobot) {

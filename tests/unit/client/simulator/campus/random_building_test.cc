@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "client/simulator/route_driver.h"
+#include "client/simulator/world/world.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::simulator {
@@ -132,6 +135,35 @@ TEST_P(RandomBuildings, KeepTheRouteFreeOfFurnitureAndInsideAreas) {
   }
 }
 
+// How many open doors the robot passes on its whole drive; a route that runs into something fails.
+int DriveThrough(const std::shared_ptr<const World>& world, const std::string& id, int laps) {
+  Robot robot = *world->campus().FindRobot(id);
+  robot.laps = laps;
+  RouteDriver driver(world, robot, {}, 0.05);
+  int passed = 0;
+  std::string area;
+  while (true) {
+    const auto step = driver.Next();
+    EXPECT_OK(step) << id;
+    if (!step.ok() || !*step) return passed;
+    const Area* here = world->campus().AreaAt("ground", driver.T_campus_robot().translation());
+    if (!here) continue;
+    passed += !area.empty() && here->id != area ? 1 : 0;
+    area = here->id;
+  }
+}
+
+TEST_P(RandomBuildings, AreDrivenByTwoRobotsForTwoLaps) {
+  const auto world = std::make_shared<const World>(campus_);
+  ASSERT_EQ(campus_.robots.size(), 2U);
+  EXPECT_GE(DriveThrough(world, "robot", 2), 2 * static_cast<int>(campus_.robots[0].route.size() > 2));
+  EXPECT_GE(DriveThrough(world, "robot2", 2), 2);
+  const Area* first = campus_.AreaAt("ground", campus_.robots[0].route[0].point);
+  const Area* second = campus_.AreaAt("ground", campus_.robots[1].route[0].point);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->id, second->id) << "both start in one area";
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomBuildings, ::testing::Range<std::uint64_t>(0, kSeeds));
 
 TEST(RandomBuilding, DiffersFromSeedToSeed) {
@@ -157,6 +189,14 @@ TEST(RandomBuilding, HasAllKindsOfDoorsAmongManySeeds) {
     }
   }
   for (const int count : {closed, glass, leaves, panes, people}) EXPECT_GT(count, 5);
+}
+
+// Figures that were measured in these buildings stay comparable.
+TEST(RandomBuilding, StaysTheSameFromVersionToVersion) {
+  const Campus campus = RandomBuilding(8101);
+  ASSERT_GT(campus.boxes.size(), 3U);
+  EXPECT_NEAR(campus.robots[0].route.back().point.x(), 3.6786083250901975, 1e-6);
+  EXPECT_NEAR(campus.boxes.back().outline[0].y(), 3.1356033941648978, 1e-6);
 }
 
 TEST(RandomBuilding, FollowsItsOptions) {
