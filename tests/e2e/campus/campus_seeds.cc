@@ -21,6 +21,9 @@ struct Options {
   int seeds = 1;
   CampusRun run;
   std::string delay;
+  std::vector<std::string> logs;
+  LogRun log;
+  std::optional<double> range_max;  // m, of the logs
   std::string report;
   bool verdicts = false;
   double require = 0.95;
@@ -67,7 +70,19 @@ void AddOptions(CLI::App& app, Options& options) {
                "The other robots do not know where they start: each begins a map of its own");
   app.add_option("--image-hz", options.run.image_hz, "Rate of images, Hz (0: none, which is much faster)");
   app.add_option("--cloud-hz", options.run.cloud_hz, "Rate of point clouds, Hz (0: none)");
-  app.add_option("--fov", options.run.field_of_view_deg, "The scanner's field of view, degrees");
+  app.add_option("--fov", options.run.field_of_view_deg,
+                 "The scanner's field of view, degrees (logs: if they do not state it)");
+  app.add_option("--log", options.logs,
+                 "Recorded logs, comma-separated: each mapped by `enfilade robot`, and by `enfilade slam` as one map")
+      ->delimiter(',');
+  app.add_option("--relations", options.log.relations, "Logs: measure the errors by these relations between poses")
+      ->check(CLI::ExistingFile);
+  app.add_option("--reference", options.log.reference, "Logs: measure the errors against this trajectory, `t x y yaw`")
+      ->check(CLI::ExistingFile);
+  app.add_flag("--simulate-odometry", options.log.simulate_odometry,
+               "Logs: their odometry is a corrected path. It becomes the reference, and the robot gets a copy with "
+               "errors (5 %, 3 deg/m), for each seed another");
+  app.add_option("--range-max", options.range_max, "Logs: ranges of this or more mean \"no return\", m");
   app.add_option("--setting", options.settings, "A setting of the server, KEY=VALUE (may be repeated)");
   app.add_option("--report", options.report, "Write all figures into this file as JSON, again after every run");
   app.add_flag("--verdicts", options.verdicts, "Print every verdict on a door with its reason");
@@ -77,12 +92,15 @@ void AddOptions(CLI::App& app, Options& options) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.footer(
-      "Exit code: 0; 1 if fewer runs are exact than required, a robot was placed falsely, or a run failed; 2 for bad "
-      "options.\n"
+      "Exit code: 0; 1 if fewer runs are exact than required, a robot was placed falsely, a log's graph is in pieces, "
+      "or "
+      "a run failed; 2 for bad options.\n"
       "Examples:\n"
       "  campus_seeds --campus figure1 --seeds 20 --robots r1,r2\n"
       "  campus_seeds --campus random:8001-8050 --image-hz 0 --cloud-hz 0 --require 0.8 --report runs.json\n"
-      "  campus_seeds --campus random:8001 --robots robot,robot2 --delay done --keep out");
+      "  campus_seeds --campus random:8001 --robots robot,robot2 --delay done --keep out\n"
+      "  campus_seeds --log intel.clf.gz --relations intel.relations --keep out\n"
+      "  campus_seeds --log freiburg-101-corrected.log.gz --simulate-odometry --seeds 3");
 }
 
 void ApplyDelay(Options& options) {
@@ -99,12 +117,29 @@ void ApplyDelay(Options& options) {
   }
 }
 
+void ApplyLogOptions(Options& options) {
+  options.log.keep = options.run.keep;
+  const auto add = [&](const char* option, const std::optional<double>& value) {
+    if (value) options.log.reading.insert(options.log.reading.end(), {option, fmt::format("{}", *value)});
+  };
+  add("--fov", options.run.field_of_view_deg);
+  add("--range-max", options.range_max);
+}
+
 class Experiment {
  public:
   explicit Experiment(const Options& options) : options_(options) {}
 
   int Run() {
     WholeSystem system(Cluster::Durability::kFast, options_.settings);
+    if (!options_.logs.empty()) RunLogs(system);
+    if (!options_.campuses.empty()) RunCampuses(system);
+    const bool enough = totals_.exact_share() >= options_.require - 1e-9 || options_.campuses.empty();
+    return enough && failed_ == 0 && pieces_ == 0 && totals_.sums.false_placements == 0 ? 0 : 1;
+  }
+
+ private:
+  void RunCampuses(WholeSystem& system) {
     std::cout << CampusHeader() << std::endl;
     for (const std::string& campus : options_.campuses) {
       CampusRun run = options_.run;
@@ -112,33 +147,69 @@ class Experiment {
       for (int i = 0; i < options_.seeds; ++i, ++run.seed) RunOne(system, run);
     }
     std::cout << Summary(totals_) << std::endl;
-    const bool enough = totals_.exact_share() >= options_.require - 1e-9;
-    return enough && totals_.failed == 0 && totals_.sums.false_placements == 0 ? 0 : 1;
   }
 
- private:
+  void RunLogs(WholeSystem& system) {
+    std::cout << LogHeader() << std::endl;
+    for (const std::string& log : options_.logs) {
+      LogRun run = options_.log;
+      run.log = log;
+      run.seed = options_.run.seed;
+      for (int i = 0; i < options_.seeds; ++i, ++run.seed) RunOne(system, run);
+    }
+  }
+
+  void RunOne(WholeSystem& system, const LogRun& run) {
+    try {
+      const LogResult result = RunLog(system, run);
+      pieces_ += result.components - 1;
+      std::cout << LogLine(run, result) << std::endl;
+      PrintVerdicts(result.verdicts);
+      runs_.push_back(ToJson(run, result));
+    } catch (const std::exception& error) {
+      Fail({{"log", run.log.string()}, {"seed", run.seed}}, run.log.filename().string(), error);
+    }
+    WriteReport();
+  }
+
   void RunOne(WholeSystem& system, const CampusRun& run) {
     try {
       const CampusResult result = RunCampus(system, run);
       totals_.Add(result);
       std::cout << CampusLine(run, result) << std::endl;
-      if (options_.verdicts) {
-        for (const std::string& verdict : result.verdicts) std::cout << "    " << verdict << std::endl;
-      }
+      PrintVerdicts(result.verdicts);
       runs_.push_back(ToJson(run, result));
     } catch (const std::exception& error) {
       ++totals_.runs;
       ++totals_.failed;
-      std::cout << fmt::format("{:<20} {:>4} FAILED {}", run.campus, run.seed, error.what()) << std::endl;
-      runs_.push_back({{"campus", run.campus}, {"seed", run.seed}, {"failed", error.what()}});
+      Fail({{"campus", run.campus}, {"seed", run.seed}}, run.campus, error);
     }
+    WriteReport();
+  }
+
+  void PrintVerdicts(const std::vector<std::string>& verdicts) const {
+    if (!options_.verdicts) return;
+    for (const std::string& verdict : verdicts) std::cout << "    " << verdict << std::endl;
+  }
+
+  void Fail(nlohmann::json run, const std::string& name, const std::exception& error) {
+    ++failed_;
+    std::cout << fmt::format("{:<28} FAILED {}", name, error.what()) << std::endl;
+    run["failed"] = error.what();
+    runs_.push_back(std::move(run));
+  }
+
+  void WriteReport() const {
     if (options_.report.empty()) return;
-    const nlohmann::json document = {{"runs", runs_}, {"totals", ToJson(totals_)}};
+    nlohmann::json document = {{"runs", runs_}};
+    if (totals_.runs > 0) document["totals"] = ToJson(totals_);
     std::ofstream(options_.report) << document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   }
 
   const Options& options_;
   CampusTotals totals_;
+  int failed_ = 0;  // runs
+  int pieces_ = 0;  // of the logs' graphs, more than one each
   nlohmann::json runs_ = nlohmann::json::array();
 };
 
@@ -150,7 +221,8 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     ApplyDelay(options);
-    if (options.campuses.empty()) options.campuses = {"figure1"};
+    if (options.campuses.empty() && options.logs.empty()) options.campuses = {"figure1"};
+    ApplyLogOptions(options);
     std::vector<std::string> expanded;
     for (const std::string& campus : options.campuses) {
       const std::vector<std::string> some = Expand(campus);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "fmt/format.h"
@@ -137,6 +138,54 @@ nlohmann::json ToJson(const CampusTotals& totals) {
                              {"mean_nees", totals.samples > 0 ? totals.nees_sum / totals.samples : 0.0}};
   for (const auto& [name, count] : kCounts) document[name] = totals.sums.*count;
   return document;
+}
+
+std::string LogHeader() {
+  return fmt::format(
+      "{:<28} {:>4}  {:>4} {:>5} {:>4} {:>3}  {:>8} {:>8}  {:>6} {:>8}  {:>8} {:>8} {:>6} {:>8}  {:>7} {:>7}", "log",
+      "seed", "maps", "joins", "cand", "pcs", "passages", "sessions", "poses", "left out", "error m", "slam m", "ratio",
+      "differ m", "seconds", "slam s");
+}
+
+std::string LogLine(const LogRun& run, const LogResult& result) {
+  const auto metres = [](const std::optional<TrajectoryError>& error) {
+    return error && error->used > 0 ? fmt::format("{:.3f}", error->metres) : std::string("-");
+  };
+  return fmt::format(
+      "{:<28} {:>4}  {:>4} {:>5} {:>4} {:>3}  {:>8} {:>8}  {:>6} {:>8}  {:>8} {:>8} {:>6} {:>8}  {:>7.1f} {:>7.1f}",
+      run.log.filename().string(), run.seed, result.maps, result.joins, result.candidates, result.components,
+      result.passages, result.sessions, result.poses, result.left_out, metres(result.error), metres(result.slam_error),
+      result.ratio() ? fmt::format("{:.2f}", *result.ratio()) : "-", metres(result.difference), result.seconds,
+      result.slam_seconds);
+}
+
+nlohmann::json ToJson(const LogRun& run, const LogResult& result) {
+  const auto error = [](const std::optional<TrajectoryError>& measured) {
+    if (!measured || measured->used == 0) return nlohmann::json();
+    return nlohmann::json{{"metres", measured->metres},
+                          {"degrees", measured->degrees},
+                          {"used", measured->used},
+                          {"skipped", measured->skipped}};
+  };
+  return {{"log", run.log.string()},
+          {"seed", run.seed},
+          {"simulated_odometry", run.simulate_odometry},
+          {"site", result.site},
+          {"maps", result.maps},
+          {"joins", result.joins},
+          {"candidates", result.candidates},
+          {"components", result.components},
+          {"passages", result.passages},
+          {"sessions", result.sessions},
+          {"poses", result.poses},
+          {"left_out", result.left_out},
+          {"error", error(result.error)},
+          {"slam_error", error(result.slam_error)},
+          {"ratio", result.ratio() ? nlohmann::json(*result.ratio()) : nlohmann::json()},
+          {"difference", error(result.difference)},
+          {"seconds", result.seconds},
+          {"slam_seconds", result.slam_seconds},
+          {"verdicts", result.verdicts}};
 }
 
 }  // namespace enfilade::testing

@@ -6,6 +6,7 @@
 
 #include "nlohmann/json.hpp"
 #include "tests/e2e/campus/campus_run.h"
+#include "tests/e2e/campus/log_run.h"
 
 namespace enfilade::testing {
 
@@ -32,5 +33,9 @@ std::string Summary(const CampusTotals& totals);
 
 nlohmann::json ToJson(const CampusRun& run, const CampusResult& result);
 nlohmann::json ToJson(const CampusTotals& totals);
+
+std::string LogHeader();
+std::string LogLine(const LogRun& run, const LogResult& result);
+nlohmann::json ToJson(const LogRun& run, const LogResult& result);
 
 }  // namespace enfilade::testing

@@ -13,7 +13,7 @@
 namespace enfilade::testing {
 namespace {
 
-constexpr double kDegrees = 180.0 / M_PI;
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr double kNear = 0.5;   // s: a pose so near stands for the time
 constexpr double kGap = 20.0;   // s: poses so far apart are not interpolated
 constexpr double kSame = 1e-3;  // s
@@ -101,7 +101,7 @@ TrajectoryError ErrorByRelations(const std::vector<TimedPose>& trajectory, const
     }
     const Pose2 off = Between(relation.T_1_2, Between(*a, *b));
     error.metres += off.translation().norm();
-    error.degrees += std::abs(WrapAngle(off.yaw)) * kDegrees;
+    error.degrees += std::abs(WrapAngle(off.yaw)) * kDegreesPerRadian;
     ++error.used;
   }
   error.metres /= std::max(error.used, 1);
@@ -122,7 +122,7 @@ TrajectoryError ErrorByReference(const std::vector<TimedPose>& trajectory, const
   for (const auto& [pose, right] : pairs) {
     const Pose2 off = Between(right, T_reference_trajectory * pose);
     error.metres += off.translation().squaredNorm();
-    error.degrees += std::pow(WrapAngle(off.yaw) * kDegrees, 2);
+    error.degrees += std::pow(WrapAngle(off.yaw) * kDegreesPerRadian, 2);
   }
   error.used = static_cast<int>(pairs.size());
   error.metres = std::sqrt(error.metres / error.used);
