@@ -24,7 +24,7 @@ struct EnteringLayer {
 };
 
 // The raster of a map whose layers change and that stays: the layers of sessions that leave it are dropped, `entering`
-// ones are put on top of the rest (an import at the bottom), and `revision` overlays the result.
+// ones are put on top of the rest, and `revision` overlays the result.
 struct RearrangedRaster {
   MapId map;
   std::int64_t layers_version = 0;      // of the layers that it was composed from; 0: the map had none

@@ -9,6 +9,7 @@
 #include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_changes.h"
 #include "storage/postgres/graph/link_point_evidence.h"
+#include "storage/postgres/graph/site_locks.h"
 #include "storage/postgres/sessions/session_row.h"
 
 namespace enfilade::storage {
@@ -43,8 +44,6 @@ constexpr Statement kListWaiting{"looking for sessions that wait",
                                  "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
                                  " AND previous_session_id = $2 AND map_id IS NULL AND delete_time IS NULL"
                                  " ORDER BY create_time, session_id"};
-constexpr Statement kLockSiteLease{"locking the site's lease",
-                                   "SELECT token FROM enfilade.site_leases WHERE site_id = $1 FOR SHARE"};
 constexpr Statement kIsJudged{
     "looking for the verdict",
     "SELECT true FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2 AND sequence = $3"};
@@ -80,21 +79,6 @@ constexpr Statement kListComparisons{
     "SELECT sequence, link_point_id, map_id, distance, image_matches::bigint, images_agree, rmse, inlier_share,"
     " clouds_agree, chi2, accepted, reason FROM enfilade.door_comparisons WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 ORDER BY sequence, ordinal"};
-
-absl::Status LockLease(Transaction& transaction, const SiteLease& lease) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto locked, transaction.Execute(kLockSiteLease, Params(lease.site)));
-  if (locked.rows() > 0) {
-    Row row(locked, 0);
-    if (row.Int64() == lease.token) return absl::OkStatus();
-  }
-  return Aborted("{} has lost the lease on {}", lease.owner, NameOf(lease.site));
-}
-
-absl::Status LockGraphAt(Transaction& transaction, const SiteId& site, std::int64_t version) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t present, postgres::LockGraph(transaction, site));
-  if (present == version) return absl::OkStatus();
-  return Aborted("the graph of {} is at version {}, no longer at {}: judge again", NameOf(site), present, version);
-}
 
 // The graph's version is raised by a trigger.
 void QueueMap(Transaction& transaction, const SiteId& site, const NewMap& map) {
@@ -168,8 +152,8 @@ absl::Status DoorVerdictStore::Commit(const CallContext& context, const SiteLeas
   ENFILADE_ASSIGN_OR_RETURN(const auto judged,
                             transaction.Execute(kIsJudged, Params(site, verdict.session, verdict.sequence)));
   if (judged.rows() > 0) return absl::OkStatus();
-  ENFILADE_RETURN_IF_ERROR(LockGraphAt(transaction, site, verdict.graph_version));
-  ENFILADE_RETURN_IF_ERROR(LockLease(transaction, lease));
+  ENFILADE_RETURN_IF_ERROR(postgres::LockGraphAt(transaction, site, verdict.graph_version));
+  ENFILADE_RETURN_IF_ERROR(postgres::LockSiteLease(transaction, lease));
   if (change.new_map) QueueMap(transaction, site, *change.new_map);
   ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(transaction, site, change));
   postgres::QueueEvidence(transaction, site, change.evidence);
@@ -185,7 +169,7 @@ absl::Status DoorVerdictStore::Enter(const CallContext& context, const SiteLease
                                      const EnteredMap& entered) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   postgres::QueueGraphLock(transaction, lease.site);
-  ENFILADE_RETURN_IF_ERROR(LockLease(transaction, lease));
+  ENFILADE_RETURN_IF_ERROR(postgres::LockSiteLease(transaction, lease));
   if (entered.new_map) QueueMap(transaction, lease.site, *entered.new_map);
   QueueEntry(transaction, lease.site, entered);
   const absl::Status committed = transaction.Commit();
@@ -196,7 +180,7 @@ absl::Status DoorVerdictStore::Enter(const CallContext& context, const SiteLease
 absl::Status DoorVerdictStore::MarkJudged(const CallContext& context, const SiteLease& lease,
                                           const SessionId& session) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  ENFILADE_RETURN_IF_ERROR(LockLease(transaction, lease));
+  ENFILADE_RETURN_IF_ERROR(postgres::LockSiteLease(transaction, lease));
   transaction.Queue(kMarkJudged, Params(lease.site, session));
   return WithContext(transaction.Commit(), NameOf(lease.site, session));
 }

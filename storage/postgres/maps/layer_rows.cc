@@ -40,6 +40,15 @@ constexpr Statement kUpsertLayerTiles{
     " ON CONFLICT (site_id, map_id, position, tile_row, tile_column) DO UPDATE SET sha256 = excluded.sha256"
     " WHERE t.sha256 <> excluded.sha256"};
 
+// One statement: the new layer's number is known within it only.
+constexpr Statement kInsertTopLayer{
+    "storing a layer",
+    "WITH l AS (INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, raster_header)"
+    "   SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4 FROM enfilade.map_layers"
+    "   WHERE site_id = $1 AND map_id = $2 RETURNING position)"
+    " INSERT INTO enfilade.map_layer_tiles (site_id, map_id, position, tile_row, tile_column, sha256)"
+    " SELECT $1, $2, l.position, u.* FROM l, unnest($5::integer[], $6::integer[], $7::bytea[]) u"};
+
 constexpr Statement kSelectLayers{
     "reading the map's layers",
     "SELECT l.position, l.version, l.session_id, coalesce(l.raster_header, r.raster_header)"
@@ -146,6 +155,18 @@ void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& 
   transaction.Queue(kUpsertLayer, Params(site, map, revision.session, whole, header));
   transaction.Queue(kDeleteLayerTiles, Params(site, map, revision.session, rows, columns));
   if (!rows.empty()) transaction.Queue(kUpsertLayerTiles, Params(site, map, revision.session, rows, columns, digests));
+}
+
+void QueueTopLayer(Transaction& transaction, const MapKey& key, const std::optional<SessionId>& session,
+                   const StoredRaster& raster) {
+  std::vector<std::int32_t> rows, columns;
+  std::vector<Bytes> digests;
+  for (const TileRef& tile : raster.tiles) {
+    rows.push_back(tile.key.row);
+    columns.push_back(tile.key.column);
+    digests.push_back(Bytes{tile.sha256});
+  }
+  transaction.Queue(kInsertTopLayer, Params(key.site, key.map, session, Bytes{raster.header}, rows, columns, digests));
 }
 
 }  // namespace enfilade::storage::postgres

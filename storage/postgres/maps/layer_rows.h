@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -22,5 +23,9 @@ absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewR
 
 // Makes the revision `number` the map's only layer (an import), or stores its session's layer. Queued only.
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number);
+
+// Puts a layer on top of the map's. `session`: unset if it was imported. Queued only.
+void QueueTopLayer(Transaction& transaction, const MapKey& key, const std::optional<SessionId>& session,
+                   const StoredRaster& raster);
 
 }  // namespace enfilade::storage::postgres

@@ -22,19 +22,26 @@ constexpr Statement kInsertMap{
 constexpr Statement kFindMapRequest{"looking for an earlier request",
                                     "SELECT " ENFILADE_MAP_COLUMNS
                                     " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
-constexpr Statement kSelectMap{"reading the map",
-                               "SELECT " ENFILADE_MAP_COLUMNS " FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
-constexpr Statement kSelectByDisplayName{"looking for the map",
-                                         "SELECT " ENFILADE_MAP_COLUMNS
-                                         " FROM enfilade.maps WHERE site_id = $1 AND display_name = $2"};
+constexpr Statement kSelectMap{"reading the map", "SELECT " ENFILADE_MAP_COLUMNS
+                                                  " FROM enfilade.maps WHERE site_id = $1 AND map_id ="
+                                                  "   (SELECT r.map_id FROM enfilade.resolve_map($1, $2) r)"};
+constexpr Statement kMapExists{
+    "looking for the map",
+    "SELECT etag FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 AND redirect_map_id IS NULL"};
+constexpr Statement kSelectByDisplayName{"looking for the map", "SELECT " ENFILADE_MAP_COLUMNS
+                                                                " FROM enfilade.maps WHERE site_id = $1 AND map_id ="
+                                                                "   (SELECT r.map_id FROM enfilade.maps m,"
+                                                                "     enfilade.resolve_map(m.site_id, m.map_id) r"
+                                                                "   WHERE m.site_id = $1 AND m.display_name = $2)"};
 constexpr Statement kListMaps{"listing maps", "SELECT " ENFILADE_MAP_COLUMNS
                                               " FROM enfilade.maps WHERE site_id = $1 AND map_id > $2"
-                                              " ORDER BY map_id LIMIT $3"};
+                                              " AND redirect_map_id IS NULL ORDER BY map_id LIMIT $3"};
 constexpr Statement kUpdateMap{"updating the map",
                                "UPDATE enfilade.maps SET display_name = $4, level = $5, environment = $6,"
                                " slam_profile = $7, outline = ST_GeomFromWKB($8, 0),"
                                " etag = nextval('enfilade.etags'), update_time = now()"
-                               " WHERE site_id = $1 AND map_id = $2 AND etag = $3 RETURNING " ENFILADE_MAP_COLUMNS};
+                               " WHERE site_id = $1 AND map_id = $2 AND etag = $3 AND redirect_map_id IS NULL"
+                               " RETURNING " ENFILADE_MAP_COLUMNS};
 constexpr Statement kFindSessions{
     "looking for the map's sessions",
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 AND map_id = $2 ORDER BY session_id"};
@@ -72,7 +79,8 @@ constexpr Statement kPlaceRoot{
     " changed_version = g.graph_version FROM enfilade.site_graphs g"
     " WHERE g.site_id = $1 AND m.site_id = $1 AND m.map_id = g.root_map_id AND m.x IS NULL"};
 constexpr Statement kLockMap{"locking the map",
-                             "SELECT etag FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR UPDATE"};
+                             "SELECT etag FROM enfilade.maps"
+                             " WHERE site_id = $1 AND map_id = $2 AND redirect_map_id IS NULL FOR UPDATE"};
 constexpr Statement kDeleteMap{"deleting the map", "DELETE FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
 
 struct MapRow {
@@ -207,8 +215,8 @@ absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map)
                          static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
   if (!updated.ok()) return Explain(updated.status(), map);
   if (updated->rows() == 0) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelectMap, Params(map.site, map.id)));
-    ENFILADE_RETURN_IF_ERROR(ReadMap(stored, NameOf(map.site, map.id)).status());
+    ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kMapExists, Params(map.site, map.id)));
+    if (stored.rows() == 0) return NotFound("{} does not exist", NameOf(map.site, map.id));
     return StaleEtag(NameOf(map.site, map.id));
   }
   transaction.Queue(kMarkChanged, Params(map.site, map.id, version));

@@ -16,7 +16,7 @@ constexpr Statement kLockMapForRevision{
     " AND r.content_sha256 = $5 AND r.raster_header = $6, false)"
     " FROM enfilade.maps m LEFT JOIN enfilade.map_revisions r"
     " ON (r.site_id, r.map_id, r.revision) = (m.site_id, m.map_id, m.current_revision)"
-    " WHERE m.site_id = $1 AND m.map_id = $2 FOR NO KEY UPDATE OF m"};
+    " WHERE m.site_id = $1 AND m.map_id = $2 AND m.redirect_map_id IS NULL FOR NO KEY UPDATE OF m"};
 constexpr Statement kInsertRevision{
     "storing the revision",
     "INSERT INTO enfilade.map_revisions (site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y,"
@@ -50,8 +50,8 @@ void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevisio
 
 }  // namespace
 
-absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
-                                         absl::Span<const BlobView> blobs, MapState state) {
+absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
+                                           absl::Span<const BlobView> blobs, MapState state) {
   const auto& [site, map] = key;
   const auto source = static_cast<std::int16_t>(revision.source);
   ENFILADE_ASSIGN_OR_RETURN(
@@ -69,8 +69,14 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const MapKey&
     ++number;
     QueueRevision(transaction, key, revision, number);
   }
-  QueueLayer(transaction, key, revision, number);
   transaction.Queue(kSetRevisionState, Params(site, map, number, static_cast<std::int16_t>(state)));
+  return number;
+}
+
+absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
+                                         absl::Span<const BlobView> blobs, MapState state) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t number, StoreRevision(transaction, key, revision, blobs, state));
+  QueueLayer(transaction, key, revision, number);
   return number;
 }
 

@@ -17,6 +17,9 @@ namespace enfilade::storage::postgres {
 // to ExplainRevisionError.
 absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
                                          absl::Span<const BlobView> blobs, MapState state);
+// The same without its layer, which the caller stores.
+absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
+                                           absl::Span<const BlobView> blobs, MapState state);
 
 // An error of the schema in terms of the API.
 absl::Status ExplainRevisionError(const absl::Status& status, const SiteId& site, const MapId& map);

@@ -17,11 +17,16 @@ namespace {
 
 constexpr Statement kSelectRevision{"reading the revision",
                                     "SELECT " ENFILADE_REVISION_COLUMNS
-                                    " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision ="
-                                    " CASE $3 WHEN 0 THEN (SELECT current_revision FROM enfilade.maps"
-                                    "   WHERE site_id = $1 AND map_id = $2) ELSE $3 END"};
-constexpr Statement kSelectCurrentRevision{
-    "looking for the map", "SELECT current_revision FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+                                    " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2"
+                                    " AND revision = $3"};
+constexpr Statement kSelectNewestRevision{"reading the map's revision",
+                                          "SELECT " ENFILADE_REVISION_COLUMNS
+                                          " FROM enfilade.map_revisions WHERE site_id = $1 AND (map_id, revision) ="
+                                          " (SELECT m.map_id, m.current_revision FROM enfilade.resolve_map($1, $2) r"
+                                          "   JOIN enfilade.maps m ON m.site_id = $1 AND m.map_id = r.map_id)"};
+constexpr Statement kSelectCurrentRevision{"looking for the map",
+                                           "SELECT current_revision FROM enfilade.maps WHERE site_id = $1 AND map_id ="
+                                           " (SELECT r.map_id FROM enfilade.resolve_map($1, $2) r)"};
 constexpr Statement kListRevisions{"listing revisions",
                                    "SELECT " ENFILADE_REVISION_COLUMNS
                                    " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision < $3"
@@ -83,7 +88,8 @@ absl::StatusOr<MapRevision> RevisionStore::Add(const CallContext& context, const
 absl::StatusOr<MapRevision> RevisionStore::Get(const CallContext& context, const SiteId& site, const MapId& map,
                                                std::int64_t number) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
+                            number == 0 ? ExecuteAlone(pool_, context, kSelectNewestRevision, Params(site, map))
+                                        : ExecuteAlone(pool_, context, kSelectRevision, Params(site, map, number)));
   return ReadOne(result, ReadRevision, NameOfRevision(site, map, number));
 }
 

@@ -54,6 +54,8 @@ constexpr Statement kCollectBlobs{
     "    WHERE r.site_id = b.site_id AND r.sha256 = b.sha256)"
     "  AND NOT EXISTS (SELECT FROM enfilade.link_point_evidence e"
     "    WHERE e.site_id = b.site_id AND e.sha256 = b.sha256)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.rearrangement_blobs u"
+    "    WHERE u.site_id = b.site_id AND u.sha256 = b.sha256)"
     "  LIMIT $2 FOR UPDATE SKIP LOCKED))"};
 
 // Deletes up to `limit` rows of one session; unset if there is none to purge.

@@ -34,7 +34,7 @@ constexpr Statement kUpdateSite{"updating the site",
 constexpr Statement kLockSite{"locking the site", "SELECT etag FROM enfilade.sites WHERE site_id = $1 FOR UPDATE"};
 constexpr Statement kCountContent{
     "looking for what belongs to the site",
-    "SELECT (SELECT count(*) FROM enfilade.maps WHERE site_id = $1),"
+    "SELECT (SELECT count(*) FROM enfilade.maps WHERE site_id = $1 AND redirect_map_id IS NULL),"
     " (SELECT count(*) FROM enfilade.robots WHERE site_id = $1),"
     " (SELECT count(*) FROM enfilade.sessions WHERE site_id = $1 AND delete_time IS NULL)"};
 // Blocks writers of records, which lock nothing but their session's row.
@@ -43,6 +43,8 @@ constexpr Statement kLockSessionsOfSite{
     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 ORDER BY session_id FOR UPDATE"};
 // In an order that foreign keys permit.
 constexpr std::array kDeletes = {
+    Statement{"deleting the blobs of rearrangements", "DELETE FROM enfilade.rearrangement_blobs WHERE site_id = $1"},
+    Statement{"deleting rearrangements", "DELETE FROM enfilade.rearrangements WHERE site_id = $1"},
     Statement{"deleting the site's lease", "DELETE FROM enfilade.site_leases WHERE site_id = $1"},
     Statement{"deleting door verdicts", "DELETE FROM enfilade.door_verdicts WHERE site_id = $1"},
     Statement{"deleting robots' poses", "DELETE FROM enfilade.robot_poses WHERE site_id = $1"},

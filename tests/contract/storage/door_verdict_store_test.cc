@@ -168,7 +168,7 @@ TEST_F(DoorVerdictStoreTest, ALaterGraphOrALostLeaseStoresNothing) {
   const storage::SiteLease lease = Lease();
   const storage::DoorChange change = Through();
   ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "seen", {MakeAnchor("hall", 1, 1)}), ""));
-  EXPECT_STATUS(verdicts_.Commit(Soon(), lease, change), absl::StatusCode::kAborted, HasSubstr("judge again"));
+  EXPECT_STATUS(verdicts_.Commit(Soon(), lease, change), absl::StatusCode::kAborted, HasSubstr("decide again"));
   ASSERT_OK(leases_.Release(Soon(), lease));
   Lease("another");
   EXPECT_STATUS(verdicts_.Commit(Soon(), lease, Through()), absl::StatusCode::kAborted,

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/rearrange/rearrangement.h"
+#include "core/slam/slam_profiles.h"
+#include "server/app/rearrange/rearranger.h"
+#include "storage/call_context.h"
+#include "storage/graph/rearrangement_store.h"
+
+namespace enfilade::server {
+
+// Renders what a rearrangement makes of the maps' rasters, beforehand: the layers of the sessions that move, from their
+// submaps in the new frame, and the revisions that overlay them. Nothing is stored but the tiles' blobs, which nothing
+// refers to yet.
+class LayerRenderer {
+ public:
+  LayerRenderer(const storage::CallContext& context, const Rearranger::Stores& stores,
+                const slam::SlamProfiles& profiles, const SiteId& site, const rearrange::Rearrangement& rearrangement);
+
+  // Of each map whose layers change and that stays. FAILED_PRECONDITION if a map would keep no layer, or its layers
+  // are too far apart for one raster.
+  absl::StatusOr<std::vector<storage::RearrangedRaster>> Render();
+
+ private:
+  // The layers of a map that is there before.
+  absl::StatusOr<const storage::LayersBeside*> Read(const MapId& map);
+  // Where a layer goes; null if it stays.
+  struct Way {
+    MapId to;
+    Pose2 T_to_from;
+    bool moves = false;  // its session moves, too: it was not deleted
+  };
+  const Way* FindWay(const MapId& map, const storage::MapLayer& layer) const;
+  absl::StatusOr<storage::RearrangedRaster> RenderMap(const MapId& map);
+  absl::StatusOr<storage::StoredRaster> RenderLayer(const storage::MapLayer& layer, const Way& way);
+  absl::StatusOr<const slam::SlamOptions*> OptionsOf(const MapId& map);
+  absl::Status Compose(const std::vector<storage::MapLayer>& layers, storage::RearrangedRaster& raster);
+
+  const storage::CallContext& context_;
+  const Rearranger::Stores& stores_;
+  const slam::SlamProfiles& profiles_;
+  const SiteId& site_;
+  const rearrange::Rearrangement& rearrangement_;
+  std::map<SessionId, Way> moved_;
+  std::map<MapId, Way> redirected_;
+  std::set<MapId> new_maps_;
+  std::map<MapId, storage::LayersBeside> layers_;
+};
+
+}  // namespace enfilade::server
