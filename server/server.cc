@@ -23,6 +23,7 @@
 #include "storage/postgres/maps/blob_store.h"
 #include "storage/postgres/maps/map_store.h"
 #include "storage/postgres/maps/revision_store.h"
+#include "storage/postgres/rearrange/rearrangement_store.h"
 #include "storage/postgres/sessions/mapping_store.h"
 #include "storage/postgres/sessions/record_store.h"
 #include "storage/postgres/sessions/session_store.h"
@@ -49,6 +50,7 @@ class Server::Impl {
   Impl(const ServerOptions& given, const slam::SlamProfiles& slam, std::unique_ptr<storage::postgres::Pool> given_pool,
        std::unique_ptr<Metrics> given_metrics)
       : options(given),
+        slam_profiles(slam),
         pool(std::move(given_pool)),
         metrics(std::move(given_metrics)),
         executor(options.listen.workers, kMaxQueuedCalls),
@@ -64,19 +66,20 @@ class Server::Impl {
     readiness = std::make_unique<Readiness>(
         [this] { return storage::CheckSchema(storage::CallContext::WithTimeout(kReadinessTimeout), *pool); },
         [this](const Readiness::State& state) { SetReady(state); });
-    services = std::make_unique<Services>(Services{options,         std::chrono::steady_clock::now(),
-                                                   executor,        *metrics,
-                                                   *readiness,      sites,
-                                                   robots,          maps,
-                                                   revisions,       sessions,
-                                                   records,         blobs,
-                                                   mappings,        closures,
-                                                   link_points,     graph_store,
-                                                   robot_poses,     audit,
-                                                   door_verdicts,   ingest,
-                                                   mapping,         *exports,
-                                                   graphs,          graph_editor,
-                                                   graph_optimizer, map_entries});
+    services = std::make_unique<Services>(Services{options,       std::chrono::steady_clock::now(),
+                                                   executor,      *metrics,
+                                                   *readiness,    sites,
+                                                   robots,        maps,
+                                                   revisions,     sessions,
+                                                   records,       blobs,
+                                                   mappings,      closures,
+                                                   link_points,   graph_store,
+                                                   robot_poses,   audit,
+                                                   door_verdicts, rearrangement_store,
+                                                   ingest,        mapping,
+                                                   *exports,      graphs,
+                                                   graph_editor,  graph_optimizer,
+                                                   map_entries,   rearrangements});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -145,6 +148,7 @@ class Server::Impl {
   }
 
   const ServerOptions options;
+  const slam::SlamProfiles slam_profiles;
   const std::unique_ptr<storage::postgres::Pool> pool;
   const std::unique_ptr<Metrics> metrics;
   const storage::SiteStore sites{*pool};
@@ -162,6 +166,7 @@ class Server::Impl {
   const storage::AuditStore audit{*pool};
   const storage::DoorVerdictStore door_verdicts{*pool};
   const storage::postgres::SiteLeaseStore site_leases{*pool};
+  const storage::postgres::RearrangementStore rearrangement_store{*pool};
   const storage::FeatureStore features{*pool};
   const storage::Maintenance maintenance{*pool};
   WakeSignal doors_wake;
@@ -172,6 +177,12 @@ class Server::Impl {
   SiteGraphs graphs{graph_store, changed_sites};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};
+  const Rearranger rearranger{{sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs};
+  const MapRearrangements rearrangements{{sessions, mappings, maps, revisions, blobs, rearrangement_store},
+                                         site_leases,
+                                         rearranger,
+                                         graphs,
+                                         options.closure.map_name};
   MapEntries map_entries{sessions, maps, door_verdicts};
   DoorClosures door_closures{
       options.closure,

@@ -59,6 +59,7 @@ constexpr std::string_view kLinkPointForm = "sites/{site}/linkPoints/{link_point
 constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
 constexpr std::string_view kSessionForm = "sites/{site}/sessions/{session}";
 constexpr std::string_view kLoopClosureForm = "sites/{site}/sessions/{session}/closures/{closure}";
+constexpr std::string_view kRearrangementForm = "sites/{site}/rearrangements/{rearrangement}";
 
 }  // namespace
 
@@ -71,6 +72,10 @@ std::string NameOf(const RobotName& name) { return NameOf(name.site, name.robot)
 std::string NameOf(const SessionName& name) { return NameOf(name.site, name.session); }
 std::string NameOf(const LoopClosureName& name) {
   return NameOf(name.site, name.session) + "/closures/" + std::to_string(name.closure);
+}
+
+std::string NameOf(const RearrangementName& name) {
+  return NameOf(name.site) + "/rearrangements/" + name.rearrangement;
 }
 
 absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name) {
@@ -115,6 +120,11 @@ absl::StatusOr<LoopClosureName> ParseLoopClosureName(std::string_view field, std
   const std::optional<std::int64_t> closure = ToNumber(ids[2]);
   if (closure && *closure >= 0) return LoopClosureName{SiteId(ids[0]), SessionId(ids[1]), *closure};
   return InvalidArgument("{} is \"{}\": closures are numbers from 0 on", field, name.substr(0, 200));
+}
+
+absl::StatusOr<RearrangementName> ParseRearrangementName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kRearrangementForm, field, name));
+  return RearrangementName{SiteId(ids[0]), ids[1]};
 }
 
 }  // namespace enfilade::convert

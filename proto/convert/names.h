@@ -42,12 +42,18 @@ struct LoopClosureName {
   std::int64_t closure = 0;
 };
 
+struct RearrangementName {
+  SiteId site;
+  std::string rearrangement;
+};
+
 std::string NameOf(const MapName& name);
 std::string NameOf(const RevisionName& name);
 std::string NameOf(const LinkPointName& name);
 std::string NameOf(const RobotName& name);
 std::string NameOf(const SessionName& name);
 std::string NameOf(const LoopClosureName& name);
+std::string NameOf(const RearrangementName& name);
 
 absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name);
 absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view name);
@@ -58,5 +64,6 @@ absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::st
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);
 absl::StatusOr<LoopClosureName> ParseLoopClosureName(std::string_view field, std::string_view name);
+absl::StatusOr<RearrangementName> ParseRearrangementName(std::string_view field, std::string_view name);
 
 }  // namespace enfilade::convert

@@ -10,6 +10,7 @@
 #include "server/app/graph/site_graphs.h"
 #include "server/app/ingest/ingest.h"
 #include "server/app/mapping/mapping.h"
+#include "server/app/rearrange/map_rearrangements.h"
 #include "server/app/runtime/executor.h"
 #include "server/app/runtime/metrics.h"
 #include "server/app/runtime/readiness.h"
@@ -17,6 +18,7 @@
 #include "storage/graph/door_verdict_store.h"
 #include "storage/graph/graph_store.h"
 #include "storage/graph/link_point_store.h"
+#include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_store.h"
@@ -39,7 +41,7 @@ struct Services {
   Metrics& metrics;
   const Readiness& readiness;
 
-  // Maps, link points and the graph are changed by graph_editor.
+  // Maps, link points and the graph are changed by graph_editor and rearrangements.
   const storage::SiteStore& sites;
   const storage::RobotStore& robots;
   const storage::MapReader& maps;
@@ -54,6 +56,7 @@ struct Services {
   const storage::RobotPoseStore& robot_poses;
   const storage::AuditStore& audit;
   const storage::DoorVerdictStore& door_verdicts;
+  const storage::RearrangementStore& rearrangement_store;
 
   Ingest& ingest;
   Mapping& mapping;
@@ -62,6 +65,7 @@ struct Services {
   GraphEditor& graph_editor;
   GraphOptimizer& graph_optimizer;
   MapEntries& map_entries;
+  const MapRearrangements& rearrangements;
 };
 
 }  // namespace enfilade::server

@@ -31,6 +31,7 @@
 #include "server/rpc/map/export_map.h"
 #include "server/rpc/map/handlers.h"
 #include "server/rpc/map/import_map.h"
+#include "server/rpc/rearrange/handlers.h"
 #include "server/rpc/robot/handlers.h"
 #include "server/rpc/server/handlers.h"
 #include "server/rpc/session/export_trajectory.h"
@@ -160,6 +161,10 @@ class MapApi final : public ApiOf<v1::MapService::WithRawCallbackMethod_ExportMa
   ENFILADE_UNARY(ListMapRevisions)
   ENFILADE_RAW_SERVER_STREAM(ExportMap)
   ENFILADE_CLIENT_STREAM(ImportMap)
+  ENFILADE_UNARY(MergeMaps)
+  ENFILADE_UNARY(SplitMap)
+  ENFILADE_UNARY(UndoRearrangement)
+  ENFILADE_UNARY(ListRearrangements)
 };
 
 class LinkPointApi final : public ApiOf<v1::LinkPointService::CallbackService> {

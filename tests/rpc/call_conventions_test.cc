@@ -36,6 +36,10 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMaps);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::UpdateMap);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::DeleteMap);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::MergeMaps);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::SplitMap);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::UndoRearrangement);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::ListRearrangements);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::GetMapRevision);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapRevisions);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::CreateSession);

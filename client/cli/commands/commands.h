@@ -13,7 +13,8 @@ void AddGraph(CLI::App& app, const Globals& globals);        // graph show | ver
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
-void AddMap(CLI::App& app, const Globals& globals);   // map list | show | create | update | export | import | delete
+// map list | show | create | update | export | import | merge | split | undo | rearrangements | delete
+void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
 void AddReplay(CLI::App& app, const Globals& globals);
 void AddRobot(CLI::App& app, const Globals& globals);
@@ -38,6 +39,7 @@ void AddGraphSolve(CLI::App& graph, const Globals& globals);
 void AddMapEdit(CLI::App& map, const Globals& globals);
 void AddMapExport(CLI::App& map, const Globals& globals);
 void AddMapImport(CLI::App& map, const Globals& globals);
+void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);
 void AddSessionDoors(CLI::App& session, const Globals& globals);

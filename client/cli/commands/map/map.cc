@@ -129,6 +129,7 @@ void AddMap(CLI::App& app, const Globals& globals) {
   AddMapEdit(*map, globals);
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
+  AddMapRearrange(*map, globals);
 
   auto options = std::make_shared<DeleteMapCommandOptions>();
   CLI::App* remove = AddCommand(*map, "delete", "Delete a map with its revisions",
