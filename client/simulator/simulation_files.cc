@@ -6,10 +6,12 @@
 #include <system_error>
 #include <utility>
 
+#include "client/simulator/campus/building_campus.h"
 #include "client/simulator/campus/campus_yaml.h"
 #include "client/simulator/campus/random_building.h"
 #include "client/simulator/campus/shipped_campuses.h"
 #include "client/sources/formats/json_lines_writer.h"
+#include "client/sources/imports/building_file.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "io/file.h"
@@ -19,6 +21,8 @@ namespace enfilade::simulator {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kBuildingSuffix = ".building.yaml";
 
 absl::Status MakeFolder(const fs::path& folder) {
   std::error_code error;
@@ -83,6 +87,11 @@ class DriveWriter {
   std::map<fs::path, bool> made_;
 };
 
+absl::StatusOr<Campus> ReadBuilding(const std::string& text) {
+  ENFILADE_ASSIGN_OR_RETURN(const sources::Building building, sources::ParseBuilding(text));
+  return CampusOf(building);
+}
+
 }  // namespace
 
 absl::StatusOr<Campus> LoadCampus(const std::string& name) {
@@ -96,7 +105,7 @@ absl::StatusOr<Campus> LoadCampus(const std::string& name) {
   }
   if (!fs::is_regular_file(name)) return ShippedCampus(name);
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(name));
-  absl::StatusOr<Campus> campus = ParseCampus(text);
+  absl::StatusOr<Campus> campus = name.ends_with(kBuildingSuffix) ? ReadBuilding(text) : ParseCampus(text);
   if (!campus.ok()) return WithContext(campus.status(), name);
   return campus;
 }

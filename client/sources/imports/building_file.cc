@@ -127,8 +127,12 @@ class Parser {
         for (const auto& door : node["doors"]) {
           const Eigen::Vector2d a = point(door[0]), b = point(door[1]), middle = (a + b) / 2;
           const double through = std::atan2(b.y() - a.y(), b.x() - a.x()) + M_PI / 2;
-          drawing.level.doors.push_back({TextOf(door[2]["name"]), {middle.x(), middle.y(), WrapAngle(through)}});
+          drawing.level.doors.push_back(
+              {TextOf(door[2]["name"]), {middle.x(), middle.y(), WrapAngle(through)}, (b - a).norm()});
         }
+      }
+      if (node["walls"]) {
+        for (const auto& wall : node["walls"]) drawing.level.walls.push_back({point(wall[0]), point(wall[1])});
       }
     } catch (const std::out_of_range&) {
       return "it names a vertex that does not exist";
@@ -180,6 +184,7 @@ class Parser {
     const Pose2 T_home_cabin{position.x(), position.y(), node["yaw"] ? node["yaw"].as<double>() : 0.0};
     BuildingLift lift;
     lift.name = name;
+    ReadCabin(node, lift);
     for (std::size_t i = 0; i < drawings_.size(); ++i) {
       const std::string& level = drawings_[i].level.name;
       if (!node["level_doors"] || !node["level_doors"][level] || node["level_doors"][level].size() == 0) continue;
@@ -198,6 +203,20 @@ class Parser {
     if (lift.stops.empty()) return "it does not stop at any imported level";
     building_.lifts.push_back(std::move(lift));
     return std::nullopt;
+  }
+
+  // Sizes are in metres, and doors stand along the cabin's sides.
+  static void ReadCabin(const YAML::Node& node, BuildingLift& lift) {
+    if (node["width"]) lift.width = node["width"].as<double>();
+    if (node["depth"]) lift.depth = node["depth"].as<double>();
+    if (!node["doors"] || !node["doors"].IsMap()) return;
+    for (const auto& entry : node["doors"]) {
+      const YAML::Node& door = entry.second;
+      const double along = door["motion_axis_orientation"] ? door["motion_axis_orientation"].as<double>() : 0.0;
+      lift.doors.push_back({entry.first.as<std::string>(),
+                            {door["x"].as<double>(), door["y"].as<double>(), WrapAngle(along + M_PI / 2)},
+                            door["width"].as<double>()});
+    }
   }
 
   static std::optional<Eigen::Affine2d> Align(const LevelDrawing& from, const LevelDrawing& to) {

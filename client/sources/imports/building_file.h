@@ -16,6 +16,12 @@ namespace enfilade::sources {
 struct BuildingDoor {
   std::string name;
   Pose2 T_level_door;  // the middle of its opening, x through the door
+  double width = 0.0;  // m
+};
+
+struct BuildingWall {
+  Eigen::Vector2d a;  // m
+  Eigen::Vector2d b;
 };
 
 struct BuildingLevel {
@@ -24,6 +30,7 @@ struct BuildingLevel {
   std::vector<Eigen::Vector2d>
       outline;  // m: the convex hull of its floors, or of its walls if it has no floors; may be empty
   std::vector<BuildingDoor> doors;
+  std::vector<BuildingWall> walls = {};
 };
 
 struct BuildingLift {
@@ -33,6 +40,9 @@ struct BuildingLift {
   };
   std::string name;
   std::vector<Stop> stops;
+  double width = 0.0;  // m, of the cabin along its x
+  double depth = 0.0;
+  std::vector<BuildingDoor> doors = {};  // T_level_door: in the cabin's frame
 };
 
 struct BuildingRemark {

@@ -52,8 +52,10 @@ std::vector<std::string> Expand(const std::string& campus) {
 }
 
 void AddOptions(CLI::App& app, Options& options) {
-  app.add_option("--campus", options.campuses,
-                 "Campuses, comma-separated: figure1, lookalike, levels, random:SEED, random:FIRST-LAST, a file (YAML)")
+  app.add_option(
+         "--campus", options.campuses,
+         "Campuses, comma-separated: figure1, lookalike, levels, random:SEED, random:FIRST-LAST, a file (YAML), "
+         "NAME.building.yaml of Open-RMF")
       ->delimiter(',');
   app.add_option("--seeds", options.seeds, "Seeds of noise, each a run of its own")
       ->check(CLI::PositiveNumber)
