@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/localize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/localization/pose_tracking.h"
+#include "core/slam/loops/edge_information.h"
+#include "fmt/format.h"
+
+namespace enfilade::localization {
+namespace {
+
+struct Hypothesis {
+  std::size_t map = 0;
+  TrackedPose tracked;
+};
+
+// A place in a map where one scan fits.
+struct Seed {
+  std::size_t map = 0;
+  std::size_t scan = 0;
+  FoundPose found;
+};
+
+absl::Status CheckScan(const QueryScan& query, std::size_t index, std::size_t count) {
+  if (const absl::Status status = sensor::Validate(query.scan); !status.ok()) {
+    return InvalidArgument("scans[{}]: {}", index, std::string(status.message()));
+  }
+  if (count > 1 && !query.T_odom_robot) {
+    return InvalidArgument("scans[{}] has no odometry: several scans need it, each its own", index);
+  }
+  if (query.T_odom_robot && !IsFinite(*query.T_odom_robot)) {
+    return InvalidArgument("scans[{}]: the odometry is not finite", index);
+  }
+  return absl::OkStatus();
+}
+
+bool HasHits(const TrackedScan& scan, const LocalizationOptions& options) {
+  return scan.points.hits.size() >= static_cast<std::size_t>(options.min_hits);
+}
+
+// The last scan, and earlier ones far enough apart; max_scans at most.
+std::vector<TrackedScan> SelectScans(const std::vector<QueryScan>& scans, const LocalizationOptions& options) {
+  std::vector<const QueryScan*> apart = {&scans.back()};
+  for (auto it = std::next(scans.rbegin()); it != scans.rend(); ++it) {
+    const Pose2 motion = Between(*apart.back()->T_odom_robot, *it->T_odom_robot);
+    if (motion.translation().norm() < options.scan_spacing && std::abs(motion.yaw) < options.scan_spacing) continue;
+    apart.push_back(&*it);
+  }
+  std::reverse(apart.begin(), apart.end());
+  const std::size_t count = std::min(apart.size(), static_cast<std::size_t>(std::max(1, options.max_scans)));
+  std::vector<TrackedScan> selected;
+  for (std::size_t i = 0; i < count; ++i) {
+    const QueryScan& one = *apart[(i + 1) * apart.size() / count - 1];  // the last one always
+    selected.push_back({PointsOf(one.scan, options), one.T_odom_robot.value_or(Pose2())});
+  }
+  return selected;
+}
+
+class Localizer {
+ public:
+  Localizer(std::vector<TrackedScan> scans, const std::vector<CandidateMap>& maps, const LocalizationOptions& options,
+            const KeepGoing& keep_going)
+      : scans_(std::move(scans)), maps_(maps), options_(options), keep_going_(keep_going) {}
+
+  absl::StatusOr<Localization> Run() {
+    ENFILADE_RETURN_IF_ERROR(FindSeeds());
+    for (const Seed& seed : seeds_) ENFILADE_RETURN_IF_ERROR(Follow(seed));
+    std::stable_sort(hypotheses_.begin(), hypotheses_.end(), [](const Hypothesis& a, const Hypothesis& b) {
+      return a.tracked.log_likelihood > b.tracked.log_likelihood;
+    });
+    return Judge();
+  }
+
+ private:
+  std::vector<std::size_t> ScansToSearch() const {
+    std::vector<std::size_t> usable;
+    for (std::size_t i = 0; i < scans_.size(); ++i) {
+      if (HasHits(scans_[i], options_)) usable.push_back(i);
+    }
+    std::vector<std::size_t> searched = {usable.front()};
+    if (usable.size() >= 5) searched.push_back(usable[usable.size() / 2]);
+    if (usable.size() >= 2) searched.push_back(usable.back());
+    return searched;
+  }
+
+  absl::Status FindSeeds() {
+    for (const std::size_t scan : ScansToSearch()) {
+      double best = 0.0;
+      const std::size_t begin = seeds_.size();
+      for (std::size_t map = 0; map < maps_.size(); ++map) {
+        ENFILADE_ASSIGN_OR_RETURN(const FoundPoses found, FindPoses(*maps_[map].map, scans_[scan].points.searched,
+                                                                    AreaOf(maps_[map], scan), options_, keep_going_));
+        complete_ = complete_ && found.complete;
+        for (const FoundPose& one : found.poses) {
+          seeds_.push_back({map, scan, one});
+          best = std::max(best, one.score);
+        }
+      }
+      const auto is_weak = [&](const Seed& seed) { return seed.found.score < options_.min_relative_score * best; };
+      seeds_.erase(std::remove_if(seeds_.begin() + static_cast<std::ptrdiff_t>(begin), seeds_.end(), is_weak),
+                   seeds_.end());
+    }
+    std::stable_sort(seeds_.begin(), seeds_.end(),
+                     [](const Seed& a, const Seed& b) { return a.found.score > b.found.score; });
+    return absl::OkStatus();
+  }
+
+  std::optional<SearchArea> AreaOf(const CandidateMap& map, std::size_t scan) const {
+    if (!map.T_map_robot) return std::nullopt;
+    const double driven = Between(scans_.back().T_odom_robot, scans_[scan].T_odom_robot).translation().norm();
+    return SearchArea{map.T_map_robot->pose.translation(), PriorRadius(*map.T_map_robot) + driven};
+  }
+  double PriorRadius(const PoseWithCovariance& prior) const {
+    return options_.prior_sigmas * std::sqrt(std::max(prior.covariance(0, 0) + prior.covariance(1, 1), 0.0)) +
+           options_.prior_distance;
+  }
+  bool AgreesWithPrior(std::size_t map, const Pose2& pose) const {
+    const std::optional<PoseWithCovariance>& prior = maps_[map].T_map_robot;
+    if (!prior) return true;
+    const Pose2 off = Between(prior->pose, pose);
+    const double yaw_sigma = std::sqrt(std::max(prior->covariance(2, 2), 0.0));
+    return off.translation().norm() <= PriorRadius(*prior) &&
+           std::abs(off.yaw) <= options_.prior_sigmas * yaw_sigma + options_.prior_angle;
+  }
+
+  bool IsSame(const Pose2& a, const Pose2& b, double closeness) const {
+    const Pose2 off = Between(a, b);
+    return off.translation().norm() < closeness * options_.same_distance &&
+           std::abs(off.yaw) < closeness * options_.same_angle;
+  }
+
+  absl::Status Follow(const Seed& seed) {
+    ENFILADE_RETURN_IF_ERROR(keep_going_());
+    const Pose2 predicted =
+        seed.found.T_map_robot * Between(scans_[seed.scan].T_odom_robot, scans_.back().T_odom_robot);
+    if (!AgreesWithPrior(seed.map, predicted)) return absl::OkStatus();
+    const std::optional<TrackedPose> tracked =
+        TrackPose(*maps_[seed.map].map, scans_, seed.scan, seed.found.T_map_robot,
+                  best_likelihood_ - options_.listed_odds, options_);
+    if (!tracked || !AgreesWithPrior(seed.map, tracked->T_map_robot.pose)) return absl::OkStatus();
+    best_likelihood_ = std::max(best_likelihood_, tracked->log_likelihood);
+    for (Hypothesis& known : hypotheses_) {
+      if (known.map != seed.map || !IsSame(known.tracked.T_map_robot.pose, tracked->T_map_robot.pose, 1.0)) continue;
+      if (tracked->log_likelihood > known.tracked.log_likelihood) known.tracked = *tracked;
+      return absl::OkStatus();
+    }
+    hypotheses_.push_back({seed.map, *tracked});
+    return absl::OkStatus();
+  }
+
+  // The same place, also in two maps that overlap.
+  bool IsSamePlace(const Hypothesis& a, const Hypothesis& b) const {
+    if (a.map == b.map) return IsSame(a.tracked.T_map_robot.pose, b.tracked.T_map_robot.pose, 1.0);
+    const auto& T_world_a = maps_[a.map].T_world_map;
+    const auto& T_world_b = maps_[b.map].T_world_map;
+    return T_world_a && T_world_b &&
+           IsSame(*T_world_a * a.tracked.T_map_robot.pose, *T_world_b * b.tracked.T_map_robot.pose, 2.0);
+  }
+
+  Localization Judge() const {
+    Localization result;
+    if (hypotheses_.empty() || hypotheses_.front().tracked.evidence.matched < options_.min_matched) {
+      result.reason = hypotheses_.empty()
+                          ? "no place in the maps fits the scans"
+                          : fmt::format("nowhere known: at the best place only {:.0f} % of the hits lie on walls",
+                                        100.0 * hypotheses_.front().tracked.evidence.matched);
+      return result;
+    }
+    const double best = hypotheses_.front().tracked.log_likelihood;
+    for (const Hypothesis& one : hypotheses_) {
+      if (best - one.tracked.log_likelihood > options_.listed_odds) break;
+      result.poses.push_back(
+          {one.map, one.tracked.T_map_robot, one.tracked.evidence.matched, best - one.tracked.log_likelihood, false});
+    }
+    const std::string doubt = FindDoubt();
+    result.poses.front().confident = doubt.empty();
+    result.reason = doubt.empty() ? Certainty() : "not certain: " + doubt;
+    return result;
+  }
+
+  const Hypothesis* FindRival() const {
+    for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
+      if (!IsSamePlace(hypotheses_.front(), hypotheses_[i])) return &hypotheses_[i];
+    }
+    return nullptr;
+  }
+
+  std::string FindDoubt() const {
+    const TrackedPose& best = hypotheses_.front().tracked;
+    const ScanEvidence& seen = best.evidence;
+    if (seen.matched < options_.confident_matched * seen.known()) {
+      return fmt::format("of the hits on known ground, {:.0f} % lie on walls", 100.0 * seen.matched / seen.known());
+    }
+    if (seen.contradicted() > options_.confident_contradicted) {
+      return fmt::format("{:.0f} % of the hits lie in free space or behind walls", 100.0 * seen.contradicted());
+    }
+    if (seen.known() < options_.confident_known) {
+      return fmt::format("only {:.0f} % of the hits lie on known ground", 100.0 * seen.known());
+    }
+    const double weakest = slam::WeakestDirection(best.T_map_robot.covariance.inverse());
+    if (weakest > options_.confident_sigma) {
+      return fmt::format("the position along the walls is known to {:.2f} m only", weakest);
+    }
+    if (best.T_map_robot.covariance(2, 2) > options_.confident_yaw_sigma * options_.confident_yaw_sigma) {
+      return fmt::format("the heading is known to {:.2f} rad only", std::sqrt(best.T_map_robot.covariance(2, 2)));
+    }
+    if (const Hypothesis* rival = FindRival()) {
+      const double odds = best.log_likelihood - rival->tracked.log_likelihood;
+      if (odds < options_.confident_odds) {
+        return rival->map == hypotheses_.front().map
+                   ? fmt::format("another place, {:.1f} m away, fits nearly as well (log-odds {:.1f})",
+                                 Between(best.T_map_robot.pose, rival->tracked.T_map_robot.pose).translation().norm(),
+                                 odds)
+                   : fmt::format("a place in another map fits nearly as well (log-odds {:.1f})", odds);
+      }
+    }
+    return complete_ ? "" : "so many places look alike that not all were compared";
+  }
+
+  std::string Certainty() const {
+    const TrackedPose& best = hypotheses_.front().tracked;
+    const Hypothesis* rival = FindRival();
+    const std::string others = rival == nullptr ? "nothing else fits"
+                                                : fmt::format("log-odds {:.1f} ahead of the next place",
+                                                              best.log_likelihood - rival->tracked.log_likelihood);
+    return fmt::format("{:.0f} % of the hits lie on walls, {:.0f} % contradict, {}", 100.0 * best.evidence.matched,
+                       100.0 * best.evidence.contradicted(), others);
+  }
+
+  std::vector<TrackedScan> scans_;
+  const std::vector<CandidateMap>& maps_;
+  const LocalizationOptions& options_;
+  const KeepGoing& keep_going_;
+  std::vector<Seed> seeds_;
+  std::vector<Hypothesis> hypotheses_;
+  double best_likelihood_ = -std::numeric_limits<double>::infinity();
+  bool complete_ = true;
+};
+
+}  // namespace
+
+absl::StatusOr<Localization> Localize(const std::vector<QueryScan>& scans, const std::vector<CandidateMap>& maps,
+                                      const LocalizationOptions& options, const KeepGoing& keep_going) {
+  if (scans.empty()) return InvalidArgument("there are no scans");
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    ENFILADE_RETURN_IF_ERROR(CheckScan(scans[i], i, scans.size()));
+  }
+  std::vector<TrackedScan> selected = SelectScans(scans, options);
+  if (std::none_of(selected.begin(), selected.end(), [&](const TrackedScan& one) { return HasHits(one, options); })) {
+    return InvalidArgument("no scan has {} hits on walls within {:.0f} m; the last one has {}", options.min_hits,
+                           options.max_range, selected.back().points.hits.size());
+  }
+  return Localizer(std::move(selected), maps, options, keep_going).Run();
+}
+
+}  // namespace enfilade::localization

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/pose2.h"
+#include "core/localization/localization_options.h"
+#include "core/localization/pose_search.h"
+#include "core/localization/searchable_map.h"
+#include "core/sensor/laser_scan.h"
+
+namespace enfilade::localization {
+
+// A scan of the robot that is to be located.
+struct QueryScan {
+  sensor::LaserScan scan;
+  std::optional<Pose2> T_odom_robot;  // needed if there are several scans
+};
+
+// A map that the robot may be in.
+struct CandidateMap {
+  const SearchableMap* map = nullptr;
+  // Where the robot is at the last scan, as far as known. Bounds the search.
+  std::optional<PoseWithCovariance> T_map_robot = std::nullopt;
+  // Where the map is among others, if known: poses of two maps that are the same place are no rivals.
+  std::optional<Pose2> T_world_map = std::nullopt;
+};
+
+struct LocatedPose {
+  std::size_t map = 0;             // index of the candidate
+  PoseWithCovariance T_map_robot;  // at the last scan
+  double score = 0.0;              // share of the hits, over all scans, that lie on walls
+  double odds_behind = 0.0;        // log-likelihood of the best pose minus this one's
+  bool confident = false;          // the first one at most
+};
+
+struct Localization {
+  std::vector<LocatedPose> poses;  // the likeliest first; empty: nowhere known
+  std::string reason;              // for people: why the first is certain or not, or why there is none
+};
+
+// Where in all the maps the robot is. Each place in any map where the first, a middle or the last scan fits (FindPoses)
+// is followed through all scans (TrackPose) and compared beam by beam; hits in free space and beams through walls speak
+// against it. The best is certain if it explains the scans well, is determined in all directions, every place that
+// fits was compared, and no rival, in any map, comes near it.
+//
+// INVALID_ARGUMENT: no scans; no scan with min_hits; naming the scan: one of several without odometry, what
+// sensor::Validate refuses. Errors of `keep_going` are passed on.
+absl::StatusOr<Localization> Localize(const std::vector<QueryScan>& scans, const std::vector<CandidateMap>& maps,
+                                      const LocalizationOptions& options, const KeepGoing& keep_going);
+
+}  // namespace enfilade::localization
