@@ -79,7 +79,8 @@ class Server::Impl {
                                                    ingest,        mapping,
                                                    *exports,      graphs,
                                                    graph_editor,  graph_optimizer,
-                                                   map_entries,   rearrangements});
+                                                   map_entries,   rearrangements,
+                                                   localization});
     api = std::make_unique<Api>(*services);
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -184,6 +185,7 @@ class Server::Impl {
                                          graphs,
                                          options.closure.map_name};
   MapEntries map_entries{sessions, maps, door_verdicts};
+  RobotLocalization localization{graphs, revisions, {link_points, blobs, features}};
   DoorClosures door_closures{
       options.closure,
       {sessions, records, mappings, blobs, features, maps, link_points, door_verdicts, site_leases},

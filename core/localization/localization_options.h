@@ -11,14 +11,14 @@ struct LocalizationOptions {
   double scan_spacing = 0.25;   // m or rad between the scans used
   int max_scans = 12;           // used at most, evenly chosen
   double point_spacing = 0.05;  // m between neighbouring points of a scan that is refined
-  int search_points = 120;      // of a scan, in the search
+  int search_points = 100;      // of a scan, in the search
   int beams = 180;              // of a scan, when it is compared with a map
 
   // --- The search over all positions and headings.
   double search_cell = 0.10;         // m
   double search_sigma = 0.15;        // m, of the likelihood: broad, to bear coarse steps and small changes
   double min_score = 0.35;           // mean likelihood of a scan's points, below which a place is not considered
-  double min_relative_score = 0.70;  // the same, as a share of the best place's score
+  double min_relative_score = 0.78;  // the same, as a share of the best place's score
   double mode_distance = 0.6;        // m: of places nearer than this with headings nearer than mode_angle,
   double mode_angle = 0.3;           // rad: only the best is considered
   int max_modes = 80;                // per map and scan searched
@@ -37,9 +37,13 @@ struct LocalizationOptions {
   double further_scan = 0.35;
 
   // --- When a pose is listed, and when it is certain. "Odds" are differences of log-likelihoods.
-  double min_matched = 0.50;             // share of the hits on walls, below which no place is known
-  double listed_odds = 40.0;             // a pose that is farther behind the best is not listed
-  double confident_odds = 8.0;           // every rival must be this far behind
+  double min_matched = 0.35;    // share of all hits on walls, below which no place is known
+  double min_agreement = 0.60;  // the same of the hits on known ground
+  double listed_odds = 40.0;    // a pose that is farther behind the best is not listed
+  double confident_odds = 8.0;  // every rival must be this far behind
+  // So must every place where at least this share of the hits lies on known ground, by those alone: what nobody has
+  // seen may look like the best place.
+  double tenable_known = 0.25;
   double confident_matched = 0.80;       // share on walls, of the hits on known ground
   double confident_contradicted = 0.12;  // share of all hits in free space or behind walls, at most
   double confident_known = 0.70;         // share of the hits on known ground

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "core/base/error.h"
@@ -69,8 +70,9 @@ class Localizer {
       : scans_(std::move(scans)), maps_(maps), options_(options), keep_going_(keep_going) {}
 
   absl::StatusOr<Localization> Run() {
-    ENFILADE_RETURN_IF_ERROR(FindSeeds());
-    for (const Seed& seed : seeds_) ENFILADE_RETURN_IF_ERROR(Follow(seed));
+    for (std::size_t map = 0; map < maps_.size(); ++map) ENFILADE_RETURN_IF_ERROR(FindSeeds(map));
+    DropWeakSeeds();
+    for (const std::size_t map : MapsByScore()) ENFILADE_RETURN_IF_ERROR(FollowSeeds(map));
     std::stable_sort(hypotheses_.begin(), hypotheses_.end(), [](const Hypothesis& a, const Hypothesis& b) {
       return a.tracked.log_likelihood > b.tracked.log_likelihood;
     });
@@ -89,25 +91,41 @@ class Localizer {
     return searched;
   }
 
-  absl::Status FindSeeds() {
+  absl::Status FindSeeds(std::size_t map) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto loaded, maps_[map].load());
     for (const std::size_t scan : ScansToSearch()) {
-      double best = 0.0;
-      const std::size_t begin = seeds_.size();
-      for (std::size_t map = 0; map < maps_.size(); ++map) {
-        ENFILADE_ASSIGN_OR_RETURN(const FoundPoses found, FindPoses(*maps_[map].map, scans_[scan].points.searched,
-                                                                    AreaOf(maps_[map], scan), options_, keep_going_));
-        complete_ = complete_ && found.complete;
-        for (const FoundPose& one : found.poses) {
-          seeds_.push_back({map, scan, one});
-          best = std::max(best, one.score);
-        }
-      }
-      const auto is_weak = [&](const Seed& seed) { return seed.found.score < options_.min_relative_score * best; };
-      seeds_.erase(std::remove_if(seeds_.begin() + static_cast<std::ptrdiff_t>(begin), seeds_.end(), is_weak),
-                   seeds_.end());
+      ENFILADE_ASSIGN_OR_RETURN(const FoundPoses found, FindPoses(*loaded, scans_[scan].points.searched,
+                                                                  AreaOf(maps_[map], scan), options_, keep_going_));
+      if (!found.complete) incomplete_.insert(scan);
+      for (const FoundPose& one : found.poses) seeds_.push_back({map, scan, one});
     }
+    return absl::OkStatus();
+  }
+
+  // Those that are weak beside the best of their scan in all maps.
+  void DropWeakSeeds() {
+    std::vector<double> best(scans_.size(), 0.0);
+    for (const Seed& seed : seeds_) best[seed.scan] = std::max(best[seed.scan], seed.found.score);
+    std::erase_if(seeds_,
+                  [&](const Seed& seed) { return seed.found.score < options_.min_relative_score * best[seed.scan]; });
     std::stable_sort(seeds_.begin(), seeds_.end(),
                      [](const Seed& a, const Seed& b) { return a.found.score > b.found.score; });
+  }
+
+  // Those with seeds, the one with the best seed first.
+  std::vector<std::size_t> MapsByScore() const {
+    std::vector<std::size_t> maps;
+    for (const Seed& seed : seeds_) {
+      if (std::find(maps.begin(), maps.end(), seed.map) == maps.end()) maps.push_back(seed.map);
+    }
+    return maps;
+  }
+
+  absl::Status FollowSeeds(std::size_t map) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto loaded, maps_[map].load());
+    for (const Seed& seed : seeds_) {
+      if (seed.map == map) ENFILADE_RETURN_IF_ERROR(Follow(*loaded, seed));
+    }
     return absl::OkStatus();
   }
 
@@ -135,14 +153,13 @@ class Localizer {
            std::abs(off.yaw) < closeness * options_.same_angle;
   }
 
-  absl::Status Follow(const Seed& seed) {
+  absl::Status Follow(const SearchableMap& map, const Seed& seed) {
     ENFILADE_RETURN_IF_ERROR(keep_going_());
     const Pose2 predicted =
         seed.found.T_map_robot * Between(scans_[seed.scan].T_odom_robot, scans_.back().T_odom_robot);
     if (!AgreesWithPrior(seed.map, predicted)) return absl::OkStatus();
     const std::optional<TrackedPose> tracked =
-        TrackPose(*maps_[seed.map].map, scans_, seed.scan, seed.found.T_map_robot,
-                  best_likelihood_ - options_.listed_odds, options_);
+        TrackPose(map, scans_, seed.scan, seed.found.T_map_robot, best_likelihood_ - options_.listed_odds, options_);
     if (!tracked || !AgreesWithPrior(seed.map, tracked->T_map_robot.pose)) return absl::OkStatus();
     best_likelihood_ = std::max(best_likelihood_, tracked->log_likelihood);
     for (Hypothesis& known : hypotheses_) {
@@ -163,9 +180,13 @@ class Localizer {
            IsSame(*T_world_a * a.tracked.T_map_robot.pose, *T_world_b * b.tracked.T_map_robot.pose, 2.0);
   }
 
+  bool IsKnown(const ScanEvidence& seen) const {
+    return seen.matched >= options_.min_matched && seen.matched >= options_.min_agreement * seen.known();
+  }
+
   Localization Judge() const {
     Localization result;
-    if (hypotheses_.empty() || hypotheses_.front().tracked.evidence.matched < options_.min_matched) {
+    if (hypotheses_.empty() || !IsKnown(hypotheses_.front().tracked.evidence)) {
       result.reason = hypotheses_.empty()
                           ? "no place in the maps fits the scans"
                           : fmt::format("nowhere known: at the best place only {:.0f} % of the hits lie on walls",
@@ -182,6 +203,21 @@ class Localizer {
     result.poses.front().confident = doubt.empty();
     result.reason = doubt.empty() ? Certainty() : "not certain: " + doubt;
     return result;
+  }
+
+  // A place that is less likely only because less of it is known: the robot may be there, in a part that nobody has
+  // seen and that looks like the best place.
+  const Hypothesis* FindHalfKnown() const {
+    const Hypothesis& best = hypotheses_.front();
+    for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
+      const Hypothesis& other = hypotheses_[i];
+      const double odds = best.tracked.known_log_likelihood - other.tracked.known_log_likelihood;
+      if (odds < options_.confident_odds && other.tracked.evidence.known() >= options_.tenable_known &&
+          !IsSamePlace(best, other)) {
+        return &other;
+      }
+    }
+    return nullptr;
   }
 
   const Hypothesis* FindRival() const {
@@ -220,7 +256,12 @@ class Localizer {
                    : fmt::format("a place in another map fits nearly as well (log-odds {:.1f})", odds);
       }
     }
-    return complete_ ? "" : "so many places look alike that not all were compared";
+    if (const Hypothesis* other = FindHalfKnown()) {
+      return fmt::format("nothing contradicts another place, where {:.0f} % of the hits lie on unknown ground",
+                         100.0 * other->tracked.evidence.unknown);
+    }
+    // A place that fits all scans fits each of them: one complete search is enough.
+    return incomplete_.size() < ScansToSearch().size() ? "" : "so many places look alike that not all were compared";
   }
 
   std::string Certainty() const {
@@ -240,7 +281,7 @@ class Localizer {
   std::vector<Seed> seeds_;
   std::vector<Hypothesis> hypotheses_;
   double best_likelihood_ = -std::numeric_limits<double>::infinity();
-  bool complete_ = true;
+  std::set<std::size_t> incomplete_;  // scans for which some place may have been missed
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,9 +23,13 @@ struct QueryScan {
   std::optional<Pose2> T_odom_robot;  // needed if there are several scans
 };
 
+// Gives a map while it is searched, so that not all need to be in memory at once. Called twice for each map at most.
+// An error ends the localisation.
+using MapLoader = std::function<absl::StatusOr<std::shared_ptr<const SearchableMap>>()>;
+
 // A map that the robot may be in.
 struct CandidateMap {
-  const SearchableMap* map = nullptr;
+  MapLoader load;
   // Where the robot is at the last scan, as far as known. Bounds the search.
   std::optional<PoseWithCovariance> T_map_robot = std::nullopt;
   // Where the map is among others, if known: poses of two maps that are the same place are no rivals.
@@ -49,7 +55,7 @@ struct Localization {
 // fits was compared, and no rival, in any map, comes near it.
 //
 // INVALID_ARGUMENT: no scans; no scan with min_hits; naming the scan: one of several without odometry, what
-// sensor::Validate refuses. Errors of `keep_going` are passed on.
+// sensor::Validate refuses. Errors of `keep_going` and of the maps' loaders are passed on.
 absl::StatusOr<Localization> Localize(const std::vector<QueryScan>& scans, const std::vector<CandidateMap>& maps,
                                       const LocalizationOptions& options, const KeepGoing& keep_going);
 

@@ -43,6 +43,7 @@ double WeightOf(std::size_t scan, const LocalizationOptions& options) {
 
 void AddShare(const ScanEvidence& one, double share, ScanEvidence& sum) {
   sum.log_likelihood += share * one.log_likelihood;
+  sum.known_log_likelihood += share * one.known_log_likelihood;
   sum.matched += share * one.matched;
   sum.free += share * one.free;
   sum.through += share * one.through;
@@ -57,8 +58,8 @@ std::optional<TrackedPose> TrackPose(const SearchableMap& map, const std::vector
   Pose2 first = RefineSeed(map, scans[seed].points, T_map_robot);
   double back = 0.0;
   for (std::size_t i = seed; i > 0; --i) {
-    back +=
-        options.effective_beams * options.further_scan * Compare(map, scans[i].points, first, options).log_likelihood;
+    back += options.effective_beams * options.further_scan *
+            Compare(map, scans[i].points, first, options).known_log_likelihood;
     if (back < give_up) return std::nullopt;
     const PoseWithCovariance motion = MotionBetween(scans[i], scans[i - 1]);
     const Pose2 predicted = first * motion.pose;
@@ -89,7 +90,8 @@ std::optional<TrackedPose> TrackPose(const SearchableMap& map, const std::vector
     const ScanEvidence evidence = Compare(map, scans[i].points, match.T_submap_robot, options);
     if (!scans[i].points.beams.empty()) AddShare(evidence, share, result.evidence);
     result.log_likelihood += WeightOf(i, options) * evidence.log_likelihood;
-    if (result.log_likelihood < give_up) return std::nullopt;
+    result.known_log_likelihood += WeightOf(i, options) * evidence.known_log_likelihood;
+    if (result.known_log_likelihood < give_up) return std::nullopt;
   }
   result.T_map_robot.covariance.diagonal() +=
       Eigen::Vector3d(options.sigma_floor * options.sigma_floor, options.sigma_floor * options.sigma_floor,

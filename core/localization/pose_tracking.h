@@ -19,14 +19,15 @@ struct TrackedScan {
 
 // One possible drive of the robot through a map.
 struct TrackedPose {
-  PoseWithCovariance T_map_robot;  // at the last scan
-  double log_likelihood = 0.0;     // of all scans, as independent beams (options.effective_beams, further_scan)
-  ScanEvidence evidence;           // mean over the scans
+  PoseWithCovariance T_map_robot;     // at the last scan
+  double log_likelihood = 0.0;        // of all scans, as independent beams (options.effective_beams, further_scan)
+  double known_log_likelihood = 0.0;  // likewise
+  ScanEvidence evidence;              // mean over the scans
 };
 
 // Follows the robot, which is about at `T_map_robot` at scan `seed`, through all scans: each pose is predicted by
-// odometry and refined with the prediction as prior. Unset if the likelihood falls below `give_up`: no further scan can
-// raise it.
+// odometry and refined with the prediction as prior. Unset if known_log_likelihood falls below `give_up`: no further
+// scan can raise it.
 std::optional<TrackedPose> TrackPose(const SearchableMap& map, const std::vector<TrackedScan>& scans, std::size_t seed,
                                      const Pose2& T_map_robot, double give_up, const LocalizationOptions& options);
 

@@ -56,19 +56,20 @@ ScanEvidence Compare(const SearchableMap& map, const QueryPoints& scan, const Po
     if (PassesThrough(map, laser, end)) {
       evidence.through += share;
       evidence.log_likelihood += share * std::log(options.through_likelihood);
+      evidence.known_log_likelihood += share * std::log(options.through_likelihood);
       continue;
     }
     const double d2 = map.walls().At(end).squared_distance;
     const bool is_free = map.At(end) == SearchableMap::Cell::kFree;
     const double other = is_free ? options.free_likelihood : options.unknown_likelihood;
-    evidence.log_likelihood += share * std::max(-inverse * d2, std::log(other));
-    if (d2 <= matched2) {
-      evidence.matched += share;
-    } else if (is_free) {
-      evidence.free += share;
-    } else {
+    const double log_likelihood = share * std::max(-inverse * d2, std::log(other));
+    evidence.log_likelihood += log_likelihood;
+    if (d2 > matched2 && !is_free) {
       evidence.unknown += share;
+      continue;
     }
+    evidence.known_log_likelihood += log_likelihood;
+    (d2 <= matched2 ? evidence.matched : evidence.free) += share;
   }
   return evidence;
 }

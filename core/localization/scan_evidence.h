@@ -24,10 +24,12 @@ QueryPoints PointsOf(const sensor::LaserScan& scan, const LocalizationOptions& o
 // What a scan at a pose says about the map being the right one. Shares are of the beams compared.
 struct ScanEvidence {
   double log_likelihood = 0.0;  // mean over the beams, 0 (all on walls) or less
-  double matched = 0.0;         // ends on a wall
-  double free = 0.0;            // ends in free space
-  double through = 0.0;         // passes through a wall
-  double unknown = 0.0;         // ends where the map is unknown
+  // The same if what lies on unknown ground is as expected there: how far the known part of the map contradicts.
+  double known_log_likelihood = 0.0;
+  double matched = 0.0;  // ends on a wall
+  double free = 0.0;     // ends in free space
+  double through = 0.0;  // passes through a wall
+  double unknown = 0.0;  // ends where the map is unknown
 
   double known() const { return matched + free + through; }
   double contradicted() const { return free + through; }

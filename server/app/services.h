@@ -9,6 +9,7 @@
 #include "server/app/graph/graph_optimizer.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/ingest/ingest.h"
+#include "server/app/localization/robot_localization.h"
 #include "server/app/mapping/mapping.h"
 #include "server/app/rearrange/map_rearrangements.h"
 #include "server/app/runtime/executor.h"
@@ -66,6 +67,7 @@ struct Services {
   GraphOptimizer& graph_optimizer;
   MapEntries& map_entries;
   const MapRearrangements& rearrangements;
+  RobotLocalization& localization;
 };
 
 }  // namespace enfilade::server

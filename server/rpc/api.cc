@@ -10,6 +10,7 @@
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
+#include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
@@ -28,6 +29,7 @@
 #include "server/rpc/ingest/stream_records.h"
 #include "server/rpc/link_point/attach_evidence.h"
 #include "server/rpc/link_point/handlers.h"
+#include "server/rpc/localization/handlers.h"
 #include "server/rpc/map/export_map.h"
 #include "server/rpc/map/handlers.h"
 #include "server/rpc/map/import_map.h"
@@ -220,6 +222,13 @@ class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
   ENFILADE_UNARY(GetGeoreference)
 };
 
+class LocalizationApi final : public ApiOf<v1::LocalizationService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_UNARY(LocalizeRobot)
+};
+
 class IngestApi final : public ApiOf<v1::IngestService::CallbackService> {
  public:
   using ApiOf::ApiOf;
@@ -267,6 +276,7 @@ struct Api::Impl {
         link_point(services, calls),
         session(services, calls),
         ingest(services, calls),
+        localization(services, calls),
         server(services, calls) {}
 
   const CallEnvironment calls;
@@ -277,6 +287,7 @@ struct Api::Impl {
   LinkPointApi link_point;
   SessionApi session;
   IngestApi ingest;
+  LocalizationApi localization;
   ServerApi server;
 };
 
@@ -291,6 +302,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->link_point);
   builder.RegisterService(&impl_->session);
   builder.RegisterService(&impl_->ingest);
+  builder.RegisterService(&impl_->localization);
   builder.RegisterService(&impl_->server);
 }
 
