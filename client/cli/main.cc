@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   AddGraph(app, globals);
   AddImport(app, globals);
   AddLinkPoint(app, globals);
+  AddLocalize(app, globals);
   AddMap(app, globals);
   AddMatch(app, globals);
   AddPose(app, globals);

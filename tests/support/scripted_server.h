@@ -15,6 +15,7 @@
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
+#include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
@@ -117,6 +118,11 @@ class ScriptedServer {
     ScriptedServer& owner;
     ENFILADE_SCRIPTED(Unary, GetServerStatus, get)
   };
+  struct Localization final : v1::LocalizationService::Service {
+    explicit Localization(ScriptedServer& server) : owner(server) {}
+    ScriptedServer& owner;
+    ENFILADE_SCRIPTED(Unary, LocalizeRobot, localize_robot)
+  };
   struct Ingest final : v1::IngestService::Service {
     explicit Ingest(ScriptedServer& server) : owner(server) {}
     ScriptedServer& owner;
@@ -134,7 +140,7 @@ class ScriptedServer {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
     for (grpc::Service* service :
-         std::vector<grpc::Service*>{&maps, &link_points, &graph, &sessions, &sites, &status, &ingest}) {
+         std::vector<grpc::Service*>{&maps, &link_points, &graph, &sessions, &sites, &status, &ingest, &localization}) {
       builder.RegisterService(service);
     }
     server_ = builder.BuildAndStart();
@@ -160,6 +166,7 @@ class ScriptedServer {
   Sites sites{*this};
   Status status{*this};
   Ingest ingest{*this};
+  Localization localization{*this};
 
  private:
   void Note(const grpc::ServerContext& context) {

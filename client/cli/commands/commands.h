@@ -13,6 +13,7 @@ void AddGraph(CLI::App& app, const Globals& globals);        // graph show | ver
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
+void AddLocalize(CLI::App& app, const Globals& globals);
 // map list | show | create | update | export | import | merge | split | undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route

@@ -48,6 +48,7 @@ class ServerCommandsTest : public CommandTest {
       AddImport(app, globals);
       AddLinkPoint(app, globals);
       AddLoopClosure(app, globals);
+      AddLocalize(app, globals);
       AddMap(app, globals);
       AddPose(app, globals);
       AddReplay(app, globals);

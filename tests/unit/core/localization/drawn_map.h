@@ -15,6 +15,8 @@
 
 namespace enfilade::localization {
 
+inline absl::Status GoOn() { return absl::OkStatus(); }
+
 // Rooms drawn as text, a character for 0.25 m x 0.25 m: '#' wall, ' ' free, '?' free, but unknown to the map. The
 // origin is the lower left corner.
 class DrawnMap {

@@ -15,8 +15,6 @@ namespace {
 using ::testing::HasSubstr;
 using testing::PoseNear;
 
-absl::Status GoOn() { return absl::OkStatus(); }
-
 Localization Locate(const std::vector<QueryScan>& scans, const std::vector<CandidateMap>& maps) {
   absl::StatusOr<Localization> found = Localize(scans, maps, LocalizationOptions(), GoOn);
   EXPECT_OK(found);

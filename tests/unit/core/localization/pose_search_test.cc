@@ -10,8 +10,6 @@
 namespace enfilade::localization {
 namespace {
 
-absl::Status GoOn() { return absl::OkStatus(); }
-
 std::vector<Eigen::Vector2d> PointsAt(const DrawnMap& map, const Pose2& T_map_robot) {
   std::vector<Eigen::Vector2d> points = sensor::HitPoints(map.Scan(T_map_robot), 30.0);
   std::vector<Eigen::Vector2d> some;
