@@ -28,46 +28,15 @@ struct Seed {
   FoundPose found;
 };
 
-absl::Status CheckScan(const QueryScan& query, std::size_t index, std::size_t count) {
-  if (const absl::Status status = sensor::Validate(query.scan); !status.ok()) {
-    return InvalidArgument("scans[{}]: {}", index, std::string(status.message()));
-  }
-  if (count > 1 && !query.T_odom_robot) {
-    return InvalidArgument("scans[{}] has no odometry: several scans need it, each its own", index);
-  }
-  if (query.T_odom_robot && !IsFinite(*query.T_odom_robot)) {
-    return InvalidArgument("scans[{}]: the odometry is not finite", index);
-  }
-  return absl::OkStatus();
-}
-
-bool HasHits(const TrackedScan& scan, const LocalizationOptions& options) {
-  return scan.points.hits.size() >= static_cast<std::size_t>(options.min_hits);
-}
-
-// The last scan, and earlier ones far enough apart; max_scans at most.
-std::vector<TrackedScan> SelectScans(const std::vector<QueryScan>& scans, const LocalizationOptions& options) {
-  std::vector<const QueryScan*> apart = {&scans.back()};
-  for (auto it = std::next(scans.rbegin()); it != scans.rend(); ++it) {
-    const Pose2 motion = Between(*apart.back()->T_odom_robot, *it->T_odom_robot);
-    if (motion.translation().norm() < options.scan_spacing && std::abs(motion.yaw) < options.scan_spacing) continue;
-    apart.push_back(&*it);
-  }
-  std::reverse(apart.begin(), apart.end());
-  const std::size_t count = std::min(apart.size(), static_cast<std::size_t>(std::max(1, options.max_scans)));
-  std::vector<TrackedScan> selected;
-  for (std::size_t i = 0; i < count; ++i) {
-    const QueryScan& one = *apart[(i + 1) * apart.size() / count - 1];  // the last one always
-    selected.push_back({PointsOf(one.scan, options), one.T_odom_robot.value_or(Pose2())});
-  }
-  return selected;
-}
-
 class Localizer {
  public:
   Localizer(std::vector<TrackedScan> scans, const std::vector<CandidateMap>& maps, const LocalizationOptions& options,
             const KeepGoing& keep_going)
-      : scans_(std::move(scans)), maps_(maps), options_(options), keep_going_(keep_going) {}
+      : scans_(std::move(scans)),
+        searched_(ScansToSearch(scans_, options)),
+        maps_(maps),
+        options_(options),
+        keep_going_(keep_going) {}
 
   absl::StatusOr<Localization> Run() {
     for (std::size_t map = 0; map < maps_.size(); ++map) ENFILADE_RETURN_IF_ERROR(FindSeeds(map));
@@ -80,20 +49,9 @@ class Localizer {
   }
 
  private:
-  std::vector<std::size_t> ScansToSearch() const {
-    std::vector<std::size_t> usable;
-    for (std::size_t i = 0; i < scans_.size(); ++i) {
-      if (HasHits(scans_[i], options_)) usable.push_back(i);
-    }
-    std::vector<std::size_t> searched = {usable.front()};
-    if (usable.size() >= 5) searched.push_back(usable[usable.size() / 2]);
-    if (usable.size() >= 2) searched.push_back(usable.back());
-    return searched;
-  }
-
   absl::Status FindSeeds(std::size_t map) {
     ENFILADE_ASSIGN_OR_RETURN(const auto loaded, maps_[map].load());
-    for (const std::size_t scan : ScansToSearch()) {
+    for (const std::size_t scan : searched_) {
       ENFILADE_ASSIGN_OR_RETURN(const FoundPoses found, FindPoses(*loaded, scans_[scan].points.searched,
                                                                   AreaOf(maps_[map], scan), options_, keep_going_));
       if (!found.complete) incomplete_.insert(scan);
@@ -261,7 +219,7 @@ class Localizer {
                          100.0 * other->tracked.evidence.unknown);
     }
     // A place that fits all scans fits each of them: one complete search is enough.
-    return incomplete_.size() < ScansToSearch().size() ? "" : "so many places look alike that not all were compared";
+    return incomplete_.size() < searched_.size() ? "" : "so many places look alike that not all were compared";
   }
 
   std::string Certainty() const {
@@ -274,7 +232,8 @@ class Localizer {
                        100.0 * best.evidence.contradicted(), others);
   }
 
-  std::vector<TrackedScan> scans_;
+  const std::vector<TrackedScan> scans_;
+  const std::vector<std::size_t> searched_;  // of scans_
   const std::vector<CandidateMap>& maps_;
   const LocalizationOptions& options_;
   const KeepGoing& keep_going_;
@@ -288,15 +247,7 @@ class Localizer {
 
 absl::StatusOr<Localization> Localize(const std::vector<QueryScan>& scans, const std::vector<CandidateMap>& maps,
                                       const LocalizationOptions& options, const KeepGoing& keep_going) {
-  if (scans.empty()) return InvalidArgument("there are no scans");
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    ENFILADE_RETURN_IF_ERROR(CheckScan(scans[i], i, scans.size()));
-  }
-  std::vector<TrackedScan> selected = SelectScans(scans, options);
-  if (std::none_of(selected.begin(), selected.end(), [&](const TrackedScan& one) { return HasHits(one, options); })) {
-    return InvalidArgument("no scan has {} hits on walls within {:.0f} m; the last one has {}", options.min_hits,
-                           options.max_range, selected.back().points.hits.size());
-  }
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<TrackedScan> selected, SelectScans(scans, options));
   return Localizer(std::move(selected), maps, options, keep_going).Run();
 }
 

@@ -12,16 +12,10 @@
 #include "core/geometry/pose2.h"
 #include "core/localization/localization_options.h"
 #include "core/localization/pose_search.h"
+#include "core/localization/query_scans.h"
 #include "core/localization/searchable_map.h"
-#include "core/sensor/laser_scan.h"
 
 namespace enfilade::localization {
-
-// A scan of the robot that is to be located.
-struct QueryScan {
-  sensor::LaserScan scan;
-  std::optional<Pose2> T_odom_robot;  // needed if there are several scans
-};
 
 // Gives a map while it is searched, so that not all need to be in memory at once. Called twice for each map at most.
 // An error ends the localisation.
@@ -54,8 +48,7 @@ struct Localization {
 // against it. The best is certain if it explains the scans well, is determined in all directions, every place that
 // fits was compared, and no rival, in any map, comes near it.
 //
-// INVALID_ARGUMENT: no scans; no scan with min_hits; naming the scan: one of several without odometry, what
-// sensor::Validate refuses. Errors of `keep_going` and of the maps' loaders are passed on.
+// INVALID_ARGUMENT as SelectScans. Errors of `keep_going` and of the maps' loaders are passed on.
 absl::StatusOr<Localization> Localize(const std::vector<QueryScan>& scans, const std::vector<CandidateMap>& maps,
                                       const LocalizationOptions& options, const KeepGoing& keep_going);
 

@@ -185,8 +185,9 @@ bool IsRight(const Pose2& a, const Pose2& b) {
 absl::Status Score(const Building& building, const QueryDrive& query, const std::string& label, bool list,
                    Tally& tally) {
   const std::clock_t begin = std::clock();
-  const absl::StatusOr<localization::Localization> found = localization::Localize(
-      query.scans, {{[&] { return building.map; }}}, localization::LocalizationOptions(), [] { return absl::OkStatus(); });
+  const absl::StatusOr<localization::Localization> found =
+      localization::Localize(query.scans, {{[&] { return building.map; }}}, localization::LocalizationOptions(),
+                             [] { return absl::OkStatus(); });
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   ++tally.places;
   tally.seconds += seconds;

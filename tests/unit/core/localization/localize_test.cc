@@ -123,20 +123,27 @@ TEST(LocalizeTest, AnUnknownRoomIsNowhereOrAtLeastNotCertain) {
   EXPECT_TRUE(Locate({{UniqueRoom().Scan({1.5, 2.5, 0.3}), std::nullopt}}, {}).poses.empty());
 }
 
-// The left room is drawn as unknown: the robot that is in it sees what is in the right one.
-TEST(LocalizeTest, ARoomThatNobodyHasSeenMayBeTheOneThatIsSeen) {
+// The left room is drawn as unknown. A robot that comes out of it has seen what is in the right one, then the corridor.
+TEST(LocalizeTest, ARoomThatNobodyHasSeenIsNotTakenForAnotherForCertain) {
   const DrawnMap whole = TwoRoomsAlike();
   std::vector<std::string> rows;
   for (int row = 17; row >= 0; --row) {
     std::string drawn;
     for (int column = 0; column < 41; ++column) {
       const char at = whole.At((column + 0.5) * DrawnMap::kCharacter, (row + 0.5) * DrawnMap::kCharacter);
-      drawn += column < 20 && row > 8 ? '?' : at;
+      drawn += column < 20 && row > 6 ? '?' : at;
     }
     rows.push_back(drawn);
   }
-  const Localization found = Locate({{whole.Scan({2.6, 1.9, 1.5}), std::nullopt}}, {DrawnMap(rows).Candidate()});
-  EXPECT_TRUE(found.poses.empty() || !found.poses.front().confident) << found.reason;
+  const std::vector<Pose2> way = {{2.6, 2.9, -1.9},  {2.5, 2.5, -1.7},  {2.35, 2.1, -1.7}, {2.25, 1.8, -1.6},
+                                  {2.2, 1.5, -1.57}, {2.2, 1.2, -1.57}, {2.2, 0.95, -1.57}};
+  for (std::size_t count = 4; count <= way.size(); ++count) {
+    const std::vector<Pose2> driven(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(count));
+    const Localization found = Locate(Drive(whole, driven), {DrawnMap(rows).Candidate()});
+    if (found.poses.empty() || !found.poses.front().confident) continue;
+    EXPECT_THAT(found.poses.front().T_map_robot.pose, PoseNear(driven.back(), 0.1, 0.05))
+        << count << " scans: " << found.reason;
+  }
 }
 
 TEST(LocalizeTest, AlongACorridorThePositionIsNotCertain) {
