@@ -45,7 +45,7 @@ struct LocalizationOptions {
   // seen may look like the best place.
   double tenable_known = 0.25;
   double confident_matched = 0.80;       // share on walls, of the hits on known ground
-  double confident_contradicted = 0.12;  // share of all hits in free space or behind walls, at most
+  double confident_contradicted = 0.08;  // share of all hits in free space or behind walls, at most
   double confident_known = 0.70;         // share of the hits on known ground
   double confident_sigma = 0.25;         // m, of the position in its least certain direction
   double confident_yaw_sigma = 0.09;     // rad

@@ -75,7 +75,7 @@ class ModeSearch {
  private:
   // From heading to heading, points at the 90th percentile of range move by about one and a half cells.
   void Turn(const std::vector<Eigen::Vector2d>& points) {
-    const double r = map_.table().resolution();
+    const double r = map_.bounds().resolution();
     std::vector<double> ranges;
     for (const Eigen::Vector2d& p : points) ranges.push_back(p.norm());
     const auto far = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 9 / 10);
@@ -96,7 +96,7 @@ class ModeSearch {
   void PushRoots() {
     int top = 0;
     const int extent = std::max(window_.width, window_.height);
-    while (top + 1 < map_.table().levels() && (1 << (top + 1)) <= extent) ++top;
+    while (top + 1 < map_.bounds().levels() && (1 << (top + 1)) <= extent) ++top;
     for (std::int32_t heading = 0; heading < static_cast<std::int32_t>(headings_.size()); ++heading) {
       for (int row = window_.min.row; row < window_.top(); row += 1 << top) {
         for (int column = window_.min.column; column < window_.right(); column += 1 << top) {
@@ -110,7 +110,7 @@ class ModeSearch {
     const int size = 1 << block.level;
     const slam::CellWindow cells = slam::Intersection({{block.column, block.row}, size, size}, window_);
     if (!map_.HasGround(cells)) return;
-    const slam::SearchTable::View view = map_.table().ViewOf(block.level);
+    const BoundTable::View view = map_.bounds().ViewOf(block.level);
     const std::vector<grid::CellIndex>& points = headings_[static_cast<std::size_t>(block.heading)].cells;
     // What the points missed so far may add up to before the block is out of the question.
     const double lossless = 255.0 * static_cast<double>(points.size());
@@ -118,8 +118,7 @@ class ModeSearch {
     int missed = 0;
     for (std::size_t i = 0; i < points.size() && missed <= allowed;) {
       for (const std::size_t end = std::min(points.size(), i + kPointsAtOnce); i < end; ++i) {
-        missed +=
-            255 - view.At((points[i].column + block.column) >> block.level, (points[i].row + block.row) >> block.level);
+        missed += 255 - view.At(points[i].column + block.column, points[i].row + block.row);
       }
     }
     if (missed > allowed) return;
@@ -138,7 +137,7 @@ class ModeSearch {
 
   // Whether all poses of the block are near one that was found, which is better.
   bool IsTaken(const Block& block, const std::vector<FoundPose>& found) const {
-    const double r = map_.table().resolution();
+    const double r = map_.bounds().resolution();
     const double half = 0.5 * (1 << block.level) * r;
     const Eigen::Vector2d centre(block.column * r + half, block.row * r + half);
     const double reach = options_.mode_distance - std::sqrt(2.0) * (half - 0.5 * r);
@@ -151,7 +150,7 @@ class ModeSearch {
   }
 
   Pose2 PoseOf(const Block& leaf) const {
-    const double r = map_.table().resolution();
+    const double r = map_.bounds().resolution();
     return {(leaf.column + 0.5) * r, (leaf.row + 0.5) * r,
             WrapAngle(headings_[static_cast<std::size_t>(leaf.heading)].yaw)};
   }
@@ -167,7 +166,7 @@ class ModeSearch {
 
 slam::CellWindow WindowOf(const SearchableMap& map, const std::optional<SearchArea>& area) {
   if (!area) return map.ground();
-  const double r = map.table().resolution();
+  const double r = map.bounds().resolution();
   const auto cell = [&](double at) { return static_cast<int>(std::floor(std::clamp(at, -1e7, 1e7) / r)); };
   return slam::Intersection(
       map.ground(),

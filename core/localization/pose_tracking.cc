@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/slam/loops/edge_information.h"
+#include "core/slam/matching/correlative_matcher.h"
 #include "core/slam/matching/motion_model.h"
 #include "core/slam/matching/scan_matcher.h"
 #include "core/slam/slam_options.h"
@@ -13,6 +14,10 @@
 namespace enfilade::localization {
 namespace {
 
+// The fit below which a pose is searched for around the prediction, as a share of the hits on known ground; how far.
+constexpr double kFits = 0.85;
+constexpr double kSlip = 0.3;        // m
+constexpr double kSlipAngle = 0.25;  // rad
 constexpr double kWideSigma = 0.15;  // m, of the first refinement, which starts from the search's coarse steps
 
 slam::MatchResult Refine(const SearchableMap& map, const QueryPoints& points, const Pose2& guess,
@@ -20,6 +25,25 @@ slam::MatchResult Refine(const SearchableMap& map, const QueryPoints& points, co
   slam::FieldMatchOptions field;
   field.sigma = std::max(field.sigma, sigma);
   return slam::MatchToField(map.walls(), points.hits, guess, prior, field);
+}
+
+// The pose of one scan, predicted by odometry: refined from the prediction and, if little fits there, from the best
+// place around it. Wheels slip more than the model of motion says, at times.
+slam::MatchResult RefinePredicted(const SearchableMap& map, const QueryPoints& points, const slam::PosePrior& prior,
+                                  const LocalizationOptions& options) {
+  const slam::MatchResult near = Refine(map, points, prior.pose, prior, 0.0);
+  const ScanEvidence evidence = Compare(map, points, near.T_submap_robot, options);
+  if (evidence.matched >= kFits * evidence.known() || points.searched.empty()) return near;
+  slam::SearchWindow window;
+  window.centre = prior.pose;
+  window.half_width = kSlip;
+  window.half_angle = kSlipAngle;
+  window.sigma_translation = kSlip;
+  window.sigma_yaw = kSlipAngle;
+  const slam::SearchResult around = slam::SearchPose(map.table(), points.searched, window);
+  const slam::MatchResult found = Refine(map, points, around.pose, {around.pose, prior.information}, 0.0);
+  const double gain = Compare(map, points, found.T_submap_robot, options).log_likelihood - evidence.log_likelihood;
+  return gain > 0.0 ? found : near;
 }
 
 Pose2 RefineSeed(const SearchableMap& map, const QueryPoints& points, const Pose2& guess) {
@@ -65,7 +89,7 @@ std::optional<TrackedPose> TrackPose(const SearchableMap& map, const std::vector
     const Pose2 predicted = first * motion.pose;
     const slam::PosePrior prior{
         predicted, slam::InformationOf(std::sqrt(motion.covariance(0, 0)), std::sqrt(motion.covariance(2, 2)))};
-    first = Refine(map, scans[i - 1].points, predicted, prior, 0.0).T_submap_robot;
+    first = RefinePredicted(map, scans[i - 1].points, prior, options).T_submap_robot;
   }
   const auto seeing =
       std::count_if(scans.begin(), scans.end(), [](const TrackedScan& scan) { return !scan.points.beams.empty(); });
@@ -80,7 +104,7 @@ std::optional<TrackedPose> TrackPose(const SearchableMap& map, const std::vector
     } else {
       PoseWithCovariance predicted = Compose(result.T_map_robot, MotionBetween(scans[i - 1], scans[i]));
       const slam::PosePrior prior{predicted.pose, predicted.covariance.inverse()};
-      match = Refine(map, scans[i].points, predicted.pose, prior, 0.0);
+      match = RefinePredicted(map, scans[i].points, prior, options);
       information = match.information + prior.information;
     }
     result.T_map_robot.pose = match.T_submap_robot;

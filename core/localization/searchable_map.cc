@@ -48,6 +48,7 @@ SearchableMap::SearchableMap(const grid::OccupancyGrid& grid, const Localization
   walls_.Add(points);
   slam::LikelihoodField coarse(options.search_cell, kReachSigmas * options.search_sigma);
   coarse.Add(points);
+  bounds_ = BoundTable(coarse, options.search_sigma, kTableLevels);
   table_.Update(coarse, coarse.window());
   SumGround(options.search_cell);
 }
@@ -105,7 +106,8 @@ bool SearchableMap::HasGround(const slam::CellWindow& cells) const {
 }
 
 std::size_t SearchableMap::bytes() const {
-  return cells_.capacity() + walls_.bytes() + table_.bytes() + ground_sums_.capacity() * sizeof(std::int32_t);
+  return cells_.capacity() + walls_.bytes() + bounds_.bytes() + table_.bytes() +
+         ground_sums_.capacity() * sizeof(std::int32_t);
 }
 
 }  // namespace enfilade::localization

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/grid/occupancy_grid.h"
+#include "core/localization/bound_table.h"
 #include "core/localization/localization_options.h"
 #include "core/slam/matching/cell_window.h"
 #include "core/slam/matching/likelihood_field.h"
@@ -25,7 +26,8 @@ class SearchableMap {
 
   // The walls as a likelihood field, for refining and comparing.
   const slam::LikelihoodField& walls() const { return walls_; }
-  // The same, coarser, for searching.
+  // The same, coarser, for searching the whole map, and the surroundings of a pose.
+  const BoundTable& bounds() const { return bounds_; }
   const slam::SearchTable& table() const { return table_; }
   // The cells of the table's lattice in which a robot may stand.
   const slam::CellWindow& ground() const { return ground_; }
@@ -43,6 +45,7 @@ class SearchableMap {
   slam::CellWindow window_;
   std::vector<Cell> cells_;
   slam::LikelihoodField walls_;
+  BoundTable bounds_;
   slam::SearchTable table_;
   slam::CellWindow ground_;
   std::vector<std::int32_t> ground_sums_;  // of the cells below and to the left: (width + 1) x (height + 1)

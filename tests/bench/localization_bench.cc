@@ -111,6 +111,11 @@ std::optional<Pose2> FindPlace(const Building& building, bool known, simulator::
   return std::nullopt;
 }
 
+// A short motion that turns as it goes.
+Pose2 Arc(double length, double turn) {
+  return Pose2{0.0, 0.0, turn / 2.0} * Pose2{length, 0.0, 0.0} * Pose2{0.0, 0.0, turn / 2.0};
+}
+
 // A drive of about `length` over clear ground: straight on, or with the smallest turn after which the way is free.
 std::vector<Pose2> PlanDrive(const Building& building, const Pose2& start, double length, simulator::Noise& noise) {
   std::vector<Pose2> drive = {start};
@@ -131,7 +136,7 @@ std::vector<Pose2> PlanDrive(const Building& building, const Pose2& start, doubl
       const int steps = static_cast<int>(std::ceil(std::abs(*turn) / 0.2));
       for (int i = 0; i < steps; ++i) drive.push_back(drive.back() * Pose2{0.0, 0.0, *turn / steps});
     }
-    drive.push_back(drive.back() * Pose2{0.0, 0.0, std::abs(*turn) > 0.2 ? 0.0 : *turn} * Pose2{kStep, 0.0, 0.0});
+    drive.push_back(drive.back() * Arc(kStep, std::abs(*turn) > 0.2 ? 0.0 : *turn));
     driven += kStep;
   }
   return drive;
@@ -155,13 +160,14 @@ QueryDrive Record(const Building& building, const std::vector<Pose2>& drive, con
   for (std::size_t i = 0; i < drive.size(); ++i) {
     if (i > 0) {
       const Pose2 motion = Between(drive[i - 1], drive[i]);
+      const double ahead = motion.translation().norm();
       double rolled[2];
       for (int wheel = 0; wheel < 2; ++wheel) {
-        const double true_length = motion.x + (wheel == 0 ? -0.5 : 0.5) * defaults.track * motion.yaw;
+        const double true_length = ahead + (wheel == 0 ? -0.5 : 0.5) * defaults.track * motion.yaw;
         rolled[wheel] =
             true_length * factors[wheel] + defaults.slip * std::sqrt(std::abs(true_length)) * noise.Normal();
       }
-      T_odom_robot = T_odom_robot * Pose2{0.5 * (rolled[0] + rolled[1]), 0.0, (rolled[1] - rolled[0]) / defaults.track};
+      T_odom_robot = T_odom_robot * Arc(0.5 * (rolled[0] + rolled[1]), (rolled[1] - rolled[0]) / defaults.track);
     }
     const Pose2 since = Between(T_odom_scanned, T_odom_robot);
     const bool due = since.translation().norm() >= kScanEvery || std::abs(since.yaw) >= kScanEvery;

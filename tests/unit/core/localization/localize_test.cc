@@ -136,8 +136,8 @@ TEST(LocalizeTest, ARoomThatNobodyHasSeenIsNotTakenForAnotherForCertain) {
     rows.push_back(drawn);
   }
   const std::vector<Pose2> way = {{2.6, 2.9, -1.9},  {2.5, 2.5, -1.7},  {2.35, 2.1, -1.7}, {2.25, 1.8, -1.6},
-                                  {2.2, 1.5, -1.57}, {2.2, 1.2, -1.57}, {2.2, 0.95, -1.57}};
-  for (std::size_t count = 4; count <= way.size(); ++count) {
+                                  {2.2, 1.4, -1.57}, {2.2, 1.0, -1.57}, {2.2, 0.7, -1.57}};
+  for (std::size_t count = 6; count <= way.size(); ++count) {
     const std::vector<Pose2> driven(way.begin(), way.begin() + static_cast<std::ptrdiff_t>(count));
     const Localization found = Locate(Drive(whole, driven), {DrawnMap(rows).Candidate()});
     if (found.poses.empty() || !found.poses.front().confident) continue;
