@@ -51,8 +51,7 @@ class Expedition {
       if (world_->campus().robots.empty()) throw std::runtime_error(run.campus + " has no robots");
       result_.robots.push_back(world_->campus().robots.front().id);
     }
-    const std::filesystem::path path(run.campus);
-    result_.site = SiteIdOf(fmt::format("{}-{}", path.has_extension() ? path.stem().string() : run.campus, run.seed));
+    result_.site = SiteIdOf(fmt::format("{}-{}", CampusNameOf(run.campus), run.seed));
   }
 
   CampusResult Run() {
@@ -195,6 +194,7 @@ class Expedition {
     if (!response.ok() || !response->global_pose().has_pose_world_robot()) {
       result_.comparison.wrong.push_back(truth.robot + " has no pose in the world");
       result_.comparison.exact = false;
+      result_.has_last_poses = false;
       return;
     }
     const v1::GlobalPose& pose = response->global_pose();
@@ -226,6 +226,13 @@ class Expedition {
 }  // namespace
 
 CampusResult RunCampus(WholeSystem& system, const CampusRun& run) { return Expedition(system, run).Run(); }
+
+std::string CampusNameOf(const std::string& campus) {
+  const std::filesystem::path path(campus);
+  if (!path.has_extension()) return campus;
+  const std::string name = path.stem().string();
+  return name.substr(0, name.rfind(".building"));
+}
 
 std::string SiteIdOf(const std::string& text) {
   std::string id;

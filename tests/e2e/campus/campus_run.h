@@ -36,7 +36,8 @@ struct CampusResult {
   std::string site;
   std::vector<std::string> robots;
   Comparison comparison;
-  double final_error = 0.0;      // m, of the robots' last poses in the world, the largest
+  bool has_last_poses = true;    // of all robots, in the world
+  double final_error = 0.0;      // m, of these poses, the largest
   double final_yaw_error = 0.0;  // rad
   int samples = 0;               // poses in the world while the robots drove
   int inside = 0;                // truth within the 95 % ellipse
@@ -48,6 +49,9 @@ struct CampusResult {
 // Drives the robots through the campus, each in its own `enfilade robot`, and waits until the server has mapped and
 // judged everything. Throws if a program fails.
 CampusResult RunCampus(WholeSystem& system, const CampusRun& run);
+
+// A campus's name for people: of a file its name without its ending.
+std::string CampusNameOf(const std::string& campus);
 
 // A site's id made of any text: small letters, digits and hyphens, at most 63.
 std::string SiteIdOf(const std::string& text);

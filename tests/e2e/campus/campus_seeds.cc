@@ -10,6 +10,7 @@
 
 #include "CLI/CLI.hpp"
 #include "fmt/format.h"
+#include "fmt/ranges.h"
 #include "tests/e2e/campus/campus_run.h"
 #include "tests/e2e/campus/report.h"
 
@@ -27,6 +28,7 @@ struct Options {
   std::string report;
   bool verdicts = false;
   double require = 0.95;
+  std::string command;                // line
   std::vector<std::string> settings;  // of the server
 };
 
@@ -203,7 +205,7 @@ class Experiment {
 
   void WriteReport() const {
     if (options_.report.empty()) return;
-    nlohmann::json document = {{"runs", runs_}};
+    nlohmann::json document = {{"command", options_.command}, {"runs", runs_}};
     if (totals_.runs > 0) document["totals"] = ToJson(totals_);
     std::ofstream(options_.report) << document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   }
@@ -220,6 +222,7 @@ int Main(int argc, char** argv) {
                "campus_seeds");
   Options options;
   AddOptions(app, options);
+  options.command = fmt::format("{}", fmt::join(argv, argv + argc, " "));
   try {
     app.parse(argc, argv);
     ApplyDelay(options);

@@ -158,6 +158,12 @@ TEST_F(ComparisonTest, ARoomThatWasNeverMapped) {
   EXPECT_GT(result.unmapped_s, 5.0);
 }
 
+TEST(CampusName, IsAFilesNameWithoutItsEnding) {
+  EXPECT_EQ(CampusNameOf("random:7"), "random:7");
+  EXPECT_EQ(CampusNameOf("/data/mine.yaml"), "mine");
+  EXPECT_EQ(CampusNameOf("maps/hotel.building.yaml"), "hotel");
+}
+
 TEST(SiteId, HasOnlyWhatAnIdMayHave) {
   EXPECT_EQ(SiteIdOf("random:9001-1"), "random-9001-1");
   EXPECT_EQ(SiteIdOf("../My Campus_2-7"), "my-campus-2-7");

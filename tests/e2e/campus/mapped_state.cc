@@ -39,7 +39,9 @@ bool AllMapped(const client::Connection& connection, const std::string& site) {
                                                 &v1::ListSessionsResponse::sessions),
                                 "ListSessions");
   return std::all_of(sessions.begin(), sessions.end(), [](const v1::Session& session) {
-    return session.state() == v1::Session::STATE_MAPPED || session.state() == v1::Session::STATE_FAILED;
+    const bool recorded_only = session.state() == v1::Session::STATE_FINISHED && session.map().empty();
+    return recorded_only || session.state() == v1::Session::STATE_MAPPED ||
+           session.state() == v1::Session::STATE_FAILED;
   });
 }
 

@@ -54,6 +54,7 @@ void CampusTotals::Add(const CampusResult& result) {
   samples += result.samples;
   inside += result.inside;
   nees_sum += result.nees * result.samples;
+  if (!result.has_last_poses) return;
   errors.push_back(result.final_error);
   yaw_errors.push_back(result.final_yaw_error * kDegrees);
 }
@@ -71,11 +72,12 @@ std::string CampusLine(const CampusRun& run, const CampusResult& result) {
   std::string line = fmt::format(
       "{:<20} {:>4} {:>5}  {:>10} {:>2} {:>2} {:>2}  {:>10} {:>2} {:>2} {:>2} {:>2}  {:>3} {:>6}  {:>6.3f} {:>6.3f} "
       "{:>5.2f}  {:>7} {:>7.1f}  {}",
-      run.campus, run.seed, c.exact ? "yes" : "no", fmt::format("{}/{}", c.areas, c.maps), c.areas_doubled,
-      c.areas_missing, c.maps_extra, fmt::format("{}/{}", c.doors, c.joins), c.doors_doubled, c.doors_missing,
-      c.joins_wrong, c.joins_false, c.components, fmt::format("{}/{}", c.false_placements, c.stretches), c.position_rms,
-      result.final_error, result.final_yaw_error * kDegrees, fmt::format("{}/{}", result.inside, result.samples),
-      result.seconds, fmt::join(c.wrong, "; "));
+      CampusNameOf(run.campus), run.seed, c.exact ? "yes" : "no", fmt::format("{}/{}", c.areas, c.maps),
+      c.areas_doubled, c.areas_missing, c.maps_extra, fmt::format("{}/{}", c.doors, c.joins), c.doors_doubled,
+      c.doors_missing, c.joins_wrong, c.joins_false, c.components,
+      fmt::format("{}/{}", c.false_placements, c.stretches), c.position_rms, result.final_error,
+      result.final_yaw_error * kDegrees, fmt::format("{}/{}", result.inside, result.samples), result.seconds,
+      fmt::join(c.wrong, "; "));
   line.erase(line.find_last_not_of(' ') + 1);
   return line;
 }
@@ -112,6 +114,7 @@ nlohmann::json ToJson(const CampusRun& run, const CampusResult& result) {
                              {"position_rms_m", c.position_rms},
                              {"position_max_m", c.position_max},
                              {"yaw_max_deg", c.yaw_max * kDegrees},
+                             {"has_last_poses", result.has_last_poses},
                              {"final_error_m", result.final_error},
                              {"final_yaw_error_deg", result.final_yaw_error * kDegrees},
                              {"samples", result.samples},
