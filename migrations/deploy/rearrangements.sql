@@ -15,6 +15,21 @@ ALTER TABLE enfilade.maps
     AND redirect_yaw > '-Infinity' AND redirect_yaw < 'Infinity');
 CREATE INDEX maps_redirect_idx ON enfilade.maps (site_id, redirect_map_id) WHERE redirect_map_id IS NOT NULL;
 
+-- A session that was cut: the rest of its records belongs to another session.
+ALTER TABLE enfilade.sessions
+  ADD COLUMN cut_from_session_id enfilade.resource_id,  -- of a rest: the session in which it was recorded
+  ADD COLUMN recorded_sequence bigint,                  -- of the last record as it was recorded; NULL: never cut
+  ADD COLUMN skipped_records bigint NOT NULL DEFAULT 0 CHECK (skipped_records >= 0),  -- before the first one of a rest
+  ADD FOREIGN KEY (site_id, cut_from_session_id) REFERENCES enfilade.sessions,
+  DROP CONSTRAINT sessions_count_check,
+  ADD CONSTRAINT sessions_count_check CHECK (
+    laser_scans >= 0 AND odometry >= 0 AND images >= 0 AND point_clouds >= 0 AND withheld >= 0 AND door_reports >= 0
+    AND payload_bytes >= 0
+    AND skipped_records + laser_scans + odometry + images + point_clouds + withheld + door_reports
+        BETWEEN acknowledged_sequence AND highest_sequence);
+CREATE INDEX sessions_cut_from_idx ON enfilade.sessions (site_id, cut_from_session_id)
+  WHERE cut_from_session_id IS NOT NULL;
+
 -- The map that a name leads to, through all redirects, and T_map_asked. The map itself, whether or not it exists, if it
 -- is none.
 CREATE FUNCTION enfilade.resolve_map(site text, asked text, OUT map_id text, OUT x double precision,
@@ -243,8 +258,18 @@ BEGIN
         INTO image FROM enfilade.map_layers l WHERE l.site_id = site AND l.map_id = key;
     WHEN 'session' THEN
       SELECT jsonb_build_object('map_id', map_id, 'state', state, 'initial_x', initial_x, 'initial_y', initial_y,
-          'initial_yaw', initial_yaw, 'initial_covariance', initial_covariance)
+          'initial_yaw', initial_yaw, 'initial_covariance', initial_covariance,
+          'acknowledged_sequence', acknowledged_sequence, 'highest_sequence', highest_sequence,
+          'recorded_sequence', recorded_sequence, 'laser_scans', laser_scans, 'odometry', odometry, 'images', images,
+          'point_clouds', point_clouds, 'withheld', withheld, 'door_reports', door_reports,
+          'payload_bytes', payload_bytes, 'last_time_ns', last_time_ns,
+          'checkpoint', (SELECT jsonb_build_object('mapped_sequence', c.mapped_sequence, 'used', c.used,
+              'keyframes', c.keyframes) FROM enfilade.mapping_checkpoints c
+            WHERE c.site_id = s.site_id AND c.session_id = s.session_id))
         INTO image FROM enfilade.sessions s WHERE s.site_id = site AND s.session_id = key AND s.delete_time IS NULL;
+    WHEN 'closures' THEN  -- by session
+      SELECT jsonb_agg(to_jsonb(c) ORDER BY c.closure_id) INTO image FROM enfilade.slam_closures c
+        WHERE c.site_id = site AND c.session_id = key;
     WHEN 'slam' THEN  -- by session
       SELECT jsonb_build_object(
           'submaps', (SELECT jsonb_agg(jsonb_build_object('i', submap_id, 'v', version, 'x', x, 'y', y, 't', yaw)

@@ -27,6 +27,19 @@ ALTER TABLE enfilade.maps
   DROP COLUMN redirect_y,
   DROP COLUMN redirect_yaw;
 
+-- The rest of a session that was cut stays a session. Its counts take in the records that it skips.
+UPDATE enfilade.sessions SET laser_scans = laser_scans + skipped_records WHERE skipped_records > 0;
+ALTER TABLE enfilade.sessions
+  DROP CONSTRAINT sessions_count_check,
+  DROP COLUMN cut_from_session_id,
+  DROP COLUMN recorded_sequence,
+  DROP COLUMN skipped_records,
+  ADD CONSTRAINT sessions_count_check CHECK (
+    laser_scans >= 0 AND odometry >= 0 AND images >= 0 AND point_clouds >= 0 AND withheld >= 0 AND door_reports >= 0
+    AND payload_bytes >= 0
+    AND laser_scans + odometry + images + point_clouds + withheld + door_reports
+        BETWEEN acknowledged_sequence AND highest_sequence);
+
 UPDATE enfilade.site_graphs SET cause = 2 WHERE cause = 9;
 DELETE FROM enfilade.graph_versions WHERE cause = 9;
 ALTER TABLE enfilade.site_graphs DROP CONSTRAINT site_graphs_cause_check,

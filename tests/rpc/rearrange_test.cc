@@ -258,6 +258,45 @@ TEST_F(RearrangeTest, MergesRecordedMapsSplitsThemAndUndoesBoth) {
   EXPECT_FALSE(page.next_page_token().empty());
 }
 
+TEST_F(RearrangeTest, ASessionIsCutInTwoAndMadeWholeAgain) {
+  MapBoth();
+  const std::vector<Pose2> world = WorldTrajectory(second_);
+  const std::vector<slam::StampedPose> before = Trajectory(second_);
+  const grid::OccupancyGrid grid = Published("m2");
+  const std::string hash = HashOf("m2");
+  v1::SplitMapRequest split;
+  split.set_name("sites/s/maps/m2");
+  v1::SessionCut& cut = *split.add_cuts();
+  cut.set_session(second_);
+  cut.set_first_sequence(static_cast<std::int64_t>(Drive().second.size() / 8));
+  ASSERT_OK_AND_ASSIGN(const v1::SplitMapResponse apart, Call(&v1::MapService::Stub::SplitMap, split));
+  ASSERT_EQ(apart.rearrangement().cut_sessions_size(), 1);
+  const std::string rest = apart.rearrangement().cut_sessions(0).rest();
+  EXPECT_EQ(GetSession(second_).map(), "sites/s/maps/m2");
+  EXPECT_EQ(GetSession(rest).map(), apart.map().name());
+  EXPECT_EQ(GetSession(rest).state(), v1::Session::STATE_MAPPED);
+  std::vector<Pose2> both = WorldTrajectory(second_);
+  const std::vector<Pose2> behind = WorldTrajectory(rest);
+  EXPECT_GT(both.size(), world.size() / 16);
+  EXPECT_GT(behind.size(), world.size() / 2);
+  both.insert(both.end(), behind.begin(), behind.end());
+  ExpectSame(both, world);
+  // The first part has not been everywhere; together they have all.
+  const grid::OccupancyGrid head_grid = Published("m2"), rest_grid = Published(IdOf(apart.map().name()).value());
+  EXPECT_LT(ShareOfWalls(head_grid, {}, grid), 0.95);
+  EXPECT_GT(ShareOfWalls(grid, {}, head_grid), 0.98);
+  EXPECT_GT(ShareOfWalls(grid::Overlay(head_grid, rest_grid).value(), {}, grid), 0.98);
+
+  ASSERT_OK(Undo(apart.rearrangement().name()));
+  EXPECT_EQ(HashOf("m2"), hash);
+  const std::vector<slam::StampedPose> after = Trajectory(second_);
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) ASSERT_EQ(after[i].T_map_robot, before[i].T_map_robot) << "bit by bit";
+  v1::GetSessionRequest get;
+  get.set_name(rest);
+  EXPECT_CODE(Call(&v1::SessionService::Stub::GetSession, get), absl::StatusCode::kNotFound);
+}
+
 TEST_F(RearrangeTest, TwoAtOnceOneWinsAndTheMergedSessionCanBeMappedAgain) {
   MapBoth();
   const std::vector<Pose2> before = WorldTrajectory(second_);

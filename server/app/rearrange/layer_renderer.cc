@@ -23,6 +23,19 @@ const slam::SlamOptions& ProfileOf(const slam::SlamProfiles& profiles, const std
                                                              : slam::SlamProfiles::kIndoor);
 }
 
+// Leaves the submaps with keyframes from record `first` to the one before `end`, and those without any (the existing
+// map that a session continued) with the first ones.
+void KeepSubmapsOf(std::int64_t first, std::int64_t end, slam::SlamMap& map) {
+  std::set<std::int64_t> used, kept;
+  for (const auto& [id, node] : map.nodes) {
+    used.insert(node.submap);
+    if (node.sequence >= first && node.sequence < end) kept.insert(node.submap);
+  }
+  std::erase_if(map.submaps, [&](const auto& entry) {
+    return !kept.contains(entry.first) && (first > 0 || used.contains(entry.first));
+  });
+}
+
 }  // namespace
 
 LayerRenderer::LayerRenderer(const storage::CallContext& context, const Rearranger::Stores& stores,
@@ -31,20 +44,28 @@ LayerRenderer::LayerRenderer(const storage::CallContext& context, const Rearrang
     : context_(context), stores_(stores), profiles_(profiles), site_(site), rearrangement_(rearrangement) {
   for (const auto& move : rearrangement.moves) moved_[move.session] = {move.to, move.T_to_from, true};
   for (const auto& redirect : rearrangement.redirects) redirected_[redirect.from] = {redirect.to, redirect.T_to_from};
+  for (const auto& cut : rearrangement.cuts) cuts_[cut.session] = cut;
   for (const auto& map : rearrangement.new_maps) new_maps_.insert(map.id);
 }
 
 absl::StatusOr<std::vector<storage::RearrangedRaster>> LayerRenderer::Render() {
   std::set<MapId> changed;
+  std::set<SessionId> rests;  // are not there yet
+  for (const auto& [session, cut] : cuts_) rests.insert(cut.rest);
   for (const auto& [map, way] : redirected_) {
     ENFILADE_RETURN_IF_ERROR(Read(map).status());
     changed.insert(way.to);
   }
-  for (const auto& [id, way] : moved_) {
+  std::set<SessionId> sessions;
+  for (const auto& [session, cut] : cuts_) sessions.insert(session);
+  for (const auto& [session, way] : moved_) {
+    changed.insert(way.to);
+    if (!rests.contains(session)) sessions.insert(session);
+  }
+  for (const SessionId& id : sessions) {
     ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, stores_.sessions.Get(context_, site_, id));
     if (!session.map) return FailedPrecondition("session {} has no map", id.value());
     ENFILADE_RETURN_IF_ERROR(Read(*session.map).status());
-    changed.insert(way.to);
     if (!redirected_.contains(*session.map)) changed.insert(*session.map);
   }
   std::vector<storage::RearrangedRaster> rasters;
@@ -63,12 +84,24 @@ absl::StatusOr<const storage::LayersBeside*> LayerRenderer::Read(const MapId& ma
   return &found->second;
 }
 
-const LayerRenderer::Way* LayerRenderer::FindWay(const MapId& map, const storage::MapLayer& layer) const {
+LayerRenderer::Way LayerRenderer::WayOf(const MapId& map, const SessionId& session) const {
+  if (const auto moved = moved_.find(session); moved != moved_.end()) return moved->second;
+  return {map, {}, true};
+}
+
+std::vector<LayerRenderer::Piece> LayerRenderer::PiecesOf(const MapId& map, const storage::MapLayer& layer) const {
   if (layer.session) {
-    if (const auto moved = moved_.find(*layer.session); moved != moved_.end()) return &moved->second;
+    if (const auto found = cuts_.find(*layer.session); found != cuts_.end()) {
+      const rearrange::SessionCut& cut = found->second;
+      Piece head{layer.session, WayOf(map, cut.session)}, rest{cut.rest, WayOf(map, cut.rest)};
+      head.end = rest.first = cut.first_sequence;
+      return {head, rest};
+    }
+    if (moved_.contains(*layer.session)) return {Piece{layer.session, WayOf(map, *layer.session)}};
   }
   const auto redirected = redirected_.find(map);
-  return redirected == redirected_.end() ? nullptr : &redirected->second;
+  if (redirected == redirected_.end()) return {};
+  return {Piece{layer.session, redirected->second}};
 }
 
 absl::StatusOr<storage::RearrangedRaster> LayerRenderer::RenderMap(const MapId& map) {
@@ -78,16 +111,19 @@ absl::StatusOr<storage::RearrangedRaster> LayerRenderer::RenderMap(const MapId& 
   raster.layers_version = own->version;
   std::vector<storage::MapLayer> layers;
   for (const storage::MapLayer& layer : own->below) {
-    if (FindWay(map, layer) == nullptr) layers.push_back(layer);
+    if (PiecesOf(map, layer).empty()) layers.push_back(layer);
   }
   for (const auto& [from, others] : layers_) {
-    if (from == map) continue;
     for (const storage::MapLayer& layer : others.below) {
-      const Way* way = FindWay(from, layer);
-      if (way == nullptr || way->to != map) continue;
-      ENFILADE_ASSIGN_OR_RETURN(storage::StoredRaster moved, RenderLayer(layer, *way));
-      layers.push_back({layer.session, moved});
-      raster.entering.push_back({layer.session, std::move(moved)});
+      for (const Piece& piece : PiecesOf(from, layer)) {
+        if (piece.way.to != map) continue;
+        ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, DrawPiece(layer, piece));
+        if (grid.cells.empty()) continue;
+        ENFILADE_ASSIGN_OR_RETURN(const RasterRevision drawn, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
+        ENFILADE_RETURN_IF_ERROR(PutTiles(context_, stores_.blobs, site_, drawn, {}));
+        layers.push_back({piece.session, {drawn.revision.raster_header, drawn.revision.tiles}});
+        raster.entering.push_back({piece.session, layers.back().raster});
+      }
     }
   }
   if (layers.empty()) {
@@ -100,33 +136,27 @@ absl::StatusOr<storage::RearrangedRaster> LayerRenderer::RenderMap(const MapId& 
 
 // A session that was deleted, or whose mapping failed, has a raster, but perhaps no longer all of its submaps; an
 // import never has any: their raster is turned instead.
-absl::StatusOr<storage::StoredRaster> LayerRenderer::RenderLayer(const storage::MapLayer& layer, const Way& way) {
-  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions* options, OptionsOf(way.to));
-  std::optional<grid::OccupancyGrid> grid;
-  if (way.moves) {
+absl::StatusOr<grid::OccupancyGrid> LayerRenderer::DrawPiece(const storage::MapLayer& layer, const Piece& piece) {
+  if (piece.way.is_drawn) {
     ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, stores_.sessions.Get(context_, site_, *layer.session));
     ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions* own, OptionsOf(*session.map));
     if (session.state == storage::SessionState::kMapped) {
-      ENFILADE_ASSIGN_OR_RETURN(const auto stored, stores_.mappings.Load(context_, site_, session.id));
+      ENFILADE_ASSIGN_OR_RETURN(auto stored, stores_.mappings.Load(context_, site_, session.id));
       if (stored) {
-        ENFILADE_ASSIGN_OR_RETURN(
-            grid, slam::RenderSession(stored->map, session.entry.T_map_robot.has_value(), way.T_to_from, *own));
+        KeepSubmapsOf(piece.first, piece.end, stored->map);
+        return slam::RenderSession(stored->map, session.entry.T_map_robot.has_value(), piece.way.T_to_from, *own);
       }
     }
   }
-  if (!grid || grid->cells.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(layer.raster.header));
-    for (const storage::TileRef& tile : layer.raster.tiles) {
-      ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, stores_.blobs.Get(context_, site_, tile.sha256));
-      ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, bytes));
-    }
-    grid::MapRaster turned = std::move(assembler).Finish();
-    turned.geometry.T_map_grid = way.T_to_from * turned.geometry.T_map_grid;
-    ENFILADE_ASSIGN_OR_RETURN(grid, OnMapLattice(turned, options->resolution));
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions* options, OptionsOf(piece.way.to));
+  ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(layer.raster.header));
+  for (const storage::TileRef& tile : layer.raster.tiles) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, stores_.blobs.Get(context_, site_, tile.sha256));
+    ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, bytes));
   }
-  ENFILADE_ASSIGN_OR_RETURN(const RasterRevision rendered, ToRevision(grid::FromOccupancyGrid(*std::move(grid))));
-  ENFILADE_RETURN_IF_ERROR(PutTiles(context_, stores_.blobs, site_, rendered, {}));
-  return storage::StoredRaster{rendered.revision.raster_header, rendered.revision.tiles};
+  grid::MapRaster turned = std::move(assembler).Finish();
+  turned.geometry.T_map_grid = piece.way.T_to_from * turned.geometry.T_map_grid;
+  return OnMapLattice(turned, options->resolution);
 }
 
 absl::StatusOr<const slam::SlamOptions*> LayerRenderer::OptionsOf(const MapId& map) {

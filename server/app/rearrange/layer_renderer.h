@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/grid/occupancy_grid.h"
 #include "core/rearrange/rearrangement.h"
 #include "core/slam/slam_profiles.h"
 #include "server/app/rearrange/rearranger.h"
@@ -29,15 +33,25 @@ class LayerRenderer {
  private:
   // The layers of a map that is there before.
   absl::StatusOr<const storage::LayersBeside*> Read(const MapId& map);
-  // Where a layer goes; null if it stays.
+  // Where a layer goes.
   struct Way {
-    MapId to;
-    Pose2 T_to_from;
-    bool moves = false;  // its session moves, too: it was not deleted
+    MapId to = {};
+    Pose2 T_to_from = {};
+    bool is_drawn = false;  // from its session's submaps; otherwise its raster is turned
   };
-  const Way* FindWay(const MapId& map, const storage::MapLayer& layer) const;
+  // What a layer becomes: of a session that is cut, the keyframes from record `first` to the one before `end`.
+  struct Piece {
+    std::optional<SessionId> session = {};
+    Way way = {};
+    std::int64_t first = 0;
+    std::int64_t end = std::numeric_limits<std::int64_t>::max();
+  };
+  // Empty if the layer stays as it is.
+  std::vector<Piece> PiecesOf(const MapId& map, const storage::MapLayer& layer) const;
+  Way WayOf(const MapId& map, const SessionId& session) const;
   absl::StatusOr<storage::RearrangedRaster> RenderMap(const MapId& map);
-  absl::StatusOr<storage::StoredRaster> RenderLayer(const storage::MapLayer& layer, const Way& way);
+  // Empty if a piece shows nothing.
+  absl::StatusOr<grid::OccupancyGrid> DrawPiece(const storage::MapLayer& layer, const Piece& piece);
   absl::StatusOr<const slam::SlamOptions*> OptionsOf(const MapId& map);
   absl::Status Compose(const std::vector<storage::MapLayer>& layers, storage::RearrangedRaster& raster);
 
@@ -48,6 +62,7 @@ class LayerRenderer {
   const rearrange::Rearrangement& rearrangement_;
   std::map<SessionId, Way> moved_;
   std::map<MapId, Way> redirected_;
+  std::map<SessionId, rearrange::SessionCut> cuts_;  // by the session that is cut
   std::set<MapId> new_maps_;
   std::map<MapId, storage::LayersBeside> layers_;
 };

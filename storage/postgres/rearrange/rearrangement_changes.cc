@@ -93,7 +93,7 @@ constexpr Statement kRedirectControlPoints{"moving control points",
 constexpr Statement kDropLeavingLayers{
     "removing layers",
     "DELETE FROM enfilade.map_layers l USING enfilade.rearrangement_parts p WHERE p.site_id = $1"
-    " AND p.rearrangement_id = $2 AND p.kind = 3 AND l.site_id = $1 AND l.map_id = p.source AND l.session_id = "
+    " AND p.rearrangement_id = $2 AND p.kind IN (2, 3) AND l.site_id = $1 AND l.map_id = p.source AND l.session_id = "
     "p.subject"
     " AND NOT EXISTS (SELECT FROM enfilade.rearrangement_parts r WHERE r.site_id = $1 AND r.rearrangement_id = $2"
     "   AND r.kind = 6 AND r.subject = l.map_id)"};

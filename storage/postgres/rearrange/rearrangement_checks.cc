@@ -17,13 +17,21 @@ constexpr Statement kMarkRearranging{"announcing the rearrangement",
 constexpr Statement kLockMapsOf{
     "locking the maps",
     "SELECT map_id, redirect_map_id IS NOT NULL FROM enfilade.maps WHERE site_id = $1 AND map_id IN ("
-    "  SELECT unnest(ARRAY[source, target]) FROM enfilade.rearrangement_parts"
-    "  WHERE site_id = $1 AND rearrangement_id = $2 AND kind IN (3, 6)) ORDER BY map_id FOR UPDATE"};
+    "  SELECT unnest(ARRAY[source, CASE WHEN kind <> 2 THEN target END]) FROM enfilade.rearrangement_parts"
+    "  WHERE site_id = $1 AND rearrangement_id = $2 AND kind IN (2, 3, 6)) ORDER BY map_id FOR UPDATE"};
 constexpr Statement kLockSessionsOf{
     "locking the sessions",
-    "SELECT session_id, coalesce(map_id::text, ''), state FROM enfilade.sessions WHERE site_id = $1 AND session_id IN ("
-    "  SELECT subject FROM enfilade.rearrangement_parts WHERE site_id = $1 AND rearrangement_id = $2 AND kind = 3)"
+    "SELECT session_id, coalesce(map_id::text, ''), state, records_deleted FROM enfilade.sessions"
+    " WHERE site_id = $1 AND session_id IN (SELECT subject FROM enfilade.rearrangement_parts"
+    "  WHERE site_id = $1 AND rearrangement_id = $2 AND kind IN (2, 3))"
     " AND delete_time IS NULL ORDER BY session_id FOR UPDATE"};
+constexpr Statement kFindEmptyCut{
+    "looking for cuts that cut nothing off",
+    "SELECT c.subject, c.first_sequence FROM enfilade.rearrangement_parts c WHERE c.site_id = $1"
+    " AND c.rearrangement_id = $2 AND c.kind = 2 AND (SELECT NOT (coalesce(bool_or(n.sequence < c.first_sequence), "
+    "false)"
+    "   AND coalesce(bool_or(n.sequence >= c.first_sequence), false)) FROM enfilade.slam_nodes n"
+    "   WHERE n.site_id = $1 AND n.session_id = c.subject) LIMIT 1"};
 constexpr Statement kFindLeftSession{
     "looking for sessions that are left",
     "SELECT s.session_id, p.subject FROM enfilade.rearrangement_parts p"
@@ -45,10 +53,15 @@ constexpr Statement kFindRedirectedRoot{
 constexpr Statement kKeepImages{
     "keeping what was before",
     "WITH p AS (SELECT * FROM enfilade.rearrangement_parts WHERE site_id = $1 AND rearrangement_id = $2),"
-    " m AS (SELECT DISTINCT unnest(ARRAY[source, target])::text AS map FROM p WHERE kind IN (3, 6)),"
+    " m AS (SELECT DISTINCT unnest(ARRAY[source, CASE WHEN kind <> 2 THEN target END])::text AS map FROM p"
+    "   WHERE kind IN (2, 3, 6)),"
     " k (relation, key) AS ("
     "  SELECT r, map FROM m, unnest(ARRAY['map', 'layers', 'place']) r WHERE map IS NOT NULL"
     "  UNION SELECT r, subject FROM p, unnest(ARRAY['session', 'slam']) r WHERE kind = 3"
+    "  UNION SELECT r, s FROM p, unnest(ARRAY['session', 'slam', 'closures']) r,"
+    "    unnest(ARRAY[subject, target]) s WHERE kind = 2"
+    "  UNION SELECT 'verdict', v.session_id || '/' || v.sequence FROM p JOIN enfilade.door_verdicts v"
+    "    ON v.site_id = $1 AND v.session_id = p.subject AND v.sequence >= p.first_sequence WHERE kind = 2"
     "  UNION SELECT 'verdict', v.session_id || '/' || v.sequence FROM p"
     "    JOIN enfilade.sessions s ON s.site_id = $1 AND s.session_id = p.subject"
     "    JOIN enfilade.door_verdicts v ON v.site_id = $1 AND v.session_id = s.previous_session_id"
@@ -59,7 +72,7 @@ constexpr Statement kKeepImages{
     "  UNION SELECT 'control_points', '' FROM p JOIN enfilade.control_points c"
     "    ON c.site_id = $1 AND c.map_id = p.subject WHERE kind = 6"
     "  UNION SELECT 'robot_pose', r.robot_id FROM p JOIN enfilade.robot_poses r ON r.site_id = $1"
-    "    AND r.map_id = p.source AND (kind = 6 OR r.session_id = p.subject) WHERE kind IN (3, 6))"
+    "    AND r.map_id = p.source AND (kind = 6 OR r.session_id = p.subject) WHERE kind IN (2, 3, 6))"
     " INSERT INTO enfilade.rearrangement_images (site_id, rearrangement_id, relation, key, before)"
     " SELECT $1, $2, relation, key, enfilade.rearrangement_image($1, relation, key) FROM k"};
 constexpr Statement kKeepBlobs{
@@ -72,7 +85,7 @@ constexpr Statement kKeepBlobs{
     "   ON l.site_id = p.site_id AND l.map_id = p.source AND l.session_id = p.subject"
     "   JOIN enfilade.map_layer_tiles t"
     "     ON t.site_id = l.site_id AND t.map_id = l.map_id AND t.position = l.position"
-    "   WHERE p.site_id = $1 AND p.rearrangement_id = $2 AND p.kind = 3"};
+    "   WHERE p.site_id = $1 AND p.rearrangement_id = $2 AND p.kind IN (2, 3)"};
 constexpr Statement kKeepImagesAfter{"keeping what is now",
                                      "UPDATE enfilade.rearrangement_images"
                                      " SET after = enfilade.rearrangement_image(site_id, relation, key)"
@@ -105,6 +118,7 @@ absl::Status CheckSessions(const Result& locked, const SiteId& site, const rearr
   struct Stored {
     std::string map;
     SessionState state = SessionState::kRecording;
+    bool records_deleted = false;
   };
   std::map<std::string, Stored, std::less<>> sessions;
   for (int i = 0; i < locked.rows(); ++i) {
@@ -112,17 +126,33 @@ absl::Status CheckSessions(const Result& locked, const SiteId& site, const rearr
     Stored& stored = sessions[std::string(row.Text())];
     stored.map = row.Text();
     stored.state = static_cast<SessionState>(row.Int16());
+    stored.records_deleted = row.Bool();
     ENFILADE_RETURN_IF_ERROR(row.status());
   }
-  for (const rearrange::SessionMove& move : rearrangement.moves) {
-    const auto found = sessions.find(move.session.value());
-    const std::string name = NameOf(site, move.session);
+  const auto check = [&](const SessionId& session, const MapId& to) {
+    const auto found = sessions.find(session.value());
+    const std::string name = NameOf(site, session);
     if (found == sessions.end()) return NotFound("{} does not exist", name);
-    const auto& [map, state] = found->second;
-    if (state == SessionState::kRecording) return FailedPrecondition("{} is still recording", name);
-    if (state == SessionState::kFinished) return FailedPrecondition("{} is still being mapped", name);
-    if (map.empty()) return FailedPrecondition("{} has no map", name);
-    if (map == move.to.value()) return InvalidArgument("{} is in map {} already", name, map);
+    const Stored& stored = found->second;
+    if (stored.state == SessionState::kRecording) return FailedPrecondition("{} is still recording", name);
+    if (stored.state == SessionState::kFinished) return FailedPrecondition("{} is still being mapped", name);
+    if (stored.map.empty()) return FailedPrecondition("{} has no map", name);
+    if (stored.map == to.value()) return InvalidArgument("{} is in map {} already", name, stored.map);
+    return absl::OkStatus();
+  };
+  std::map<SessionId, SessionId> cut_from;
+  for (const rearrange::SessionCut& cut : rearrangement.cuts) {
+    ENFILADE_RETURN_IF_ERROR(check(cut.session, MapId()));
+    const Stored& stored = sessions[cut.session.value()];
+    if (stored.state != SessionState::kMapped || stored.records_deleted) {
+      return FailedPrecondition("{} cannot be cut: {}", NameOf(site, cut.session),
+                                stored.records_deleted ? "its records have been deleted" : "its mapping failed");
+    }
+    cut_from[cut.rest] = cut.session;
+  }
+  for (const rearrange::SessionMove& move : rearrangement.moves) {
+    const auto rest = cut_from.find(move.session);
+    ENFILADE_RETURN_IF_ERROR(check(rest == cut_from.end() ? move.session : rest->second, move.to));
   }
   return absl::OkStatus();
 }
@@ -139,11 +169,18 @@ absl::Status LockAndCheck(Transaction& transaction, const SiteId& site, const Re
   ENFILADE_ASSIGN_OR_RETURN(const Result maps, transaction.Execute(kLockMapsOf, key));
   ENFILADE_RETURN_IF_ERROR(CheckMaps(maps, site, rearrangement));
   transaction.Queue(kLockSessionsOf, key);
+  transaction.Queue(kFindEmptyCut, key);
   transaction.Queue(kFindLeftSession, key);
   transaction.Queue(kFindLeftAnchor, key);
   transaction.Queue(kFindRedirectedRoot, key);
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
-  ENFILADE_RETURN_IF_ERROR(CheckSessions(results[results.size() - 4], site, rearrangement));
+  ENFILADE_RETURN_IF_ERROR(CheckSessions(results[results.size() - 5], site, rearrangement));
+  if (const Result& empty = results[results.size() - 4]; empty.rows() > 0) {
+    Row row(empty, 0);
+    const SessionId session{std::string(row.Text())};
+    return FailedPrecondition("{} has no keyframes on both sides of record {}: there is nothing to cut off",
+                              NameOf(site, session), row.Int64());
+  }
   if (const Result& left = results[results.size() - 3]; left.rows() > 0) {
     Row row(left, 0);
     const SessionId session{std::string(row.Text())};

@@ -17,13 +17,18 @@ constexpr Statement kInsertRearrangement{
     "storing the rearrangement",
     "INSERT INTO enfilade.rearrangements (site_id, rearrangement_id, reason, version_before, version_after)"
     " VALUES ($1, $2, $3, $4, $5)"};
+// The rest of a cut session comes from its map. A cut is made at a keyframe: scans are relative to the one before them.
 constexpr Statement kInsertParts{
     "storing the rearrangement's parts",
     "INSERT INTO enfilade.rearrangement_parts (site_id, rearrangement_id, kind, subject, source, target,"
     " first_sequence, x, y, yaw, ordinal)"
-    " SELECT $1, $2, $3, u.subject, CASE $3 WHEN 6 THEN u.subject WHEN 3 THEN (SELECT s.map_id FROM enfilade.sessions s"
-    "   WHERE s.site_id = $1 AND s.session_id = u.subject) END, nullif(u.target, ''),"
-    " CASE WHEN $3 = 2 THEN u.first_sequence END, CASE WHEN $3 IN (3, 6) THEN u.x END,"
+    " SELECT $1, $2, $3, u.subject, CASE WHEN $3 = 6 THEN u.subject WHEN $3 IN (2, 3) THEN (SELECT s.map_id"
+    "   FROM enfilade.sessions s WHERE s.site_id = $1 AND s.session_id = coalesce((SELECT c.subject"
+    "     FROM enfilade.rearrangement_parts c WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2"
+    "     AND c.target = u.subject), u.subject)) END, nullif(u.target, ''),"
+    " CASE WHEN $3 = 2 THEN (SELECT coalesce(min(n.sequence), u.first_sequence) FROM enfilade.slam_nodes n"
+    "   WHERE n.site_id = $1 AND n.session_id = u.subject AND n.sequence >= u.first_sequence) END, CASE WHEN $3 IN (3, "
+    "6) THEN u.x END,"
     " CASE WHEN $3 IN (3, 6) THEN u.y END, CASE WHEN $3 IN (3, 6) THEN u.yaw END, u.n"
     " FROM unnest($4::text[], $5::text[], $6::bigint[], $7::float8[], $8::float8[], $9::float8[])"
     " WITH ORDINALITY AS u (subject, target, first_sequence, x, y, yaw, n)"};

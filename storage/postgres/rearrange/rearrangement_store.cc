@@ -9,6 +9,7 @@
 #include "storage/postgres/rearrange/rearrangement_changes.h"
 #include "storage/postgres/rearrange/rearrangement_rows.h"
 #include "storage/postgres/rearrange/rearrangement_undo.h"
+#include "storage/postgres/rearrange/session_cuts.h"
 
 namespace enfilade::storage::postgres {
 namespace {
@@ -20,6 +21,9 @@ absl::Status ExplainRearrangement(const absl::Status& status, const SiteId& site
                                   const rearrange::RearrangementId& id) {
   const std::string constraint = ConstraintOf(status);
   if (constraint == "rearrangements_pkey") return AlreadyExists("{} exists already", NameOfRearrangement(site, id));
+  if (constraint == "sessions_pkey") {
+    return AlreadyExists("the id of a session's rest is taken: {}", std::string(status.message()));
+  }
   if (constraint == "maps_pkey") return AlreadyExists("a new map's id is taken: {}", std::string(status.message()));
   return ExplainRevisionError(status, site, MapId());
 }
@@ -31,7 +35,6 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext&
   const SiteId& site = lease.site;
   ENFILADE_RETURN_IF_ERROR(rearrange::Validate(change.rearrangement));
   if (change.rearrangement.empty()) return InvalidArgument("the rearrangement changes nothing");
-  if (!change.rearrangement.cuts.empty()) return FailedPrecondition("sessions cannot be cut yet");
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_RETURN_IF_ERROR(LockGraphAt(transaction, site, change.graph_version));
   ENFILADE_RETURN_IF_ERROR(LockSiteLease(transaction, lease));
@@ -42,6 +45,7 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext&
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(transaction.Flush().status(), site, change.id));
   ENFILADE_RETURN_IF_ERROR(LockAndCheck(transaction, site, change));
   QueueImagesBefore(transaction, site, change.id);
+  QueueCuts(transaction, site, change.id);
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(AddMaps(transaction, site, change, version), site, change.id));
   QueueMoves(transaction, site, change.id);
   ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(transaction, site, change, version));

@@ -6,6 +6,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/rearrange/rearrangement_rows.h"
+#include "storage/postgres/rearrange/session_cuts.h"
 
 namespace enfilade::storage::postgres {
 namespace {
@@ -112,9 +113,20 @@ constexpr Statement kRestoreEvidence{
 constexpr Statement kRestoreSessions{
     "restoring the sessions",
     "UPDATE enfilade.sessions s SET map_id = b.map_id, initial_x = b.initial_x, initial_y = b.initial_y,"
-    " initial_yaw = b.initial_yaw, initial_covariance = b.initial_covariance FROM enfilade.rearrangement_images r,"
+    " initial_yaw = b.initial_yaw, initial_covariance = b.initial_covariance,"
+    " acknowledged_sequence = b.acknowledged_sequence, highest_sequence = b.highest_sequence,"
+    " recorded_sequence = b.recorded_sequence, laser_scans = b.laser_scans, odometry = b.odometry, images = b.images,"
+    " point_clouds = b.point_clouds, withheld = b.withheld, door_reports = b.door_reports,"
+    " payload_bytes = b.payload_bytes, last_time_ns = b.last_time_ns FROM enfilade.rearrangement_images r,"
     "   jsonb_populate_record(NULL::enfilade.sessions, r.before) b WHERE r.site_id = $1 AND r.rearrangement_id = $2"
-    " AND r.relation = 'session' AND s.site_id = $1 AND s.session_id = r.key"};
+    " AND r.relation = 'session' AND r.before IS NOT NULL AND s.site_id = $1 AND s.session_id = r.key"};
+constexpr Statement kRestoreCheckpoints{
+    "restoring checkpoints",
+    "UPDATE enfilade.mapping_checkpoints s SET mapped_sequence = b.mapped_sequence, used = b.used,"
+    " keyframes = b.keyframes FROM enfilade.rearrangement_images r,"
+    "   jsonb_populate_record(NULL::enfilade.mapping_checkpoints, nullif(r.before -> 'checkpoint', 'null')) b"
+    " WHERE r.site_id = $1 AND r.rearrangement_id = $2 AND r.relation = 'session' AND s.site_id = $1"
+    " AND s.session_id = r.key AND b.mapped_sequence IS NOT NULL"};
 constexpr Statement kRestoreSubmaps{
     "restoring submaps",
     "UPDATE enfilade.slam_submaps s SET x = b.x, y = b.y, yaw = b.t FROM enfilade.rearrangement_images r,"
@@ -129,10 +141,12 @@ constexpr Statement kRestoreNodes{
     "float8[])"
     " WHERE r.site_id = $1 AND r.rearrangement_id = $2 AND r.relation = 'slam' AND s.site_id = $1"
     " AND s.session_id = r.key AND s.node_id = b.i"};
-constexpr Statement kRestoreTracks{"restoring tracks",
-                                   "UPDATE enfilade.session_tracks s SET map_id = r.before #>> '{track,map_id}',"
-                                   " track = (r.before #>> '{track,track}')::geometry FROM " ENFILADE_IMAGES(
-                                       "slam") " AND s.site_id = $1 AND s.session_id = r.key"};
+constexpr Statement kRestoreTracks{
+    "restoring tracks",
+    "INSERT INTO enfilade.session_tracks (site_id, session_id, map_id, track)"
+    " SELECT $1, r.key, r.before #>> '{track,map_id}', (r.before #>> '{track,track}')::geometry"
+    " FROM " ENFILADE_IMAGES("slam") " AND r.before #>> '{track,map_id}' IS NOT NULL"
+    " ON CONFLICT (site_id, session_id) DO UPDATE SET map_id = excluded.map_id, track = excluded.track"};
 constexpr Statement kRestoreVerdicts{
     "restoring verdicts",
     "UPDATE enfilade.door_verdicts v SET map_id = b.map_id, x = b.x, y = b.y, yaw = b.yaw, covariance = b.covariance"
@@ -147,7 +161,8 @@ constexpr Statement kRestoreControlPoints{
     " AND c.ordinal = b.ordinal"};
 constexpr Statement kRestoreRobotPoses{
     "restoring robots' poses",
-    "UPDATE enfilade.robot_poses p SET map_id = b.map_id, point = b.point, yaw = b.yaw, covariance = b.covariance,"
+    "UPDATE enfilade.robot_poses p SET map_id = b.map_id, session_id = b.session_id, point = b.point, yaw = b.yaw, "
+    "covariance = b.covariance,"
     " version = nextval('enfilade.etags') FROM enfilade.rearrangement_images r,"
     "   jsonb_populate_record(NULL::enfilade.robot_poses, r.before - 'point'"
     "     || jsonb_build_object('point', r.before ->> 'point')) b"
@@ -277,11 +292,12 @@ absl::Status RestoreImages(Transaction& transaction, const SiteId& site, const r
   transaction.Queue(kDropAnchorsOf, key);
   transaction.Queue(kDropNewLinkPoints, with_version);
   transaction.Queue(kRestoreLinkPoints, with_version);
+  QueueUncuts(transaction, site, id);
   for (const Statement* statement :
-       {&kRestoreAnchors, &kRestoreEvidence, &kRestoreSessions, &kRestoreSubmaps, &kRestoreNodes, &kRestoreTracks,
-        &kRestoreVerdicts, &kRestoreControlPoints, &kRestoreRobotPoses, &kReturnRobotPoses, &kDropLayersOf,
-        &kRestoreLayers, &kRestoreLayerTiles, &kRestoreRevisions, &kRestoreRevisionTiles, &kRestoreCurrentRevisions,
-        &kRedirectNewMaps}) {
+       {&kRestoreAnchors, &kRestoreEvidence, &kRestoreSessions, &kRestoreCheckpoints, &kRestoreSubmaps, &kRestoreNodes,
+        &kRestoreTracks, &kRestoreVerdicts, &kRestoreControlPoints, &kRestoreRobotPoses, &kReturnRobotPoses,
+        &kDropLayersOf, &kRestoreLayers, &kRestoreLayerTiles, &kRestoreRevisions, &kRestoreRevisionTiles,
+        &kRestoreCurrentRevisions, &kRedirectNewMaps}) {
     transaction.Queue(*statement, key);
   }
   transaction.Queue(kTakeNewMaps, with_version);

@@ -21,12 +21,16 @@ namespace {
 // session, is not blocked.
 constexpr Statement kLockSessions{
     "locking sessions",
-    "SELECT session_id, delete_time IS NOT NULL, finish_time IS NOT NULL, records_deleted, acknowledged_sequence,"
-    " highest_sequence FROM enfilade.sessions WHERE site_id = $1 AND session_id = ANY ($2) ORDER BY session_id"
+    "SELECT session_id, delete_time IS NOT NULL, finish_time IS NOT NULL, records_deleted,"
+    " coalesce(recorded_sequence, acknowledged_sequence), coalesce(recorded_sequence, highest_sequence)"
+    " FROM enfilade.sessions WHERE site_id = $1 AND session_id = ANY ($2) ORDER BY session_id"
     " FOR NO KEY UPDATE"};
-constexpr Statement kSelectStored{"looking for stored records",
-                                  "SELECT sequence, kind, payload FROM enfilade.session_records"
-                                  " WHERE site_id = $1 AND session_id = $2 AND sequence = ANY ($3)"};
+// Also among those that belong to the rest of a session that was cut since.
+constexpr Statement kSelectStored{
+    "looking for stored records",
+    "SELECT sequence, kind, payload FROM enfilade.session_records WHERE site_id = $1 AND session_id IN (SELECT $2::text"
+    "   UNION ALL SELECT session_id FROM enfilade.sessions WHERE site_id = $1 AND cut_from_session_id = $2)"
+    " AND sequence = ANY ($3)"};
 constexpr Statement kLockBlobs{"looking for blobs",
                                "SELECT sha256, size FROM enfilade.blobs WHERE site_id = $1 AND sha256 = ANY ($2)"
                                " FOR KEY SHARE"};

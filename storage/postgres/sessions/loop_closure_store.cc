@@ -31,6 +31,10 @@ constexpr Statement kRevokeLease{"revoking the lease",
                                  " VALUES ($1, $2, '', 1, clock_timestamp())"
                                  " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = '', token = l.token + 1,"
                                  " expires_at = clock_timestamp()"};
+// What was cut cannot be solved again: its checkpoint belongs to the whole.
+constexpr Statement kFindCut{"looking for a cut",
+                             "SELECT true FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2"
+                             " AND recorded_sequence IS NOT NULL"};
 constexpr Statement kSetLoopClosureState{"changing the closure's state",
                                          "UPDATE enfilade.slam_closures SET state = $4"
                                          " WHERE site_id = $1 AND session_id = $2 AND closure_id = $3"
@@ -71,6 +75,11 @@ absl::StatusOr<slam::LoopClosure> LoopClosureStore::SetSuspended(const CallConte
                             storage::postgres::ReadOne((*locked)[1], postgres::ReadLoopClosure, name));
   if ((stored.state == slam::LoopClosureState::kSuspended) == suspended)
     return stored;  // the revocation is rolled back
+  ENFILADE_ASSIGN_OR_RETURN(const auto cut, transaction.Execute(kFindCut, Params(site, session)));
+  if (cut.rows() > 0) {
+    return FailedPrecondition("{} was cut in two: its map is not solved again. Undo the cut first",
+                              NameOf(site, session));
+  }
   const slam::LoopClosureState state =
       suspended ? slam::LoopClosureState::kSuspended : slam::LoopClosureState::kAccepted;
   transaction.Queue(kSetLoopClosureState, Params(site, session, closure, static_cast<std::int16_t>(state)));

@@ -28,9 +28,12 @@ constexpr Statement kListSessions{
     " WHERE s.site_id = $1 AND s.delete_time IS NULL AND (s.create_time, s.session_id) < ($2, $3)"
     " AND ($4::text IS NULL OR s.robot_id = $4) AND ($5::text IS NULL OR s.map_id = $5)"
     " AND ($6::smallint IS NULL OR s.state = $6) ORDER BY s.create_time DESC, s.session_id DESC LIMIT $7"};
-constexpr Statement kLockSession{"locking the session",
-                                 "SELECT acknowledged_sequence, highest_sequence, finish_time FROM enfilade.sessions"
-                                 " WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL FOR NO KEY UPDATE"};
+// A session that was cut since may still be told to finish: as far as it was recorded.
+constexpr Statement kLockSession{
+    "locking the session",
+    "SELECT coalesce(recorded_sequence, acknowledged_sequence), coalesce(recorded_sequence, highest_sequence), "
+    "finish_time"
+    " FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2 AND delete_time IS NULL FOR NO KEY UPDATE"};
 // A session whose mapping has failed keeps its state.
 constexpr Statement kFinish{
     "finishing the session",

@@ -135,6 +135,18 @@ class RearrangementStoreTest : public StoreTest {
     change.rasters[1].entering.clear();
     return change;
   }
+  // s2 is cut behind its first keyframe, and its rest gets a map of its own.
+  storage::RearrangementChange Cut(std::int64_t first_sequence = 2) {
+    storage::RearrangementChange change;
+    change.id = rearrange::RearrangementId("cut");
+    rearrange::Rearrangement& cut = change.rearrangement;
+    cut.new_maps = {{MapId("annex"), "Map", 0, Environment::kIndoor, ""}};
+    cut.cuts = {{s2_, first_sequence, SessionId("s2b")}};
+    cut.moves = {{SessionId("s2b"), MapId("annex"), {1, 2, 0.5}}};
+    change.graph_version = Version();
+    change.rasters = {Raster("annex", "s2b", {"s2b"}), Raster("lab", "s2", {"s2 head"})};
+    return change;
+  }
   graph::LinkPoint Moved(const std::string& id, const std::string& from, const std::string& to) {
     graph::LinkPoint point = link_points_.Get(Soon(), site_, LinkPointId(id))->point;
     for (graph::Anchor& anchor : point.anchors) {
@@ -152,7 +164,14 @@ class RearrangementStoreTest : public StoreTest {
     for (const char* query : {
              "SELECT map_id, display_name, redirect_map_id FROM maps",
              "SELECT map_id, x, y, yaw, covariance FROM graph_maps",
-             "SELECT session_id, map_id, state, initial_x, initial_y, initial_yaw, initial_covariance FROM sessions",
+             "SELECT session_id, acknowledged_sequence, highest_sequence, laser_scans, odometry, payload_bytes,"
+             " first_time_ns, last_time_ns, recorded_sequence, previous_session_id FROM sessions WHERE delete_time IS "
+             "NULL",
+             "SELECT session_id, sequence, time_ns, kind FROM session_records",
+             "SELECT session_id, mapped_sequence, used, keyframes FROM mapping_checkpoints",
+             "SELECT session_id, sequence, ordinal FROM door_comparisons",
+             "SELECT session_id, map_id, state, initial_x, initial_y, initial_yaw, initial_covariance FROM sessions"
+             " WHERE delete_time IS NULL",
              "SELECT session_id, submap_id, x, y, yaw, content FROM slam_submaps",
              "SELECT session_id, node_id, x, y, yaw, covariance FROM slam_nodes",
              "SELECT session_id, sequence, node_id, x, y, yaw FROM trajectory_points",
