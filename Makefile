@@ -35,7 +35,7 @@ configure: bootstrap
 bootstrap: ## install the Debian packages that are missing
 	@mkdir -p build && deploy/bootstrap $(PACKAGES)
 
-campus: configure ## measure automatic mapping of CAMPUS=figure1 (or random:8001-8050) with SEEDS=20 noise seeds, OPTIONS="--robots r1,r2"
+campus: configure ## measure automatic mapping of CAMPUS=figure1, random:1-9, ... over SEEDS=20 noise seeds; OPTIONS="--robots r1,r2"
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server campus_seeds
 	@$(BIN)/campus_seeds --campus $(CAMPUS) --seeds $(SEEDS) $(OPTIONS)
 
