@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "core/rooms/distance_field.h"
 #include "core/rooms/ground.h"
@@ -32,18 +33,32 @@ struct JambEvidence {
   // How far, up to 1 m, a wall runs from the jamb across the line, on either side of the door.
   double across_before = 0.0;
   double across_behind = 0.0;
+  Eigen::Vector2d wall_from = Eigen::Vector2d::Zero();       // the line that continues, cells
+  Eigen::Vector2d wall_direction = Eigen::Vector2d::Zero();  // away from the door
+  double seen = 0.0;     // share of the obstacle at the jamb that is wall, not unknown
+  double farther = 0.0;  // of thin walls on the same line within 5 m, interruptions included
+  double extent = 0.0;   // of the group of wall cells at the jamb, up to 4 m
 };
 
 struct DoorEvidence {
-  double width = 0.0;
+  double width = 0.0;  // of the longest stretch that nothing stands on
   JambEvidence a;
   JambEvidence b;
   // How much wider the open ground is than the door, 0.5 m before and behind it; up to 2 m.
   double wider_before = 0.0;
   double wider_behind = 0.0;
+  double aligned = 0.0;  // share of the straight walls within 2.5 m that run along or across the line
 };
 
+// As numbers: what the weights of OpennessOf are fitted to.
+std::vector<double> ValuesOf(const DoorEvidence& evidence);
+
 DoorEvidence GatherEvidence(const GroundMap& ground, const DoorCandidate& candidate);
+
+// Where the walls that end at a candidate's jambs meet the next wall if they are continued across the opening:
+// furniture beside a door may be nearer to one jamb than the other jamb is.
+std::vector<DoorCandidate> ContinueWalls(const GroundMap& ground, const DoorCandidate& line,
+                                         const DoorEvidence& evidence, double max_length);
 
 // The logarithm of the odds that the candidate is open ground (positive) against a door (negative).
 double OpennessOf(const DoorEvidence& evidence);

@@ -107,13 +107,14 @@ struct Extent {
   int length() const { return std::max(max_column - min_column, max_row - min_row) + 1; }
 };
 
-// Marks as clutter the groups of obstacle cells (with gaps of up to one cell) that are at most `limit` cells long.
-void MarkClutter(GroundMap& ground, int limit) {
+// Calls visit(cells, extent) for each group of cells (with gaps of up to one cell) that `belongs` allows.
+template <typename Belongs, typename Visit>
+void VisitGroups(const GroundMap& ground, Belongs&& belongs, Visit&& visit) {
   constexpr int kReach = 2;
   std::vector<bool> seen(ground.cells.size(), false);
   std::vector<std::size_t> group;
   for (std::size_t start = 0; start < ground.cells.size(); ++start) {
-    if (seen[start] || ground.IsOpen(start)) continue;
+    if (seen[start] || !belongs(start)) continue;
     group.assign(1, start);
     seen[start] = true;
     Extent extent;
@@ -124,16 +125,66 @@ void MarkClutter(GroundMap& ground, int limit) {
       for (int y = std::max(0, row - kReach); y <= std::min(ground.height - 1, row + kReach); ++y) {
         for (int x = std::max(0, column - kReach); x <= std::min(ground.width - 1, column + kReach); ++x) {
           const std::size_t neighbour = ground.index(x, y);
-          if (seen[neighbour] || ground.IsOpen(neighbour)) continue;
+          if (seen[neighbour] || !belongs(neighbour)) continue;
           seen[neighbour] = true;
           group.push_back(neighbour);
         }
       }
     }
+    visit(group, extent);
+  }
+}
+
+// Marks as clutter the groups of obstacle cells that are at most `limit` cells long.
+void MarkClutter(GroundMap& ground, int limit) {
+  const auto solid = [&](std::size_t cell) { return !ground.IsOpen(cell); };
+  VisitGroups(ground, solid, [&](const std::vector<std::size_t>& group, const Extent& extent) {
     const bool at_border = extent.min_column == 0 || extent.min_row == 0 || extent.max_column == ground.width - 1 ||
                            extent.max_row == ground.height - 1;
-    if (extent.length() > limit || at_border) continue;
+    if (extent.length() > limit || at_border) return;
     for (const std::size_t cell : group) ground.cells[cell] = Ground::kClutter;
+  });
+}
+
+void MeasureWalls(GroundMap& ground) {
+  ground.extent.assign(ground.cells.size(), 0);
+  const auto wall = [&](std::size_t cell) { return ground.cells[cell] == Ground::kWall; };
+  VisitGroups(ground, wall, [&](const std::vector<std::size_t>& group, const Extent& extent) {
+    const auto length = static_cast<std::uint16_t>(std::min(extent.length(), 65535));
+    for (const std::size_t cell : group) ground.extent[cell] = length;
+  });
+}
+
+// By the second moments of the wall cells around each wall cell.
+void MeasureDirections(GroundMap& ground) {
+  constexpr double kReach = 0.35;     // m
+  constexpr double kStraight = 0.75;  // anisotropy: 0 round, 1 a line
+  const int reach = std::max(2, static_cast<int>(kReach / ground.resolution));
+  ground.direction.assign(ground.cells.size(), 0);
+  for (int row = reach; row + reach < ground.height; ++row) {
+    for (int column = reach; column + reach < ground.width; ++column) {
+      if (ground.cells[ground.index(column, row)] != Ground::kWall) continue;
+      double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+      for (int dy = -reach; dy <= reach; ++dy) {
+        for (int dx = -reach; dx <= reach; ++dx) {
+          if (ground.cells[ground.index(column + dx, row + dy)] != Ground::kWall) continue;
+          n += 1.0;
+          x += dx;
+          y += dy;
+          xx += dx * dx;
+          xy += dx * dy;
+          yy += dy * dy;
+        }
+      }
+      const double vx = xx / n - x * x / (n * n);
+      const double vy = yy / n - y * y / (n * n);
+      const double vxy = xy / n - x * y / (n * n);
+      const double difference = std::hypot(vx - vy, 2.0 * vxy);
+      if (difference < kStraight * (vx + vy)) continue;
+      const double degrees = 0.5 * std::atan2(2.0 * vxy, vx - vy) / kDegree;  // -90..90
+      ground.direction[ground.index(column, row)] =
+          static_cast<std::uint8_t>(1 + (static_cast<int>(std::lround(degrees)) + 180) % 180);
+    }
   }
 }
 
@@ -141,12 +192,14 @@ void MarkClutter(GroundMap& ground, int limit) {
 
 GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options,
                      std::span<const Eigen::Vector2d> trajectory) {
-  GroundMap ground{grid.geometry.width, grid.geometry.height, grid.geometry.resolution, {}};
+  GroundMap ground{grid.geometry.width, grid.geometry.height, grid.geometry.resolution, {}, {}, {}};
   ground.cells.resize(grid.cells.size());
   Threshold(grid, options, ground);
   FreeTrajectory(grid.geometry, trajectory, ground);
   CloseHoles(ground, static_cast<int>(options.hole / 2.0 / ground.resolution + 0.5));
   MarkClutter(ground, static_cast<int>(options.clutter / ground.resolution));
+  MeasureWalls(ground);
+  MeasureDirections(ground);
   return ground;
 }
 

@@ -25,6 +25,11 @@ struct GroundMap {
   int height = 0;
   double resolution = 0.05;
   std::vector<Ground> cells;
+  // For wall cells the extent of their group: the longer side of its bounding box, in cells. Walls are groups of one if
+  // gaps of at most one cell part them.
+  std::vector<std::uint16_t> extent;
+  // For wall cells on a straight piece of wall its direction, 1..180 degrees from the columns' axis; 0: not straight.
+  std::vector<std::uint8_t> direction;
 
   std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);

@@ -112,7 +112,13 @@ CutGround CutAlong(const GroundMap& ground, std::span<const DoorCandidate> lines
   for (std::size_t i = 0; i < ground.cells.size(); ++i) {
     cut.map.region[i] = ground.IsOpen(i) ? kUnvisited : RegionMap::kNone;
   }
+  // Clutter is filled in the end: two lines may meet at a post.
   std::vector<std::size_t> on_lines;
+  for (std::size_t i = 0; i < ground.cells.size(); ++i) {
+    if (ground.cells[i] != Ground::kClutter) continue;
+    cut.map.region[i] = kOnLine;
+    on_lines.push_back(i);
+  }
   for (const DoorCandidate& line : lines) {
     VisitLineCells(ground, line, [&](std::size_t cell) {
       if (cut.map.region[cell] == kOnLine) return;

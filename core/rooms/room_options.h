@@ -8,8 +8,7 @@ struct RoomOptions {
   double free_probability = 0.4;      // cells up to here are free
   double hole = 0.4;                  // m: unknown cells between free ones up to this far apart count as free
   double clutter = 0.8;               // m: obstacles that stand free and are no longer than this are no walls
-  double min_door = 0.5;              // m, the width of a door
-  double max_door = 2.6;              // m
+  double max_door = 4.0;              // m, the width of a door
   double min_room = 1.0;              // m^2; smaller pieces belong to the room that they are most open to
   // m: a space is one piece unless it narrows by this much, on each side, between two wider places.
   double narrowing = 0.1;

@@ -2,6 +2,7 @@
 #include "core/rooms/room_partition.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -10,9 +11,9 @@
 #include <utility>
 
 #include "core/geometry/pose2.h"
-#include "core/rooms/basins.h"
 #include "core/rooms/distance_field.h"
 #include "core/rooms/door_candidate.h"
+#include "core/rooms/door_lines.h"
 #include "core/rooms/ground.h"
 #include "core/rooms/region_graph.h"
 #include "core/rooms/region_map.h"
@@ -21,21 +22,12 @@ namespace enfilade::rooms {
 namespace {
 
 constexpr std::size_t kMaxRooms = std::numeric_limits<std::uint16_t>::max();
-constexpr double kPassed = -6.0;  // added to the openness of a door that a robot is known to have passed
-
-struct JudgedLine {
-  DoorCandidate line;
-  double openness = 0.0;
-};
-
-Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map) {
-  const Eigen::Vector2d p = Inverse(geometry.T_map_grid) * p_map;
-  return p / geometry.resolution - Eigen::Vector2d(0.5, 0.5);
-}
-
-Eigen::Vector2d ToMap(const grid::GridGeometry& geometry, const Eigen::Vector2d& cells) {
-  const Eigen::Vector2d p = (cells + Eigen::Vector2d(0.5, 0.5)) * geometry.resolution;
-  return geometry.T_map_grid * p;
+// What a line says about the regions on its sides. That it is open says less the less of its jambs was seen; however
+// open, it outweighs one clear door.
+double WeightOf(const DoorLine& line) {
+  constexpr double kMost = 3.0;
+  const double seen = std::min(line.evidence.a.seen, line.evidence.b.seen);
+  return line.openness > 0.0 ? std::min(line.openness, kMost) * std::max(seen * seen, 0.01) : line.openness;
 }
 
 class Partitioner {
@@ -48,9 +40,10 @@ class Partitioner {
         field_(DistancesToWalls(ground_)) {}
 
   RoomPartition Run() {
-    FindLines();
+    lines_ = FindDoorLines(ground_, field_, options_);
+    AddPassages(ground_, geometry_, evidence_.passages, lines_);
     std::vector<DoorCandidate> lines;
-    for (const JudgedLine& judged : lines_) lines.push_back(judged.line);
+    for (const DoorLine& line : lines_) lines.push_back(line.line);
     cut_ = CutAlong(ground_, lines);
     Cluster();
     AbsorbSmall();
@@ -63,74 +56,12 @@ class Partitioner {
   }
 
  private:
-  double cells(double metres) const { return metres / geometry_.resolution; }
-
-  void FindLines() {
-    const NarrowPlaces limits{std::max(1.0, cells(options_.narrowing)), cells(options_.max_door) / 2.0};
-    for (const std::size_t place : FindNarrowPlaces(ground_, field_, limits)) {
-      const auto line = CandidateAt(ground_, field_, place, cells(options_.max_door) + 1.0);
-      if (!line || line->length() - 1.0 < cells(options_.min_door)) continue;
-      AddLine(*line);
-    }
-    for (const PassageHint& hint : evidence_.passages) AddHint(hint);
-  }
-
-  void AddLine(const DoorCandidate& line) {
-    const double openness = OpennessOf(GatherEvidence(ground_, line));
-    const double same = cells(0.15);
-    for (JudgedLine& known : lines_) {
-      const bool forward = (known.line.a - line.a).norm() < same && (known.line.b - line.b).norm() < same;
-      const bool reverse = (known.line.a - line.b).norm() < same && (known.line.b - line.a).norm() < same;
-      if (!forward && !reverse) continue;
-      if (openness < known.openness) known = {line, openness};
-      return;
-    }
-    lines_.push_back({line, openness});
-  }
-
-  // The nearest candidate that agrees with the hint is a door; without one, the hint's own line is.
-  void AddHint(const PassageHint& hint) {
-    const Eigen::Vector2d a = ToCells(geometry_, hint.a);
-    const Eigen::Vector2d b = ToCells(geometry_, hint.b);
-    if (!a.allFinite() || !b.allFinite() || (b - a).norm() < 1.0) return;
-    const Eigen::Vector2d along = (b - a).normalized();
-    JudgedLine* best = nullptr;
-    double nearest = cells(0.6);
-    for (JudgedLine& judged : lines_) {
-      const double turn = std::abs((judged.line.b - judged.line.a).normalized().dot(along));
-      const double distance = (judged.line.middle() - (a + b) / 2.0).norm();
-      if (turn < 0.7 || distance >= nearest) continue;
-      nearest = distance;
-      best = &judged;
-    }
-    if (best == nullptr) {
-      lines_.push_back({Extended(a, b), 0.0});
-      best = &lines_.back();
-    }
-    if (best->line.passed) return;
-    best->line.passed = true;
-    best->openness = std::min(best->openness, 0.0) + kPassed;
-  }
-
-  // The line between two points, made longer until both ends are on walls, if these are near.
-  DoorCandidate Extended(Eigen::Vector2d a, Eigen::Vector2d b) const {
-    const Eigen::Vector2d along = (b - a).normalized();
-    const auto extend = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& direction) {
-      for (double step = 0.0; step < cells(0.6); step += 1.0) {
-        const Eigen::Vector2d p = end + step * direction;
-        if (!ground_.IsOpen(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())))) return p;
-      }
-      return end;
-    };
-    return {extend(a, -along), extend(b, along), false};
-  }
-
   void Cluster() {
     std::vector<RegionBorder> borders;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       const Sides& sides = cut_.sides[i];
       if (sides.before < 0 || sides.behind < 0) continue;
-      borders.push_back({sides.before, sides.behind, lines_[i].openness});
+      borders.push_back({sides.before, sides.behind, WeightOf(lines_[i])});
     }
     room_of_region_ = ClusterRegions(static_cast<int>(cut_.map.sizes.size()), borders);
   }
@@ -147,8 +78,8 @@ class Partitioner {
       for (std::size_t i = 0; i < lines_.size(); ++i) {
         const auto [one, other] = RoomsAt(i);
         if (one == other || one < 0 || other < 0) continue;
-        borders[{one, other}] += lines_[i].openness;
-        borders[{other, one}] += lines_[i].openness;
+        borders[{one, other}] += WeightOf(lines_[i]);
+        borders[{other, one}] += WeightOf(lines_[i]);
       }
       std::optional<std::pair<int, int>> best;
       for (const auto& [pair, openness] : borders) {
@@ -216,16 +147,24 @@ class Partitioner {
     }
   }
 
+  // The lines between two rooms. Of several lines across one opening only the clearest is a door.
   void AddDoors(RoomPartition& partition) const {
-    for (std::size_t i = 0; i < lines_.size(); ++i) {
+    std::vector<std::size_t> order(lines_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t one, std::size_t other) { return lines_[one].openness < lines_[other].openness; });
+    for (const std::size_t i : order) {
       const auto [before, behind] = RoomsAt(i);
       if (before < 0 || behind < 0) continue;
-      const int one = IdOf(before);
-      const int other = IdOf(behind);
-      if (one == other || one == 0 || other == 0) continue;
+      const std::array<int, 2> rooms{std::min(IdOf(before), IdOf(behind)), std::max(IdOf(before), IdOf(behind))};
+      if (rooms[0] == rooms[1] || rooms[0] == 0) continue;
       const DoorCandidate& line = lines_[i].line;
-      partition.doors.push_back(
-          {ToMap(geometry_, line.a), ToMap(geometry_, line.b), {std::min(one, other), std::max(one, other)}});
+      const Door door{ToMap(geometry_, line.a), ToMap(geometry_, line.b), rooms};
+      const bool known = std::any_of(partition.doors.begin(), partition.doors.end(), [&](const Door& other) {
+        const double apart = ((door.a + door.b) / 2.0 - (other.a + other.b) / 2.0).norm();
+        return other.rooms == rooms && apart < std::max(door.width(), other.width()) / 2.0;
+      });
+      if (!known) partition.doors.push_back(door);
     }
   }
 
@@ -234,7 +173,7 @@ class Partitioner {
   const RoomEvidence evidence_;
   GroundMap ground_;
   DistanceField field_;
-  std::vector<JudgedLine> lines_;
+  std::vector<DoorLine> lines_;
   CutGround cut_;
   std::vector<int> room_of_region_;
   std::map<int, int> id_of_room_;

@@ -86,7 +86,7 @@ absl::Status RunRooms(const Globals& globals, const RoomsCommandOptions& options
     ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.output, png));
   }
   if (options.plot.empty()) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const std::string png, DrawRooms(grid, partition));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(DrawRooms(grid, partition)));
   return io::WriteFile(options.plot, png);
 }
 

@@ -50,7 +50,7 @@ absl::StatusOr<std::string> EncodeLabels(const rooms::RoomPartition& partition) 
                                          .bit_depth = wide ? 16 : 8});
 }
 
-absl::StatusOr<std::string> DrawRooms(const grid::OccupancyGrid& grid, const rooms::RoomPartition& partition) {
+grid::RgbImage DrawRooms(const grid::OccupancyGrid& grid, const rooms::RoomPartition& partition) {
   grid::RgbImage image = grid::DrawGrid(grid);
   const grid::GridGeometry& geometry = partition.geometry;
   for (int row = 0; row < geometry.height; ++row) {
@@ -67,7 +67,7 @@ absl::StatusOr<std::string> DrawRooms(const grid::OccupancyGrid& grid, const roo
   for (const rooms::Door& door : partition.doors) {
     grid::DrawLine(image, grid::PixelOf(geometry, door.a), grid::PixelOf(geometry, door.b), grid::kRed, 2);
   }
-  return grid::EncodePng(image);
+  return image;
 }
 
 }  // namespace enfilade::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/grid/files/rgb_image.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/rooms/room_partition.h"
 
@@ -13,6 +14,6 @@ namespace enfilade::cli {
 absl::StatusOr<std::string> EncodeLabels(const rooms::RoomPartition& partition);
 
 // The map with its rooms in colours and its doors as red lines.
-absl::StatusOr<std::string> DrawRooms(const grid::OccupancyGrid& grid, const rooms::RoomPartition& partition);
+grid::RgbImage DrawRooms(const grid::OccupancyGrid& grid, const rooms::RoomPartition& partition);
 
 }  // namespace enfilade::cli

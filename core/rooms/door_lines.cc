@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/rooms/door_lines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/pose2.h"
+#include "core/rooms/basins.h"
+
+namespace enfilade::rooms {
+namespace {
+
+constexpr double kPassed = -6.0;  // added to the openness of a door that a robot is known to have passed
+
+bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [&](const DoorLine& known) {
+    const bool forward = (known.line.a - line.a).norm() < same && (known.line.b - line.b).norm() < same;
+    const bool reverse = (known.line.a - line.b).norm() < same && (known.line.b - line.a).norm() < same;
+    return forward || reverse;
+  });
+}
+
+// The line at a narrow place, and the walls' own lines across it where they look more like a door.
+void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomOptions& options,
+                 std::vector<DoorLine>& lines) {
+  const double same = 0.15 / ground.resolution;
+  if (IsKnown(line, same, lines)) return;
+  const DoorEvidence evidence = GatherEvidence(ground, line);
+  DoorLine best{line, evidence, OpennessOf(evidence)};
+  const double one_door = 0.5 / ground.resolution;
+  std::vector<DoorLine> others;
+  for (const DoorCandidate& other : ContinueWalls(ground, line, evidence, 1.4 * options.max_door / ground.resolution)) {
+    if (other.length() < 2.0 || IsKnown(other, same, lines)) continue;
+    DoorLine found{other, GatherEvidence(ground, other), 0.0};
+    found.openness = OpennessOf(found.evidence);
+    if (found.evidence.width > options.max_door || found.openness >= std::min(best.openness, 0.0)) continue;
+    if (IsKnown(other, one_door, {best})) {
+      best = found;
+    } else {
+      others.push_back(found);
+    }
+  }
+  // Narrower than any door: a wall with a hole, or a slit between furniture. It is judged like a door.
+  if (best.evidence.width <= options.max_door) lines.push_back(best);
+  lines.insert(lines.end(), others.begin(), others.end());
+}
+
+// The line between two points, made longer until both ends are on walls, if these are near.
+DoorCandidate Extended(const GroundMap& ground, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d along = (b - a).normalized();
+  const auto extend = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& direction) {
+    for (double step = 0.0; step < 0.6 / ground.resolution; step += 1.0) {
+      const Eigen::Vector2d p = end + step * direction;
+      if (!ground.IsOpen(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())))) return p;
+    }
+    return end;
+  };
+  return {extend(a, -along), extend(b, along), false};
+}
+
+DoorLine* NearestLine(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach, std::vector<DoorLine>& lines) {
+  const Eigen::Vector2d along = (b - a).normalized();
+  DoorLine* nearest = nullptr;
+  for (DoorLine& line : lines) {
+    const double turn = std::abs((line.line.b - line.line.a).normalized().dot(along));
+    const double distance = (line.line.middle() - (a + b) / 2.0).norm();
+    if (turn < 0.7 || distance >= reach) continue;
+    reach = distance;
+    nearest = &line;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map) {
+  const Eigen::Vector2d p = Inverse(geometry.T_map_grid) * p_map;
+  return p / geometry.resolution - Eigen::Vector2d(0.5, 0.5);
+}
+
+Eigen::Vector2d ToMap(const grid::GridGeometry& geometry, const Eigen::Vector2d& cells) {
+  const Eigen::Vector2d p = (cells + Eigen::Vector2d(0.5, 0.5)) * geometry.resolution;
+  return geometry.T_map_grid * p;
+}
+
+std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options) {
+  const double cells = 1.0 / ground.resolution;  // per metre
+  // A door may have panes of glass beside it.
+  const double longest = 1.4 * options.max_door * cells;
+  const NarrowPlaces limits{std::max(1.0, options.narrowing * cells), longest / 2.0};
+  std::vector<DoorLine> lines;
+  for (const std::size_t place : FindNarrowPlaces(ground, field, limits)) {
+    const auto line = CandidateAt(ground, field, place, longest);
+    if (line) AddDoorLine(ground, *line, options, lines);
+  }
+  return lines;
+}
+
+void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
+                 std::vector<DoorLine>& lines) {
+  for (const PassageHint& passage : passages) {
+    const Eigen::Vector2d a = ToCells(geometry, passage.a);
+    const Eigen::Vector2d b = ToCells(geometry, passage.b);
+    if (!a.allFinite() || !b.allFinite() || (b - a).norm() < 1.0) continue;
+    DoorLine* line = NearestLine(a, b, 0.6 / ground.resolution, lines);
+    if (line == nullptr) {
+      const DoorCandidate own = Extended(ground, a, b);
+      lines.push_back({own, GatherEvidence(ground, own), 0.0});
+      line = &lines.back();
+    }
+    if (line->line.passed) continue;
+    line->line.passed = true;
+    line->openness = std::min(line->openness, 0.0) + kPassed;
+  }
+}
+
+}  // namespace enfilade::rooms

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/grid/occupancy_grid.h"
+#include "core/rooms/distance_field.h"
+#include "core/rooms/door_candidate.h"
+#include "core/rooms/ground.h"
+#include "core/rooms/room_options.h"
+#include "core/rooms/room_partition.h"
+
+namespace enfilade::rooms {
+
+// A candidate and what is thought of it.
+struct DoorLine {
+  DoorCandidate line;
+  DoorEvidence evidence;
+  double openness = 0.0;  // door_candidate.h
+};
+
+// The lines along which the ground may be cut: at narrow places, and where robots are known to have passed a door.
+std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options);
+
+// A passage makes the line nearest to it a door, or is a line itself.
+void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
+                 std::vector<DoorLine>& lines);
+
+// Between the map's frame, m, and cells (ground.h).
+Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map);
+Eigen::Vector2d ToMap(const grid::GridGeometry& geometry, const Eigen::Vector2d& cells);
+
+}  // namespace enfilade::rooms
