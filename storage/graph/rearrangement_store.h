@@ -78,6 +78,10 @@ class RearrangementStore {
   // has been changed since: then nothing is undone.
   virtual absl::StatusOr<StoredRearrangement> Undo(const CallContext& context, const SiteLease& lease,
                                                    const rearrange::RearrangementId& id) const = 0;
+  // Where the id of a map leads to, through any number of redirects. A map that is not redirected, or does not exist,
+  // leads to itself.
+  virtual absl::StatusOr<rearrange::MapRedirect> Resolve(const CallContext& context, const SiteId& site,
+                                                         const MapId& map) const = 0;
   // NOT_FOUND.
   virtual absl::StatusOr<StoredRearrangement> Get(const CallContext& context, const SiteId& site,
                                                   const rearrange::RearrangementId& id) const = 0;

@@ -6,6 +6,7 @@
 #include "client/simulator/simulation.h"
 #include "core/grid/overlay.h"
 #include "core/slam/mapper/log_mapper.h"
+#include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "proto/convert/geometry.h"
 #include "proto/convert/record.h"
@@ -221,6 +222,29 @@ TEST_F(RearrangeTest, MergesRecordedMapsSplitsThemAndUndoesBoth) {
   EXPECT_EQ(HashOf("m2"), HashOf("m"));
   EXPECT_THAT(storage::postgres::LinkPointStore(*pool_).Get(Soon(), site_, LinkPointId("between")).status().message(),
               HasSubstr("does not exist"));
+
+  // So do poses in its frame.
+  v1::GetGlobalPoseRequest pose;
+  pose.mutable_map_pose()->set_map("sites/s/maps/m2");
+  *pose.mutable_map_pose()->mutable_pose_map_robot() =
+      convert::ToProto(PoseWithCovariance{{1, 2, 0.3}, Eigen::Matrix3d::Zero()});
+  ASSERT_OK_AND_ASSIGN(const auto global, Call(&v1::GraphService::Stub::GetGlobalPose, pose));
+  EXPECT_THAT(convert::FromProto(global.global_pose().pose_world_robot().pose()),
+              PoseNear(Drive().T_first_second * Pose2{1, 2, 0.3}, 1e-9, 1e-9));
+  v1::TransformPosesRequest transform;
+  transform.set_source_map("sites/s/maps/m2");
+  transform.set_target_map("sites/s/maps/m");
+  ASSERT_OK_AND_ASSIGN(const auto transformed, Call(&v1::GraphService::Stub::TransformPoses, transform));
+  EXPECT_THAT(convert::FromProto(transformed.pose_target_source().pose()),
+              PoseNear(Drive().T_first_second, 1e-9, 1e-9));
+  v1::FindRoutesRequest routes;
+  routes.set_start_map("sites/s/maps/m2");
+  routes.set_goal_map("sites/s/maps/m");
+  routes.mutable_pose_map_start();
+  *routes.mutable_pose_map_goal() = convert::ToProto(Drive().T_first_second);
+  ASSERT_OK_AND_ASSIGN(const auto found, Call(&v1::GraphService::Stub::FindRoutes, routes));
+  ASSERT_EQ(found.routes_size(), 1);
+  EXPECT_NEAR(found.routes(0).length_m(), 0.0, 1e-9);
 
   // Split again by the sessions.
   v1::SplitMapRequest split;

@@ -70,6 +70,10 @@ class ScriptedServer {
     ENFILADE_SCRIPTED(Unary, ListMapRevisions, list_revisions)
     ENFILADE_SCRIPTED(Download, ExportMap, export_map)
     ENFILADE_SCRIPTED(Upload, ImportMap, import_map)
+    ENFILADE_SCRIPTED(Unary, MergeMaps, merge_maps)
+    ENFILADE_SCRIPTED(Unary, SplitMap, split_map)
+    ENFILADE_SCRIPTED(Unary, UndoRearrangement, undo_rearrangement)
+    ENFILADE_SCRIPTED(Unary, ListRearrangements, list_rearrangements)
   };
   struct LinkPoints final : v1::LinkPointService::Service {
     explicit LinkPoints(ScriptedServer& server) : owner(server) {}

@@ -8,6 +8,7 @@
 #include "proto/convert/record.h"
 #include "server/rpc/graph/handlers.h"
 #include "server/rpc/graph/messages.h"
+#include "server/rpc/rearrange/resolve_map.h"
 
 namespace enfilade::server {
 namespace {
@@ -56,11 +57,13 @@ absl::StatusOr<v1::FindRoutesResponse> FindRoutes(const Services& services, cons
   if (!request.has_pose_map_goal()) return InvalidArgument("pose_map_goal is missing");
   ENFILADE_ASSIGN_OR_RETURN(const graph::RouteOptions options, OptionsOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), start.site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto from, ResolveMap(services, call, graph->graph(), start));
+  ENFILADE_ASSIGN_OR_RETURN(const auto to, ResolveMap(services, call, graph->graph(), goal));
   ENFILADE_ASSIGN_OR_RETURN(
       const graph::Routes routes,
       enfilade::graph::FindRoutes(graph->graph(),
-                                  {start.map, enfilade::convert::FromProto(request.pose_map_start()), goal.map,
-                                   enfilade::convert::FromProto(request.pose_map_goal())},
+                                  {from.to, from.T_to_from * enfilade::convert::FromProto(request.pose_map_start()),
+                                   to.to, to.T_to_from * enfilade::convert::FromProto(request.pose_map_goal())},
                                   options));
   response.set_graph_version(routes.graph_version);
   for (const graph::Route& route : routes.routes) *response.add_routes() = ToProto(start.site, route);

@@ -8,6 +8,7 @@
 #include "proto/convert/record.h"
 #include "server/rpc/graph/handlers.h"
 #include "server/rpc/graph/messages.h"
+#include "server/rpc/rearrange/resolve_map.h"
 
 namespace enfilade::server {
 namespace {
@@ -58,7 +59,7 @@ std::optional<absl::StatusOr<v1::GetGlobalPoseResponse>> TryGetGlobalPose(const 
   const absl::StatusOr<GivenPose> given = Parse(request.map_pose());
   if (!given.ok()) return given.status();
   const auto graph = services.graphs.FindCurrent(given->name.site);
-  if (graph == nullptr) return std::nullopt;
+  if (graph == nullptr || graph->graph().FindMap(given->name.map) == nullptr) return std::nullopt;
   return AnswerGiven(*graph, *given, request.map_pose());
 }
 
@@ -66,8 +67,11 @@ absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services
                                                         const v1::GetGlobalPoseRequest& request) {
   switch (request.subject_case()) {
     case v1::GetGlobalPoseRequest::kMapPose: {
-      ENFILADE_ASSIGN_OR_RETURN(const GivenPose given, Parse(request.map_pose()));
+      ENFILADE_ASSIGN_OR_RETURN(GivenPose given, Parse(request.map_pose()));
       ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), given.name.site));
+      ENFILADE_ASSIGN_OR_RETURN(const auto resolved, ResolveMap(services, call, graph->graph(), given.name));
+      given.name.map = resolved.to;
+      given.T_map_robot = rearrange::Moved(resolved.T_to_from, given.T_map_robot);
       return AnswerGiven(*graph, given, request.map_pose());
     }
     case v1::GetGlobalPoseRequest::kRobot: {

@@ -5,6 +5,7 @@
 #include "proto/convert/names.h"
 #include "server/rpc/graph/handlers.h"
 #include "server/rpc/graph/messages.h"
+#include "server/rpc/rearrange/resolve_map.h"
 
 namespace enfilade::server {
 namespace {
@@ -30,9 +31,15 @@ absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& servic
   }
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), source.site));
   response.set_graph_version(graph->graph().version());
-  ENFILADE_ASSIGN_OR_RETURN(const std::optional<graph::MapTransform> T_target_source,
-                            graph::FindTransform(graph->graph(), target.map, source.map));
+  ENFILADE_ASSIGN_OR_RETURN(const auto from, ResolveMap(services, call, graph->graph(), source));
+  ENFILADE_ASSIGN_OR_RETURN(const auto to, ResolveMap(services, call, graph->graph(), target));
+  ENFILADE_ASSIGN_OR_RETURN(std::optional<graph::MapTransform> T_target_source,
+                            graph::FindTransform(graph->graph(), to.to, from.to));
   if (!T_target_source.has_value()) return response;
+  if (from.to != source.map || to.to != target.map) {
+    const PoseWithCovariance T_from_source{from.T_to_from, Eigen::Matrix3d::Zero()};
+    T_target_source->T_a_b = rearrange::Moved(Inverse(to.T_to_from), Compose(T_target_source->T_a_b, T_from_source));
+  }
   *response.mutable_pose_target_source() = convert::ToProto(T_target_source->T_a_b);
   for (const graph::PoseHop& hop : T_target_source->hops) *response.add_hops() = ToProto(source.site, hop);
   response.set_solution_version(T_target_source->solution_version.value_or(0));

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/rearrange/rearrangement_store.h"
 
+#include <utility>
+
 #include "core/base/resource_name.h"
+#include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/site_locks.h"
@@ -13,6 +16,8 @@
 
 namespace enfilade::storage::postgres {
 namespace {
+
+constexpr Statement kResolveMap{"following redirects", "SELECT map_id, x, y, yaw FROM enfilade.resolve_map($1, $2)"};
 
 std::string ResourceOfRearrangement(const rearrange::RearrangementId& id) { return "rearrangements/" + id.value(); }
 
@@ -73,6 +78,18 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Undo(const CallContext& 
   ENFILADE_ASSIGN_OR_RETURN(StoredRearrangement stored, ReadRearrangement(transaction, site, id));
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOfRearrangement(site, id)));
   return stored;
+}
+
+absl::StatusOr<rearrange::MapRedirect> RearrangementStore::Resolve(const CallContext& context, const SiteId& site,
+                                                                   const MapId& map) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kResolveMap, Params(site, map)));
+  return ReadOne(
+      result,
+      [&](Row& row) {
+        MapId to{std::string(row.Text())};
+        return rearrange::MapRedirect{map, std::move(to), ReadPose(row)};
+      },
+      NameOf(site, map));
 }
 
 absl::StatusOr<StoredRearrangement> RearrangementStore::Get(const CallContext& context, const SiteId& site,

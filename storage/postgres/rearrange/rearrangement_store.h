@@ -14,6 +14,8 @@ class RearrangementStore final : public storage::RearrangementStore {
                                             const RearrangementChange& change) const override;
   absl::StatusOr<StoredRearrangement> Undo(const CallContext& context, const SiteLease& lease,
                                            const rearrange::RearrangementId& id) const override;
+  absl::StatusOr<rearrange::MapRedirect> Resolve(const CallContext& context, const SiteId& site,
+                                                 const MapId& map) const override;
   absl::StatusOr<StoredRearrangement> Get(const CallContext& context, const SiteId& site,
                                           const rearrange::RearrangementId& id) const override;
   absl::StatusOr<std::vector<StoredRearrangement>> List(const CallContext& context, const SiteId& site,
