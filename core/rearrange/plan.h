@@ -41,8 +41,8 @@ struct MapContent {
   std::vector<SessionInMap> sessions = {};
 };
 
-// Up to where the graph is sure of the pose between two maps: standard deviations, the position's in its least certain
-// direction.
+// Up to where the graph is sure of the pose between two maps: standard deviations at the link point that leads from one
+// to the other, the position's in its least certain direction.
 struct MergeOptions {
   double max_translation_sigma = 1.0;  // m
   double max_yaw_sigma = 0.15;         // rad

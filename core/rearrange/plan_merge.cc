@@ -40,7 +40,14 @@ absl::StatusOr<Pose2> FindSurePose(const graph::GraphSnapshot& graph, const MapI
     return FailedPrecondition("no link points lead from map {} to map {}: give the pose between them", kept.value(),
                               merged.value());
   }
-  const Eigen::Matrix3d& covariance = transform->T_a_b.covariance;
+  // At the link point that leads there: far from it, as at the map's origin, the yaw's error moves things apart.
+  Pose2 T_merged_place;
+  if (!transform->hops.empty()) {
+    const graph::LinkPoint* last = graph.FindLinkPoint(transform->hops.back().link_point);
+    const graph::Anchor* anchor = last == nullptr ? nullptr : last->FindAnchor(merged);
+    if (anchor != nullptr) T_merged_place = anchor->T_map_place;
+  }
+  const Eigen::Matrix3d covariance = Compose(transform->T_a_b, {T_merged_place, Eigen::Matrix3d::Zero()}).covariance;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> position(covariance.topLeftCorner<2, 2>());
   const double translation_sigma = std::sqrt(std::max(0.0, position.eigenvalues()(1)));
   const double yaw_sigma = std::sqrt(std::max(0.0, covariance(2, 2)));

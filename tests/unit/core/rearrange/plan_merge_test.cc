@@ -154,6 +154,11 @@ TEST_F(PlanMergeTest, RefusesWithoutASurePose) {
   EXPECT_OK(PlanMerge(request_, vague));
 }
 
+TEST_F(PlanMergeTest, TheMapsOriginsMayBeFarFromTheirDoor) {
+  graph_ = Graph({"hall", "lab"}, {Joining("door", {AnchorIn("hall", {4, 5, 0}), AnchorIn("lab", {60, -80, 0.3})})});
+  EXPECT_OK(PlanMerge(request_, graph_));
+}
+
 // A campus in the plainest form: which sessions are in which map, and the graph.
 struct Campus {
   graph::GraphSnapshot graph;
