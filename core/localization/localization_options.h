@@ -40,7 +40,10 @@ struct LocalizationOptions {
   double min_matched = 0.35;    // share of all hits on walls, below which no place is known
   double min_agreement = 0.60;  // the same of the hits on known ground
   double listed_odds = 40.0;    // a pose that is farther behind the best is not listed
-  double confident_odds = 8.0;  // every rival must be this far behind
+  // Every rival must be this far behind, and this many times as far as the best itself is from a perfect fit: the worse
+  // it fits, the less its lead says.
+  double confident_odds = 12.0;
+  double confident_misfit = 1.5;
   // So must every place where at least this share of the hits lies on known ground, by those alone: what nobody has
   // seen may look like the best place.
   double tenable_known = 0.25;
@@ -53,8 +56,8 @@ struct LocalizationOptions {
   double same_distance = 0.5;  // m
   double same_angle = 0.17;    // rad (10 deg)
   // Standard deviations added to a pose, for what matching does not model.
-  double sigma_floor = 0.05;  // m
-  double yaw_floor = 0.01;    // rad
+  double sigma_floor = 0.025;  // m
+  double yaw_floor = 0.006;    // rad
 
   // --- A prior pose bounds the search: this many standard deviations and, in addition, so much.
   double prior_sigmas = 4.0;

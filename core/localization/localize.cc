@@ -170,12 +170,18 @@ class Localizer {
     for (std::size_t i = 1; i < hypotheses_.size(); ++i) {
       const Hypothesis& other = hypotheses_[i];
       const double odds = best.tracked.known_log_likelihood - other.tracked.known_log_likelihood;
-      if (odds < options_.confident_odds && other.tracked.evidence.known() >= options_.tenable_known &&
+      if (odds < RequiredOdds() && other.tracked.evidence.known() >= options_.tenable_known &&
           !IsSamePlace(best, other)) {
         return &other;
       }
     }
     return nullptr;
+  }
+
+  // How far behind rivals must be.
+  double RequiredOdds() const {
+    const double misfit = -hypotheses_.front().tracked.known_log_likelihood;
+    return std::clamp(options_.confident_misfit * misfit, options_.confident_odds, options_.listed_odds);
   }
 
   const Hypothesis* FindRival() const {
@@ -206,7 +212,7 @@ class Localizer {
     }
     if (const Hypothesis* rival = FindRival()) {
       const double odds = best.log_likelihood - rival->tracked.log_likelihood;
-      if (odds < options_.confident_odds) {
+      if (odds < RequiredOdds()) {
         return rival->map == hypotheses_.front().map
                    ? fmt::format("another place, {:.1f} m away, fits nearly as well (log-odds {:.1f})",
                                  Between(best.T_map_robot.pose, rival->tracked.T_map_robot.pose).translation().norm(),

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <thread>
 
+#include "enfilade/v1/localization_service.grpc.pb.h"
 #include "grpc/grpc.h"
 #include "tests/rpc/server_test.h"
 
@@ -19,6 +20,7 @@ void ExpectRefusesEmpty(const client::Connection& connection,
 
 TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   using v1::IngestService;
+  using v1::LocalizationService;
   using v1::MapService;
   using v1::RobotService;
   using v1::SessionService;
@@ -54,6 +56,7 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitOdometry);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
+  ExpectRefusesEmpty(*connection_, &LocalizationService::Stub::LocalizeRobot);
 
   const auto first_of = [&](auto reader) {
     typename std::remove_reference_t<decltype(*reader.second)>* stream = reader.second.get();
