@@ -6,6 +6,7 @@
 
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
+#include "enfilade/v1/localization_service.grpc.pb.h"
 #include "google/protobuf/descriptor.h"
 #include "grpcpp/generic/generic_stub.h"
 #include "storage/postgres/driver/transaction.h"
@@ -231,9 +232,10 @@ TEST_F(CallsTest, EveryRpcOfTheApiIsServed) {
   grpc::GenericStub stub(connection_->channel());
   int rpcs = 0;
   for (const auto* file : {v1::GraphService::service_full_name(), v1::IngestService::service_full_name(),
-                           v1::LinkPointService::service_full_name(), v1::MapService::service_full_name(),
-                           v1::RobotService::service_full_name(), v1::ServerService::service_full_name(),
-                           v1::SessionService::service_full_name(), v1::SiteService::service_full_name()}) {
+                           v1::LinkPointService::service_full_name(), v1::LocalizationService::service_full_name(),
+                           v1::MapService::service_full_name(), v1::RobotService::service_full_name(),
+                           v1::ServerService::service_full_name(), v1::SessionService::service_full_name(),
+                           v1::SiteService::service_full_name()}) {
     const auto* service = google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(file);
     ASSERT_NE(service, nullptr) << file;
     for (int i = 0; i < service->method_count(); ++i, ++rpcs) {
@@ -260,7 +262,7 @@ TEST_F(CallsTest, EveryRpcOfTheApiIsServed) {
       EXPECT_NE(RequestIdIn(context), "") << method;
     }
   }
-  EXPECT_EQ(rpcs, 60) << "a new RPC: its handler, tests and docs/api.md are there?";
+  EXPECT_EQ(rpcs, 61) << "a new RPC: its handler, tests and docs/api.md are there?";
 }
 
 }  // namespace
