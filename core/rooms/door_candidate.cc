@@ -47,8 +47,10 @@ Ground GroundAt(const GroundMap& ground, const Eigen::Vector2d& p) {
 
 // One side of a wall, from the line that is followed to open ground.
 struct WallSide {
-  int steps = -1;     // to open ground; -1: none within the limit
-  bool seen = false;  // a wall was seen before it
+  int steps = -1;  // to open ground; -1: none within the limit
+  int walls = 0;   // of the steps before it, those on a wall
+  // The wall ends in unknown ground. Otherwise, without open ground, another wall begins here and runs away.
+  bool Fades(int limit) const { return steps < 0 && 2 * walls <= limit; }
 };
 
 WallSide LookAside(const GroundMap& ground, const Eigen::Vector2d& from, const Eigen::Vector2d& direction, int limit) {
@@ -59,7 +61,7 @@ WallSide LookAside(const GroundMap& ground, const Eigen::Vector2d& from, const E
       side.steps = step;
       return side;
     }
-    side.seen = side.seen || kind == Ground::kWall;
+    side.walls += kind == Ground::kWall ? 1 : 0;
   }
   return side;
 }
@@ -87,12 +89,12 @@ JambEvidence FollowLine(const GroundMap& ground, const Eigen::Vector2d& start, c
     const bool seen = GroundAt(ground, p) == Ground::kWall;
     const WallSide left = LookAside(ground, p, aside, limit);
     const WallSide right = LookAside(ground, p, -aside, limit);
-    const bool wall_seen = seen || left.seen || right.seen;
+    const bool wall_seen = seen || left.walls > 0 || right.walls > 0;
     if (left.steps > 0 && right.steps > 0 && left.steps + right.steps - 1 <= limit && wall_seen) {
       ++slender;
       thickness += (left.steps + right.steps - 1) * cell;
-    } else if ((left.steps > 0 && right.steps < 0 && (seen || left.seen)) ||
-               (right.steps > 0 && left.steps < 0 && (seen || right.seen))) {
+    } else if ((left.steps > 0 && right.Fades(limit) && (seen || left.walls > 0)) ||
+               (right.steps > 0 && left.Fades(limit) && (seen || right.walls > 0))) {
       ++facing;
     } else {
       break;

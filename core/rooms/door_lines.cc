@@ -23,14 +23,16 @@ bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>
 // The line at a narrow place, and the walls' own lines across it where they look more like a door.
 void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomOptions& options,
                  std::vector<DoorLine>& lines) {
-  const double same = 0.15 / ground.resolution;
-  if (IsKnown(line, same, lines)) return;
+  constexpr double kSame = 0.5;       // cells: holes in a wall may be neighbours, and each must be closed
+  constexpr double kSmallHole = 0.5;  // m
+  if (IsKnown(line, kSame, lines)) return;
   const DoorEvidence evidence = GatherEvidence(ground, line);
   DoorLine best{line, evidence, OpennessOf(evidence)};
   const double one_door = 0.5 / ground.resolution;
   std::vector<DoorLine> others;
+  const bool hole = line.length() * ground.resolution < kSmallHole;
   for (const DoorCandidate& other : ContinueWalls(ground, line, evidence, 1.4 * options.max_door / ground.resolution)) {
-    if (other.length() < 2.0 || IsKnown(other, same, lines)) continue;
+    if (hole || other.length() < 2.0 || IsKnown(other, kSame, lines)) continue;
     DoorLine found{other, GatherEvidence(ground, other), 0.0};
     found.openness = OpennessOf(found.evidence);
     if (found.evidence.width > options.max_door || found.openness >= std::min(best.openness, 0.0)) continue;
