@@ -256,7 +256,14 @@ double WidthBeyond(const GroundMap& ground, const Eigen::Vector2d& at, const Eig
 
 // From where the wall ends to the next wall.
 std::optional<DoorCandidate> ContinueWall(const GroundMap& ground, const JambEvidence& wall, double max_length) {
-  Eigen::Vector2d last_wall = wall.wall_from;
+  // The line starts beside the jamb: the wall may begin a little farther out.
+  constexpr double kMissing = 0.25;  // m
+  double out = 0.0;
+  while (!IsSolid(ground, wall.wall_from + out * wall.wall_direction)) {
+    out += 1.0;
+    if (out * ground.resolution > kMissing) return std::nullopt;
+  }
+  Eigen::Vector2d last_wall = wall.wall_from + out * wall.wall_direction;
   int open = 0;  // cells since the wall
   for (double at = 0.0; at < max_length; at += 1.0) {
     const Eigen::Vector2d p = wall.wall_from - at * wall.wall_direction;
