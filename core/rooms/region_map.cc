@@ -106,7 +106,8 @@ void FillLines(const GroundMap& ground, std::vector<std::size_t> cells, RegionMa
 
 }  // namespace
 
-CutGround CutAlong(const GroundMap& ground, std::span<const DoorCandidate> lines) {
+CutGround CutAlong(const GroundMap& ground, const DistanceField& field, std::span<const DoorCandidate> lines) {
+  constexpr float kBesideWall = 1.5F;  // cells
   CutGround cut;
   cut.map.region.resize(ground.cells.size());
   for (std::size_t i = 0; i < ground.cells.size(); ++i) {
@@ -115,7 +116,8 @@ CutGround CutAlong(const GroundMap& ground, std::span<const DoorCandidate> lines
   // Clutter is filled in the end: two lines may meet at a post.
   std::vector<std::size_t> on_lines;
   for (std::size_t i = 0; i < ground.cells.size(); ++i) {
-    if (ground.cells[i] != Ground::kClutter) continue;
+    const bool beside_wall = ground.IsOpen(i) && field.distance[i] < kBesideWall;
+    if (ground.cells[i] != Ground::kClutter && !beside_wall) continue;
     cut.map.region[i] = kOnLine;
     on_lines.push_back(i);
   }

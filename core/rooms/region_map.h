@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/rooms/distance_field.h"
 #include "core/rooms/door_candidate.h"
 #include "core/rooms/ground.h"
 
@@ -29,7 +30,8 @@ struct CutGround {
   std::vector<Sides> sides;  // of each line
 };
 
-// Cells on a line belong to the nearest region.
-CutGround CutAlong(const GroundMap& ground, std::span<const DoorCandidate> lines);
+// Cells on a line belong to the nearest region, and so do those beside walls: a hole of one or two cells in a wall
+// joins nothing.
+CutGround CutAlong(const GroundMap& ground, const DistanceField& field, std::span<const DoorCandidate> lines);
 
 }  // namespace enfilade::rooms

@@ -44,7 +44,7 @@ class Partitioner {
     AddPassages(ground_, geometry_, evidence_.passages, lines_);
     std::vector<DoorCandidate> lines;
     for (const DoorLine& line : lines_) lines.push_back(line.line);
-    cut_ = CutAlong(ground_, lines);
+    cut_ = CutAlong(ground_, field_, lines);
     Cluster();
     AbsorbSmall();
     RoomPartition partition;
