@@ -11,8 +11,10 @@
 #include "grpcpp/grpcpp.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "server/app/closure/door_closures.h"
+#include "server/app/rearrange/rearranger.h"
 #include "server/app/runtime/maintenance_loop.h"
 #include "server/app/services.h"
+#include "server/app/survey/site_surveyor.h"
 #include "server/rpc/api.h"
 #include "spdlog/spdlog.h"
 #include "storage/postgres/driver/pool.h"
@@ -24,6 +26,7 @@
 #include "storage/postgres/maps/map_store.h"
 #include "storage/postgres/maps/revision_store.h"
 #include "storage/postgres/rearrange/rearrangement_store.h"
+#include "storage/postgres/rearrange/survey_store.h"
 #include "storage/postgres/sessions/mapping_store.h"
 #include "storage/postgres/sessions/record_store.h"
 #include "storage/postgres/sessions/session_store.h"
@@ -82,6 +85,13 @@ class Server::Impl {
                                                    map_entries,   rearrangements,
                                                    localization});
     api = std::make_unique<Api>(*services);
+    if (options.survey.share > 0.0) {
+      surveyor = std::make_unique<SiteSurveyor>(
+          survey::SurveyOptions{}, options.survey.share,
+          SurveyMappingOptions{{.window_s = options.mapping.pairing_window_s}, slam_profiles},
+          SiteSurveyor::Stores{{sessions, records, mappings, maps, door_verdicts}, surveys, site_leases}, graphs,
+          rearranger, survey_wake);
+    }
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
     maintenance_loop = std::make_unique<MaintenanceLoop>(
@@ -140,6 +150,7 @@ class Server::Impl {
     mapping.Stop();
     ingest.Drain();
     door_closures.Stop();
+    if (surveyor) surveyor->Stop();
     graph_optimizer.Stop();
     graphs.Stop();
     grpc->Shutdown(deadline);
@@ -167,6 +178,7 @@ class Server::Impl {
   const storage::AuditStore audit{*pool};
   const storage::DoorVerdictStore door_verdicts{*pool};
   const storage::postgres::SiteLeaseStore site_leases{*pool};
+  const storage::postgres::SurveyStore surveys{*pool};
   const storage::postgres::RearrangementStore rearrangement_store{*pool};
   const storage::FeatureStore features{*pool};
   const storage::Maintenance maintenance{*pool};
@@ -195,6 +207,8 @@ class Server::Impl {
         mapping.Wake();
         map_entries.Wake();
       }};
+  WakeSignal survey_wake;
+  std::unique_ptr<SiteSurveyor> surveyor;  // null: sites are not surveyed
   std::unique_ptr<MapExports> exports;
   std::unique_ptr<Readiness> readiness;
   std::unique_ptr<Services> services;

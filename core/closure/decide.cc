@@ -164,9 +164,11 @@ DoorStep JudgePassage(const DoorKnowledge& knowledge) {
 
 DoorStep Decide(const DoorKnowledge& knowledge) {
   if (!knowledge.map) return NotJudged(knowledge, "the session was only recorded");
-  if (knowledge.mapping_error) return NotJudged(knowledge, "mapping failed: " + *knowledge.mapping_error);
-  if (!knowledge.T_map_door || !knowledge.T_map_robot) {
-    return NotJudged(knowledge, "nothing was mapped when the robot was at the door");
+  if (knowledge.mapping_error || !knowledge.T_map_door || !knowledge.T_map_robot) {
+    std::string reason = knowledge.mapping_error ? "mapping failed: " + *knowledge.mapping_error
+                                                 : "nothing was mapped when the robot was at the door";
+    if (knowledge.by_odometry) return JoinByOdometry(knowledge, std::move(reason));
+    return NotJudged(knowledge, std::move(reason));
   }
   if (knowledge.report.kind == sensor::DoorReport::Kind::kCandidate) return JudgeCandidate(knowledge);
   return JudgePassage(knowledge);

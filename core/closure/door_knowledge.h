@@ -64,6 +64,13 @@ struct SearchedMap {
   std::optional<ScanEvidence> scans = {};  // unset: not compared yet
 };
 
+// Where odometry alone has a door and the robot behind it, if nothing was mapped there.
+struct DoorByOdometry {
+  PoseWithCovariance T_map_door = {};
+  PoseWithCovariance T_map_robot = {};   // at the time of the report
+  PoseWithCovariance T_door_robot = {};  // the same, relative to the door
+};
+
 // Everything that is known when a door report is judged, in one value. The first group is set from the start; the
 // second one grows step by step, because evidence is expensive: Decide says what it needs next. Places are pointers
 // into `graph`, which must outlive them.
@@ -77,6 +84,7 @@ struct DoorKnowledge {
   std::optional<PoseWithCovariance> T_map_door = {};
   std::optional<PoseWithCovariance> T_map_robot = {};   // at the time of the report
   std::optional<PoseWithCovariance> T_door_robot = {};  // the same, relative to the door
+  std::optional<DoorByOdometry> by_odometry = {};       // of a passage without these poses
   bool has_views = false;                               // images or clouds were recorded near the door (of a candidate)
   std::vector<Eigen::Vector2d> points_behind_door = {};  // of scans, in the frame of T_map_robot, m
   // Candidates that the database refused to promote: another link point joins the two maps at that place already.

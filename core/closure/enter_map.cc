@@ -42,6 +42,20 @@ DoorJudgement Link(const DoorKnowledge& knowledge, const Destination& to, const 
   return {.action = std::move(action), .reason = "another door of a map that is known: " + to.reason};
 }
 
+// A new map whose origin is the door.
+DoorJudgement StartMapBehind(const DoorKnowledge& knowledge, const PoseWithCovariance& T_map_door,
+                             const std::optional<PoseWithCovariance>& T_door_robot, std::string reason) {
+  StartMap action;
+  action.map = DescribeNewMap(knowledge.new_map, &*knowledge.map, &knowledge.report, knowledge.options);
+  action.link_point.id = knowledge.new_link_point;
+  action.link_point.kind = knowledge.report.place;
+  action.link_point.direction = action.map.id;
+  action.link_point.anchors = {{knowledge.map->id, T_map_door.pose, T_map_door.covariance},
+                               OriginAnchor(action.map.id, knowledge.options)};
+  action.entered = {.map = action.map.id, .T_map_robot = T_door_robot};  // the door is the map's origin
+  return {.action = std::move(action), .reason = std::move(reason)};
+}
+
 }  // namespace
 
 DoorJudgement EnterKnownMap(const DoorKnowledge& knowledge, const Destination& to) {
@@ -72,15 +86,14 @@ DoorJudgement EnterKnownMap(const DoorKnowledge& knowledge, const Destination& t
 }
 
 DoorJudgement StartNewMap(const DoorKnowledge& knowledge, std::string reason) {
-  StartMap action;
-  action.map = DescribeNewMap(knowledge.new_map, &*knowledge.map, &knowledge.report, knowledge.options);
-  action.link_point.id = knowledge.new_link_point;
-  action.link_point.kind = knowledge.report.place;
-  action.link_point.direction = action.map.id;
-  action.link_point.anchors = {{knowledge.map->id, knowledge.T_map_door->pose, knowledge.T_map_door->covariance},
-                               OriginAnchor(action.map.id, knowledge.options)};
-  action.entered = {.map = action.map.id, .T_map_robot = knowledge.T_door_robot};  // the door is the map's origin
-  return {.action = std::move(action), .reason = std::move(reason), .used_up = knowledge.passed->sightings};
+  DoorJudgement judgement = StartMapBehind(knowledge, *knowledge.T_map_door, knowledge.T_door_robot, std::move(reason));
+  judgement.used_up = knowledge.passed->sightings;
+  return judgement;
+}
+
+DoorJudgement JoinByOdometry(const DoorKnowledge& knowledge, std::string reason) {
+  return StartMapBehind(knowledge, knowledge.by_odometry->T_map_door, knowledge.by_odometry->T_door_robot,
+                        std::move(reason) + "; odometry joins a new map");
 }
 
 }  // namespace enfilade::closure

@@ -28,4 +28,8 @@ DoorJudgement EnterKnownMap(const DoorKnowledge& knowledge, const Destination& t
 // What to do about a passage into a map that is not known: a new link point, and a new map whose origin it is.
 DoorJudgement StartNewMap(const DoorKnowledge& knowledge, std::string reason);
 
+// What to do about a passage whose door was not mapped (knowledge.by_odometry is set): the same, by odometry alone, so
+// that one robot's maps are always joined.
+DoorJudgement JoinByOdometry(const DoorKnowledge& knowledge, std::string reason);
+
 }  // namespace enfilade::closure

@@ -11,6 +11,12 @@ namespace {
 constexpr TimeNs kMaxOdometryGap = kNsPerSecond / 2;
 constexpr TimeNs kMaxTrajectoryGap = 10 * kNsPerSecond;
 constexpr TimeNs kMaxBareGap = kNsPerSecond;  // without odometry
+// Standard deviations of what a robot may have done unseen.
+constexpr double kBlindSpeed = 0.5;    // m/s
+constexpr double kBlindTurn = 0.3;     // rad/s
+constexpr double kMaxBlindWay = 10.0;  // m
+
+double SecondsIn(DurationNs duration) { return std::abs(ToSeconds(duration)); }
 
 template <typename Stamped>
 auto FirstAtOrAfter(const std::vector<Stamped>& samples, TimeNs time) {
@@ -73,6 +79,25 @@ std::optional<PoseWithCovariance> SessionTrack::PoseAt(TimeNs time) const {
   const double variance = sigma_ * sigma_ * length * length;
   step.covariance.diagonal() << variance, variance, yaw_sigma_ * yaw_sigma_ * length * length;
   return Compose({nearest->T_map_robot, Eigen::Matrix3d::Zero()}, step);
+}
+
+PoseWithCovariance SessionTrack::GuessPoseAt(TimeNs time, const slam::StampedPose& start) const {
+  const slam::StampedPose* mapped = FindNearest(trajectory_, time);
+  const slam::StampedPose& from = mapped != nullptr ? *mapped : start;
+  const sensor::Odometry* then = FindNearest(odometry_, from.time);
+  const sensor::Odometry* now = FindNearest(odometry_, time);
+  PoseWithCovariance step;
+  double blind = SecondsIn(time - from.time);
+  if (then != nullptr && now != nullptr) {
+    step.pose = Between(then->T_odom_robot, now->T_odom_robot);
+    blind = SecondsIn(then->time - from.time) + SecondsIn(now->time - time);
+  }
+  const double length = step.pose.translation().norm() + std::abs(step.pose.yaw) * 0.5;
+  const double sigma = sigma_ * length + std::min(kMaxBlindWay, kBlindSpeed * blind);
+  const double yaw_sigma = yaw_sigma_ * length + std::min(M_PI, kBlindTurn * blind);
+  step.covariance.diagonal() << sigma * sigma, sigma * sigma, yaw_sigma * yaw_sigma;
+  step.covariance.diagonal() += match_variances_;
+  return Compose({from.T_map_robot, Eigen::Matrix3d::Zero()}, step);
 }
 
 std::optional<PoseWithCovariance> SessionTrack::ToMap(const Pose2& T_odom_x, TimeNs time) const {

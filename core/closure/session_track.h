@@ -22,6 +22,9 @@ class SessionTrack {
   // T_map_robot, with the covariance of odometry since the nearest mapped scan only. Unset if no scan was mapped within
   // 10 s (1 s without odometry).
   std::optional<PoseWithCovariance> PoseAt(TimeNs time) const;
+  // As PoseAt, but always: from the nearest mapped scan, or from `start` if there is none, by odometry as far as there
+  // is any. What odometry does not show may be any way that a robot can drive in the time.
+  PoseWithCovariance GuessPoseAt(TimeNs time, const slam::StampedPose& start) const;
   // T_odom_robot, interpolated between samples up to 1 s apart. Unset if no sample is within half a second.
   std::optional<Pose2> OdometryAt(TimeNs time) const;
   // T_map_x of a thing seen at `time`, whose pose in the odometry frame is T_odom_x. Without odometry it is taken to be

@@ -42,6 +42,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("transfers.cache_directory", options.transfers.cache_directory);
   visit("transfers.cache_bytes", options.transfers.cache_bytes);
   visit("transfers.max_import_bytes", options.transfers.max_import_bytes);
+  visit("survey.share", options.survey.share);
   visit("retention.interval_s", options.retention.interval_s);
   visit("metrics.address", options.metrics.address);
   visit("log.level", options.log.level);
@@ -178,6 +179,9 @@ absl::Status ServerOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.revision_interval_s", mapping.revision_interval_s, 0.0));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.pairing_window_s", mapping.pairing_window_s, 0.0));
   if (absl::Status status = closure.Validate(); !status.ok()) return WithContext(status, "option closure");
+  if (!(survey.share >= 0.0 && survey.share <= 1.0)) {
+    return InvalidArgument("survey.share is {}: expected 0 to 1", survey.share);
+  }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("retention.interval_s", retention.interval_s, 0.1));
   for (const char* level : {"trace", "debug", "info", "warn", "error"}) {
     if (log.level == level) {

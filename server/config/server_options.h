@@ -65,6 +65,12 @@ struct ServerOptions {
   // How robots' door reports are judged: core/closure/closure_options.h.
   closure::DoorClosureOptions closure;
 
+  struct Survey {
+    // The largest share of the time that a site is surveyed, to make each room one map (docs/survey.md), 0 to 1. 0:
+    // sites are not surveyed.
+    double share = 0.0;
+  } survey;
+
   struct Transfers {
     // Where rendered files are kept for the next download; empty: a new folder under the system's temporary one.
     std::string cache_directory;

@@ -110,6 +110,7 @@ v1::Session ToProto(const storage::Session& session) {
   mapping.set_lost(session.mapping_counts.lost);
   out.set_error(session.error);
   *out.mutable_create_time() = convert::ToTimestamp(session.create_time);
+  out.set_surveyed(session.surveyed);
   if (session.finish_time) *out.mutable_finish_time() = convert::ToTimestamp(*session.finish_time);
   const sensor::SessionEntry& entry = session.entry;
   if (entry.previous) {

@@ -63,6 +63,7 @@ struct Session {
   std::optional<TimeNs> last_time;
   std::string error;
   bool records_deleted = false;  // by the site's retention
+  bool surveyed = false;         // see SurveyStore
   TimeNs create_time = 0;
   std::optional<TimeNs> finish_time;
 };

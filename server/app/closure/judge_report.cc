@@ -24,12 +24,18 @@ absl::Status ReadScene(const DoorClosureStores& stores, const ReportToJudge& rep
     knowledge.map = {.id = map.id, .level = map.level, .environment = map.environment};
   }
   if (session.state == storage::SessionState::kFailed) knowledge.mapping_error = session.error;
-  if (!knowledge.map || knowledge.mapping_error) return absl::OkStatus();
+  if (!knowledge.map) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(judged.scene, SessionScene::Load(stores, session, report.stored, knowledge.options));
   const SessionScene& scene = *judged.scene;
   knowledge.T_map_door = scene.DoorPose();
   knowledge.T_map_robot = scene.PoseAt(knowledge.report.time);
-  if (!knowledge.T_map_door || !knowledge.T_map_robot) return absl::OkStatus();
+  if (knowledge.mapping_error || !knowledge.T_map_door || !knowledge.T_map_robot) {
+    if (knowledge.report.kind == sensor::DoorReport::Kind::kPassage) {
+      knowledge.by_odometry = scene.GuessByOdometry();
+      judged.T_odom_robot = scene.OdometryAt(knowledge.report.time);
+    }
+    return absl::OkStatus();
+  }
   if (knowledge.report.kind == sensor::DoorReport::Kind::kCandidate) {
     knowledge.has_views = scene.HasViews(SightingWindow(knowledge));
     return absl::OkStatus();
@@ -43,7 +49,8 @@ absl::Status ReadScene(const DoorClosureStores& stores, const ReportToJudge& rep
 }
 
 bool IsPassageToCompare(const closure::DoorKnowledge& knowledge) {
-  return knowledge.report.kind == sensor::DoorReport::Kind::kPassage && knowledge.T_map_door && knowledge.T_map_robot;
+  return knowledge.report.kind == sensor::DoorReport::Kind::kPassage && knowledge.T_map_door && knowledge.T_map_robot &&
+         !knowledge.mapping_error;
 }
 
 }  // namespace

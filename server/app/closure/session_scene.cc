@@ -35,7 +35,10 @@ absl::StatusOr<SessionScene> SessionScene::Load(const DoorClosureStores& stores,
   ENFILADE_ASSIGN_OR_RETURN(const auto keyframe, stores.mappings.FindKeyframe(JudgingLease::Context(), session.site,
                                                                               session.id, report.time));
   const Eigen::Matrix3d covariance = keyframe ? keyframe->covariance : Eigen::Matrix3d::Zero().eval();
-  return SessionScene(std::move(trajectory.poses), std::move(records), covariance, report, options);
+  SessionScene scene(std::move(trajectory.poses), std::move(records), covariance, report, options);
+  scene.start_.time = session.first_time.value_or(report.door_time);
+  if (session.entry.T_map_robot) scene.start_.T_map_robot = session.entry.T_map_robot->pose;
+  return scene;
 }
 
 SessionScene::SessionScene(std::vector<slam::StampedPose> trajectory, std::vector<sensor::Record> records,
@@ -67,6 +70,23 @@ std::optional<PoseWithCovariance> SessionScene::DoorPose() const {
   std::optional<PoseWithCovariance> pose = track_.ToMap(report_.T_odom_door, report_.door_time);
   if (pose) pose->covariance += keyframe_covariance_;
   return pose;
+}
+
+closure::DoorByOdometry SessionScene::GuessByOdometry() const {
+  closure::DoorByOdometry guess;
+  guess.T_map_robot = track_.GuessPoseAt(report_.time, start_);
+  guess.T_map_robot.covariance += keyframe_covariance_;
+  // The same odometry saw the door and the robot, so that their relative pose is better than either.
+  const std::optional<Pose2> T_odom_robot = track_.OdometryAt(report_.time);
+  if (T_odom_robot) {
+    guess.T_door_robot.pose = Between(report_.T_odom_door, *T_odom_robot);
+    const double way = guess.T_door_robot.pose.translation().norm();
+    guess.T_door_robot.covariance.diagonal() << 0.01 + 0.01 * way, 0.01 + 0.01 * way, 0.01;
+  } else {
+    guess.T_door_robot.covariance.diagonal() << 1.0, 1.0, 0.1;
+  }
+  guess.T_map_door = Compose(guess.T_map_robot, Inverse(guess.T_door_robot));
+  return guess;
 }
 
 std::vector<SessionScene::SeenImage> SessionScene::FindImages(sensor::Camera camera, const ViewWindow& window,

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/closure/closure_options.h"
+#include "core/closure/door_knowledge.h"
 #include "core/closure/scan_location.h"
 #include "core/closure/session_track.h"
 #include "core/sensor/record.h"
@@ -48,6 +49,9 @@ class SessionScene {
     return track_.RelativePose(report_.T_odom_door, report_.door_time, report_.time);
   }
 
+  // Where odometry alone has the reported door and the robot, if there is no better pose.
+  closure::DoorByOdometry GuessByOdometry() const;
+
   struct SeenImage {
     std::int64_t sequence = 0;
     sensor::Image image;
@@ -66,6 +70,7 @@ class SessionScene {
 
  private:
   closure::SessionTrack track_;
+  slam::StampedPose start_ = {};  // of the session in its map
   sensor::DoorReport report_;
   Eigen::Matrix3d keyframe_covariance_ = Eigen::Matrix3d::Zero();
   std::vector<SeenImage> images_;

@@ -135,7 +135,7 @@ TEST_F(DoorClosuresTest, SessionsAfterNoPassageStartAMapThatNothingJoins) {
   EXPECT_EQ(Value("SELECT initial_x IS NULL FROM sessions WHERE session_id = 's2'"), "t");
 }
 
-TEST_F(DoorClosuresTest, APassageAtWhichNothingWasMappedCannotBeJudged) {
+TEST_F(DoorClosuresTest, APassageAtWhichNothingWasMappedIsJoinedByOdometry) {
   sensor::DoorReport report;
   report.time = report.door_time = 9;
   report.kind = sensor::DoorReport::Kind::kPassage;
@@ -143,10 +143,10 @@ TEST_F(DoorClosuresTest, APassageAtWhichNothingWasMappedCannotBeJudged) {
   std::vector<DrivenSession> drive(2);
   drive[0].log = {{1, report}};
   const std::vector<SessionId> sessions = MapAll(drive);
-  ASSERT_THAT(Decisions(sessions), ElementsAre("not judged"));
+  ASSERT_THAT(Decisions(sessions), ElementsAre("link point made"));
   EXPECT_THAT(Verdicts(sessions[0])[0].reason, HasSubstr("nothing was mapped"));
   EXPECT_EQ(Value("SELECT level FROM maps WHERE display_name = 'Map 1'"), "3");
-  EXPECT_EQ(Value("SELECT count(*) FROM link_points"), "0");
+  EXPECT_EQ(Value("SELECT count(*) FROM link_points"), "1");
 }
 
 TEST_F(DoorClosuresTest, WorkersThatEndInBetweenLeaveNothingHalfDone) {

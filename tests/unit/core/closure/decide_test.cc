@@ -55,6 +55,29 @@ TEST(DecideUnjudged, SaysWhyAndStartsAMapAfterAPassageOnly) {
   }
 }
 
+TEST(DecideUnjudged, OdometryJoinsAPassageWhoseDoorWasNotMapped) {
+  const std::vector<std::pair<const char*, std::function<void(DoorKnowledge&)>>> cases = {
+      {"mapping failed: out of memory", [](DoorKnowledge& k) { k.mapping_error = "out of memory"; }},
+      {"nothing was mapped when the robot was at the door", [](DoorKnowledge& k) { k.T_map_door.reset(); }},
+      {"nothing was mapped when the robot was at the door", [](DoorKnowledge& k) { k.T_map_robot.reset(); }},
+  };
+  for (const auto& [reason, change] : cases) {
+    DoorScenario scenario;
+    change(scenario.knowledge());
+    const Eigen::Matrix3d wide = Eigen::Matrix3d::Identity();
+    scenario.knowledge().by_odometry = {{{9, 1, 0.2}, wide}, {{10, 1, 0.2}, wide}, {{1, 0.5, 0}, wide}};
+    const DoorRun run = scenario.Run();
+    EXPECT_THAT(run.steps, IsEmpty());
+    const auto action = ActionOf<StartMap>(run.judgement);
+    EXPECT_THAT(run.judgement.reason, HasSubstr(reason));
+    ASSERT_THAT(action.link_point.anchors, SizeIs(2));
+    EXPECT_EQ(action.link_point.anchors[0].T_map_place, (Pose2{9, 1, 0.2}));
+    EXPECT_EQ(action.link_point.anchors[0].covariance, wide);
+    ASSERT_TRUE(action.entered.T_map_robot);
+    EXPECT_EQ(action.entered.T_map_robot->pose, (Pose2{1, 0.5, 0}));
+  }
+}
+
 // --- Candidates.
 
 TEST(DecideCandidate, MakesOneWhereNoPlaceIsKnown) {

@@ -60,6 +60,21 @@ TEST(SessionTrack, HasNoPoseWhenNothingWasMapped) {
   EXPECT_FALSE(early.OdometryAt(30 * kSecond).has_value());
 }
 
+TEST(SessionTrack, GuessesAPoseAtAnyTime) {
+  const slam::StampedPose start{5 * kSecond, {7, 7, 0}};
+  const SessionTrack nothing({}, {}, {});
+  const PoseWithCovariance lost = nothing.GuessPoseAt(9 * kSecond, start);
+  EXPECT_THAT(lost.pose, PoseNear(Pose2{7, 7, 0}, 1e-9, 1e-9));
+  EXPECT_GT(lost.covariance(0, 0), 1.0) << "4 s unseen";
+  // A gap in the odometry: the way is known, when it was driven is not.
+  const SessionTrack gap({{0, {1, 0, 0}}}, {{0, {0, 0, 0}}, {20 * kSecond, {3, 0, 0}}}, {});
+  const PoseWithCovariance carried = gap.GuessPoseAt(20 * kSecond, start);
+  EXPECT_THAT(carried.pose, PoseNear(Pose2{4, 0, 0}, 1e-9, 1e-9));
+  EXPECT_LT(carried.covariance(0, 0), 0.01);
+  EXPECT_GT(gap.GuessPoseAt(25 * kSecond, start).covariance(0, 0), 1.0) << "5 s without odometry";
+  EXPECT_LE(gap.GuessPoseAt(4000 * kSecond, start).covariance(2, 2), 11.0) << "a full turn is all there is";
+}
+
 TEST(SessionTrack, TakesSamplesInAnyOrder) {
   const SessionTrack track({{kSecond, {1, 0, 0}}, {0, {0, 0, 0}}}, {{kSecond, {1, 0, 0}}, {0, {0, 0, 0}}}, {});
   EXPECT_THAT(track.PoseAt(kSecond / 2)->pose, PoseNear(Pose2{0.5, 0, 0}, 1e-9, 1e-9));

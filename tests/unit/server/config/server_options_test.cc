@@ -139,6 +139,7 @@ TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
         Case{"mapping.pairing_window_s", [](ServerOptions& o) { o.mapping.pairing_window_s = -1.0; }},
         Case{"transfers.cache_bytes", [](ServerOptions& o) { o.transfers.cache_bytes = 0; }},
         Case{"transfers.max_import_bytes", [](ServerOptions& o) { o.transfers.max_import_bytes = 0; }},
+        Case{"survey.share", [](ServerOptions& o) { o.survey.share = 1.5; }},
         Case{"retention.interval_s", [](ServerOptions& o) { o.retention.interval_s = 0.0; }},
         // Ten mappers need twenty connections.
         Case{"database.max_connections", [](ServerOptions& o) { o.mapping.workers = 10; }}}) {

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/survey/map_plan.h"
+
+namespace enfilade::survey {
+namespace {
+
+// A door that robots went through.
+struct PassedDoor {
+  int index = -1;  // of the partition; -1: where a robot crossed without one
+  int from = 0;    // rooms
+  int to = 0;
+  Pose2 T_level_door = {};  // in its middle, looking from `from` to `to`
+};
+
+bool JoinSameRooms(int a, int b, int c, int d) { return (a == c && b == d) || (a == d && b == c); }
+
+double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d ab = b - a;
+  const double length = ab.squaredNorm();
+  const double t = length > 0.0 ? std::clamp((p - a).dot(ab) / length, 0.0, 1.0) : 0.0;
+  return (p - a - t * ab).norm();
+}
+
+PassedDoor DoorOf(const Crossing& crossing, const rooms::RoomPartition& partition, double reach) {
+  const Eigen::Vector2d before = crossing.T_level_before.translation();
+  const Eigen::Vector2d behind = crossing.T_level_behind.translation();
+  PassedDoor door{-1, crossing.from, crossing.to, Interpolate(crossing.T_level_before, crossing.T_level_behind, 0.5)};
+  const Eigen::Vector2d way = behind - before;
+  if (way.norm() > 1e-3) door.T_level_door.yaw = std::atan2(way.y(), way.x());
+  double nearest = reach;
+  for (std::size_t i = 0; i < partition.doors.size(); ++i) {
+    const rooms::Door& one = partition.doors[i];
+    if (!JoinSameRooms(one.rooms[0], one.rooms[1], crossing.from, crossing.to)) continue;
+    const Eigen::Vector2d middle = (one.a + one.b) / 2.0;
+    const double distance = DistanceToSegment(middle, before, behind);
+    if (distance >= nearest + one.width() / 2.0) continue;
+    nearest = distance - one.width() / 2.0;
+    const Eigen::Vector2d along = one.b - one.a;
+    Eigen::Vector2d normal(-along.y(), along.x());
+    if (normal.dot(way) < 0.0) normal = -normal;
+    door.index = static_cast<int>(i);
+    door.T_level_door = {middle.x(), middle.y(), std::atan2(normal.y(), normal.x())};
+  }
+  return door;
+}
+
+class DoorArranger {
+ public:
+  DoorArranger(const LevelSurvey& survey, const MapPlan& plan, const SurveyOptions& options,
+               const std::function<std::string()>& new_id, rearrange::Rearrangement& result)
+      : survey_(survey), plan_(plan), options_(options), new_id_(new_id), result_(result) {}
+
+  void AddPassed(const PassedDoor& door) {
+    for (const PassedDoor& known : passed_) {
+      if (!JoinSameRooms(known.from, known.to, door.from, door.to)) continue;
+      if (known.index == door.index && known.index >= 0) return;
+      if ((known.T_level_door.translation() - door.T_level_door.translation()).norm() < options_.same_door) return;
+    }
+    passed_.push_back(door);
+  }
+
+  void Run() {
+    for (const PassedDoor& door : passed_) Settle(door);
+    for (const graph::LinkPoint& link_point : survey_.link_points) {
+      if (!settled_.contains(link_point.id)) Keep(link_point);
+    }
+  }
+
+ private:
+  const MapId* MapOfRoom(int room) const {
+    const auto found = plan_.map_of_room.find(room);
+    return found == plan_.map_of_room.end() ? nullptr : &found->second;
+  }
+
+  bool IsBusy(const MapId& map) const {
+    const SurveyedMap* found = survey_.FindMap(map);
+    return found != nullptr && found->busy;
+  }
+
+  // Unset: in a map that was not surveyed.
+  std::optional<Pose2> PlaceOfAnchor(const graph::Anchor& anchor) const {
+    const auto map = plan_.T_level_map.find(anchor.map);
+    if (map == plan_.T_level_map.end()) return std::nullopt;
+    return map->second * anchor.T_map_place;
+  }
+
+  static bool IsDoor(const graph::LinkPoint& link_point) {
+    return link_point.kind == graph::LinkPointKind::kDoor || link_point.kind == graph::LinkPointKind::kOpening;
+  }
+
+  // All anchors are in surveyed maps.
+  bool IsSurveyed(const graph::LinkPoint& link_point) const {
+    return std::all_of(link_point.anchors.begin(), link_point.anchors.end(),
+                       [&](const graph::Anchor& anchor) { return plan_.T_level_map.contains(anchor.map); });
+  }
+
+  // The existing link point at the door: preferably one that joins its two maps already.
+  const graph::LinkPoint* FindExisting(const PassedDoor& door, const MapId& from, const MapId& to) const {
+    const graph::LinkPoint* best = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const graph::LinkPoint& link_point : survey_.link_points) {
+      if (link_point.is_candidate() || !IsDoor(link_point) || settled_.contains(link_point.id)) continue;
+      if (!IsSurveyed(link_point)) continue;
+      double distance = std::numeric_limits<double>::infinity();
+      for (const graph::Anchor& anchor : link_point.anchors) {
+        const Pose2 place = *PlaceOfAnchor(anchor);
+        distance = std::min(distance, (place.translation() - door.T_level_door.translation()).norm());
+      }
+      if (distance > options_.same_door) continue;
+      if (link_point.FindAnchor(from) == nullptr || link_point.FindAnchor(to) == nullptr) distance += 10.0;
+      if (distance < least) {
+        least = distance;
+        best = &link_point;
+      }
+    }
+    return best;
+  }
+
+  // Does it join the two maps where the survey has the door?
+  bool IsRight(const graph::LinkPoint& link_point, const MapId& from, const MapId& to) const {
+    if (link_point.anchors.size() != 2) return false;
+    const graph::Anchor* a = link_point.FindAnchor(from);
+    const graph::Anchor* b = link_point.FindAnchor(to);
+    if (a == nullptr || b == nullptr) return false;
+    const Pose2 error = Between(*PlaceOfAnchor(*a), *PlaceOfAnchor(*b));
+    return error.translation().norm() <= options_.apart && std::abs(error.yaw) <= options_.turned;
+  }
+
+  graph::Anchor AnchorIn(const MapId& map, const Pose2& T_level_door) const {
+    const double xy = options_.door_sigma * options_.door_sigma;
+    const double yaw = options_.door_yaw_sigma * options_.door_yaw_sigma;
+    return {map, Between(plan_.T_level_map.at(map), T_level_door), Eigen::Vector3d(xy, xy, yaw).asDiagonal()};
+  }
+
+  void Settle(const PassedDoor& door) {
+    const MapId* from = MapOfRoom(door.from);
+    const MapId* to = MapOfRoom(door.to);
+    if (from == nullptr || to == nullptr || *from == *to) return;
+    places_.push_back(door.T_level_door);
+    const graph::LinkPoint* existing = FindExisting(door, *from, *to);
+    if (existing != nullptr) settled_.insert(existing->id);
+    if (existing != nullptr && IsRight(*existing, *from, *to)) return;
+    graph::LinkPoint link_point;
+    if (existing != nullptr) {
+      link_point = *existing;
+    } else {
+      link_point.id = LinkPointId(new_id_());
+      link_point.kind = graph::LinkPointKind::kDoor;
+    }
+    link_point.direction = *to;
+    link_point.anchors = {AnchorIn(*from, door.T_level_door), AnchorIn(*to, door.T_level_door)};
+    result_.link_points.push_back(std::move(link_point));
+  }
+
+  bool IsKnownDoorAhead(const Pose2& T_level_sighting) const {
+    return std::any_of(places_.begin(), places_.end(), [&](const Pose2& door) {
+      const Eigen::Vector2d ahead = Inverse(T_level_sighting) * door.translation();
+      return ahead.x() > -1.0 && ahead.x() < options_.candidate_ahead &&
+             std::abs(ahead.y()) < options_.candidate_across;
+    });
+  }
+
+  // A link point that is at no door that robots went through.
+  void Keep(const graph::LinkPoint& link_point) {
+    const bool door = IsDoor(link_point);
+    const bool busy = std::any_of(link_point.anchors.begin(), link_point.anchors.end(),
+                                  [&](const graph::Anchor& anchor) { return IsBusy(anchor.map); });
+    if (link_point.is_candidate()) {
+      const std::optional<Pose2> place = PlaceOfAnchor(link_point.anchors.front());
+      if (place && IsKnownDoorAhead(*place)) return Remove(link_point);
+    } else if (door && !busy && IsSurveyed(link_point) && link_point.use != graph::LinkPointUse::kSuspended) {
+      return Remove(link_point);
+    }
+    graph::LinkPoint moved = link_point;
+    for (graph::Anchor& anchor : moved.anchors) {
+      const MapId& now = plan_.NowOf(anchor.map);
+      if (now == anchor.map) continue;
+      const PoseWithCovariance there =
+          rearrange::Moved(Between(plan_.T_level_map.at(now), plan_.T_level_map.at(anchor.map)),
+                           {anchor.T_map_place, anchor.covariance});
+      anchor = {now, there.pose, there.covariance};
+    }
+    if (moved == link_point) return;
+    std::set<MapId> maps;
+    for (const graph::Anchor& anchor : moved.anchors) maps.insert(anchor.map);
+    if (maps.size() < moved.anchors.size()) return Remove(link_point);  // its maps are one room
+    moved.direction = plan_.NowOf(moved.direction);
+    result_.link_points.push_back(std::move(moved));
+  }
+
+  void Remove(const graph::LinkPoint& link_point) { result_.removed_link_points.push_back(link_point.id); }
+
+  const LevelSurvey& survey_;
+  const MapPlan& plan_;
+  const SurveyOptions& options_;
+  const std::function<std::string()>& new_id_;
+  rearrange::Rearrangement& result_;
+  std::vector<PassedDoor> passed_;
+  std::vector<Pose2> places_;      // T_level_door of the passed doors
+  std::set<LinkPointId> settled_;  // the existing link points of passed doors
+};
+
+}  // namespace
+
+void ArrangeDoors(const LevelSurvey& survey, const rooms::RoomPartition& partition, const RoomsOfDrives& found,
+                  const MapPlan& plan, const SurveyOptions& options, const std::function<std::string()>& new_id,
+                  rearrange::Rearrangement& result) {
+  DoorArranger doors(survey, plan, options, new_id, result);
+  for (const Crossing& crossing : found.crossings) doors.AddPassed(DoorOf(crossing, partition, options.same_door));
+  doors.Run();
+}
+
+}  // namespace enfilade::survey

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/survey/arrange_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/survey/drive_rooms.h"
+#include "core/survey/map_plan.h"
+#include "fmt/format.h"
+
+namespace enfilade::survey {
+namespace {
+
+class MapArranger {
+ public:
+  MapArranger(const LevelSurvey& survey, const SurveyOptions& options, const std::function<std::string()>& new_id,
+              RoomsOfDrives found)
+      : survey_(survey), options_(options), new_id_(new_id), found_(std::move(found)) {
+    DeferLaterCuts();
+  }
+
+  void Run() {
+    PlaceMaps();
+    ChooseMaps();
+    MoveSessions();
+    RedirectEmptyMaps();
+  }
+
+  const RoomsOfDrives& found() const { return found_; }
+  const MapPlan& plan() const { return plan_; }
+  rearrange::Rearrangement TakeResult() { return std::move(result_); }
+
+ private:
+  const SurveyedSession& SessionOf(const Stretch& stretch) const {
+    return survey_.drives[stretch.drive][stretch.session];
+  }
+
+  // A session is cut once at a time: what lies behind the second cut waits for the next survey, which sees the rest as
+  // a session of its own. Until then it counts as nothing.
+  void DeferLaterCuts() {
+    std::vector<Stretch> kept;
+    int changes = 0;
+    int room = 0;
+    const Stretch* last = nullptr;
+    for (const Stretch& stretch : found_.stretches) {
+      const bool begins = last == nullptr || last->drive != stretch.drive || last->session != stretch.session;
+      if (begins) changes = 0;
+      if (!begins && !stretch.tail && stretch.room != room) ++changes;
+      if (begins || !stretch.tail) room = stretch.room;
+      if (changes < 2) kept.push_back(stretch);
+      last = &stretch;
+    }
+    found_.stretches = std::move(kept);
+  }
+
+  // A map's frame is where its longest session has it.
+  void PlaceMaps() {
+    std::map<MapId, double> longest;
+    for (const Drive& drive : survey_.drives) {
+      for (const SurveyedSession& session : drive) {
+        const std::optional<Pose2> place = PlaceOf(session);
+        if (!place) continue;
+        double length = 1e-6;
+        for (std::size_t i = 1; i < session.visits.size(); ++i) {
+          length += Between(session.visits[i - 1].T_map_robot, session.visits[i].T_map_robot).translation().norm();
+        }
+        if (length <= longest[session.map]) continue;
+        longest[session.map] = length;
+        plan_.T_level_map[session.map] = *place;
+      }
+    }
+  }
+
+  void ChooseMaps() {
+    std::map<std::pair<int, MapId>, double> driven;
+    for (const Stretch& stretch : found_.stretches) {
+      if (!stretch.tail) driven[{stretch.room, SessionOf(stretch).map}] += stretch.length + 1e-3;
+    }
+    // The root first, then busy maps, then those driven farthest in.
+    std::vector<std::tuple<bool, bool, double, int, MapId>> choices;
+    for (const auto& [pair, length] : driven) {
+      const SurveyedMap* map = survey_.FindMap(pair.second);
+      choices.emplace_back(map == nullptr || !map->root, map == nullptr || !map->busy, -length, pair.first,
+                           pair.second);
+    }
+    std::sort(choices.begin(), choices.end());
+    std::set<MapId> taken;
+    for (const auto& [not_root, not_busy, length, room, map] : choices) {
+      if (plan_.map_of_room.contains(room) || taken.contains(map)) continue;
+      plan_.map_of_room[room] = map;
+      taken.insert(map);
+    }
+    BeginMaps(driven);
+  }
+
+  // A map for each room whose maps are all those of other rooms. It begins in the frame of the session that was longest
+  // in the room.
+  void BeginMaps(const std::map<std::pair<int, MapId>, double>& driven) {
+    std::map<int, const Stretch*> longest;
+    for (const Stretch& stretch : found_.stretches) {
+      if (stretch.tail || plan_.map_of_room.contains(stretch.room)) continue;
+      const Stretch*& best = longest[stretch.room];
+      if (best == nullptr || stretch.length > best->length) best = &stretch;
+    }
+    for (const auto& [room, stretch] : longest) {
+      const SurveyedSession& session = SessionOf(*stretch);
+      const SurveyedMap* model = survey_.FindMap(session.map);
+      const std::optional<Pose2> place = PlaceOf(session);
+      if (model == nullptr || !place) continue;
+      rearrange::MapSeed seed;
+      seed.id = MapId(new_id_());
+      seed.level = survey_.level;
+      seed.environment = model->environment;
+      seed.slam_profile = model->slam_profile;
+      plan_.map_of_room[room] = seed.id;
+      plan_.T_level_map[seed.id] = *place;
+      AddReason(fmt::format("map {} covers several rooms: {:.0f} m of its drive get a map of their own",
+                            session.map.value(), driven.at({room, session.map})));
+      result_.new_maps.push_back(std::move(seed));
+    }
+  }
+
+  void MoveSessions() {
+    for (std::size_t i = 0; i < found_.stretches.size();) {
+      std::size_t end = i;
+      while (end < found_.stretches.size() && found_.stretches[end].drive == found_.stretches[i].drive &&
+             found_.stretches[end].session == found_.stretches[i].session) {
+        ++end;
+      }
+      MoveSession(i, end);
+      i = end;
+    }
+  }
+
+  // The stretches [begin, end) are one session's.
+  void MoveSession(std::size_t begin, std::size_t end) {
+    const SurveyedSession& session = SessionOf(found_.stretches[begin]);
+    SessionId piece = session.id;
+    MapId target = session.map;
+    bool first = true;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Stretch& stretch = found_.stretches[i];
+      if (stretch.tail && i > begin) continue;  // goes with what is before it
+      const auto found = plan_.map_of_room.find(stretch.room);
+      const MapId& to = found == plan_.map_of_room.end() ? session.map : found->second;
+      if (first) {
+        target = to;
+      } else if (to != target) {
+        Move(piece, session, target);
+        const SessionId rest(new_id_());
+        result_.cuts.push_back({piece, session.visits[stretch.first].sequence, rest});
+        piece = rest;
+        target = to;
+      }
+      first = false;
+    }
+    Move(piece, session, target);
+  }
+
+  void Move(const SessionId& piece, const SurveyedSession& session, const MapId& target) {
+    const std::optional<Pose2> place = PlaceOf(session);
+    if (!place) return;
+    driven_into_[session.map][target] += static_cast<double>(session.visits.size());
+    if (target == session.map) return;
+    result_.moves.push_back({piece, target, Between(plan_.T_level_map.at(target), *place)});
+  }
+
+  void RedirectEmptyMaps() {
+    for (const SurveyedMap& map : survey_.maps) {
+      const auto targets = driven_into_.find(map.id);
+      if (map.busy || targets == driven_into_.end() || targets->second.contains(map.id)) continue;
+      const auto most = std::max_element(targets->second.begin(), targets->second.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+      plan_.successors[map.id] = most->first;
+      result_.redirects.push_back(
+          {map.id, most->first, Between(plan_.T_level_map.at(most->first), plan_.T_level_map.at(map.id))});
+      AddReason(fmt::format("maps {} and {} are one room", map.id.value(), most->first.value()));
+    }
+  }
+
+  void AddReason(const std::string& reason) {
+    if (!result_.reason.empty()) result_.reason += "; ";
+    result_.reason += reason;
+  }
+
+  const LevelSurvey& survey_;
+  const SurveyOptions& options_;
+  const std::function<std::string()>& new_id_;
+  RoomsOfDrives found_;
+  MapPlan plan_;
+  std::map<MapId, std::map<MapId, double>> driven_into_;  // where each map's sessions are now, and how much of them
+  rearrange::Rearrangement result_;
+};
+
+}  // namespace
+
+rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::RoomPartition& partition,
+                                     const SurveyOptions& options, const std::function<std::string()>& new_id) {
+  MapArranger maps(survey, options, new_id, FindRooms(survey, partition, options));
+  maps.Run();
+  rearrange::Rearrangement result = maps.TakeResult();
+  ArrangeDoors(survey, partition, maps.found(), maps.plan(), options, new_id, result);
+  if (!result.empty() && result.reason.empty()) result.reason = "doors and sessions are put where the survey has them";
+  return result;
+}
+
+}  // namespace enfilade::survey

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/environment.h"
+#include "core/base/ids.h"
+#include "core/base/time.h"
+#include "core/geometry/pose2.h"
+#include "core/graph/link_point.h"
+
+namespace enfilade::survey {
+
+// A survey sees one level of a site as a whole: all drives in one frame, the level's. It is the evidence by which maps
+// are arranged until each is one room (ArrangeMaps). Values only.
+
+// A keyframe of a session, in both frames.
+struct Visit {
+  std::int64_t sequence = 0;  // of the scan's record in the session's log
+  TimeNs time = 0;
+  Pose2 T_map_robot = {};    // as the session's own mapping has it
+  Pose2 T_level_robot = {};  // as the survey has it
+};
+
+struct SurveyedSession {
+  SessionId id = {};
+  MapId map = {};
+  std::optional<Pose2> T_map_entry = {};  // where the robot entered the map, if that is known
+  std::vector<Visit> visits = {};         // in the order of the log; may be empty
+  std::optional<TimeNs> left = {};        // when the robot went through the door at the session's end, if it did
+  Pose2 T_level_left = {};                // where, facing through the door; only if `left` is set
+  double left_width = 0.0;                // m, of that door; 0: unknown
+};
+
+// What one robot recorded without a break: each session but the first follows its predecessor through a door.
+using Drive = std::vector<SurveyedSession>;
+
+struct SurveyedMap {
+  MapId id = {};
+  Environment environment = Environment::kIndoor;
+  std::string slam_profile = {};
+  bool root = false;  // its frame is the world's
+  // Something still happens in it that the survey does not contain: a session is recording or not mapped yet. A busy
+  // map stays.
+  bool busy = false;
+};
+
+struct LevelSurvey {
+  int level = 0;
+  std::vector<Drive> drives = {};
+  std::vector<SurveyedMap> maps = {};              // all maps of the level's sessions
+  std::vector<graph::LinkPoint> link_points = {};  // with an anchor in one of these maps
+
+  const SurveyedMap* FindMap(const MapId& id) const;
+};
+
+// T_level_map of a session: the rigid motion that takes its own poses to the survey's (least squares over its visits).
+// Unset without visits.
+std::optional<Pose2> PlaceOf(const SurveyedSession& session);
+
+}  // namespace enfilade::survey

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/base/ids.h"
+#include "core/geometry/pose2.h"
+#include "core/rearrange/rearrangement.h"
+#include "core/survey/drive_rooms.h"
+#include "core/survey/level_survey.h"
+
+namespace enfilade::survey {
+
+// Which map each room gets: between the two halves of ArrangeMaps.
+struct MapPlan {
+  std::map<int, MapId> map_of_room = {};
+  std::map<MapId, Pose2> T_level_map = {};  // of all maps, existing and new
+  std::map<MapId, MapId> successors = {};   // of the maps that disappear
+
+  // The map that a map of before is now: itself, its successor.
+  const MapId& NowOf(const MapId& map) const {
+    const auto found = successors.find(map);
+    return found == successors.end() ? map : found->second;
+  }
+};
+
+// Adds link points, kept and new, and those to be removed.
+void ArrangeDoors(const LevelSurvey& survey, const rooms::RoomPartition& partition, const RoomsOfDrives& found,
+                  const MapPlan& plan, const SurveyOptions& options, const std::function<std::string()>& new_id,
+                  rearrange::Rearrangement& result);
+
+}  // namespace enfilade::survey

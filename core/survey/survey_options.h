@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace enfilade::survey {
+
+struct SurveyOptions {
+  double reach = 0.5;  // m: a robot was in a room if it came this far from the place where it entered it
+  double snap = 0.4;   // m: a pose in no room belongs to a room this near
+  // m: a link point this near to a door is that door's.
+  double same_door = 1.0;
+  // A link point stays as it is if its anchors agree within this much on where the door is.
+  double apart = 0.1;             // m
+  double turned = 0.04;           // rad
+  double door_sigma = 0.03;       // m, of a door's anchor
+  double door_yaw_sigma = 0.01;   // rad
+  double candidate_ahead = 3.5;   // m: a candidate was seen from up to this far before its door
+  double candidate_across = 1.0;  // m
+};
+
+}  // namespace enfilade::survey

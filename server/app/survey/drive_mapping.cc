@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/survey/drive_mapping.h"
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/grid/overlay.h"
+#include "core/slam/mapper/log_mapper.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kSurveyTimeout = std::chrono::seconds(60);
+constexpr int kPage = 500;
+constexpr std::int64_t kPortionBytes = 1 << 20;
+// How well the graph predicts where a drive starts in the map of the drives before it.
+constexpr double kStartSigma = 0.3;      // m
+constexpr double kStartYawSigma = 0.05;  // rad
+
+storage::CallContext SurveyContext() { return storage::CallContext::WithTimeout(kSurveyTimeout); }
+
+absl::StatusOr<std::vector<storage::Session>> ListSessions(const SurveyStores& stores, const SiteId& site) {
+  std::vector<storage::Session> sessions;
+  std::optional<storage::SessionPosition> after;
+  while (true) {
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<storage::Session> page,
+                              stores.sessions.List(SurveyContext(), site, {}, kPage, after));
+    const bool last = page.size() < kPage;
+    if (!page.empty()) after = storage::SessionPosition{page.back().create_time, page.back().id};
+    std::move(page.begin(), page.end(), std::back_inserter(sessions));
+    if (last) break;
+  }
+  std::reverse(sessions.begin(), sessions.end());  // oldest first
+  return sessions;
+}
+
+absl::StatusOr<std::map<MapId, storage::Map>> ListMaps(const SurveyStores& stores, const SiteId& site) {
+  std::map<MapId, storage::Map> maps;
+  std::string after;
+  while (true) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::Map> page,
+                              stores.maps.List(SurveyContext(), site, {.limit = kPage, .after = after}));
+    for (const storage::Map& map : page) maps.emplace(map.id, map);
+    if (page.size() < kPage) return maps;
+    after = page.back().id.value();
+  }
+}
+
+bool IsMapped(const storage::Session& session) {
+  return session.map && session.state == storage::SessionState::kMapped;
+}
+
+using StoredDrive = std::vector<const storage::Session*>;
+
+// The drives of one level: sessions that follow each other through doors, as far as they are mapped.
+std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,
+                                  const std::map<MapId, storage::Map>& maps) {
+  std::vector<StoredDrive> drives;
+  std::map<SessionId, std::size_t> drive_of;
+  std::map<SessionId, const storage::Session*> last_of;
+  for (const storage::Session& session : sessions) {
+    if (!IsMapped(session)) continue;
+    const auto map = maps.find(*session.map);
+    if (map == maps.end() || map->second.level != level || session.records_deleted) continue;
+    const auto before = session.entry.previous ? drive_of.find(*session.entry.previous) : drive_of.end();
+    if (before != drive_of.end() && drives[before->second].back()->id == *session.entry.previous) {
+      drives[before->second].push_back(&session);
+      drive_of[session.id] = before->second;
+    } else {
+      drive_of[session.id] = drives.size();
+      drives.push_back({&session});
+    }
+  }
+  return drives;
+}
+
+// The robot's detector has found doors. Maps that people record as one, or divide by hand, stay as they are.
+bool IsDrivenByDoors(const StoredDrive& drive) {
+  return std::any_of(drive.begin(), drive.end(),
+                     [](const storage::Session* session) { return session->record_counts.door_reports > 0; });
+}
+
+bool IsBefore(const slam::StampedPose& pose, TimeNs time) { return pose.time < time; }
+
+// Between the scans before and after; `trajectory` by time, not empty.
+Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), time, IsBefore);
+  if (after == trajectory.begin()) return after->T_map_robot;
+  if (after == trajectory.end()) return trajectory.back().T_map_robot;
+  const auto before = std::prev(after);
+  return Interpolate(before->T_map_robot, after->T_map_robot,
+                     ToSeconds(time - before->time) / ToSeconds(after->time - before->time));
+}
+
+class LevelMapper {
+ public:
+  LevelMapper(const SurveyStores& stores, const SurveyMappingOptions& options, const SiteGraph& graph,
+              const SiteId& site, const std::function<absl::Status()>& proceed)
+      : stores_(stores), options_(options), graph_(graph), site_(site), proceed_(proceed) {}
+
+  absl::StatusOr<MappedLevel> Run(int level, const std::vector<storage::Session>& sessions,
+                                  const std::map<MapId, storage::Map>& maps) {
+    level_.survey.level = level;
+    for (const StoredDrive& drive : DrivesOn(level, sessions, maps)) {
+      ENFILADE_RETURN_IF_ERROR(AddDrive(drive, maps));
+    }
+    AddMaps(sessions, maps);
+    return std::move(level_);
+  }
+
+ private:
+  absl::Status AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
+    if (!IsDrivenByDoors(stored)) return absl::OkStatus();
+    ENFILADE_ASSIGN_OR_RETURN(survey::Drive drive, ReadDrive(stored));
+    const auto first = std::find_if(drive.begin(), drive.end(),
+                                    [](const survey::SurveyedSession& session) { return !session.visits.empty(); });
+    if (first == drive.end()) return absl::OkStatus();
+    const Environment environment = maps.at(first->map).environment;
+    const slam::SlamOptions& slam = *options_.slam.Find(
+        environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor);
+    std::optional<slam::LogMapper> mapper;
+    if (level_.survey.drives.empty()) {
+      mapper.emplace(options_.pairing, slam);
+    } else {
+      const std::optional<Pose2> T_level_map = FindPlace(first->map);
+      if (!T_level_map) return absl::OkStatus();  // nothing says where it is
+      PoseWithCovariance start{*T_level_map * first->visits.front().T_map_robot, Eigen::Matrix3d::Zero()};
+      start.covariance.diagonal() << kStartSigma * kStartSigma, kStartSigma * kStartSigma,
+          kStartYawSigma * kStartYawSigma;
+      mapper.emplace(options_.pairing, slam, slam::ExistingMap{level_.grid, {start, std::nullopt}});
+    }
+    for (const storage::Session* session : stored) ENFILADE_RETURN_IF_ERROR(AddRecords(*session, *mapper));
+    mapper->Finish();
+    const grid::OccupancyGrid own = mapper->RenderGrid();
+    if (own.cells.empty()) return absl::OkStatus();
+    if (level_.survey.drives.empty()) {
+      level_.grid = own;
+    } else {
+      ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, own));
+    }
+    slam::SlamMap mapped;
+    mapped.Apply(mapper->TakeDelta());
+    PlaceVisits(slam::TrajectoryOf(mapped), drive);
+    level_.survey.drives.push_back(std::move(drive));
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<survey::Drive> ReadDrive(const StoredDrive& stored) const {
+    survey::Drive drive;
+    for (const storage::Session* session : stored) {
+      survey::SurveyedSession one{.id = session->id, .map = *session->map};
+      if (session->entry.T_map_robot) one.T_map_entry = session->entry.T_map_robot->pose;
+      ENFILADE_ASSIGN_OR_RETURN(const std::vector<slam::SlamNode> nodes,
+                                stores_.mappings.ListKeyframes(SurveyContext(), site_, session->id));
+      for (const slam::SlamNode& node : nodes) one.visits.push_back({node.sequence, node.time, node.T_map_node, {}});
+      ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(SurveyContext(), site_, session->id));
+      for (const storage::StoredDoorReport& report : reports) {
+        if (report.report.by_hand) return survey::Drive{};
+        if (report.report.kind == sensor::DoorReport::Kind::kPassage) {
+          one.left = report.report.door_time;
+          one.left_width = report.report.width;
+        }
+      }
+      drive.push_back(std::move(one));
+    }
+    return drive;
+  }
+
+  absl::Status AddRecords(const storage::Session& session, slam::LogMapper& mapper) const {
+    for (std::int64_t next = 1; next <= session.acknowledged_sequence;) {
+      ENFILADE_RETURN_IF_ERROR(proceed_());
+      ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
+                                stores_.records.Read(SurveyContext(), site_, session.id, next, kPortionBytes));
+      if (records.empty()) break;
+      next = records.back().sequence + 1;
+      for (sensor::Record& record : records) mapper.Add(std::move(record));
+    }
+    return absl::OkStatus();
+  }
+
+  // Gives each visit its pose on the level; those whose scan the survey could not use are dropped. A session without
+  // any is where the one before it ended.
+  static void PlaceVisits(std::vector<slam::StampedPose> trajectory, survey::Drive& drive) {
+    std::sort(trajectory.begin(), trajectory.end(),
+              [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
+    if (trajectory.empty()) return;
+    const survey::Visit* before = nullptr;
+    for (survey::SurveyedSession& session : drive) {
+      std::erase_if(session.visits, [&](survey::Visit& visit) {
+        const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), visit.time, IsBefore);
+        if (found == trajectory.end() || found->time != visit.time) return true;
+        visit.T_level_robot = found->T_map_robot;
+        return false;
+      });
+      if (session.left) session.T_level_left = PoseAt(trajectory, *session.left);
+      if (session.visits.empty() && before != nullptr && session.T_map_entry) {
+        session.visits.push_back({0, before->time, *session.T_map_entry, before->T_level_robot});
+      }
+      if (!session.visits.empty()) before = &session.visits.back();
+    }
+  }
+
+  // T_level_map: by the drives before, or by the graph.
+  std::optional<Pose2> FindPlace(const MapId& map) const {
+    std::optional<Pose2> T_level_world;
+    for (const survey::Drive& drive : level_.survey.drives) {
+      for (const survey::SurveyedSession& session : drive) {
+        const std::optional<Pose2> place = survey::PlaceOf(session);
+        if (!place) continue;
+        if (session.map == map) return place;
+        const auto T_world_other = PlaceInWorld(session.map);
+        if (!T_level_world && T_world_other) T_level_world = *place * Inverse(*T_world_other);
+      }
+    }
+    const auto T_world_map = PlaceInWorld(map);
+    if (!T_level_world || !T_world_map) return std::nullopt;
+    return *T_level_world * *T_world_map;
+  }
+
+  std::optional<Pose2> PlaceInWorld(const MapId& map) const {
+    const auto pose = graph_.poses.Find(map);
+    if (!pose.ok() || !*pose) return std::nullopt;
+    return (*pose)->T_world_robot.pose;
+  }
+
+  void AddMaps(const std::vector<storage::Session>& sessions, const std::map<MapId, storage::Map>& maps) {
+    std::set<MapId> surveyed;
+    std::set<SessionId> seen;
+    for (const survey::Drive& drive : level_.survey.drives) {
+      for (const survey::SurveyedSession& session : drive) {
+        surveyed.insert(session.map);
+        if (!session.visits.empty()) seen.insert(session.id);
+      }
+    }
+    std::set<MapId> busy;
+    for (const storage::Session& session : sessions) {
+      if (session.map && !seen.contains(session.id)) busy.insert(*session.map);
+    }
+    for (const MapId& id : surveyed) {
+      const storage::Map& map = maps.at(id);
+      level_.survey.maps.push_back({.id = id,
+                                    .environment = map.environment,
+                                    .slam_profile = map.slam_profile,
+                                    .root = id == graph_.graph().root(),
+                                    .busy = busy.contains(id)});
+    }
+    for (const graph::LinkPoint* link_point : graph_.graph().ListLinkPoints()) {
+      const bool here = std::any_of(link_point->anchors.begin(), link_point->anchors.end(),
+                                    [&](const graph::Anchor& anchor) { return surveyed.contains(anchor.map); });
+      if (here) level_.survey.link_points.push_back(*link_point);
+    }
+  }
+
+  const SurveyStores& stores_;
+  const SurveyMappingOptions& options_;
+  const SiteGraph& graph_;
+  const SiteId& site_;
+  const std::function<absl::Status()>& proceed_;
+  MappedLevel level_;
+};
+
+}  // namespace
+
+absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappingOptions& options,
+                                   const SiteGraph& graph, const SiteId& site,
+                                   const std::function<absl::Status()>& proceed) {
+  SiteSurvey survey;
+  survey.graph_version = graph.graph().version();
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::Session> sessions, ListSessions(stores, site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto maps, ListMaps(stores, site));
+  std::set<int> levels;
+  for (const storage::Session& session : sessions) {
+    if (session.map && session.state == storage::SessionState::kMapped) survey.sessions.push_back(session.id);
+    if (IsMapped(session) && maps.contains(*session.map)) levels.insert(maps.at(*session.map).level);
+  }
+  for (const int level : levels) {
+    ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped,
+                              LevelMapper(stores, options, graph, site, proceed).Run(level, sessions, maps));
+    if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
+  }
+  return survey;
+}
+
+}  // namespace enfilade::server

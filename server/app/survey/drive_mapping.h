@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/grid/occupancy_grid.h"
+#include "core/sensor/scan_pairing.h"
+#include "core/slam/slam_profiles.h"
+#include "core/survey/level_survey.h"
+#include "server/app/graph/site_graph.h"
+#include "storage/graph/door_verdict_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/mapping_store.h"
+#include "storage/sessions/record_store.h"
+#include "storage/sessions/session_store.h"
+
+namespace enfilade::server {
+
+struct SurveyStores {
+  const storage::SessionStore& sessions;
+  const storage::RecordStore& records;
+  const storage::MappingStore& mappings;
+  const storage::MapReader& maps;
+  const storage::DoorVerdictStore& verdicts;
+};
+
+struct SurveyMappingOptions {
+  sensor::ScanPairingOptions pairing;
+  slam::SlamProfiles slam;
+};
+
+// One level, mapped as a whole: each drive from end to end, through all doors, with SLAM's own loop closures. The first
+// drive's start is the level's origin; later drives continue the map of those before them.
+struct MappedLevel {
+  survey::LevelSurvey survey;
+  grid::OccupancyGrid grid;  // in the level's frame
+};
+
+struct SiteSurvey {
+  std::vector<MappedLevel> levels;
+  std::vector<SessionId> sessions;  // that it contains
+  std::int64_t graph_version = 0;   // that it was made at
+};
+
+// Reads and maps all that is mapped of a site. `proceed` is asked between portions; its error ends the survey. Sessions
+// whose records retention has deleted, and drives that nothing joins to the others, are left out.
+absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappingOptions& options,
+                                   const SiteGraph& graph, const SiteId& site,
+                                   const std::function<absl::Status()>& proceed);
+
+}  // namespace enfilade::server

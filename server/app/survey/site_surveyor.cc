@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/survey/site_surveyor.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/base/uuid.h"
+#include "core/rooms/room_partition.h"
+#include "core/survey/arrange_maps.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kPoll = std::chrono::milliseconds(500);
+constexpr auto kStoreTimeout = std::chrono::seconds(60);
+constexpr auto kLeaseTime = std::chrono::seconds(60);
+constexpr auto kLeasePoll = std::chrono::milliseconds(50);
+constexpr int kLeaseAttempts = 400;
+constexpr int kSitesAtOnce = 32;
+// A session with several rooms is cut once a survey.
+constexpr int kSurveysInARow = 10;
+constexpr auto kRetry = std::chrono::seconds(2);
+
+storage::CallContext SurveyorContext() {
+  storage::CallContext context = storage::CallContext::WithTimeout(kStoreTimeout);
+  context.actor = "survey of the site";
+  return context;
+}
+
+// All drives' poses: where the ground is free.
+std::vector<Eigen::Vector2d> TrajectoryOf(const survey::LevelSurvey& level) {
+  std::vector<Eigen::Vector2d> points;
+  for (const survey::Drive& drive : level.drives) {
+    for (const survey::SurveyedSession& session : drive) {
+      for (const survey::Visit& visit : session.visits) points.push_back(visit.T_level_robot.translation());
+    }
+  }
+  return points;
+}
+
+constexpr double kUsualDoor = 1.0;  // m, if the robot did not measure its width
+
+// The doors that robots have reported to have driven through.
+std::vector<rooms::PassageHint> PassagesOf(const survey::LevelSurvey& level) {
+  std::vector<rooms::PassageHint> passages;
+  for (const survey::Drive& drive : level.drives) {
+    for (const survey::SurveyedSession& session : drive) {
+      if (!session.left) continue;
+      const double half = (session.left_width > 0.0 ? session.left_width : kUsualDoor) / 2.0;
+      passages.push_back(
+          {session.T_level_left * Eigen::Vector2d(0.0, half), session.T_level_left * Eigen::Vector2d(0.0, -half)});
+    }
+  }
+  return passages;
+}
+
+}  // namespace
+
+SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, double share, const SurveyMappingOptions& mapping,
+                           const Stores& stores, SiteGraphs& graphs, const Rearranger& rearranger, WakeSignal& wake)
+    : options_(options),
+      share_(share),
+      mapping_(mapping),
+      stores_(stores),
+      graphs_(graphs),
+      rearranger_(rearranger),
+      wake_(wake),
+      owner_(NewUuid() + "/survey") {
+  worker_ = std::thread([this] { Run(); });
+}
+
+SiteSurveyor::~SiteSurveyor() {
+  Stop();
+  worker_.join();
+}
+
+void SiteSurveyor::Stop() {
+  stop_.Set();
+  wake_.Wake();
+}
+
+void SiteSurveyor::Run() {
+  while (!stop_.is_set()) {
+    if (!SurveyPending()) wake_.WaitFor(kPoll);
+  }
+}
+
+bool SiteSurveyor::SurveyPending() {
+  const auto pending = stores_.surveys.FindPending(SurveyorContext(), kSitesAtOnce);
+  if (!pending.ok()) return false;  // readiness reports an unreachable database
+  bool worked = false;
+  for (const SiteId& site : *pending) {
+    if (stop_.is_set()) return false;
+    const Clock::time_point begin = Clock::now();
+    if (const auto due = due_.find(site); due != due_.end() && due->second > begin) continue;
+    const absl::Status status = Survey(site);
+    const auto rest = std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_));
+    due_[site] = Clock::now() + (status.ok() ? rest : std::max<Clock::duration>(rest, kRetry));
+    if (!status.ok() && !stop_.is_set()) {
+      spdlog::log(
+          absl::IsAborted(status) || absl::IsFailedPrecondition(status) ? spdlog::level::debug : spdlog::level::warn,
+          "the survey of site {}: {}; will retry", site.value(), status.ToString());
+    }
+    worked = worked || status.ok();
+  }
+  return worked;
+}
+
+absl::Status SiteSurveyor::Survey(const SiteId& site) {
+  for (int i = 0; i < kSurveysInARow; ++i) {
+    ENFILADE_ASSIGN_OR_RETURN(const bool settled, SurveyOnce(site));
+    if (settled) return absl::OkStatus();
+  }
+  return Internal("after {} surveys the maps still change", kSurveysInARow);
+}
+
+absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
+  const Clock::time_point begin = Clock::now();
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(SurveyorContext(), site));
+  ENFILADE_ASSIGN_OR_RETURN(const SiteSurvey survey,
+                            MapSite(stores_.read, mapping_, *graph, site, [this]() -> absl::Status {
+                              return stop_.is_set() ? absl::CancelledError("the server is stopping") : absl::OkStatus();
+                            }));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::SiteLease lease, AwaitLease(site));
+  absl::StatusOr<bool> changed = Apply(lease, survey);
+  if (changed.ok() && !*changed) {
+    const absl::Status marked = stores_.surveys.MarkSurveyed(SurveyorContext(), lease, survey.sessions);
+    if (!marked.ok()) changed = marked;
+  }
+  (void)stores_.leases.Release(SurveyorContext(), lease);
+  ENFILADE_RETURN_IF_ERROR(changed.status());
+  const std::chrono::duration<double> took = Clock::now() - begin;
+  spdlog::info("site {} surveyed: {} sessions on {} levels in {:.1f} s", site.value(), survey.sessions.size(),
+               survey.levels.size(), took.count());
+  return !*changed;
+}
+
+absl::StatusOr<storage::SiteLease> SiteSurveyor::AwaitLease(const SiteId& site) {
+  for (int i = 0; i < kLeaseAttempts; ++i) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto lease, stores_.leases.Acquire(SurveyorContext(), site, owner_, kLeaseTime));
+    if (lease) return *lease;
+    if (stop_.WaitFor(kLeasePoll)) return absl::CancelledError("the server is stopping");
+  }
+  return absl::AbortedError("another process holds the site's lease");
+}
+
+absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const SiteSurvey& survey) {
+  std::int64_t version = survey.graph_version;
+  bool changed = false;
+  for (const MappedLevel& level : survey.levels) {
+    const std::vector<Eigen::Vector2d> trajectory = TrajectoryOf(level.survey);
+    const std::vector<rooms::PassageHint> passages = PassagesOf(level.survey);
+    const rooms::RoomPartition partition =
+        rooms::PartitionRooms(level.grid, {}, {.passages = passages, .trajectory = trajectory});
+    const rearrange::Rearrangement rearrangement = survey::ArrangeMaps(level.survey, partition, options_, NewUuid);
+    if (rearrangement.empty()) continue;
+    ENFILADE_RETURN_IF_ERROR(rearranger_.Apply(SurveyorContext(), lease, rearrangement, version).status());
+    changed = true;
+    ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(SurveyorContext(), lease.site));
+    version = graph->graph().version();
+  }
+  return changed;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <thread>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/survey/survey_options.h"
+#include "server/app/graph/site_graphs.h"
+#include "server/app/rearrange/rearranger.h"
+#include "server/app/runtime/stop_signal.h"
+#include "server/app/runtime/wake_signal.h"
+#include "server/app/survey/drive_mapping.h"
+#include "storage/graph/site_lease_store.h"
+#include "storage/graph/survey_store.h"
+
+namespace enfilade::server {
+
+// Surveys sites whose sessions are mapped, and rearranges their maps until each is one room (core/survey). One thread;
+// it looks at a site again only after a multiple of the time that the last survey took, so that a busy site costs a
+// bounded share of a processor. Idempotent: a survey of a site that is arranged already changes nothing.
+class SiteSurveyor {
+ public:
+  struct Stores {
+    SurveyStores read;
+    const storage::SurveyStore& surveys;
+    const storage::SiteLeaseStore& leases;
+  };
+
+  // `wake` wakes it when a session may have been mapped or judged.
+  // `share`: the largest share of the time that a site is surveyed, above 0 and up to 1.
+  SiteSurveyor(const survey::SurveyOptions& options, double share, const SurveyMappingOptions& mapping,
+               const Stores& stores, SiteGraphs& graphs, const Rearranger& rearranger, WakeSignal& wake);
+  ~SiteSurveyor();
+  SiteSurveyor(const SiteSurveyor&) = delete;
+  SiteSurveyor& operator=(const SiteSurveyor&) = delete;
+
+  // Starts stopping; the destructor waits for it.
+  void Stop();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void Run();
+  // False if there was nothing to do.
+  bool SurveyPending();
+  // Until nothing more changes.
+  absl::Status Survey(const SiteId& site);
+  // False if maps were rearranged: survey again.
+  absl::StatusOr<bool> SurveyOnce(const SiteId& site);
+  // Unset if another process holds it for too long.
+  absl::StatusOr<storage::SiteLease> AwaitLease(const SiteId& site);
+  // True if something has changed.
+  absl::StatusOr<bool> Apply(const storage::SiteLease& lease, const SiteSurvey& survey);
+
+  const survey::SurveyOptions options_;
+  const double share_;
+  const SurveyMappingOptions mapping_;
+  const Stores stores_;
+  SiteGraphs& graphs_;
+  const Rearranger& rearranger_;
+  WakeSignal& wake_;
+  const std::string owner_;
+  StopSignal stop_;
+  std::map<SiteId, Clock::time_point> due_;  // sites that were surveyed lately; the worker's only
+  std::thread worker_;
+};
+
+}  // namespace enfilade::server

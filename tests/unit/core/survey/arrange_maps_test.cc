@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/survey/arrange_maps.h"
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/unit/core/survey/drawn_level.h"
+
+namespace enfilade::survey {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+graph::LinkPoint Join(const std::string& id, const graph::Anchor& a, const graph::Anchor& b) {
+  graph::LinkPoint link_point;
+  link_point.id = LinkPointId(id);
+  link_point.anchors = {a, b};
+  link_point.direction = b.map;
+  return link_point;
+}
+
+graph::Anchor AnchorAt(const std::string& map, const Pose2& T_level_map, const Pose2& T_level_place) {
+  return {MapId(map), Between(T_level_map, T_level_place), Eigen::Matrix3d::Identity() * 1e-4};
+}
+
+rearrange::Rearrangement Arrange(const LevelSurvey& survey) {
+  return ArrangeMaps(survey, Corridor(), {}, NumberedIds());
+}
+
+constexpr Pose2 kPlaceB{5.0, 4.0, 1.0};
+
+// The corridor has two maps: a robot was in it, left it through the south door and came back, and the server did not
+// recognise it.
+LevelSurvey DoubledCorridor() {
+  LevelSurvey survey;
+  std::vector<Leg> legs = {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 2.0}}},
+                           {"s2", "b", {1.0, 1.0, 0.3}, {{1.5, 2.0}, {3.0, 1.0}, {1.5, 1.0}, {1.5, 3.5}}},
+                           {"s3", "c", kPlaceB, {{1.5, 3.5}, {4.0, 4.0}}}};
+  survey.drives = {MakeDrive(legs)};
+  Drive& drive = survey.drives[0];
+  for (const std::size_t i : {0, 1}) {  // the passages' times: the visit nearest to y 2.75
+    for (const Visit& visit : drive[i].visits) {
+      const bool behind = i == 0 ? visit.T_level_robot.y < 2.75 : visit.T_level_robot.y > 2.75;
+      if (behind && !drive[i].left) drive[i].left = visit.time;
+    }
+  }
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}, {.id = MapId("c")}};
+  const Pose2 door{1.5, 2.75, -M_PI / 2};
+  survey.link_points = {Join("d1", AnchorAt("a", {}, door), AnchorAt("b", {1.0, 1.0, 0.3}, door)),
+                        Join("d2", AnchorAt("b", {1.0, 1.0, 0.3}, door), AnchorAt("c", kPlaceB, door))};
+  return survey;
+}
+
+TEST(ArrangeMaps, TwoMapsOfOneRoomBecomeOne) {
+  const LevelSurvey survey = DoubledCorridor();
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  EXPECT_THAT(change.cuts, IsEmpty());
+  EXPECT_THAT(change.new_maps, IsEmpty());
+  ASSERT_THAT(change.moves, SizeIs(1));
+  EXPECT_EQ(change.moves[0].session, SessionId("s3"));
+  EXPECT_EQ(change.moves[0].to, MapId("a"));
+  EXPECT_NEAR(change.moves[0].T_to_from.x, kPlaceB.x, 1e-6);
+  ASSERT_THAT(change.redirects, SizeIs(1));
+  EXPECT_EQ(change.redirects[0].from, MapId("c"));
+  EXPECT_EQ(change.redirects[0].to, MapId("a"));
+  // One door, one link point.
+  EXPECT_THAT(change.removed_link_points, SizeIs(1));
+  const LevelSurvey after = After(survey, change);
+  EXPECT_EQ(JoinedMaps(after), (std::multiset<std::set<std::string>>{{"a", "b"}}));
+  EXPECT_TRUE(Arrange(after).empty());
+}
+
+TEST(ArrangeMaps, AMapOfTwoRoomsIsDivided) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s", "a", {}, {{1.5, 1.0}, {1.5, 4.0}, {9.0, 4.0}}}})};
+  survey.maps = {{.id = MapId("a"), .environment = Environment::kIndoor, .slam_profile = "fine", .root = true}};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  ASSERT_THAT(change.new_maps, SizeIs(1));
+  EXPECT_EQ(change.new_maps[0].slam_profile, "fine");
+  ASSERT_THAT(change.cuts, SizeIs(1));
+  EXPECT_EQ(change.cuts[0].session, SessionId("s"));
+  ASSERT_THAT(change.link_points, SizeIs(1));
+  // The door, seen from both maps, which have the same frame here.
+  const graph::LinkPoint& door = change.link_points[0];
+  ASSERT_THAT(door.anchors, SizeIs(2));
+  EXPECT_NEAR(door.anchors[0].T_map_place.x, 1.5, 1e-6);
+  EXPECT_NEAR(door.anchors[0].T_map_place.y, 2.75, 1e-6);
+  EXPECT_NEAR(door.anchors[0].T_map_place.yaw, M_PI / 2, 1e-6);  // as the robot went: north
+  EXPECT_NEAR(door.anchors[1].T_map_place.y, 2.75, 1e-6);
+  const LevelSurvey after = After(survey, change);
+  EXPECT_THAT(MapsOfRooms(after, Corridor()).at(1), SizeIs(1));
+  EXPECT_NE(MapsOfRooms(after, Corridor()).at(1), MapsOfRooms(after, Corridor()).at(2));
+  EXPECT_TRUE(Arrange(after).empty());
+}
+
+TEST(ArrangeMaps, MapsThatAreRoomsStay) {
+  LevelSurvey survey = DoubledCorridor();
+  survey.drives[0].pop_back();
+  survey.maps.pop_back();
+  survey.link_points.pop_back();
+  EXPECT_TRUE(Arrange(survey).empty());
+}
+
+TEST(ArrangeMaps, ABusyMapStaysAndKeepsItsLinkPoints) {
+  LevelSurvey survey = DoubledCorridor();
+  survey.maps[2].busy = true;
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_THAT(change.redirects, IsEmpty());
+  for (const LinkPointId& removed : change.removed_link_points) EXPECT_NE(removed, LinkPointId("d2"));
+}
+
+TEST(ArrangeMaps, AMapThatIsBusyElsewhereIsLeftInItsRoom) {
+  LevelSurvey survey = DoubledCorridor();
+  survey.maps[1].busy = true;  // the south room's
+  const rearrange::Rearrangement change = Arrange(survey);
+  ASSERT_THAT(change.redirects, SizeIs(1));
+  EXPECT_EQ(change.redirects[0].from, MapId("c"));
+}
+
+TEST(ArrangeMaps, ACandidateAtAKnownDoorDisappearsAndOthersMoveWithTheirMap) {
+  LevelSurvey survey = DoubledCorridor();
+  graph::LinkPoint at_door;
+  at_door.id = LinkPointId("seen");
+  at_door.anchors = {AnchorAt("a", {}, {1.6, 4.5, -M_PI / 2})};
+  graph::LinkPoint elsewhere;
+  elsewhere.id = LinkPointId("other");
+  elsewhere.anchors = {AnchorAt("c", kPlaceB, {8.0, 4.5, -M_PI / 2})};
+  survey.link_points.push_back(at_door);
+  survey.link_points.push_back(elsewhere);
+  const LevelSurvey after = After(survey, Arrange(survey));
+  const auto find = [&](const char* id) {
+    for (const graph::LinkPoint& one : after.link_points) {
+      if (one.id == LinkPointId(id)) return &one;
+    }
+    return static_cast<const graph::LinkPoint*>(nullptr);
+  };
+  EXPECT_EQ(find("seen"), nullptr);
+  ASSERT_NE(find("other"), nullptr);
+  ASSERT_NE(find("other")->FindAnchor(MapId("a")), nullptr);
+  EXPECT_NEAR(find("other")->FindAnchor(MapId("a"))->T_map_place.x, 8.0, 1e-6);
+}
+
+TEST(ArrangeMaps, ALiftToAnotherLevelIsKept) {
+  LevelSurvey survey = DoubledCorridor();
+  graph::LinkPoint lift =
+      Join("lift", AnchorAt("c", kPlaceB, {8.0, 4.0, 0.0}), {MapId("upstairs"), {}, Eigen::Matrix3d::Identity()});
+  lift.kind = graph::LinkPointKind::kLift;
+  survey.link_points.push_back(lift);
+  const LevelSurvey after = After(survey, Arrange(survey));
+  const auto found = std::find_if(after.link_points.begin(), after.link_points.end(),
+                                  [](const graph::LinkPoint& one) { return one.id == LinkPointId("lift"); });
+  ASSERT_NE(found, after.link_points.end());
+  ASSERT_NE(found->FindAnchor(MapId("a")), nullptr);
+  EXPECT_NEAR(found->FindAnchor(MapId("a"))->T_map_place.x, 8.0, 1e-6);
+  EXPECT_EQ(found->FindAnchor(MapId("upstairs"))->T_map_place, Pose2{});
+}
+
+TEST(ArrangeMaps, ALinkPointWhereNoDoorIsDisappears) {
+  LevelSurvey survey = DoubledCorridor();
+  const Pose2 nowhere{7.0, 4.0, 0.0};
+  survey.link_points.push_back(Join("false", AnchorAt("a", {}, nowhere), AnchorAt("c", kPlaceB, nowhere)));
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_THAT(change.removed_link_points, ::testing::Contains(LinkPointId("false")));
+}
+
+}  // namespace
+}  // namespace enfilade::survey
