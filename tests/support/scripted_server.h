@@ -32,9 +32,28 @@ struct CallFacts {
   std::optional<double> seconds_to_live;  // until the deadline; unset without one
 };
 
+// What a call answers with. A call keeps the function that it began with, so that a test may set another one while a
+// call that its client has given up still runs.
+template <typename Function>
+class Script {
+ public:
+  Script& operator=(Function function) {
+    const MutexLock lock(mutex_);
+    function_ = std::move(function);
+    return *this;
+  }
+  Function Get() const {
+    const MutexLock lock(mutex_);
+    return function_;
+  }
+
+ private:
+  mutable Mutex mutex_;
+  Function function_ ABSL_GUARDED_BY(mutex_);
+};
+
 // A server over real gRPC on a socket, whose answers a test writes as functions: server.maps.list_maps = [](request,
-// response) { ... return grpc::Status::OK; }. Functions are set before the first call. A call without a function is
-// UNIMPLEMENTED.
+// response) { ... return grpc::Status::OK; }. A call without a function is UNIMPLEMENTED.
 class ScriptedServer {
   template <typename Request, typename Response>
   using Unary = std::function<grpc::Status(const Request&, Response&)>;
@@ -45,11 +64,12 @@ class ScriptedServer {
 
  public:
 #define ENFILADE_SCRIPTED(shape, Name, member)                                                    \
-  shape<v1::Name##Request, v1::Name##Response> member;                                            \
+  Script<shape<v1::Name##Request, v1::Name##Response>> member;                                    \
   grpc::Status Name(grpc::ServerContext* context, ENFILADE_##shape##_PARAMETERS(Name)) override { \
     owner.Note(*context);                                                                         \
-    if (!member) return {grpc::StatusCode::UNIMPLEMENTED, #Name};                                 \
-    return member(ENFILADE_##shape##_ARGUMENTS);                                                  \
+    const auto script = member.Get();                                                             \
+    if (!script) return {grpc::StatusCode::UNIMPLEMENTED, #Name};                                 \
+    return script(ENFILADE_##shape##_ARGUMENTS);                                                  \
   }
 #define ENFILADE_Unary_PARAMETERS(Name) const v1::Name##Request *request, v1::Name##Response *response
 #define ENFILADE_Unary_ARGUMENTS *request, *response
