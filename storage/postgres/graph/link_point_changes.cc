@@ -82,17 +82,8 @@ std::string ResourceOf(const LinkPointId& id) { return "linkPoints/" + id.value(
 
 void QueueAnchors(Transaction& transaction, const SiteId& site, const LinkPointId& id,
                   const std::vector<graph::Anchor>& anchors) {
-  std::vector<std::string_view> maps;
-  std::vector<double> x, y, yaw, covariances;
-  for (const graph::Anchor& anchor : anchors) {
-    maps.push_back(anchor.map.value());
-    x.push_back(anchor.T_map_place.x);
-    y.push_back(anchor.T_map_place.y);
-    yaw.push_back(anchor.T_map_place.yaw);
-    const std::vector<double> row = ToRow(anchor.covariance);
-    covariances.insert(covariances.end(), row.begin(), row.end());
-  }
-  transaction.Queue(kPutAnchors, Params(site, id, maps, x, y, yaw, covariances));
+  const AnchorArrays arrays(anchors);
+  transaction.Queue(kPutAnchors, Params(site, id, arrays.maps, arrays.x, arrays.y, arrays.yaw, arrays.covariances));
 }
 
 absl::Status MapMissing(const SiteId& site, const LinkPointId& id, const std::vector<graph::Anchor>& anchors) {

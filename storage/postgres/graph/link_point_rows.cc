@@ -79,6 +79,17 @@ std::vector<double> ToRow(const Eigen::Matrix3d& covariance) {
   return values;
 }
 
+AnchorArrays::AnchorArrays(const std::vector<graph::Anchor>& anchors) {
+  for (const graph::Anchor& anchor : anchors) {
+    maps.push_back(anchor.map.value());
+    x.push_back(anchor.T_map_place.x);
+    y.push_back(anchor.T_map_place.y);
+    yaw.push_back(anchor.T_map_place.yaw);
+    const std::vector<double> row = ToRow(anchor.covariance);
+    covariances.insert(covariances.end(), row.begin(), row.end());
+  }
+}
+
 Eigen::Matrix3d ReadCovariance(Row& row) {
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> covariance;
   if (!row.DoublesInto(absl::MakeSpan(covariance.data(), 9))) covariance.setZero();

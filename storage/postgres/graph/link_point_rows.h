@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -26,6 +27,17 @@ absl::StatusOr<StoredLinkPoint> ReadLinkPoint(const Result& result, const SiteId
 
 // 3x3, row by row.
 std::vector<double> ToRow(const Eigen::Matrix3d& covariance);
+// Anchors as arrays for unnest. `maps` refers to the anchors' ids.
+struct AnchorArrays {
+  explicit AnchorArrays(const std::vector<graph::Anchor>& anchors);
+
+  std::vector<std::string_view> maps;
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> yaw;
+  std::vector<double> covariances;  // nine numbers for each anchor
+};
+
 // The next column, row by row; zeros unless it has nine numbers.
 Eigen::Matrix3d ReadCovariance(Row& row);
 

@@ -60,17 +60,9 @@ constexpr Statement kPutEvidenceBack{
     " FROM e JOIN choice c ON c.link_point_id = e.link_point_id AND c.kind = e.kind AND c.source = e.map_id"};
 
 void QueueNewAnchors(Transaction& transaction, const SiteId& site, const graph::LinkPoint& point) {
-  std::vector<std::string_view> maps;
-  std::vector<double> x, y, yaw, covariances;
-  for (const graph::Anchor& anchor : point.anchors) {
-    maps.push_back(anchor.map.value());
-    x.push_back(anchor.T_map_place.x);
-    y.push_back(anchor.T_map_place.y);
-    yaw.push_back(anchor.T_map_place.yaw);
-    const std::vector<double> row = ToRow(anchor.covariance);
-    covariances.insert(covariances.end(), row.begin(), row.end());
-  }
-  transaction.Queue(kPutNewAnchors, Params(site, point.id, maps, x, y, yaw, covariances));
+  const AnchorArrays arrays(point.anchors);
+  transaction.Queue(kPutNewAnchors,
+                    Params(site, point.id, arrays.maps, arrays.x, arrays.y, arrays.yaw, arrays.covariances));
 }
 
 absl::Status ExplainStored(const absl::Status& status, const SiteId& site, const graph::LinkPoint& point) {
