@@ -24,15 +24,6 @@ Eigen::Isometry3d ToIsometry(const Pose2& pose) {
   return T;
 }
 
-perception::ImageMatchOptions MatchOptions(const closure::DoorClosureOptions& options) {
-  perception::ImageMatchOptions match;
-  match.ratios = {.sift = options.image_sift_ratio, .akaze = options.image_akaze_ratio};
-  match.tolerance = options.image_tolerance;
-  match.threshold = options.image_threshold;
-  match.min_share = options.image_min_share;
-  return match;
-}
-
 perception::RegistrationOptions CloudOptions(const closure::DoorClosureOptions& options) {
   perception::RegistrationOptions registration;
   registration.voxel = options.cloud_voxel;
@@ -71,6 +62,15 @@ bool IsBetter(const perception::Registration& a, const perception::Registration&
 
 }  // namespace
 
+perception::ImageMatchOptions ImageMatchOptionsOf(const closure::DoorClosureOptions& options) {
+  perception::ImageMatchOptions match;
+  match.ratios = {.sift = options.image_sift_ratio, .akaze = options.image_akaze_ratio};
+  match.tolerance = options.image_tolerance;
+  match.threshold = options.image_threshold;
+  match.min_share = options.image_min_share;
+  return match;
+}
+
 // Those that look into the map (`away`) or at the door, images_compared at most, the nearest to the door's moment
 // first.
 absl::StatusOr<std::vector<const perception::FeatureSet*>> PlaceComparer::FindKeptImages(
@@ -93,7 +93,7 @@ absl::StatusOr<closure::ImageComparison> PlaceComparer::MatchImages(
   const std::vector<Views> series = AsSeries(now);
   std::vector<Views> first = {series.front()};
   if (series.size() > 2) first.push_back(series[series.size() / 2]);
-  const perception::ImageMatchOptions match_options = MatchOptions(options_);
+  const perception::ImageMatchOptions match_options = ImageMatchOptionsOf(options_);
   closure::ImageComparison comparison;
   for (const perception::FeatureSet* image : kept) {
     const Views view{.front = image, .rear = nullptr};

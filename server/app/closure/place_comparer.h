@@ -8,10 +8,14 @@
 #include "core/closure/door_knowledge.h"
 #include "perception/cloud/cloud.h"
 #include "perception/image/features.h"
+#include "perception/image/match_images.h"
 #include "server/app/closure/stored_views.h"
 #include "storage/graph/link_point_store.h"
 
 namespace enfilade::server {
+
+// How images of doors are matched.
+perception::ImageMatchOptions ImageMatchOptionsOf(const closure::DoorClosureOptions& options);
 
 // What the robot saw behind the door that it passed. Images and cloud are StoredViews'.
 struct RobotViews {

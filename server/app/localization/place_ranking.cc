@@ -13,6 +13,7 @@
 #include "perception/image/decode.h"
 #include "perception/image/feature_codec.h"
 #include "perception/image/match_images.h"
+#include "server/app/closure/place_comparer.h"
 #include "server/app/localization/call_progress.h"
 
 namespace enfilade::server {
@@ -20,16 +21,6 @@ namespace {
 
 constexpr int kImagesCompared = 2;  // of each camera of each anchor, the nearest to the door's moment
 constexpr std::size_t kPlacesAtOnce = 100;
-
-perception::ImageMatchOptions MatchOptions() {
-  const closure::DoorClosureOptions options;
-  perception::ImageMatchOptions match;
-  match.ratios = {.sift = options.image_sift_ratio, .akaze = options.image_akaze_ratio};
-  match.tolerance = options.image_tolerance;
-  match.threshold = options.image_threshold;
-  match.min_share = options.image_min_share;
-  return match;
-}
 
 std::vector<LinkPointId> PlacesOf(const graph::GraphSnapshot& graph, const PlaceFilter& filter) {
   std::vector<LinkPointId> places;
@@ -100,7 +91,7 @@ absl::StatusOr<std::vector<RankedPlace>> PlaceRanking::Rank(const storage::CallC
     return InvalidArgument("image: it shows nothing to recognise: {} features, fewer than {}", count, least);
   }
   const std::vector<LinkPointId> places = PlacesOf(graph, filter);
-  const perception::ImageMatchOptions options = MatchOptions();
+  const perception::ImageMatchOptions options = ImageMatchOptionsOf(closure::DoorClosureOptions());
   std::map<std::pair<LinkPointId, MapId>, RankedPlace> best;
   for (std::size_t begin = 0; begin < places.size(); begin += kPlacesAtOnce) {
     const std::vector<LinkPointId> portion(
