@@ -6,11 +6,10 @@
 
 #include "core/geometry/pose2.h"
 #include "core/rooms/basins.h"
+#include "core/rooms/door_odds.h"
 
 namespace enfilade::rooms {
 namespace {
-
-constexpr double kPassed = -6.0;  // added to the openness of a door that a robot is known to have passed
 
 bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>& lines) {
   return std::any_of(lines.begin(), lines.end(), [&](const DoorLine& known) {
@@ -31,7 +30,11 @@ void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomO
   const double one_door = 0.5 / ground.resolution;
   std::vector<DoorLine> others;
   const bool hole = line.length() * ground.resolution < kSmallHole;
-  for (const DoorCandidate& other : ContinueWalls(ground, line, evidence, 1.4 * options.max_door / ground.resolution)) {
+  const double longest = 1.4 * options.max_door / ground.resolution;
+  std::vector<DoorCandidate> alternatives = ContinueWalls(ground, line, evidence, longest);
+  const std::vector<DoorCandidate> aligned = AlignWithWalls(ground, line, longest);
+  alternatives.insert(alternatives.end(), aligned.begin(), aligned.end());
+  for (const DoorCandidate& other : alternatives) {
     if (hole || other.length() < 2.0 || IsKnown(other, kSame, lines)) continue;
     DoorLine found{other, GatherEvidence(ground, other), 0.0};
     found.openness = OpennessOf(found.evidence);
@@ -50,9 +53,9 @@ void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomO
 // The line between two points, made longer until both ends are on walls, if these are near.
 DoorCandidate Extended(const GroundMap& ground, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d along = (b - a).normalized();
-  const auto extend = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& direction) {
+  const auto extend = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& direction) -> Eigen::Vector2d {
     for (double step = 0.0; step < 0.6 / ground.resolution; step += 1.0) {
-      const Eigen::Vector2d p = end + step * direction;
+      Eigen::Vector2d p = end + step * direction;
       if (!ground.IsOpen(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())))) return p;
     }
     return end;
@@ -110,9 +113,9 @@ void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, st
       lines.push_back({own, GatherEvidence(ground, own), 0.0});
       line = &lines.back();
     }
-    if (line->line.passed) continue;
     line->line.passed = true;
-    line->openness = std::min(line->openness, 0.0) + kPassed;
+    line->evidence.passed = true;
+    line->openness = OpennessOf(line->evidence);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "core/grid/occupancy_grid.h"
 #include "core/rooms/distance_field.h"
 #include "core/rooms/door_candidate.h"
+#include "core/rooms/door_evidence.h"
 #include "core/rooms/ground.h"
 #include "core/rooms/room_options.h"
 #include "core/rooms/room_partition.h"
@@ -17,7 +18,7 @@ namespace enfilade::rooms {
 struct DoorLine {
   DoorCandidate line;
   DoorEvidence evidence;
-  double openness = 0.0;  // door_candidate.h
+  double openness = 0.0;  // door_odds.h
 };
 
 // The lines along which the ground may be cut: at narrow places, and where robots are known to have passed a door.

@@ -196,7 +196,7 @@ GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options
   ground.cells.resize(grid.cells.size());
   Threshold(grid, options, ground);
   FreeTrajectory(grid.geometry, trajectory, ground);
-  CloseHoles(ground, static_cast<int>(options.hole / 2.0 / ground.resolution + 0.5));
+  CloseHoles(ground, static_cast<int>(std::lround(options.hole / 2.0 / ground.resolution)));
   MarkClutter(ground, static_cast<int>(options.clutter / ground.resolution));
   MeasureWalls(ground);
   MeasureDirections(ground);

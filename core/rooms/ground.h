@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -36,8 +37,12 @@ struct GroundMap {
   }
   bool contains(int column, int row) const { return column >= 0 && column < width && row >= 0 && row < height; }
   Ground at(int column, int row) const { return contains(column, row) ? cells[index(column, row)] : Ground::kUnknown; }
+  Ground at(const Eigen::Vector2d& cell) const {
+    return at(static_cast<int>(std::lround(cell.x())), static_cast<int>(std::lround(cell.y())));
+  }
   // Belongs to a room: neither wall nor unknown.
   bool IsOpen(int column, int row) const { return at(column, row) >= Ground::kOpen; }
+  bool IsOpen(const Eigen::Vector2d& cell) const { return at(cell) >= Ground::kOpen; }
   bool IsOpen(std::size_t cell) const { return cells[cell] >= Ground::kOpen; }
 };
 

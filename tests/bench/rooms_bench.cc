@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rooms of floor plans with ground truth, and of simulated drives mapped by SLAM, as JSON on standard output:
-//   bench_rooms [--plans DIR] [--buildings N] [--first-seed S] [--campus NAME]... [--list] [--plots DIR]
-//     [--candidates FILE]
+//   bench_rooms [--plans DIR] [--buildings N] [--first-seed S] [--campus NAME]... [--laps N] [--reports] [--list]
+//     [--plots DIR] [--candidates FILE]
 // PLANS is a folder with NAME.png, NAME_furnitures.png and NAME_gt_segmentation.png. --candidates writes what is known
-// about each narrow place and whether it is a door in truth: what the weights of core/rooms are fitted to.
+// about each narrow place and whether it is a door in truth: fit_door_trees fits the odds of core/rooms to it.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -33,6 +33,8 @@ struct RoomsBenchOptions {
   int buildings = 0;
   std::uint64_t first_seed = 6001;
   std::vector<std::string> campuses;
+  std::optional<int> laps;
+  bool reports = false;
   std::string cache;
   std::string plots;
   std::string candidates;
@@ -110,14 +112,17 @@ class RoomsBench {
     int false_changes = 0;
     nlohmann::json list = nlohmann::json::array();
     for (const std::string& campus : campuses) {
-      ENFILADE_ASSIGN_OR_RETURN(const MappedDrive mapped, MapDrive(campus, SeedOf(campus), options_.cache));
+      ENFILADE_ASSIGN_OR_RETURN(const MappedDrive mapped,
+                                MapDrive(campus, {SeedOf(campus), options_.laps, options_.cache}));
       std::vector<Eigen::Vector2d> trajectory;
       for (const testing::DrivePoint& point : mapped.drive) trajectory.push_back(point.p_map);
-      const rooms::RoomPartition partition = rooms::PartitionRooms(mapped.grid, {}, {{}, trajectory});
+      std::vector<rooms::PassageHint> reported;
+      if (options_.reports) reported = mapped.reported;
+      const rooms::RoomPartition partition = rooms::PartitionRooms(mapped.grid, {}, {reported, trajectory});
       const testing::DriveScore score = testing::ScoreDrive(partition, mapped.drive, mapped.passages);
       ENFILADE_RETURN_IF_ERROR(Plot(campus, mapped.grid, partition));
       if (candidates_.is_open()) {
-        WriteCandidates(campus, mapped.grid, trajectory, [&](const Eigen::Vector2d& p_map) {
+        WriteCandidates(campus, mapped.grid, {reported, trajectory}, [&](const Eigen::Vector2d& p_map) {
           const simulator::Area* area = mapped.campus.AreaAt(mapped.level, mapped.T_campus_map * p_map);
           return area == nullptr ? 0 : static_cast<int>(area - mapped.campus.areas.data()) + 1;
         });
@@ -179,12 +184,14 @@ class RoomsBench {
 
   // A line for each candidate of which the truth is known: room_at(p_map) is the true room, 0 none.
   template <typename RoomAt>
-  void WriteCandidates(const std::string& name, const grid::OccupancyGrid& grid,
-                       const std::vector<Eigen::Vector2d>& trajectory, RoomAt&& room_at) {
+  void WriteCandidates(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
+                       RoomAt&& room_at) {
     const rooms::RoomOptions options;
-    const rooms::GroundMap ground = rooms::ReadGround(grid, options, trajectory);
+    const rooms::GroundMap ground = rooms::ReadGround(grid, options, known.trajectory);
     const rooms::DistanceField field = rooms::DistancesToWalls(ground);
-    for (const rooms::DoorLine& line : rooms::FindDoorLines(ground, field, options)) {
+    std::vector<rooms::DoorLine> lines = rooms::FindDoorLines(ground, field, options);
+    rooms::AddPassages(ground, grid.geometry, known.passages, lines);
+    for (const rooms::DoorLine& line : lines) {
       const Eigen::Vector2d a = rooms::ToMap(grid.geometry, line.line.a);
       const Eigen::Vector2d b = rooms::ToMap(grid.geometry, line.line.b);
       const Eigen::Vector2d along = (b - a).normalized();
@@ -217,6 +224,8 @@ int main(int argc, char** argv) {
   app.add_option("--buildings", options.buildings, "How many random buildings")->capture_default_str();
   app.add_option("--first-seed", options.first_seed, "Of the first building")->capture_default_str();
   app.add_option("--campus", options.campuses, "A shipped campus, or random:SEED");
+  app.add_option("--laps", options.laps, "Of each drive, instead of the campus's");
+  app.add_flag("--reports", options.reports, "With the passages that the robot's door detector reports");
   app.add_option("--cache", options.cache, "Keep the maps of the drives in this folder");
   app.add_option("--plots", options.plots, "Write a PNG of each map into this folder");
   app.add_option("--candidates", options.candidates, "Write the narrow places and their truth as CSV");

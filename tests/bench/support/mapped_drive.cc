@@ -5,12 +5,15 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <variant>
 
 #include "client/simulator/campus/random_building.h"
 #include "client/simulator/campus/shipped_campuses.h"
 #include "client/simulator/simulation.h"
 #include "core/base/status_macros.h"
+#include "core/doors/door_detector.h"
 #include "core/sensor/record.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "fmt/format.h"
@@ -28,16 +31,53 @@ absl::StatusOr<simulator::Campus> CampusOf(const std::string& name) {
 struct Mapping {
   grid::OccupancyGrid grid;
   std::vector<slam::StampedPose> trajectory;
+  std::vector<rooms::PassageHint> reported;
 };
 
+struct Passage {
+  TimeNs time = 0;  // of the report
+  Pose2 T_robot_door;
+  double width = 0.0;
+};
+
+std::vector<Passage> DetectPassages(const std::vector<simulator::SimulatedRecord>& records) {
+  std::vector<Passage> passages;
+  doors::DoorDetector detector{doors::DoorOptions()};
+  std::optional<Pose2> T_odom_robot;
+  for (const simulator::SimulatedRecord& record : records) {
+    if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) T_odom_robot = odometry->T_odom_robot;
+    const auto* scan = std::get_if<sensor::LaserScan>(&record.payload);
+    if (scan == nullptr || !T_odom_robot) continue;
+    for (const doors::DoorEvent& event : detector.Add(*scan, *T_odom_robot)) {
+      if (event.kind != doors::DoorEvent::Kind::kPassage) continue;
+      passages.push_back({event.time, Between(event.T_odom_robot, event.T_odom_door), event.width});
+    }
+  }
+  return passages;
+}
+
+const slam::StampedPose& PoseAt(const Mapping& mapping, TimeNs time) {
+  const auto found = std::lower_bound(mapping.trajectory.begin(), mapping.trajectory.end(), time,
+                                      [](const slam::StampedPose& pose, TimeNs t) { return pose.time < t; });
+  return found == mapping.trajectory.end() ? mapping.trajectory.back() : *found;
+}
+
 Mapping MapRecords(std::vector<simulator::SimulatedRecord> records) {
+  const std::vector<Passage> passages = DetectPassages(records);
   slam::LogMapper mapper(sensor::ScanPairingOptions{}, slam::SlamOptions{});
   std::int64_t sequence = 0;
   for (simulator::SimulatedRecord& record : records) mapper.Add({++sequence, std::move(record.payload)});
   mapper.Finish();
   slam::SlamMap map;
   map.Apply(mapper.TakeDelta());
-  return {mapper.RenderGrid(), slam::TrajectoryOf(map)};
+  Mapping mapping{mapper.RenderGrid(), slam::TrajectoryOf(map), {}};
+  constexpr double kUsualDoor = 1.0;  // m
+  for (const Passage& passage : passages) {
+    const Pose2 T_map_door = PoseAt(mapping, passage.time).T_map_robot * passage.T_robot_door;
+    const double half = (passage.width > 0.0 ? passage.width : kUsualDoor) / 2.0;
+    mapping.reported.push_back({T_map_door * Eigen::Vector2d(0.0, half), T_map_door * Eigen::Vector2d(0.0, -half)});
+  }
+  return mapping;
 }
 
 template <typename Value>
@@ -56,6 +96,8 @@ void Keep(const Mapping& mapping, const std::filesystem::path& file) {
             static_cast<std::streamsize>(mapping.grid.cells.size()));
   Put(out, mapping.trajectory.size());
   for (const slam::StampedPose& pose : mapping.trajectory) Put(out, pose);
+  Put(out, mapping.reported.size());
+  for (const rooms::PassageHint& passage : mapping.reported) Put(out, passage);
 }
 
 bool Recall(const std::filesystem::path& file, Mapping& mapping) {
@@ -68,6 +110,9 @@ bool Recall(const std::filesystem::path& file, Mapping& mapping) {
   Get(in, count);
   mapping.trajectory.resize(count);
   for (slam::StampedPose& pose : mapping.trajectory) Get(in, pose);
+  Get(in, count);
+  mapping.reported.resize(count);
+  for (rooms::PassageHint& passage : mapping.reported) Get(in, passage);
   return static_cast<bool>(in);
 }
 
@@ -80,29 +125,28 @@ const simulator::TruePose& TruthAt(const simulator::GroundTruth& truth, TimeNs t
 // The true place in the map's frame, as SLAM has it there: its error at that time is taken along.
 Eigen::Vector2d ToMap(const Mapping& mapping, const simulator::GroundTruth& truth, TimeNs time,
                       const Eigen::Vector2d& p_campus) {
-  const auto found = std::lower_bound(mapping.trajectory.begin(), mapping.trajectory.end(), time,
-                                      [](const slam::StampedPose& pose, TimeNs t) { return pose.time < t; });
-  const slam::StampedPose& pose = found == mapping.trajectory.end() ? mapping.trajectory.back() : *found;
+  const slam::StampedPose& pose = PoseAt(mapping, time);
   return pose.T_map_robot * (Inverse(TruthAt(truth, pose.time).T_campus_robot) * p_campus);
 }
 
 }  // namespace
 
-absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, std::uint64_t seed,
-                                     const std::filesystem::path& cache) {
+absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, const MappedDriveOptions& options) {
   MappedDrive mapped;
   ENFILADE_ASSIGN_OR_RETURN(mapped.campus, CampusOf(campus));
   const simulator::Robot robot = mapped.campus.robots.front();
   mapped.level = robot.level;
-  simulator::SimulationOptions options;
-  options.seed = seed;
+  simulator::SimulationOptions simulation;
+  simulation.seed = options.seed;
+  simulation.laps = options.laps;
   const auto world = std::make_shared<const simulator::World>(mapped.campus);
-  ENFILADE_ASSIGN_OR_RETURN(simulator::Drive drive, simulator::SimulateDrive(world, robot.id, options));
+  ENFILADE_ASSIGN_OR_RETURN(simulator::Drive drive, simulator::SimulateDrive(world, robot.id, simulation));
   Mapping mapping;
-  const std::filesystem::path file = cache / fmt::format("{}-{}.drive", campus, seed);
-  if (cache.empty() || !Recall(file, mapping)) {
+  const std::filesystem::path file =
+      options.cache / fmt::format("{}-{}-{}.drive", campus, options.seed, options.laps.value_or(robot.laps));
+  if (options.cache.empty() || !Recall(file, mapping)) {
     mapping = MapRecords(std::move(drive.records));
-    if (!cache.empty()) Keep(mapping, file);
+    if (!options.cache.empty()) Keep(mapping, file);
   }
   mapped.grid = std::move(mapping.grid);
   mapped.T_campus_map = drive.truth.poses.front().T_campus_robot;
@@ -113,6 +157,7 @@ absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, std::uint64_t se
     mapped.passages.push_back(
         {ToMap(mapping, drive.truth, passage.time, passage.T_campus_robot.translation()), passage.door});
   }
+  mapped.reported = std::move(mapping.reported);
   return mapped;
 }
 

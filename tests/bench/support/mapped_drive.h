@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "client/simulator/campus/campus.h"
 #include "core/geometry/pose2.h"
 #include "core/grid/occupancy_grid.h"
+#include "core/rooms/room_partition.h"
 #include "tests/support/room_scores.h"
 
 namespace enfilade::bench {
@@ -23,10 +25,17 @@ struct MappedDrive {
   Pose2 T_campus_map;  // where the drive began
   std::vector<testing::DrivePoint> drive;
   std::vector<testing::DrivePassage> passages;
+  std::vector<rooms::PassageHint> reported;  // by the robot's door detector, wherever it takes itself through a door
 };
 
-// "random:SEED" or a shipped campus; the campus's first robot. The grid and the trajectory are kept in `cache` and read
-// from there if they are (nothing is kept if it is empty).
-absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, std::uint64_t seed, const std::filesystem::path& cache);
+struct MappedDriveOptions {
+  std::uint64_t seed = 1;
+  std::optional<int> laps = {};
+  // What is mapped is kept here, and read from here if it is; nothing is kept if it is empty.
+  std::filesystem::path cache = {};
+};
+
+// "random:SEED" or a shipped campus; the campus's first robot.
+absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, const MappedDriveOptions& options);
 
 }  // namespace enfilade::bench

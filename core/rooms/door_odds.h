@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/rooms/door_evidence.h"
+
+namespace enfilade::rooms {
+
+// The logarithm of the odds that a candidate is open ground (positive) against a door (negative), by gradient boosted
+// regression trees (J. Friedman, "Greedy function approximation: a gradient boosting machine", 2001). tests/bench/
+// fit_door_trees fits them to candidates of which the truth is known, and writes door_trees.inc.
+double OpennessOf(const DoorEvidence& evidence);
+
+}  // namespace enfilade::rooms

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/rooms/door_odds.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "core/rooms/door_lines.h"
+#include "tests/unit/core/rooms/drawn_rooms.h"
+
+namespace enfilade::rooms {
+namespace {
+
+std::vector<DoorLine> LinesOf(const DrawnRooms& drawn) {
+  const GroundMap ground = ReadGround(drawn.grid, {}, {});
+  return FindDoorLines(ground, DistancesToWalls(ground), {});
+}
+
+const DrawnRooms& Door() {
+  static const DrawnRooms drawn({
+      "#####################",
+      "#         #         #",
+      "#         #         #",
+      "#         #         #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#         #         #",
+      "#         #         #",
+      "#         #         #",
+      "#####################",
+  });
+  return drawn;
+}
+
+TEST(DoorOdds, AGapInAWallIsRatherADoor) {
+  const std::vector<DoorLine> lines = LinesOf(Door());
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_LT(lines[0].openness, -2.0);
+  EXPECT_EQ(lines[0].openness, OpennessOf(lines[0].evidence));
+}
+
+TEST(DoorOdds, ItDoesNotMatterWhichJambIsFirst) {
+  DoorEvidence evidence = LinesOf(Door()).at(0).evidence;
+  evidence.a.slender = 0.4;
+  evidence.b.across_behind = 0.3;
+  const double openness = OpennessOf(evidence);
+  std::swap(evidence.a, evidence.b);
+  EXPECT_EQ(OpennessOf(evidence), openness);
+}
+
+TEST(DoorOdds, AWideOpeningBetweenShortWallsIsRatherOpen) {
+  const DrawnRooms drawn({
+      "#####################",
+      "#         #         #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#         #         #",
+      "#####################",
+  });
+  for (const DoorLine& line : LinesOf(drawn)) EXPECT_GT(line.openness, 0.0) << line.evidence.width;
+}
+
+TEST(DoorOdds, ALineBetweenJambsThatAreNotOppositeFollowsTheWall) {
+  // The right wall begins half a metre farther up than the left one ends: the shortest line is oblique.
+  const DrawnRooms drawn({
+      "#####################",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#            ########",
+      "#                   #",
+      "##########          #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#                   #",
+      "#####################",
+  });
+  const GroundMap ground = ReadGround(drawn.grid, {}, {});
+  const DoorCandidate oblique{{49.0, 32.0}, {65.0, 42.0}, false};
+  const std::vector<DoorCandidate> aligned = AlignWithWalls(ground, oblique, 112.0);
+  ASSERT_FALSE(aligned.empty());
+  for (const DoorCandidate& line : aligned) {
+    const Eigen::Vector2d along = line.b - line.a;
+    EXPECT_LT(std::min(std::abs(along.x()), std::abs(along.y())), 2.0) << along.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace enfilade::rooms
