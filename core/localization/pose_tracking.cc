@@ -31,7 +31,7 @@ slam::MatchResult Refine(const SearchableMap& map, const QueryPoints& points, co
 // place around it. Wheels slip more than the model of motion says, at times.
 slam::MatchResult RefinePredicted(const SearchableMap& map, const QueryPoints& points, const slam::PosePrior& prior,
                                   const LocalizationOptions& options) {
-  const slam::MatchResult near = Refine(map, points, prior.pose, prior, 0.0);
+  slam::MatchResult near = Refine(map, points, prior.pose, prior, 0.0);
   const ScanEvidence evidence = Compare(map, points, near.T_submap_robot, options);
   if (evidence.matched >= kFits * evidence.known() || points.searched.empty()) return near;
   slam::SearchWindow window;

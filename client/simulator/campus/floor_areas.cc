@@ -31,7 +31,7 @@ class FloorGrid {
       const int samples = 1 + static_cast<int>((b - a).norm() / (kCell / 4.0));
       for (int i = 0; i <= samples; ++i) {
         const Eigen::Vector2d at = (a + (b - a) * (static_cast<double>(i) / samples) - lower_) / kCell;
-        cells_[static_cast<std::size_t>(static_cast<int>(at.y()) * width_ + static_cast<int>(at.x()))] = kBarrier;
+        cells_[IndexOf(static_cast<int>(at.x()), static_cast<int>(at.y()))] = kBarrier;
       }
     }
   }
@@ -59,6 +59,9 @@ class FloorGrid {
  private:
   static constexpr std::array<std::pair<int, int>, 4> kNeighbours = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
+  std::size_t IndexOf(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column);
+  }
   int At(int cell) const { return cells_[static_cast<std::size_t>(cell)]; }
   bool Is(int column, int row, int label) const {
     return column >= 0 && row >= 0 && column < width_ && row < height_ && At(row * width_ + column) == label;
@@ -79,7 +82,7 @@ class FloorGrid {
         const int column = open.front() % width_ + dc;
         const int row = open.front() / width_ + dr;
         if (column < 0 || row < 0 || column >= width_ || row >= height_) continue;
-        int& distance = distance_[static_cast<std::size_t>(row * width_ + column)];
+        int& distance = distance_[IndexOf(column, row)];
         if (distance >= 0) continue;
         distance = distance_[static_cast<std::size_t>(open.front())] + 1;
         open.push_back(row * width_ + column);
@@ -95,7 +98,7 @@ class FloorGrid {
         const int column = piece[i] % width_ + dc;
         const int row = piece[i] / width_ + dr;
         if (!Is(column, row, kUnseen)) continue;
-        cells_[static_cast<std::size_t>(row * width_ + column)] = label;
+        cells_[IndexOf(column, row)] = label;
         piece.push_back(row * width_ + column);
       }
     }

@@ -48,7 +48,8 @@ int FreeGround::CellOf(const Eigen::Vector2d& point) const {
 }
 
 Eigen::Vector2d FreeGround::MiddleOf(int cell) const {
-  return lower_ + kCell * Eigen::Vector2d(cell % width_ + 0.5, cell / width_ + 0.5);
+  const int row = cell / width_;
+  return lower_ + kCell * Eigen::Vector2d(cell % width_ + 0.5, row + 0.5);
 }
 
 double FreeGround::DistanceAt(const Eigen::Vector2d& point) const {
