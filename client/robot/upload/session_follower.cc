@@ -9,6 +9,7 @@
 #include "core/base/time.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
 
 namespace enfilade::robot {
@@ -63,10 +64,21 @@ bool SessionFollower::PollSession(Followed& followed) {
   for (; followed.verdicts < verdicts->verdicts_size(); ++followed.verdicts) {
     NotifyVerdict(followed.session, verdicts->verdicts(followed.verdicts));
   }
+  // A survey may cut the session: its later verdicts are then another session's.
+  if (session->surveyed()) return true;
+  if (session->state() == v1::Session::STATE_MAPPED && !session->map().empty() && ServerSurveys()) return false;
   // A session without a map is recorded only, and never mapped.
   return (followed.mapped || session->map().empty()) &&
          followed.verdicts >= hooks_.expected_verdicts(followed.session) &&
          (ended || session->entry().previous_session().empty());
+}
+
+bool SessionFollower::ServerSurveys() {
+  if (!server_surveys_) {
+    const auto status = connection_.Call(&v1::ServerService::Stub::GetServerStatus, v1::GetServerStatusRequest());
+    if (status.ok()) server_surveys_ = status->surveys_sites();
+  }
+  return server_surveys_.value_or(false);
 }
 
 void SessionFollower::NotifyMapped(const Followed& followed, const v1::Session& session) {

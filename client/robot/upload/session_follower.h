@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "client/robot/notification.h"
@@ -33,7 +34,8 @@ class SessionFollower {
                   Hooks hooks);
 
   void Add(const SessionId& session) { sessions_.push_back({session}); }
-  // Asks the server once about each session, and forgets those that are done: mapped, with all verdicts.
+  // Asks the server once about each session, and forgets those that are done: mapped, with all verdicts, and surveyed
+  // if the server surveys sites.
   void Poll();
   // Asks for the robot's pose in the world, and notifies if it has changed.
   void PollGlobalPose();
@@ -47,6 +49,8 @@ class SessionFollower {
     bool map_reported = false;
   };
 
+  // False while the server does not say.
+  bool ServerSurveys();
   bool PollSession(Followed& followed);  // true when nothing more will come
   void NotifyMapped(const Followed& followed, const v1::Session& session);
   void NotifyVerdict(const SessionId& session, const v1::DoorVerdict& verdict);
@@ -57,6 +61,7 @@ class SessionFollower {
   const NotificationListener listener_;
   const Hooks hooks_;
   std::deque<Followed> sessions_;
+  std::optional<bool> server_surveys_;
   std::map<std::string, std::string> display_names_;  // by the map's resource name
   std::string last_global_pose_;
 };

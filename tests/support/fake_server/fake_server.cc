@@ -133,13 +133,29 @@ class FakeServer::Maps final : public v1::MapService::Service {
   FakeServer& owner_;
 };
 
+class FakeServer::Status final : public v1::ServerService::Service {
+ public:
+  explicit Status(const FakeServer& owner) : owner_(owner) {}
+
+  grpc::Status GetServerStatus(grpc::ServerContext*, const v1::GetServerStatusRequest*,
+                               v1::GetServerStatusResponse* response) override {
+    response->set_ready(true);
+    response->set_surveys_sites(owner_.behaviour_.surveys_sites);
+    return grpc::Status::OK;
+  }
+
+ private:
+  const FakeServer& owner_;
+};
+
 FakeServer::FakeServer(std::string address, Behaviour behaviour)
     : address_(std::move(address)),
       behaviour_(std::move(behaviour)),
       ingest_(std::make_unique<Ingest>(*this)),
       sessions_service_(std::make_unique<Sessions>(*this)),
       robots_service_(std::make_unique<Robots>(*this)),
-      maps_service_(std::make_unique<Maps>(*this)) {
+      maps_service_(std::make_unique<Maps>(*this)),
+      status_service_(std::make_unique<Status>(*this)) {
   Start();
 }
 
@@ -156,6 +172,7 @@ void FakeServer::Start() {
   builder.RegisterService(sessions_service_.get());
   builder.RegisterService(robots_service_.get());
   builder.RegisterService(maps_service_.get());
+  builder.RegisterService(status_service_.get());
   server_ = builder.BuildAndStart();
   if (!server_) throw std::runtime_error("cannot listen at " + address_);
 }

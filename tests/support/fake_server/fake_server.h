@@ -15,6 +15,7 @@
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
+#include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
 #include "grpcpp/server.h"
 
@@ -41,13 +42,15 @@ class FakeServer {
   struct Behaviour {
     // Called at every moment, with the number of times that it has come (from 1): a status that is not OK ends the
     // call.
-    std::function<grpc::Status(Moment, int)> interfere;
+    std::function<grpc::Status(Moment, int)> interfere = {};
     // Called for every record: a reason refuses the batch.
-    std::function<std::optional<std::string>(const v1::Record&)> refuse;
+    std::function<std::optional<std::string>(const v1::Record&)> refuse = {};
     // Sent on every stream, after `opened`.
-    std::optional<v1::MapEntered> map_entered;
+    std::optional<v1::MapEntered> map_entered = {};
     // Called for every pose report: a reason refuses it.
-    std::function<std::optional<std::string>(const v1::PoseReport&)> refuse_pose;
+    std::function<std::optional<std::string>(const v1::PoseReport&)> refuse_pose = {};
+    // As it says of itself.
+    bool surveys_sites = false;
   };
 
   // `address`: unix:/path.
@@ -92,6 +95,7 @@ class FakeServer {
   class Sessions;
   class Robots;
   class Maps;
+  class Status;
 
   grpc::Status At(Moment moment);
 
@@ -101,6 +105,7 @@ class FakeServer {
   std::unique_ptr<Sessions> sessions_service_;
   std::unique_ptr<Robots> robots_service_;
   std::unique_ptr<Maps> maps_service_;
+  std::unique_ptr<Status> status_service_;
   std::unique_ptr<grpc::Server> server_;
 
   Mutex mutex_;

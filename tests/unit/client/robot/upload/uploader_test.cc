@@ -317,6 +317,29 @@ TEST_F(UploaderTest, FollowsASessionUntilItIsMappedAndAllItsDoorsAreJudged) {
   EXPECT_EQ(Notifications("mapped").size(), 1U);
 }
 
+TEST_F(UploaderTest, WhereSitesAreSurveyedASessionIsDoneOnceItIsSurveyedWhateverItsVerdicts) {
+  Serve({.surveys_sites = true});
+  const SessionId session = RecordWhole("a");
+  StartUploader();
+  uploader_->ExpectVerdicts(session, 1);
+  ASSERT_TRUE(Done());
+  const std::string map = server_->maps().begin()->first;
+  server_->Edit(NameOf(session), [&](FakeServer::Session& edited) {
+    edited.session.set_map(map);
+    edited.session.set_state(v1::Session::STATE_MAPPED);
+    edited.verdicts.emplace_back();
+  });
+  ASSERT_TRUE(Eventually([&] { return Notifications("verdict").size() == 1; }));
+  EXPECT_FALSE(uploader_->Done(true)) << "it is not surveyed";
+
+  // The survey has cut it: its verdict is the other part's.
+  server_->Edit(NameOf(session), [&](FakeServer::Session& edited) {
+    edited.session.set_surveyed(true);
+    edited.verdicts.clear();
+  });
+  EXPECT_TRUE(Done(true));
+}
+
 TEST_F(UploaderTest, ASessionThatCannotBeMappedIsDoneAndReported) {
   Serve();
   const SessionId session = RecordWhole("a");
