@@ -20,17 +20,17 @@ namespace {
 
 class MapArranger {
  public:
-  MapArranger(const LevelSurvey& survey, const SurveyOptions& options, const std::function<std::string()>& new_id,
-              RoomsOfDrives found)
-      : survey_(survey), options_(options), new_id_(new_id), found_(std::move(found)) {
+  MapArranger(const LevelSurvey& survey, const std::function<std::string()>& new_id, RoomsOfDrives found)
+      : survey_(survey), new_id_(new_id), found_(std::move(found)) {
     DeferLaterCuts();
   }
 
-  void Run() {
+  void Run(const rooms::RoomPartition& partition) {
     PlaceMaps();
     ChooseMaps();
     MoveSessions();
     RedirectEmptyMaps();
+    RedirectAwaitedMaps(partition);
   }
 
   const RoomsOfDrives& found() const { return found_; }
@@ -52,8 +52,8 @@ class MapArranger {
     for (const Stretch& stretch : found_.stretches) {
       const bool begins = last == nullptr || last->drive != stretch.drive || last->session != stretch.session;
       if (begins) changes = 0;
-      if (!begins && !stretch.tail && stretch.room != room) ++changes;
-      if (begins || !stretch.tail) room = stretch.room;
+      if (!begins && stretch.room != room) ++changes;
+      room = stretch.room;
       if (changes < 2) kept.push_back(stretch);
       last = &stretch;
     }
@@ -81,7 +81,7 @@ class MapArranger {
   void ChooseMaps() {
     std::map<std::pair<int, MapId>, double> driven;
     for (const Stretch& stretch : found_.stretches) {
-      if (!stretch.tail) driven[{stretch.room, SessionOf(stretch).map}] += stretch.length + 1e-3;
+      driven[{stretch.room, SessionOf(stretch).map}] += stretch.length + 1e-3;
     }
     // The root first, then busy maps, then those driven farthest in.
     std::vector<std::tuple<bool, bool, double, int, MapId>> choices;
@@ -105,7 +105,7 @@ class MapArranger {
   void BeginMaps(const std::map<std::pair<int, MapId>, double>& driven) {
     std::map<int, const Stretch*> longest;
     for (const Stretch& stretch : found_.stretches) {
-      if (stretch.tail || plan_.map_of_room.contains(stretch.room)) continue;
+      if (plan_.map_of_room.contains(stretch.room)) continue;
       const Stretch*& best = longest[stretch.room];
       if (best == nullptr || stretch.length > best->length) best = &stretch;
     }
@@ -147,7 +147,6 @@ class MapArranger {
     bool first = true;
     for (std::size_t i = begin; i < end; ++i) {
       const Stretch& stretch = found_.stretches[i];
-      if (stretch.tail && i > begin) continue;  // goes with what is before it
       const auto found = plan_.map_of_room.find(stretch.room);
       const MapId& to = found == plan_.map_of_room.end() ? session.map : found->second;
       if (first) {
@@ -185,13 +184,23 @@ class MapArranger {
     }
   }
 
+  void RedirectAwaitedMaps(const rooms::RoomPartition& partition) {
+    for (const AwaitedMap& map : survey_.awaited) {
+      const auto room = plan_.map_of_room.find(partition.RoomAt(map.T_level_robot.translation()));
+      if (room == plan_.map_of_room.end()) continue;
+      plan_.T_level_map[map.id] = map.T_level_map;
+      plan_.successors[map.id] = room->second;
+      result_.redirects.push_back({map.id, room->second, Between(plan_.T_level_map.at(room->second), map.T_level_map)});
+      AddReason(fmt::format("map {} is empty, and in the room of map {}", map.id.value(), room->second.value()));
+    }
+  }
+
   void AddReason(const std::string& reason) {
     if (!result_.reason.empty()) result_.reason += "; ";
     result_.reason += reason;
   }
 
   const LevelSurvey& survey_;
-  const SurveyOptions& options_;
   const std::function<std::string()>& new_id_;
   RoomsOfDrives found_;
   MapPlan plan_;
@@ -203,8 +212,8 @@ class MapArranger {
 
 rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::RoomPartition& partition,
                                      const SurveyOptions& options, const std::function<std::string()>& new_id) {
-  MapArranger maps(survey, options, new_id, FindRooms(survey, partition, options));
-  maps.Run();
+  MapArranger maps(survey, new_id, FindRooms(survey, partition, options));
+  maps.Run(partition);
   rearrange::Rearrangement result = maps.TakeResult();
   ArrangeDoors(survey, partition, maps.found(), maps.plan(), options, new_id, result);
   if (!result.empty() && result.reason.empty()) result.reason = "doors and sessions are put where the survey has them";

@@ -13,7 +13,6 @@ struct LabelledVisit {
   std::size_t index = 0;
   const Visit* visit = nullptr;
   int room = 0;
-  bool tail = false;
 
   Eigen::Vector2d position() const { return visit->T_level_robot.translation(); }
 };
@@ -38,8 +37,7 @@ std::vector<LabelledVisit> LabelVisits(const Drive& drive, const rooms::RoomPart
   for (std::size_t s = 0; s < drive.size(); ++s) {
     for (std::size_t i = 0; i < drive[s].visits.size(); ++i) {
       const Visit& visit = drive[s].visits[i];
-      visits.push_back({s, i, &visit, RoomNear(partition, visit.T_level_robot.translation(), snap),
-                        drive[s].left && visit.time >= *drive[s].left});
+      visits.push_back({s, i, &visit, RoomNear(partition, visit.T_level_robot.translation(), snap)});
     }
   }
   // A pose in no room is where the robot was before; at the start, where it came to.
@@ -94,12 +92,11 @@ void AddStretches(const std::vector<LabelledVisit>& visits, std::size_t drive, R
     const LabelledVisit& visit = visits[i];
     const double step = i == 0 ? 0.0 : (visit.position() - visits[i - 1].position()).norm();
     Stretch* last = found.stretches.empty() ? nullptr : &found.stretches.back();
-    if (last != nullptr && last->drive == drive && last->session == visit.session && last->room == visit.room &&
-        last->tail == visit.tail) {
+    if (last != nullptr && last->drive == drive && last->session == visit.session && last->room == visit.room) {
       last->last = visit.index;
       last->length += step;
     } else {
-      found.stretches.push_back({drive, visit.session, visit.index, visit.index, visit.room, step, visit.tail});
+      found.stretches.push_back({drive, visit.session, visit.index, visit.index, visit.room, step});
     }
     if (i > 0 && visits[i - 1].room != visit.room) {
       found.crossings.push_back(

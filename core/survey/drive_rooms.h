@@ -19,8 +19,6 @@ struct Stretch {
   std::size_t last = 0;     // visit, inclusive
   int room = 0;             // its label, > 0
   double length = 0.0;      // m
-  // Behind the door at the end of the session: the passage was reported there, and the next session goes on.
-  bool tail = false;
 };
 
 // A robot's way out of one room into another.

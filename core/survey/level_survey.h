@@ -49,10 +49,18 @@ struct SurveyedMap {
   bool busy = false;
 };
 
+// A map that a verdict began behind a door, and into which no session has come: the drive ended there.
+struct AwaitedMap {
+  MapId id = {};
+  Pose2 T_level_map = {};
+  Pose2 T_level_robot = {};  // where the robot was when it was to enter
+};
+
 struct LevelSurvey {
   int level = 0;
   std::vector<Drive> drives = {};
-  std::vector<SurveyedMap> maps = {};              // all maps of the level's sessions
+  std::vector<SurveyedMap> maps = {};  // all maps of the level's sessions
+  std::vector<AwaitedMap> awaited = {};
   std::vector<graph::LinkPoint> link_points = {};  // with an anchor in one of these maps
 
   const SurveyedMap* FindMap(const MapId& id) const;

@@ -143,7 +143,11 @@ class LevelMapper {
     }
     slam::SlamMap mapped;
     mapped.Apply(mapper->TakeDelta());
-    PlaceVisits(slam::TrajectoryOf(mapped), drive);
+    std::vector<slam::StampedPose> trajectory = slam::TrajectoryOf(mapped);
+    std::sort(trajectory.begin(), trajectory.end(),
+              [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
+    PlaceVisits(trajectory, drive);
+    ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, trajectory));
     level_.survey.drives.push_back(std::move(drive));
     return absl::OkStatus();
   }
@@ -183,9 +187,7 @@ class LevelMapper {
 
   // Gives each visit its pose on the level; those whose scan the survey could not use are dropped. A session without
   // any is where the one before it ended.
-  static void PlaceVisits(std::vector<slam::StampedPose> trajectory, survey::Drive& drive) {
-    std::sort(trajectory.begin(), trajectory.end(),
-              [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
+  static void PlaceVisits(const std::vector<slam::StampedPose>& trajectory, survey::Drive& drive) {
     if (trajectory.empty()) return;
     const survey::Visit* before = nullptr;
     for (survey::SurveyedSession& session : drive) {
@@ -201,6 +203,27 @@ class LevelMapper {
       }
       if (!session.visits.empty()) before = &session.visits.back();
     }
+  }
+
+  // The map that the drive's last passage leads into, if it was begun for it. AddMaps drops it if a session is in it.
+  absl::Status AddAwaited(const SessionId& last, const std::map<MapId, storage::Map>& maps,
+                          const std::vector<slam::StampedPose>& trajectory) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::optional<closure::DoorVerdict> verdict,
+                              stores_.verdicts.FindPassage(SurveyContext(), site_, last));
+    if (!verdict || verdict->decision != closure::DoorDecision::kLinkPointMade || !verdict->entered_map ||
+        !verdict->T_map_robot || trajectory.empty()) {
+      return absl::OkStatus();
+    }
+    const auto map = maps.find(*verdict->entered_map);
+    if (map == maps.end() || map->second.level != level_.survey.level) return absl::OkStatus();
+    if (map->second.state != storage::MapState::kEmpty) return absl::OkStatus();
+    ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(SurveyContext(), site_, last));
+    for (const storage::StoredDoorReport& report : reports) {
+      if (report.sequence != verdict->sequence) continue;
+      const Pose2 T_level_robot = PoseAt(trajectory, report.report.time);
+      level_.survey.awaited.push_back({map->first, T_level_robot * Inverse(verdict->T_map_robot->pose), T_level_robot});
+    }
+    return absl::OkStatus();
   }
 
   // T_level_map: by the drives before, or by the graph.
@@ -239,6 +262,8 @@ class LevelMapper {
     for (const storage::Session& session : sessions) {
       if (session.map && !seen.contains(session.id)) busy.insert(*session.map);
     }
+    std::erase_if(level_.survey.awaited,
+                  [&](const survey::AwaitedMap& map) { return surveyed.contains(map.id) || busy.contains(map.id); });
     for (const MapId& id : surveyed) {
       const storage::Map& map = maps.at(id);
       level_.survey.maps.push_back({.id = id,

@@ -55,12 +55,17 @@ TEST(ArrangeMaps, TwoMapsOfOneRoomBecomeOne) {
   const LevelSurvey survey = DoubledCorridor();
   const rearrange::Rearrangement change = Arrange(survey);
   EXPECT_TRUE(rearrange::Validate(change).ok());
-  EXPECT_THAT(change.cuts, IsEmpty());
+  // What s1 and s2 recorded behind the door is of the other room.
+  ASSERT_THAT(change.cuts, SizeIs(2));
+  EXPECT_EQ(change.cuts[0].session, SessionId("s1"));
+  EXPECT_EQ(change.cuts[1].session, SessionId("s2"));
   EXPECT_THAT(change.new_maps, IsEmpty());
-  ASSERT_THAT(change.moves, SizeIs(1));
-  EXPECT_EQ(change.moves[0].session, SessionId("s3"));
-  EXPECT_EQ(change.moves[0].to, MapId("a"));
-  EXPECT_NEAR(change.moves[0].T_to_from.x, kPlaceB.x, 1e-6);
+  ASSERT_THAT(change.moves, SizeIs(3));
+  EXPECT_EQ(change.moves[0].to, MapId("b"));
+  EXPECT_EQ(change.moves[1].to, MapId("a"));
+  EXPECT_EQ(change.moves[2].session, SessionId("s3"));
+  EXPECT_EQ(change.moves[2].to, MapId("a"));
+  EXPECT_NEAR(change.moves[2].T_to_from.x, kPlaceB.x, 1e-6);
   ASSERT_THAT(change.redirects, SizeIs(1));
   EXPECT_EQ(change.redirects[0].from, MapId("c"));
   EXPECT_EQ(change.redirects[0].to, MapId("a"));
@@ -96,10 +101,46 @@ TEST(ArrangeMaps, AMapOfTwoRoomsIsDivided) {
 }
 
 TEST(ArrangeMaps, MapsThatAreRoomsStay) {
-  LevelSurvey survey = DoubledCorridor();
-  survey.drives[0].pop_back();
-  survey.maps.pop_back();
-  survey.link_points.pop_back();
+  LevelSurvey survey;
+  survey.drives = {MakeDrive(
+      {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", {1.0, 1.0, 0.3}, {{1.5, 2.0}, {3.0, 1.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
+  const Pose2 door{1.5, 2.75, -M_PI / 2};
+  survey.link_points = {Join("d1", AnchorAt("a", {}, door), AnchorAt("b", {1.0, 1.0, 0.3}, door))};
+  EXPECT_TRUE(Arrange(survey).empty());
+}
+
+TEST(ArrangeMaps, AnEmptyMapBehindTheLastDoorIsTheRoomThatTheDriveEndedIn) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 1.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}};
+  const Pose2 robot{1.5, 1.2, -M_PI / 2};
+  survey.awaited = {{MapId("empty"), robot, robot}};
+  const Pose2 door{1.5, 2.75, -M_PI / 2};
+  survey.link_points = {Join("d", AnchorAt("a", {}, door), AnchorAt("empty", robot, door))};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  ASSERT_THAT(change.new_maps, SizeIs(1));
+  const MapId room = change.new_maps[0].id;
+  ASSERT_THAT(change.redirects, SizeIs(1));
+  EXPECT_EQ(change.redirects[0].from, MapId("empty"));
+  EXPECT_EQ(change.redirects[0].to, room);
+  ASSERT_THAT(change.link_points, SizeIs(1));
+  EXPECT_EQ(change.link_points[0].id, LinkPointId("d"));
+  EXPECT_NE(change.link_points[0].FindAnchor(room), nullptr);
+  LevelSurvey after = After(survey, change);
+  after.awaited.clear();
+  EXPECT_TRUE(Arrange(after).empty());
+}
+
+TEST(ArrangeMaps, AnEmptyMapInNoKnownRoomStays) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}};
+  const Pose2 robot{1.5, 1.2, -M_PI / 2};
+  survey.awaited = {{MapId("empty"), robot, robot}};
+  const Pose2 door{1.5, 2.75, -M_PI / 2};
+  survey.link_points = {Join("d", AnchorAt("a", {}, door), AnchorAt("empty", robot, door))};
   EXPECT_TRUE(Arrange(survey).empty());
 }
 

@@ -142,12 +142,11 @@ inline LevelSurvey After(const LevelSurvey& before, const rearrange::Rearrangeme
   return after;
 }
 
-// Which map each room's visits are in, without the ends of sessions behind their doors.
+// Which map each room's visits are in.
 inline std::map<int, std::set<std::string>> MapsOfRooms(const LevelSurvey& survey,
                                                         const rooms::RoomPartition& partition) {
   std::map<int, std::set<std::string>> maps;
   for (const Stretch& stretch : FindRooms(survey, partition, {}).stretches) {
-    if (stretch.tail) continue;
     maps[stretch.room].insert(survey.drives[stretch.drive][stretch.session].map.value());
   }
   return maps;
