@@ -11,6 +11,7 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
+#include "server/app/graph/held_site_lease.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -22,7 +23,6 @@ constexpr int kOptimisticAttempts = 3;
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
 constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
-constexpr auto kLeasePollInterval = std::chrono::milliseconds(50);
 // Solutions that differ by less are equal, m and rad.
 constexpr double kPoseTolerance = 1e-6;
 
@@ -89,18 +89,9 @@ GraphOptimizer::~GraphOptimizer() {
 void GraphOptimizer::Stop() { stop_.Set(); }
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const storage::CallContext& context, const SiteId& site) {
-  while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
-    if (lease) {
-      absl::StatusOr<OptimizedGraph> optimized = SolveAndStore(context, site);
-      (void)leases_.Release(context, *lease);
-      return optimized;
-    }
-    if (std::chrono::steady_clock::now() + kLeasePollInterval >= context.deadline) {
-      return Aborted("another process is optimising site {} or judging its doors: try again", site.value());
-    }
-    if (stop_.WaitFor(kLeasePollInterval)) return absl::UnavailableError("the server is shutting down: try again");
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
+                            HeldSiteLease::Await(leases_, context, site, owner_, kSolveLeaseTime, &stop_));
+  return SolveAndStore(context, site);
 }
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::CallContext& context, const SiteId& site) {

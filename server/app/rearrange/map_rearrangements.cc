@@ -2,19 +2,18 @@
 #include "server/app/rearrange/map_rearrangements.h"
 
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
+#include "server/app/graph/held_site_lease.h"
 
 namespace enfilade::server {
 namespace {
 
 constexpr auto kRearrangeLeaseTime = std::chrono::seconds(60);
-constexpr auto kRearrangePollInterval = std::chrono::milliseconds(20);
 // The optimiser or a robot may change the graph between a decision and its application.
 constexpr int kPlanAttempts = 10;
 constexpr int kSessionsPerPage = 1000;
@@ -59,41 +58,25 @@ absl::StatusOr<storage::StoredRearrangement> MapRearrangements::Apply(const stor
 absl::StatusOr<storage::StoredRearrangement> MapRearrangements::Undo(const storage::CallContext& context,
                                                                      const SiteId& site,
                                                                      const rearrange::RearrangementId& id) const {
-  ENFILADE_ASSIGN_OR_RETURN(const storage::SiteLease lease, AwaitLease(context, site));
-  auto undone = rearranger_.Undo(context, lease, id);
-  (void)leases_.Release(context, lease);
-  return undone;
-}
-
-absl::StatusOr<storage::SiteLease> MapRearrangements::AwaitLease(const storage::CallContext& context,
-                                                                 const SiteId& site) const {
-  while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(auto lease, leases_.Acquire(context, site, owner_, kRearrangeLeaseTime));
-    if (lease) return *std::move(lease);
-    if (std::chrono::steady_clock::now() + kRearrangePollInterval >= context.deadline) {
-      return Aborted("{} is being optimised, judged or rearranged by another process: try again", NameOf(site));
-    }
-    std::this_thread::sleep_for(kRearrangePollInterval);
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
+                            HeldSiteLease::Await(leases_, context, site, owner_, kRearrangeLeaseTime, nullptr));
+  return rearranger_.Undo(context, *lease, id);
 }
 
 absl::StatusOr<storage::StoredRearrangement> MapRearrangements::PlanAndApply(const storage::CallContext& context,
                                                                              const SiteId& site,
                                                                              const Plan& plan) const {
-  ENFILADE_ASSIGN_OR_RETURN(const storage::SiteLease lease, AwaitLease(context, site));
+  ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
+                            HeldSiteLease::Await(leases_, context, site, owner_, kRearrangeLeaseTime, nullptr));
   absl::StatusOr<storage::StoredRearrangement> applied = Aborted("the graph of {} keeps changing", NameOf(site));
   for (int attempt = 0; attempt < kPlanAttempts && absl::IsAborted(applied.status()); ++attempt) {
     if (attempt > 0) graphs_.MarkChanged(site);
     const auto graph = graphs_.Get(context, site);
-    if (!graph.ok()) {
-      applied = graph.status();
-      break;
-    }
+    ENFILADE_RETURN_IF_ERROR(graph.status());
     const auto planned = plan((*graph)->graph());
-    applied = planned.ok() ? rearranger_.Apply(context, lease, *planned, (*graph)->graph().version())
+    applied = planned.ok() ? rearranger_.Apply(context, *lease, *planned, (*graph)->graph().version())
                            : absl::StatusOr<storage::StoredRearrangement>(planned.status());
   }
-  (void)leases_.Release(context, lease);
   return applied;
 }
 

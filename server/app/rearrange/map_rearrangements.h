@@ -48,7 +48,6 @@ class MapRearrangements {
  private:
   using Plan = std::function<absl::StatusOr<rearrange::Rearrangement>(const graph::GraphSnapshot& graph)>;
 
-  absl::StatusOr<storage::SiteLease> AwaitLease(const storage::CallContext& context, const SiteId& site) const;
   absl::StatusOr<storage::StoredRearrangement> PlanAndApply(const storage::CallContext& context, const SiteId& site,
                                                             const Plan& plan) const;
   absl::StatusOr<rearrange::MapContent> ReadContent(const storage::CallContext& context, const SiteId& site,

@@ -10,6 +10,7 @@
 #include "core/base/uuid.h"
 #include "core/rooms/room_partition.h"
 #include "core/survey/arrange_maps.h"
+#include "server/app/graph/held_site_lease.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -18,8 +19,6 @@ namespace {
 constexpr auto kPoll = std::chrono::milliseconds(500);
 constexpr auto kStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
-constexpr auto kLeasePoll = std::chrono::milliseconds(50);
-constexpr int kLeaseAttempts = 400;
 constexpr int kSitesAtOnce = 32;
 // A session with several rooms is cut once a survey.
 constexpr int kSurveysInARow = 10;
@@ -125,27 +124,16 @@ absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
                             MapSite(stores_.read, mapping_, *graph, site, [this]() -> absl::Status {
                               return stop_.is_set() ? absl::CancelledError("the server is stopping") : absl::OkStatus();
                             }));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::SiteLease lease, AwaitLease(site));
-  absl::StatusOr<bool> changed = Apply(lease, survey);
-  if (changed.ok() && !*changed) {
-    const absl::Status marked = stores_.surveys.MarkSurveyed(SurveyorContext(), lease, survey.sessions);
-    if (!marked.ok()) changed = marked;
+  ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
+                            HeldSiteLease::Await(stores_.leases, SurveyorContext(), site, owner_, kLeaseTime, &stop_));
+  ENFILADE_ASSIGN_OR_RETURN(const bool changed, Apply(*lease, survey));
+  if (!changed) {
+    ENFILADE_RETURN_IF_ERROR(stores_.surveys.MarkSurveyed(SurveyorContext(), *lease, survey.sessions));
   }
-  (void)stores_.leases.Release(SurveyorContext(), lease);
-  ENFILADE_RETURN_IF_ERROR(changed.status());
   const std::chrono::duration<double> took = Clock::now() - begin;
   spdlog::info("site {} surveyed: {} sessions on {} levels in {:.1f} s", site.value(), survey.sessions.size(),
                survey.levels.size(), took.count());
-  return !*changed;
-}
-
-absl::StatusOr<storage::SiteLease> SiteSurveyor::AwaitLease(const SiteId& site) {
-  for (int i = 0; i < kLeaseAttempts; ++i) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto lease, stores_.leases.Acquire(SurveyorContext(), site, owner_, kLeaseTime));
-    if (lease) return *lease;
-    if (stop_.WaitFor(kLeasePoll)) return absl::CancelledError("the server is stopping");
-  }
-  return absl::AbortedError("another process holds the site's lease");
+  return !changed;
 }
 
 absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const SiteSurvey& survey) {

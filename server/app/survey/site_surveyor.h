@@ -52,7 +52,6 @@ class SiteSurveyor {
   // False if maps were rearranged: survey again.
   absl::StatusOr<bool> SurveyOnce(const SiteId& site);
   // Unset if another process holds it for too long.
-  absl::StatusOr<storage::SiteLease> AwaitLease(const SiteId& site);
   // True if something has changed.
   absl::StatusOr<bool> Apply(const storage::SiteLease& lease, const SiteSurvey& survey);
 
