@@ -11,12 +11,6 @@
 namespace enfilade::rooms {
 namespace {
 
-Eigen::Vector2d CentreOf(const GroundMap& ground, std::size_t cell) {
-  const auto width = static_cast<std::size_t>(ground.width);
-  const std::size_t row = cell / width;
-  return {static_cast<double>(cell % width), static_cast<double>(row)};
-}
-
 Eigen::Vector2d RoundedToCell(const Eigen::Vector2d& p) { return {std::round(p.x()), std::round(p.y())}; }
 
 // The obstacle nearest to `from` within `reach` cells of `around` that `accept` allows.
@@ -96,9 +90,9 @@ std::optional<double> WallDirectionNear(const GroundMap& ground, const Eigen::Ve
 std::optional<DoorCandidate> CandidateAt(const GroundMap& ground, const DistanceField& field, std::size_t place,
                                          double max_length) {
   if (field.nearest[place] == DistanceField::kNone) return std::nullopt;
-  const Eigen::Vector2d middle = CentreOf(ground, place);
+  const Eigen::Vector2d middle = ground.CentreOf(place);
   DoorCandidate candidate;
-  candidate.a = CentreOf(ground, field.nearest[place]);
+  candidate.a = ground.CentreOf(field.nearest[place]);
   const Eigen::Vector2d to_a = candidate.a - middle;
   const auto opposite = [&](const Eigen::Vector2d& p) {
     const Eigen::Vector2d to_p = p - middle;

@@ -245,9 +245,18 @@ DoorEvidence GatherEvidence(const GroundMap& ground, const DoorCandidate& candid
 }
 
 DoorValues ValuesOf(const DoorEvidence& evidence) {
-  const auto values = [](const JambEvidence& jamb) {
-    return std::array<double, 8>{jamb.slender,       jamb.facing, jamb.thickness, jamb.across_before,
-                                 jamb.across_behind, jamb.seen,   jamb.extent,    jamb.farther};
+  const JambEvidence& one = evidence.a;
+  const JambEvidence& other = evidence.b;
+  // The side where walls run farther from both jambs comes first.
+  const auto order = [&](const double JambEvidence::*side) {
+    return std::pair(std::min(one.*side, other.*side), std::max(one.*side, other.*side));
+  };
+  double JambEvidence::*walled = &JambEvidence::across_before;
+  double JambEvidence::*bare = &JambEvidence::across_behind;
+  if (order(walled) < order(bare)) std::swap(walled, bare);
+  const auto values = [&](const JambEvidence& jamb) {
+    return std::array<double, 8>{jamb.slender, jamb.facing, jamb.thickness, jamb.*walled,
+                                 jamb.*bare,   jamb.seen,   jamb.extent,    jamb.farther};
   };
   const std::array<double, 8> a = values(evidence.a);
   const std::array<double, 8> b = values(evidence.b);
@@ -258,13 +267,11 @@ DoorValues ValuesOf(const DoorEvidence& evidence) {
     all[13 + i] = std::max(a[i], b[i]);
   }
   // Walls that run past both jambs, instead of ending there, are a corridor's.
-  const JambEvidence& one = evidence.a;
-  const JambEvidence& other = evidence.b;
   all[21] =
       std::min(std::max(one.across_before, one.across_behind), std::max(other.across_before, other.across_behind));
   all[22] = std::min({one.across_before, one.across_behind, other.across_before, other.across_behind});
-  all[23] = std::min(one.across_before, other.across_before);
-  all[24] = std::min(one.across_behind, other.across_behind);
+  all[23] = std::min(one.*walled, other.*walled);
+  all[24] = std::min(one.*bare, other.*bare);
   all[25] = evidence.passed ? 1.0 : 0.0;
   return all;
 }

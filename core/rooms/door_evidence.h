@@ -41,7 +41,8 @@ DoorEvidence GatherEvidence(const GroundMap& ground, const DoorCandidate& candid
 // The wall that goes on from a jamb, `outward` along the candidate's line. In cells.
 JambEvidence JambAt(const GroundMap& ground, const Eigen::Vector2d& jamb, const Eigen::Vector2d& outward);
 
-// The evidence as numbers that do not depend on which jamb is `a`: what the odds are fitted to (door_odds.h).
+// The evidence as numbers that depend neither on which jamb is `a` nor on which side is before the line: what the odds
+// are fitted to (door_odds.h).
 using DoorValues = std::array<double, 26>;
 DoorValues ValuesOf(const DoorEvidence& evidence);
 

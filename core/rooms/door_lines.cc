@@ -56,7 +56,7 @@ DoorCandidate Extended(const GroundMap& ground, const Eigen::Vector2d& a, const 
   const auto extend = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& direction) -> Eigen::Vector2d {
     for (double step = 0.0; step < 0.6 / ground.resolution; step += 1.0) {
       Eigen::Vector2d p = end + step * direction;
-      if (!ground.IsOpen(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())))) return p;
+      if (!ground.IsOpen(p)) return p;
     }
     return end;
   };

@@ -9,7 +9,7 @@
 namespace enfilade::rooms {
 namespace {
 
-constexpr std::size_t kDepth = 4;
+constexpr std::size_t kDepth = 5;
 constexpr float kAlways = std::numeric_limits<float>::infinity();
 
 // A complete binary tree. The nodes below split i are 2 i + 1, if the value is at most the threshold, and 2 i + 2; the

@@ -35,6 +35,11 @@ struct GroundMap {
   std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
   }
+  Eigen::Vector2d CentreOf(std::size_t cell) const {
+    const auto columns = static_cast<std::size_t>(width);
+    const std::size_t row = cell / columns;
+    return {static_cast<double>(cell - row * columns), static_cast<double>(row)};
+  }
   bool contains(int column, int row) const { return column >= 0 && column < width && row >= 0 && row < height; }
   Ground at(int column, int row) const { return contains(column, row) ? cells[index(column, row)] : Ground::kUnknown; }
   Ground at(const Eigen::Vector2d& cell) const {

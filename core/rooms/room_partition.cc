@@ -138,9 +138,7 @@ class Partitioner {
       const std::uint16_t id = partition.labels[i];
       if (id == 0 || field_.distance[i] <= widest[id]) continue;
       widest[id] = field_.distance[i];
-      const auto width = static_cast<std::size_t>(geometry_.width);
-      const std::size_t row = i / width;
-      partition.rooms[id - 1U].centre = ToMap(geometry_, {static_cast<double>(i % width), static_cast<double>(row)});
+      partition.rooms[id - 1U].centre = ToMap(geometry_, ground_.CentreOf(i));
     }
     for (const Eigen::Vector2d& p : evidence_.trajectory) {
       if (const int id = partition.RoomAt(p); id > 0) partition.rooms[static_cast<std::size_t>(id) - 1].entered = true;

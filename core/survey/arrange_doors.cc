@@ -54,9 +54,10 @@ PassedDoor DoorOf(const Crossing& crossing, const rooms::RoomPartition& partitio
 
 class DoorArranger {
  public:
-  DoorArranger(const LevelSurvey& survey, const MapPlan& plan, const SurveyOptions& options,
-               const std::function<std::string()>& new_id, rearrange::Rearrangement& result)
-      : survey_(survey), plan_(plan), options_(options), new_id_(new_id), result_(result) {}
+  DoorArranger(const LevelSurvey& survey, const rooms::RoomPartition& partition, const MapPlan& plan,
+               const SurveyOptions& options, const std::function<std::string()>& new_id,
+               rearrange::Rearrangement& result)
+      : survey_(survey), partition_(partition), plan_(plan), options_(options), new_id_(new_id), result_(result) {}
 
   void AddPassed(const PassedDoor& door) {
     for (const PassedDoor& known : passed_) {
@@ -168,6 +169,21 @@ class DoorArranger {
     });
   }
 
+  // Nothing but the room's own ground lies ahead of the sighting: what looked like a door is none.
+  bool IsOpenAhead(const Pose2& T_level_sighting) const {
+    constexpr double kObstacle = 0.5;  // m
+    const int room = partition_.RoomAt(T_level_sighting.translation());
+    if (room == 0) return false;
+    const double step = partition_.geometry.resolution;
+    double elsewhere = 0.0;  // m, without a break
+    for (double ahead = step; ahead <= options_.candidate_ahead; ahead += step) {
+      const bool here = partition_.RoomAt(T_level_sighting * Eigen::Vector2d(ahead, 0.0)) == room;
+      elsewhere = here ? 0.0 : elsewhere + step;
+      if (elsewhere > kObstacle) return false;
+    }
+    return true;
+  }
+
   // A link point that is at no door that robots went through.
   void Keep(const graph::LinkPoint& link_point) {
     const bool door = IsDoor(link_point);
@@ -175,7 +191,7 @@ class DoorArranger {
                                   [&](const graph::Anchor& anchor) { return IsBusy(anchor.map); });
     if (link_point.is_candidate()) {
       const std::optional<Pose2> place = PlaceOfAnchor(link_point.anchors.front());
-      if (place && IsKnownDoorAhead(*place)) return Remove(link_point);
+      if (place && (IsKnownDoorAhead(*place) || IsOpenAhead(*place))) return Remove(link_point);
     } else if (door && !busy && IsSurveyed(link_point) && link_point.use != graph::LinkPointUse::kSuspended) {
       return Remove(link_point);
     }
@@ -199,6 +215,7 @@ class DoorArranger {
   void Remove(const graph::LinkPoint& link_point) { result_.removed_link_points.push_back(link_point.id); }
 
   const LevelSurvey& survey_;
+  const rooms::RoomPartition& partition_;
   const MapPlan& plan_;
   const SurveyOptions& options_;
   const std::function<std::string()>& new_id_;
@@ -213,7 +230,7 @@ class DoorArranger {
 void ArrangeDoors(const LevelSurvey& survey, const rooms::RoomPartition& partition, const RoomsOfDrives& found,
                   const MapPlan& plan, const SurveyOptions& options, const std::function<std::string()>& new_id,
                   rearrange::Rearrangement& result) {
-  DoorArranger doors(survey, plan, options, new_id, result);
+  DoorArranger doors(survey, partition, plan, options, new_id, result);
   for (const Crossing& crossing : found.crossings) doors.AddPassed(DoorOf(crossing, partition, options.same_door));
   doors.Run();
 }

@@ -22,7 +22,7 @@ namespace enfilade::survey {
 //   room that the robot was in.
 // * Link points are the doors between the rooms that robots went through. Existing ones keep their ids. Those at no
 //   such door disappear, unless they lead to a busy map or another level or are no door. Candidates move with their
-//   map, and disappear at a door that is known.
+//   map, and disappear at a door that is known and where only the room's own ground lies ahead.
 //
 // Empty if the maps are the rooms already. The same survey gives the same answer but for the ids that `new_id` makes.
 rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::RoomPartition& partition,

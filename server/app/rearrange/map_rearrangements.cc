@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
 #include "server/app/graph/held_site_lease.h"
+#include "storage/sessions/all_sessions.h"
 
 namespace enfilade::server {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 constexpr auto kRearrangeLeaseTime = std::chrono::seconds(60);
 // The optimiser or a robot may change the graph between a decision and its application.
 constexpr int kPlanAttempts = 10;
-constexpr int kSessionsPerPage = 1000;
 
 }  // namespace
 
@@ -88,25 +88,20 @@ absl::StatusOr<rearrange::MapContent> MapRearrangements::ReadContent(const stora
     return FailedPrecondition("{} was merged into {} already", NameOf(site, id), NameOf(site, map.id));
   }
   rearrange::MapContent content{map.id, map.display_name, map.level, map.environment, map.slam_profile, {}};
-  std::optional<storage::SessionPosition> after;
-  while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(
-        const std::vector<storage::Session> sessions,
-        stores_.sessions.List(context, site, {.robot = {}, .map = map.id, .state = {}}, kSessionsPerPage, after));
-    for (const storage::Session& session : sessions) {
-      rearrange::SessionInMap& in_map = content.sessions.emplace_back();
-      in_map.id = session.id;
-      in_map.mapped =
-          session.state == storage::SessionState::kMapped || session.state == storage::SessionState::kFailed;
-      after = storage::SessionPosition{session.create_time, session.id};
-      if (!with_keyframes) continue;
-      ENFILADE_ASSIGN_OR_RETURN(const auto nodes, stores_.mappings.ListKeyframes(context, site, session.id));
-      for (const slam::SlamNode& node : nodes) {
-        in_map.keyframes.push_back({node.sequence, node.time, node.T_map_node.translation()});
-      }
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::vector<storage::Session> sessions,
+      storage::ListAllSessions(stores_.sessions, context, site, {.robot = {}, .map = map.id, .state = {}}));
+  for (const storage::Session& session : sessions) {
+    rearrange::SessionInMap& in_map = content.sessions.emplace_back();
+    in_map.id = session.id;
+    in_map.mapped = session.state == storage::SessionState::kMapped || session.state == storage::SessionState::kFailed;
+    if (!with_keyframes) continue;
+    ENFILADE_ASSIGN_OR_RETURN(const auto nodes, stores_.mappings.ListKeyframes(context, site, session.id));
+    for (const slam::SlamNode& node : nodes) {
+      in_map.keyframes.push_back({node.sequence, node.time, node.T_map_node.translation()});
     }
-    if (static_cast<int>(sessions.size()) < kSessionsPerPage) return content;
   }
+  return content;
 }
 
 }  // namespace enfilade::server

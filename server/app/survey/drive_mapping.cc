@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
 #include "core/slam/mapper/log_mapper.h"
+#include "storage/sessions/all_sessions.h"
 
 namespace enfilade::server {
 namespace {
@@ -21,21 +22,6 @@ constexpr double kStartSigma = 0.3;      // m
 constexpr double kStartYawSigma = 0.05;  // rad
 
 storage::CallContext SurveyContext() { return storage::CallContext::WithTimeout(kSurveyTimeout); }
-
-absl::StatusOr<std::vector<storage::Session>> ListSessions(const SurveyStores& stores, const SiteId& site) {
-  std::vector<storage::Session> sessions;
-  std::optional<storage::SessionPosition> after;
-  while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(std::vector<storage::Session> page,
-                              stores.sessions.List(SurveyContext(), site, {}, kPage, after));
-    const bool last = page.size() < kPage;
-    if (!page.empty()) after = storage::SessionPosition{page.back().create_time, page.back().id};
-    std::move(page.begin(), page.end(), std::back_inserter(sessions));
-    if (last) break;
-  }
-  std::reverse(sessions.begin(), sessions.end());  // oldest first
-  return sessions;
-}
 
 absl::StatusOr<std::map<MapId, storage::Map>> ListMaps(const SurveyStores& stores, const SiteId& site) {
   std::map<MapId, storage::Map> maps;
@@ -294,7 +280,9 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
                                    const std::function<absl::Status()>& proceed) {
   SiteSurvey survey;
   survey.graph_version = graph.graph().version();
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::Session> sessions, ListSessions(stores, site));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<storage::Session> sessions,
+                            storage::ListAllSessions(stores.sessions, SurveyContext(), site, {}));
+  std::reverse(sessions.begin(), sessions.end());  // oldest first
   ENFILADE_ASSIGN_OR_RETURN(const auto maps, ListMaps(stores, site));
   std::set<int> levels;
   for (const storage::Session& session : sessions) {

@@ -50,6 +50,21 @@ TEST(DoorOdds, ItDoesNotMatterWhichJambIsFirst) {
   EXPECT_EQ(OpennessOf(evidence), openness);
 }
 
+TEST(DoorOdds, ItDoesNotMatterOnWhichSideTheWallsRunAcross) {
+  DoorEvidence evidence = LinesOf(Door()).at(0).evidence;
+  evidence.a.across_before = 0.9;
+  evidence.a.across_behind = 0.1;
+  evidence.b.across_before = 0.6;
+  evidence.b.across_behind = 0.2;
+  const DoorValues values = ValuesOf(evidence);
+  std::swap(evidence.a.across_before, evidence.a.across_behind);
+  std::swap(evidence.b.across_before, evidence.b.across_behind);
+  EXPECT_EQ(ValuesOf(evidence), values);
+  // But it matters whether they run on the same side of both jambs.
+  std::swap(evidence.a.across_before, evidence.a.across_behind);
+  EXPECT_NE(ValuesOf(evidence), values);
+}
+
 TEST(DoorOdds, AWideOpeningBetweenShortWallsIsRatherOpen) {
   const DrawnRooms drawn({
       "#####################",

@@ -183,6 +183,21 @@ TEST(ArrangeMaps, ACandidateAtAKnownDoorDisappearsAndOthersMoveWithTheirMap) {
   EXPECT_NEAR(find("other")->FindAnchor(MapId("a"))->T_map_place.x, 8.0, 1e-6);
 }
 
+TEST(ArrangeMaps, ACandidateBeforeOpenGroundDisappears) {
+  LevelSurvey survey = DoubledCorridor();
+  graph::LinkPoint along;
+  along.id = LinkPointId("along the corridor");
+  along.anchors = {AnchorAt("a", {}, {5.5, 4.2, 0.0})};
+  graph::LinkPoint across;
+  across.id = LinkPointId("at the wall");
+  across.anchors = {AnchorAt("a", {}, {7.5, 4.2, M_PI / 2})};
+  survey.link_points.push_back(along);
+  survey.link_points.push_back(across);
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_THAT(change.removed_link_points, ::testing::Contains(along.id));
+  EXPECT_THAT(change.removed_link_points, ::testing::Not(::testing::Contains(across.id)));
+}
+
 TEST(ArrangeMaps, ALiftToAnotherLevelIsKept) {
   LevelSurvey survey = DoubledCorridor();
   graph::LinkPoint lift =
