@@ -61,7 +61,8 @@ std::optional<DoorCandidate> ContinueWall(const GroundMap& ground, const JambEvi
   return CrossOpening(ground, wall.wall_from + out * wall.wall_direction, -wall.wall_direction, max_length + out);
 }
 
-// The most frequent direction of straight walls around `at`, radians modulo a right angle; unset without walls.
+}  // namespace
+
 std::optional<double> WallDirectionNear(const GroundMap& ground, const Eigen::Vector2d& at) {
   constexpr double kReach = 1.5;  // m
   constexpr int kBin = 5;         // degrees
@@ -84,8 +85,6 @@ std::optional<double> WallDirectionNear(const GroundMap& ground, const Eigen::Ve
   const auto bin = static_cast<std::size_t>(most - count.begin());
   return (static_cast<double>(bin) * kBin + offset[bin] / *most) * kDegree;
 }
-
-}  // namespace
 
 std::optional<DoorCandidate> CandidateAt(const GroundMap& ground, const DistanceField& field, std::size_t place,
                                          double max_length) {

@@ -36,4 +36,7 @@ std::vector<DoorCandidate> ContinueWalls(const GroundMap& ground, const DoorCand
 // oblique where the jambs are not opposite each other.
 std::vector<DoorCandidate> AlignWithWalls(const GroundMap& ground, const DoorCandidate& line, double max_length);
 
+// The most frequent direction of straight walls around `at`, radians modulo a right angle; unset without walls.
+std::optional<double> WallDirectionNear(const GroundMap& ground, const Eigen::Vector2d& at);
+
 }  // namespace enfilade::rooms

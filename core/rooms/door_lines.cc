@@ -7,17 +7,10 @@
 #include "core/geometry/pose2.h"
 #include "core/rooms/basins.h"
 #include "core/rooms/door_odds.h"
+#include "core/rooms/path_narrows.h"
 
 namespace enfilade::rooms {
 namespace {
-
-bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>& lines) {
-  return std::any_of(lines.begin(), lines.end(), [&](const DoorLine& known) {
-    const bool forward = (known.line.a - line.a).norm() < same && (known.line.b - line.b).norm() < same;
-    const bool reverse = (known.line.a - line.b).norm() < same && (known.line.b - line.a).norm() < same;
-    return forward || reverse;
-  });
-}
 
 // The line at a narrow place, and the walls' own lines across it where they look more like a door.
 void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomOptions& options,
@@ -30,7 +23,7 @@ void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomO
   const double one_door = 0.5 / ground.resolution;
   std::vector<DoorLine> others;
   const bool hole = line.length() * ground.resolution < kSmallHole;
-  const double longest = 1.4 * options.max_door / ground.resolution;
+  const double longest = LongestLine(options) / ground.resolution;
   std::vector<DoorCandidate> alternatives = ContinueWalls(ground, line, evidence, longest);
   const std::vector<DoorCandidate> aligned = AlignWithWalls(ground, line, longest);
   alternatives.insert(alternatives.end(), aligned.begin(), aligned.end());
@@ -63,13 +56,25 @@ DoorCandidate Extended(const GroundMap& ground, const Eigen::Vector2d& a, const 
   return {extend(a, -along), extend(b, along), false};
 }
 
-DoorLine* NearestLine(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double reach, std::vector<DoorLine>& lines) {
-  const Eigen::Vector2d along = (b - a).normalized();
+bool Crosses(const DoorCandidate& one, const DoorCandidate& other) {
+  const auto side = [](const DoorCandidate& line, const Eigen::Vector2d& p) {
+    const Eigen::Vector2d along = line.b - line.a;
+    const Eigen::Vector2d to = p - line.a;
+    return along.x() * to.y() - along.y() * to.x();
+  };
+  return side(one, other.a) * side(one, other.b) < 0.0 && side(other, one.a) * side(other, one.b) < 0.0;
+}
+
+// The line that a robot went through which reports a passage across `passage`: it may have gone through the door
+// obliquely. Null: none.
+DoorLine* LineOfPassage(const DoorCandidate& passage, double reach, std::vector<DoorLine>& lines) {
+  constexpr double kMostTurn = M_PI / 3.0;
+  const Eigen::Vector2d along = (passage.b - passage.a).normalized();
   DoorLine* nearest = nullptr;
   for (DoorLine& line : lines) {
     const double turn = std::abs((line.line.b - line.line.a).normalized().dot(along));
-    const double distance = (line.line.middle() - (a + b) / 2.0).norm();
-    if (turn < 0.7 || distance >= reach) continue;
+    const double distance = (line.line.middle() - passage.middle()).norm();
+    if (turn < std::cos(kMostTurn) || distance >= reach) continue;
     reach = distance;
     nearest = &line;
   }
@@ -78,20 +83,19 @@ DoorLine* NearestLine(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double
 
 }  // namespace
 
-Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map) {
-  const Eigen::Vector2d p = Inverse(geometry.T_map_grid) * p_map;
-  return p / geometry.resolution - Eigen::Vector2d(0.5, 0.5);
-}
+double LongestLine(const RoomOptions& options) { return 1.4 * options.max_door; }
 
-Eigen::Vector2d ToMap(const grid::GridGeometry& geometry, const Eigen::Vector2d& cells) {
-  const Eigen::Vector2d p = (cells + Eigen::Vector2d(0.5, 0.5)) * geometry.resolution;
-  return geometry.T_map_grid * p;
+bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [&](const DoorLine& known) {
+    const bool forward = (known.line.a - line.a).norm() < same && (known.line.b - line.b).norm() < same;
+    const bool reverse = (known.line.a - line.b).norm() < same && (known.line.b - line.a).norm() < same;
+    return forward || reverse;
+  });
 }
 
 std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options) {
   const double cells = 1.0 / ground.resolution;  // per metre
-  // A door may have panes of glass beside it.
-  const double longest = 1.4 * options.max_door * cells;
+  const double longest = LongestLine(options) * cells;
   const NarrowPlaces limits{std::max(1.0, options.narrowing * cells), longest / 2.0};
   std::vector<DoorLine> lines;
   for (const std::size_t place : FindNarrowPlaces(ground, field, limits)) {
@@ -101,15 +105,40 @@ std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField
   return lines;
 }
 
+void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
+                      std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
+                      std::vector<DoorLine>& lines) {
+  std::vector<DoorLine> doors;
+  for (const DoorCandidate& narrow : FindNarrowsOnPath(ground, geometry, trajectory, LongestLine(options))) {
+    if (IsKnown(narrow, 0.2 / ground.resolution, lines)) continue;
+    DoorLine door{narrow, GatherEvidence(ground, narrow), 0.0};
+    door.openness = OpennessOf(door.evidence);
+    if (door.openness < 0.0 && door.evidence.width <= options.max_door) doors.push_back(door);
+  }
+  std::stable_sort(doors.begin(), doors.end(),
+                   [](const DoorLine& a, const DoorLine& b) { return a.openness < b.openness; });
+  for (const DoorLine& door : doors) {
+    const auto crosses = [&](const DoorLine& line) { return Crosses(door.line, line.line); };
+    const bool taken = std::any_of(lines.begin(), lines.end(),
+                                   [&](const DoorLine& line) { return line.openness < 0.0 && crosses(line); });
+    if (taken || IsKnown(door.line, 0.5 / ground.resolution, lines)) continue;
+    std::erase_if(lines, crosses);
+    lines.push_back(door);
+  }
+}
+
 void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
                  std::vector<DoorLine>& lines) {
   for (const PassageHint& passage : passages) {
     const Eigen::Vector2d a = ToCells(geometry, passage.a);
     const Eigen::Vector2d b = ToCells(geometry, passage.b);
     if (!a.allFinite() || !b.allFinite() || (b - a).norm() < 1.0) continue;
-    DoorLine* line = NearestLine(a, b, 0.6 / ground.resolution, lines);
+    DoorLine* line = LineOfPassage({a, b}, 0.6 / ground.resolution, lines);
     if (line == nullptr) {
       const DoorCandidate own = Extended(ground, a, b);
+      const bool crosses =
+          std::any_of(lines.begin(), lines.end(), [&](const DoorLine& other) { return Crosses(own, other.line); });
+      if (crosses) continue;  // it would cut the other line in two
       lines.push_back({own, GatherEvidence(ground, own), 0.0});
       line = &lines.back();
     }

@@ -21,15 +21,23 @@ struct DoorLine {
   double openness = 0.0;  // door_odds.h
 };
 
+// m, from wall to wall: a door may have panes of glass beside it.
+double LongestLine(const RoomOptions& options);
+
+// One of the lines has its ends, in either order, less than `same` cells from the candidate's.
+bool IsKnown(const DoorCandidate& candidate, double same, const std::vector<DoorLine>& lines);
+
 // The lines along which the ground may be cut: at narrow places, and where robots are known to have passed a door.
 std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options);
+
+// Adds the narrow places of the robots' ways (path_narrows.h) that are doors. They replace the open lines that they
+// cross.
+void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
+                      std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
+                      std::vector<DoorLine>& lines);
 
 // A passage makes the line nearest to it a door, or is a line itself.
 void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
                  std::vector<DoorLine>& lines);
-
-// Between the map's frame, m, and cells (ground.h).
-Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map);
-Eigen::Vector2d ToMap(const grid::GridGeometry& geometry, const Eigen::Vector2d& cells);
 
 }  // namespace enfilade::rooms

@@ -203,4 +203,14 @@ GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options
   return ground;
 }
 
+Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map) {
+  const Eigen::Vector2d p = Inverse(geometry.T_map_grid) * p_map;
+  return p / geometry.resolution - Eigen::Vector2d(0.5, 0.5);
+}
+
+Eigen::Vector2d ToMap(const grid::GridGeometry& geometry, const Eigen::Vector2d& cells) {
+  const Eigen::Vector2d p = (cells + Eigen::Vector2d(0.5, 0.5)) * geometry.resolution;
+  return geometry.T_map_grid * p;
+}
+
 }  // namespace enfilade::rooms

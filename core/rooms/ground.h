@@ -54,4 +54,8 @@ struct GroundMap {
 GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options,
                      std::span<const Eigen::Vector2d> trajectory);
 
+// Between the map's frame, m, and cells.
+Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map);
+Eigen::Vector2d ToMap(const grid::GridGeometry& geometry, const Eigen::Vector2d& cells);
+
 }  // namespace enfilade::rooms

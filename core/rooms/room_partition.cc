@@ -41,6 +41,7 @@ class Partitioner {
 
   RoomPartition Run() {
     lines_ = FindDoorLines(ground_, field_, options_);
+    AddNarrowsOnPath(ground_, geometry_, evidence_.trajectory, options_, lines_);
     AddPassages(ground_, geometry_, evidence_.passages, lines_);
     std::vector<DoorCandidate> lines;
     for (const DoorLine& line : lines_) lines.push_back(line.line);

@@ -19,6 +19,8 @@
 #include "core/base/status_macros.h"
 #include "core/grid/files/plan_image.h"
 #include "core/rooms/door_lines.h"
+#include "core/rooms/door_odds.h"
+#include "core/rooms/path_narrows.h"
 #include "core/rooms/room_partition.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -182,6 +184,19 @@ class RoomsBench {
     return io::WriteFile(std::filesystem::path(options_.plots) / (name + ".png"), png);
   }
 
+  // Those that are taken for no door, too.
+  static void AddAllNarrowsOnPath(const rooms::GroundMap& ground, const grid::GridGeometry& geometry,
+                                  std::span<const Eigen::Vector2d> trajectory, const rooms::RoomOptions& options,
+                                  std::vector<rooms::DoorLine>& lines) {
+    for (const rooms::DoorCandidate& narrow :
+         rooms::FindNarrowsOnPath(ground, geometry, trajectory, rooms::LongestLine(options))) {
+      if (!rooms::IsKnown(narrow, 0.2 / geometry.resolution, lines)) {
+        const rooms::DoorEvidence evidence = rooms::GatherEvidence(ground, narrow);
+        lines.push_back({narrow, evidence, rooms::OpennessOf(evidence)});
+      }
+    }
+  }
+
   // A line for each candidate of which the truth is known: room_at(p_map) is the true room, 0 none.
   template <typename RoomAt>
   void WriteCandidates(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
@@ -190,7 +205,9 @@ class RoomsBench {
     const rooms::GroundMap ground = rooms::ReadGround(grid, options, known.trajectory);
     const rooms::DistanceField field = rooms::DistancesToWalls(ground);
     std::vector<rooms::DoorLine> lines = rooms::FindDoorLines(ground, field, options);
+    rooms::AddNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
     rooms::AddPassages(ground, grid.geometry, known.passages, lines);
+    AddAllNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
     for (const rooms::DoorLine& line : lines) {
       const Eigen::Vector2d a = rooms::ToMap(grid.geometry, line.line.a);
       const Eigen::Vector2d b = rooms::ToMap(grid.geometry, line.line.b);
