@@ -65,6 +65,13 @@ bool Crosses(const DoorCandidate& one, const DoorCandidate& other) {
   return side(one, other.a) * side(one, other.b) < 0.0 && side(other, one.a) * side(other, one.b) < 0.0;
 }
 
+// They cross, or lie in about the same direction less than `apart` cells from each other: both cannot be doors.
+bool AreRivals(const DoorCandidate& one, const DoorCandidate& other, double apart) {
+  constexpr double kMostTurn = M_PI / 3.0;
+  const double turn = std::abs((one.b - one.a).normalized().dot((other.b - other.a).normalized()));
+  return Crosses(one, other) || ((one.middle() - other.middle()).norm() < apart && turn > std::cos(kMostTurn));
+}
+
 // The line that a robot went through which reports a passage across `passage`: it may have gone through the door
 // obliquely. Null: none.
 DoorLine* LineOfPassage(const DoorCandidate& passage, double reach, std::vector<DoorLine>& lines) {
@@ -118,11 +125,13 @@ void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometr
   std::stable_sort(doors.begin(), doors.end(),
                    [](const DoorLine& a, const DoorLine& b) { return a.openness < b.openness; });
   for (const DoorLine& door : doors) {
-    const auto crosses = [&](const DoorLine& line) { return Crosses(door.line, line.line); };
-    const bool taken = std::any_of(lines.begin(), lines.end(),
-                                   [&](const DoorLine& line) { return line.openness < 0.0 && crosses(line); });
-    if (taken || IsKnown(door.line, 0.5 / ground.resolution, lines)) continue;
-    std::erase_if(lines, crosses);
+    // Of two lines across one opening the clearer one stays.
+    const auto rivals = [&](const DoorLine& line) { return AreRivals(door.line, line.line, 1.0 / ground.resolution); };
+    const bool known = std::any_of(lines.begin(), lines.end(), [&](const DoorLine& line) {
+      return line.openness <= door.openness && rivals(line);
+    });
+    if (known) continue;
+    std::erase_if(lines, rivals);
     lines.push_back(door);
   }
 }

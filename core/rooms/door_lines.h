@@ -30,8 +30,8 @@ bool IsKnown(const DoorCandidate& candidate, double same, const std::vector<Door
 // The lines along which the ground may be cut: at narrow places, and where robots are known to have passed a door.
 std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options);
 
-// Adds the narrow places of the robots' ways (path_narrows.h) that are doors. They replace the open lines that they
-// cross.
+// Adds the narrow places of the robots' ways (path_narrows.h) that are doors, instead of lines near them
+// that are less so.
 void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
                       std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
                       std::vector<DoorLine>& lines);

@@ -68,7 +68,7 @@ struct ServerOptions {
   struct Survey {
     // The largest share of the time that a site is surveyed, to make each room one map (docs/survey.md), 0 to 1. 0:
     // sites are not surveyed.
-    double share = 0.0;
+    double share = 0.25;
   } survey;
 
   struct Transfers {
