@@ -41,23 +41,31 @@ bool IsMapped(const storage::Session& session) {
 
 using StoredDrive = std::vector<const storage::Session*>;
 
-// The drives of one level: sessions that follow each other through doors, as far as they are mapped.
+// The drives of one level: sessions that follow each other through doors, as far as they are mapped. In the order in
+// which they began; pieces that were cut from one session may be as old as each other.
 std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
-  std::vector<StoredDrive> drives;
-  std::map<SessionId, std::size_t> drive_of;
-  std::map<SessionId, const storage::Session*> last_of;
+  std::map<SessionId, const storage::Session*> here;
   for (const storage::Session& session : sessions) {
-    if (!IsMapped(session)) continue;
+    if (!IsMapped(session) || session.records_deleted) continue;
     const auto map = maps.find(*session.map);
-    if (map == maps.end() || map->second.level != level || session.records_deleted) continue;
-    const auto before = session.entry.previous ? drive_of.find(*session.entry.previous) : drive_of.end();
-    if (before != drive_of.end() && drives[before->second].back()->id == *session.entry.previous) {
-      drives[before->second].push_back(&session);
-      drive_of[session.id] = before->second;
-    } else {
-      drive_of[session.id] = drives.size();
-      drives.push_back({&session});
+    if (map != maps.end() && map->second.level == level) here.emplace(session.id, &session);
+  }
+  std::map<SessionId, const storage::Session*> next;
+  std::vector<const storage::Session*> first;
+  for (const storage::Session& session : sessions) {
+    if (!here.contains(session.id)) continue;
+    const bool follows = session.entry.previous && here.contains(*session.entry.previous) &&
+                         next.emplace(*session.entry.previous, &session).second;
+    if (!follows) first.push_back(&session);
+  }
+  std::vector<StoredDrive> drives;
+  for (const storage::Session* session : first) {
+    StoredDrive& drive = drives.emplace_back();
+    while (session != nullptr) {
+      drive.push_back(session);
+      const auto found = next.find(session->id);
+      session = found == next.end() ? nullptr : found->second;
     }
   }
   return drives;
