@@ -9,6 +9,8 @@
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
 #include "core/slam/mapper/log_mapper.h"
+#include "fmt/format.h"
+#include "server/app/survey/stored_drives.h"
 #include "storage/sessions/all_sessions.h"
 
 namespace enfilade::server {
@@ -35,48 +37,6 @@ absl::StatusOr<std::map<MapId, storage::Map>> ListMaps(const SurveyStores& store
   }
 }
 
-bool IsMapped(const storage::Session& session) {
-  return session.map && session.state == storage::SessionState::kMapped;
-}
-
-using StoredDrive = std::vector<const storage::Session*>;
-
-// The drives of one level: sessions that follow each other through doors, as far as they are mapped. In the order in
-// which they began; pieces that were cut from one session may be as old as each other.
-std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,
-                                  const std::map<MapId, storage::Map>& maps) {
-  std::map<SessionId, const storage::Session*> here;
-  for (const storage::Session& session : sessions) {
-    if (!IsMapped(session) || session.records_deleted) continue;
-    const auto map = maps.find(*session.map);
-    if (map != maps.end() && map->second.level == level) here.emplace(session.id, &session);
-  }
-  std::map<SessionId, const storage::Session*> next;
-  std::vector<const storage::Session*> first;
-  for (const storage::Session& session : sessions) {
-    if (!here.contains(session.id)) continue;
-    const bool follows = session.entry.previous && here.contains(*session.entry.previous) &&
-                         next.emplace(*session.entry.previous, &session).second;
-    if (!follows) first.push_back(&session);
-  }
-  std::vector<StoredDrive> drives;
-  for (const storage::Session* session : first) {
-    StoredDrive& drive = drives.emplace_back();
-    while (session != nullptr) {
-      drive.push_back(session);
-      const auto found = next.find(session->id);
-      session = found == next.end() ? nullptr : found->second;
-    }
-  }
-  return drives;
-}
-
-// The robot's detector has found doors. Maps that people record as one, or divide by hand, stay as they are.
-bool IsDrivenByDoors(const StoredDrive& drive) {
-  return std::any_of(drive.begin(), drive.end(),
-                     [](const storage::Session* session) { return session->record_counts.door_reports > 0; });
-}
-
 bool IsBefore(const slam::StampedPose& pose, TimeNs time) { return pose.time < time; }
 
 // Between the scans before and after; `trajectory` by time, not empty.
@@ -92,12 +52,13 @@ Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
 class LevelMapper {
  public:
   LevelMapper(const SurveyStores& stores, const SurveyMappingOptions& options, const SiteGraph& graph,
-              const SiteId& site, const std::function<absl::Status()>& proceed)
-      : stores_(stores), options_(options), graph_(graph), site_(site), proceed_(proceed) {}
+              const SiteId& site, DriveCache& cache, const std::function<absl::Status()>& proceed)
+      : stores_(stores), options_(options), graph_(graph), site_(site), cache_(cache), proceed_(proceed) {}
 
   absl::StatusOr<MappedLevel> Run(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
     level_.survey.level = level;
+    mapped_before_ = fmt::format("level {}", level);
     for (const StoredDrive& drive : DrivesOn(level, sessions, maps)) {
       ENFILADE_RETURN_IF_ERROR(AddDrive(drive, maps));
     }
@@ -115,35 +76,47 @@ class LevelMapper {
     const Environment environment = maps.at(first->map).environment;
     const slam::SlamOptions& slam = *options_.slam.Find(
         environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor);
-    std::optional<slam::LogMapper> mapper;
-    if (level_.survey.drives.empty()) {
-      mapper.emplace(options_.pairing, slam);
-    } else {
+    std::optional<Pose2> T_level_start;
+    if (!level_.survey.drives.empty()) {
       const std::optional<Pose2> T_level_map = FindPlace(first->map);
       if (!T_level_map) return absl::OkStatus();  // nothing says where it is
-      PoseWithCovariance start{*T_level_map * first->visits.front().T_map_robot, Eigen::Matrix3d::Zero()};
+      T_level_start = *T_level_map * first->visits.front().T_map_robot;
+    }
+    mapped_before_ += KeyOf(stored, environment);
+    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped,
+                              cache_.Get(mapped_before_, [&] { return MapDrive(stored, slam, T_level_start); }));
+    if (mapped->grid.cells.empty()) return absl::OkStatus();
+    if (level_.survey.drives.empty()) {
+      level_.grid = mapped->grid;
+    } else {
+      ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, mapped->grid));
+    }
+    PlaceVisits(mapped->trajectory, drive);
+    ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, mapped->trajectory));
+    level_.survey.drives.push_back(std::move(drive));
+    return absl::OkStatus();
+  }
+
+  // A level's first drive begins at its origin, the others in what was mapped before.
+  absl::StatusOr<MappedDrive> MapDrive(const StoredDrive& stored, const slam::SlamOptions& slam,
+                                       const std::optional<Pose2>& T_level_start) const {
+    std::optional<slam::LogMapper> mapper;
+    if (T_level_start) {
+      PoseWithCovariance start{*T_level_start, Eigen::Matrix3d::Zero()};
       start.covariance.diagonal() << kStartSigma * kStartSigma, kStartSigma * kStartSigma,
           kStartYawSigma * kStartYawSigma;
       mapper.emplace(options_.pairing, slam, slam::ExistingMap{level_.grid, {start, std::nullopt}});
+    } else {
+      mapper.emplace(options_.pairing, slam);
     }
     for (const storage::Session* session : stored) ENFILADE_RETURN_IF_ERROR(AddRecords(*session, *mapper));
     mapper->Finish();
-    const grid::OccupancyGrid own = mapper->RenderGrid();
-    if (own.cells.empty()) return absl::OkStatus();
-    if (level_.survey.drives.empty()) {
-      level_.grid = own;
-    } else {
-      ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, own));
-    }
-    slam::SlamMap mapped;
-    mapped.Apply(mapper->TakeDelta());
-    std::vector<slam::StampedPose> trajectory = slam::TrajectoryOf(mapped);
-    std::sort(trajectory.begin(), trajectory.end(),
+    slam::SlamMap map;
+    map.Apply(mapper->TakeDelta());
+    MappedDrive mapped{mapper->RenderGrid(), slam::TrajectoryOf(map)};
+    std::sort(mapped.trajectory.begin(), mapped.trajectory.end(),
               [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
-    PlaceVisits(trajectory, drive);
-    ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, trajectory));
-    level_.survey.drives.push_back(std::move(drive));
-    return absl::OkStatus();
+    return mapped;
   }
 
   absl::StatusOr<survey::Drive> ReadDrive(const StoredDrive& stored) const {
@@ -277,14 +250,16 @@ class LevelMapper {
   const SurveyMappingOptions& options_;
   const SiteGraph& graph_;
   const SiteId& site_;
+  DriveCache& cache_;
   const std::function<absl::Status()>& proceed_;
+  std::string mapped_before_;  // the key of all drives so far
   MappedLevel level_;
 };
 
 }  // namespace
 
 absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappingOptions& options,
-                                   const SiteGraph& graph, const SiteId& site,
+                                   const SiteGraph& graph, const SiteId& site, DriveCache& cache,
                                    const std::function<absl::Status()>& proceed) {
   SiteSurvey survey;
   survey.graph_version = graph.graph().version();
@@ -299,9 +274,10 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
   }
   for (const int level : levels) {
     ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped,
-                              LevelMapper(stores, options, graph, site, proceed).Run(level, sessions, maps));
+                              LevelMapper(stores, options, graph, site, cache, proceed).Run(level, sessions, maps));
     if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
   }
+  cache.DropUnused();
   return survey;
 }
 

@@ -14,6 +14,7 @@
 #include "core/slam/slam_profiles.h"
 #include "core/survey/level_survey.h"
 #include "server/app/graph/site_graph.h"
+#include "server/app/survey/drive_cache.h"
 #include "storage/graph/door_verdict_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/sessions/mapping_store.h"
@@ -49,9 +50,10 @@ struct SiteSurvey {
 };
 
 // Reads and maps all that is mapped of a site. `proceed` is asked between portions; its error ends the survey. Sessions
-// whose records retention has deleted, and drives that nothing joins to the others, are left out.
+// whose records retention has deleted, and drives that nothing joins to the others, are left out. Drives that `cache`
+// has are not mapped again; afterwards it has those of this survey.
 absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappingOptions& options,
-                                   const SiteGraph& graph, const SiteId& site,
+                                   const SiteGraph& graph, const SiteId& site, DriveCache& cache,
                                    const std::function<absl::Status()>& proceed);
 
 }  // namespace enfilade::server

@@ -120,8 +120,10 @@ absl::Status SiteSurveyor::Survey(const SiteId& site) {
 absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
   const Clock::time_point begin = Clock::now();
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(SurveyorContext(), site));
+  if (cached_ != site) cache_ = {};
+  cached_ = site;
   ENFILADE_ASSIGN_OR_RETURN(const SiteSurvey survey,
-                            MapSite(stores_.read, mapping_, *graph, site, [this]() -> absl::Status {
+                            MapSite(stores_.read, mapping_, *graph, site, cache_, [this]() -> absl::Status {
                               return stop_.is_set() ? absl::CancelledError("the server is stopping") : absl::OkStatus();
                             }));
   ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,

@@ -51,7 +51,6 @@ class SiteSurveyor {
   absl::Status Survey(const SiteId& site);
   // False if maps were rearranged: survey again.
   absl::StatusOr<bool> SurveyOnce(const SiteId& site);
-  // Unset if another process holds it for too long.
   // True if something has changed.
   absl::StatusOr<bool> Apply(const storage::SiteLease& lease, const SiteSurvey& survey);
 
@@ -64,6 +63,9 @@ class SiteSurveyor {
   WakeSignal& wake_;
   const std::string owner_;
   StopSignal stop_;
+  // The worker's only: of the site that was surveyed last.
+  SiteId cached_;
+  DriveCache cache_;
   std::map<SiteId, Clock::time_point> due_;  // sites that were surveyed lately; the worker's only
   std::thread worker_;
 };

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/environment.h"
+#include "core/base/ids.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/session_store.h"
+
+namespace enfilade::server {
+
+// The sessions of one robot that follow each other through doors, in order.
+using StoredDrive = std::vector<const storage::Session*>;
+
+// It is in a map, and all its records are mapped.
+bool IsMapped(const storage::Session& session);
+
+// The drives of one level, as far as they are mapped and retention has kept their records, in the order of their first
+// sessions in `sessions`. The pieces of a session that was cut are one drive, however old they are. Of two sessions
+// that follow the same one, the first continues its drive and the other begins one.
+std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,
+                                  const std::map<MapId, storage::Map>& maps);
+
+// The robot's detector has found doors. Maps that people record as one, or divide by hand, stay as they are.
+bool IsDrivenByDoors(const StoredDrive& drive);
+
+// What the map of a drive depends on but for the drives before it. It stays the same when its sessions are cut or
+// moved.
+std::string KeyOf(const StoredDrive& drive, Environment environment);
+
+}  // namespace enfilade::server

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/survey/stored_drives.h"
+
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/app/survey/drive_cache.h"
+
+namespace enfilade::server {
+namespace {
+
+storage::Session MappedSession(const std::string& id, const std::string& previous) {
+  storage::Session session;
+  session.id = SessionId(id);
+  session.robot = RobotId("robot");
+  session.map = MapId("m");
+  session.state = storage::SessionState::kMapped;
+  if (!previous.empty()) session.entry.previous = SessionId(previous);
+  return session;
+}
+
+std::map<MapId, storage::Map> Maps() {
+  storage::Map ground;
+  ground.id = MapId("m");
+  storage::Map above;
+  above.id = MapId("above");
+  above.level = 1;
+  return {{ground.id, ground}, {above.id, above}};
+}
+
+// The sessions' ids, drives parted by bars.
+std::string Names(const std::vector<StoredDrive>& drives) {
+  std::string names;
+  for (const StoredDrive& drive : drives) {
+    names += names.empty() ? "" : "|";
+    for (const storage::Session* session : drive) names += session->id.value();
+  }
+  return names;
+}
+
+TEST(DrivesOn, FollowsTheChainWhateverTheOrder) {
+  const std::vector<storage::Session> sessions{MappedSession("a", ""), MappedSession("c", "b"), MappedSession("b", "a"),
+                                               MappedSession("d", "c")};
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "abcd");
+}
+
+TEST(DrivesOn, OfTwoThatFollowOneTheFirstContinues) {
+  const std::vector<storage::Session> sessions{MappedSession("a", ""), MappedSession("b", "a"), MappedSession("c", "a"),
+                                               MappedSession("d", "c")};
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "ab|cd");
+}
+
+TEST(DrivesOn, EndsWhereASessionIsMissing) {
+  std::vector<storage::Session> sessions{MappedSession("a", ""), MappedSession("b", "a"), MappedSession("c", "b"),
+                                         MappedSession("d", "c")};
+  sessions[1].state = storage::SessionState::kFinished;
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "a|cd");
+  sessions[1] = MappedSession("b", "a");
+  sessions[1].records_deleted = true;
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "a|cd");
+  sessions[1] = MappedSession("b", "a");
+  sessions[1].map.reset();
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "a|cd");
+}
+
+TEST(DrivesOn, IsOfOneLevel) {
+  std::vector<storage::Session> sessions{MappedSession("a", ""), MappedSession("b", "a"), MappedSession("c", "b")};
+  sessions[1].map = MapId("above");
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "a|c");
+  EXPECT_EQ(Names(DrivesOn(1, sessions, Maps())), "b");
+  EXPECT_TRUE(DrivesOn(2, sessions, Maps()).empty());
+}
+
+TEST(KeyOf, IsOfTheRecordsNotOfTheSessions) {
+  storage::Session whole = MappedSession("a", "");
+  whole.record_counts.laser_scans = 10;
+  whole.record_counts.odometry = 30;
+  whole.payload_bytes = 500;
+  whole.first_time = 100;
+  whole.last_time = 900;
+  storage::Session first = whole;
+  first.record_counts.laser_scans = 4;
+  first.record_counts.odometry = 20;
+  first.payload_bytes = 300;
+  first.last_time = 500;
+  storage::Session rest = MappedSession("b", "a");
+  rest.record_counts.laser_scans = 6;
+  rest.record_counts.odometry = 10;
+  rest.payload_bytes = 200;
+  rest.first_time = 501;
+  rest.last_time = 900;
+  const std::string key = KeyOf({&whole}, Environment::kIndoor);
+  EXPECT_EQ(KeyOf({&first, &rest}, Environment::kIndoor), key);
+  EXPECT_NE(KeyOf({&first}, Environment::kIndoor), key);
+  EXPECT_NE(KeyOf({&whole}, Environment::kOutdoor), key);
+  whole.robot = RobotId("another");
+  EXPECT_NE(KeyOf({&whole}, Environment::kIndoor), key);
+}
+
+TEST(DriveCache, MapsOnceAndForgetsWhatIsNoLongerAskedFor) {
+  DriveCache cache;
+  int mapped = 0;
+  const auto map = [&]() -> absl::StatusOr<MappedDrive> {
+    ++mapped;
+    return MappedDrive{};
+  };
+  ASSERT_TRUE(cache.Get("a", map).ok());
+  ASSERT_TRUE(cache.Get("a", map).ok());
+  EXPECT_EQ(mapped, 1);
+  cache.DropUnused();
+  ASSERT_TRUE(cache.Get("a", map).ok());
+  EXPECT_EQ(mapped, 1);
+  cache.DropUnused();
+  cache.DropUnused();
+  ASSERT_TRUE(cache.Get("a", map).ok());
+  EXPECT_EQ(mapped, 2);
+}
+
+TEST(DriveCache, KeepsNoErrors) {
+  DriveCache cache;
+  EXPECT_FALSE(cache.Get("a", [] { return absl::StatusOr<MappedDrive>(absl::AbortedError("stop")); }).ok());
+  EXPECT_TRUE(cache.Get("a", [] { return absl::StatusOr<MappedDrive>(MappedDrive{}); }).ok());
+}
+
+}  // namespace
+}  // namespace enfilade::server
