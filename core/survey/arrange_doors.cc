@@ -161,11 +161,29 @@ class DoorArranger {
     result_.link_points.push_back(std::move(link_point));
   }
 
+  // How far aside a place is from the way of a robot that saw a door there; unset if it was not ahead.
+  std::optional<double> AsideOf(const Eigen::Vector2d& place, const Pose2& T_level_sighting) const {
+    constexpr double kAngle = 0.5;  // m aside for each metre ahead
+    const Eigen::Vector2d d = Inverse(T_level_sighting) * place;
+    const double aside = std::abs(d.y());
+    if (d.x() <= -1.0 || d.x() >= options_.candidate_ahead) return std::nullopt;
+    if (aside >= options_.candidate_across + kAngle * std::max(d.x(), 0.0)) return std::nullopt;
+    return aside;
+  }
+
+  // Of the doors ahead of the sighting, one that robots went through is the nearest to its way.
   bool IsKnownDoorAhead(const Pose2& T_level_sighting) const {
-    return std::any_of(places_.begin(), places_.end(), [&](const Pose2& door) {
-      const Eigen::Vector2d ahead = Inverse(T_level_sighting) * door.translation();
-      return ahead.x() > -1.0 && ahead.x() < options_.candidate_ahead &&
-             std::abs(ahead.y()) < options_.candidate_across;
+    double passed = std::numeric_limits<double>::infinity();
+    for (const Pose2& door : places_) {
+      passed = std::min(passed, AsideOf(door.translation(), T_level_sighting).value_or(passed));
+    }
+    if (!std::isfinite(passed)) return false;
+    return std::none_of(partition_.doors.begin(), partition_.doors.end(), [&](const rooms::Door& door) {
+      const Eigen::Vector2d middle = (door.a + door.b) / 2.0;
+      const bool known = std::any_of(places_.begin(), places_.end(), [&](const Pose2& place) {
+        return (place.translation() - middle).norm() < options_.same_door;
+      });
+      return !known && AsideOf(middle, T_level_sighting).value_or(passed) < passed;
     });
   }
 
@@ -184,6 +202,13 @@ class DoorArranger {
     return true;
   }
 
+  // The map of the room that the robot saw the door from.
+  MapId MapOfSighting(const graph::Anchor& anchor) const {
+    const std::optional<Pose2> place = PlaceOfAnchor(anchor);
+    const MapId* map = place ? MapOfRoom(partition_.RoomAt(place->translation())) : nullptr;
+    return map != nullptr ? *map : plan_.NowOf(anchor.map);
+  }
+
   // A link point that is at no door that robots went through.
   void Keep(const graph::LinkPoint& link_point) {
     const bool door = IsDoor(link_point);
@@ -197,7 +222,7 @@ class DoorArranger {
     }
     graph::LinkPoint moved = link_point;
     for (graph::Anchor& anchor : moved.anchors) {
-      const MapId& now = plan_.NowOf(anchor.map);
+      const MapId now = link_point.is_candidate() ? MapOfSighting(anchor) : plan_.NowOf(anchor.map);
       if (now == anchor.map) continue;
       const PoseWithCovariance there =
           rearrange::Moved(Between(plan_.T_level_map.at(now), plan_.T_level_map.at(anchor.map)),

@@ -21,8 +21,8 @@ namespace enfilade::survey {
 // * A map without sessions leads to the map that took most of what was driven in it; an awaited one to the map of the
 //   room that the robot was in.
 // * Link points are the doors between the rooms that robots went through. Existing ones keep their ids. Those at no
-//   such door disappear, unless they lead to a busy map or another level or are no door. Candidates move with their
-//   map, and disappear at a door that is known and where only the room's own ground lies ahead.
+//   such door disappear, unless they lead to a busy map or another level or are no door. Candidates move to the map
+//   of the room that they were seen from, and disappear if the door ahead is known or only the room's own ground is.
 //
 // Empty if the maps are the rooms already. The same survey gives the same answer but for the ids that `new_id` makes.
 rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::RoomPartition& partition,

@@ -198,6 +198,39 @@ TEST(ArrangeMaps, ACandidateBeforeOpenGroundDisappears) {
   EXPECT_THAT(change.removed_link_points, ::testing::Not(::testing::Contains(across.id)));
 }
 
+TEST(ArrangeMaps, ACandidateThatWasSeenObliquelyDisappearsAtItsDoor) {
+  LevelSurvey survey = DoubledCorridor();
+  graph::LinkPoint oblique;
+  oblique.id = LinkPointId("oblique");
+  oblique.anchors = {AnchorAt("a", {}, {0.2, 4.4, -M_PI / 2})};
+  graph::LinkPoint another;  // the north door, which no robot went through, is nearer to this robot's way
+  another.id = LinkPointId("another");
+  another.anchors = {AnchorAt("a", {}, {4.0, 3.2, 1.2})};
+  survey.link_points.push_back(oblique);
+  survey.link_points.push_back(another);
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_THAT(change.removed_link_points, ::testing::Contains(oblique.id));
+  EXPECT_THAT(change.removed_link_points, ::testing::Not(::testing::Contains(another.id)));
+}
+
+TEST(ArrangeMaps, ACandidateBelongsToTheRoomThatItWasSeenFrom) {
+  LevelSurvey survey = DoubledCorridor();
+  graph::LinkPoint seen;
+  seen.id = LinkPointId("seen");
+  seen.anchors = {AnchorAt("a", {}, {3.5, 1.0, 0.0})};  // in the south room, whose map is b
+  survey.link_points.push_back(seen);
+  const LevelSurvey after = After(survey, Arrange(survey));
+  for (const graph::LinkPoint& one : after.link_points) {
+    if (one.id != seen.id) continue;
+    ASSERT_NE(one.FindAnchor(MapId("b")), nullptr);
+    const Pose2 place = Pose2{1.0, 1.0, 0.3} * one.FindAnchor(MapId("b"))->T_map_place;
+    EXPECT_NEAR(place.x, 3.5, 1e-6);
+    EXPECT_NEAR(place.y, 1.0, 1e-6);
+    return;
+  }
+  FAIL() << "the candidate is gone";
+}
+
 TEST(ArrangeMaps, ALiftToAnotherLevelIsKept) {
   LevelSurvey survey = DoubledCorridor();
   graph::LinkPoint lift =
