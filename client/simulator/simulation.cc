@@ -65,11 +65,25 @@ RobotSimulation::RobotSimulation(std::shared_ptr<const World> world, const Robot
     : world_(std::move(world)),
       options_(options),
       robot_(robot.id),
+      start_level_(robot.level),
       robot_seed_(Mix(options.seed, SeedOf(robot.id))),
       driver_(world_, robot, options.motion, 1.0 / options.odometry_hz) {
   Noise noise = NoiseOf(kWheelSizes, 0);
   left_factor_ = 1.0 + options_.wheel_sigma * noise.Normal();
   right_factor_ = 1.0 + options_.wheel_sigma * noise.Normal();
+}
+
+int RobotSimulation::level() const {
+  const std::map<std::string, double>& heights = world_->campus().levels;
+  const auto height = [&](const std::string& id) {
+    const auto found = heights.find(id);
+    return found == heights.end() ? 0.0 : found->second;
+  };
+  const double low = std::min(height(start_level_), height(driver_.level()));
+  const double high = std::max(height(start_level_), height(driver_.level()));
+  const auto between = std::count_if(heights.begin(), heights.end(),
+                                     [&](const auto& level) { return level.second > low && level.second <= high; });
+  return height(driver_.level()) < height(start_level_) ? -static_cast<int>(between) : static_cast<int>(between);
 }
 
 Noise RobotSimulation::NoiseOf(int sensor, std::int64_t index) const {

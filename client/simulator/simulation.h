@@ -92,6 +92,8 @@ class RobotSimulation {
   // Up to the record returned last.
   const GroundTruth& truth() const { return truth_; }
   const std::string& robot() const { return robot_; }
+  // Where the robot is: how many levels above the one that it started on, below it if negative.
+  int level() const;
 
  private:
   RobotSimulation(std::shared_ptr<const World> world, const Robot& robot, const SimulationOptions& options);
@@ -109,6 +111,7 @@ class RobotSimulation {
   std::shared_ptr<const World> world_;
   SimulationOptions options_;
   std::string robot_;
+  std::string start_level_;
   std::uint64_t robot_seed_;
   RouteDriver driver_;
   double left_factor_;  // of the wheels' sizes

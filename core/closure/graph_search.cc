@@ -24,12 +24,16 @@ bool IsOnEnteredLevel(const DoorKnowledge& knowledge, const MapId& map) {
 }
 
 // The other side of a link point of the session's map: on the entered level, the latest anchor if there are several;
-// otherwise the first one.
+// otherwise the first one. None if the robot has come to another level on which the link point has no anchor: the doors
+// of a lift are above each other.
 const graph::Anchor* FindOtherSide(const DoorKnowledge& knowledge, const graph::LinkPoint& link_point) {
+  const bool another_level = knowledge.entered_level() != knowledge.map->level;
   const graph::Anchor* other = nullptr;
   for (const graph::Anchor& anchor : link_point.anchors) {
     if (anchor.map == knowledge.map->id) continue;
-    if (other == nullptr || IsOnEnteredLevel(knowledge, anchor.map)) other = &anchor;
+    const bool entered = IsOnEnteredLevel(knowledge, anchor.map);
+    if (another_level && !entered) continue;
+    if (other == nullptr || entered) other = &anchor;
   }
   return other;
 }

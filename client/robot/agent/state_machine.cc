@@ -96,6 +96,7 @@ void StateMachine::On(const DoorDetected& seen) {
 
 void StateMachine::OnPassage(const doors::DoorEvent& event) {
   passage_ = event;
+  passage_level_ = level_;
   Emit(ShowMessage{fmt::format("passed a door of {:.2f} m: {}", event.width, event.reason)});
   On(Moved{event.time, event.T_odom_robot});
 }
@@ -164,7 +165,7 @@ void StateMachine::Do(const SetLinkPoint& command) {
   report.kind = sensor::DoorReport::Kind::kPassage;
   report.place = command.place;
   report.T_odom_door = T_odom_robot_;
-  report.entered_level = command.level;
+  report.entered_level = command.level ? command.level : level_;
   report.by_hand = true;
   report.reason = "set by hand";
   passage_.reset();  // the command overrides the detector
@@ -193,6 +194,8 @@ void StateMachine::Do(const SetCandidate& command) {
   evidence_saved_ = false;
   Emit(WriteReport{kByHand, std::move(report)});
 }
+
+void StateMachine::Do(const EnterLevel& command) { level_ = command.level; }
 
 void StateMachine::Do(const StopMapping&) {
   if (RequireState(State::kMapping, "stop")) Leave(State::kMainMenu);
@@ -250,7 +253,9 @@ bool StateMachine::RequirePose(std::string_view command) {
 
 void StateMachine::ReportPassage() {
   const doors::DoorEvent event = *std::exchange(passage_, std::nullopt);
-  Emit(WriteReport{event.door, ReportOf(event, sensor::DoorReport::Kind::kPassage, now_)});
+  sensor::DoorReport report = ReportOf(event, sensor::DoorReport::Kind::kPassage, now_);
+  report.entered_level = passage_level_;
+  Emit(WriteReport{event.door, std::move(report)});
   next_ = BeginSession{"", std::nullopt, true};
   Stop();
 }

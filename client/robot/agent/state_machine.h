@@ -78,12 +78,16 @@ struct SaveRearImage {};
 struct SetCandidate {
   graph::LinkPointKind place = graph::LinkPointKind::kDoor;
 };
+// The robot has come to another level, by what a lift or a barometer tells it. Later passages lead to this level.
+struct EnterLevel {
+  std::int32_t level = 0;
+};
 struct StopMapping {};
 struct Abort {};
 struct AskStatus {};
 
 using Command = std::variant<RecordNewMap, MapOnExistingMap, DeleteMap, DeleteLinkPoint, SetLinkPoint, SaveRearImage,
-                             SetCandidate, StopMapping, Abort, AskStatus>;
+                             SetCandidate, EnterLevel, StopMapping, Abort, AskStatus>;
 using Event = std::variant<Ready, SessionBegun, SessionFinished, DoorDetected, Moved, SourceEnded, Failed, Command>;
 
 // Actions, to be executed in order.
@@ -158,6 +162,7 @@ class StateMachine {
   void Do(const SetLinkPoint& command);
   void Do(const SaveRearImage&);
   void Do(const SetCandidate& command);
+  void Do(const EnterLevel& command);
   void Do(const StopMapping&);
   void Do(const Abort&);
   void Do(const AskStatus&);
@@ -179,10 +184,12 @@ class StateMachine {
   State state_ = State::kInitialize;
   std::vector<Action> actions_;              // in response to the current event
   std::optional<doors::DoorEvent> passage_;  // to be reported once the robot is farther behind the door
-  std::vector<doors::DoorEvent> deferred_;   // detected behind that door: they belong to the next session
-  std::optional<BeginSession> next_;         // after kStopMapping
-  State left_for_ = State::kMainMenu;        // after kStopMapping without next_
-  bool evidence_saved_ = false;              // by SaveRearImage
+  std::optional<std::int32_t> level_;        // the robot's; unset: never told
+  std::optional<std::int32_t> passage_level_;
+  std::vector<doors::DoorEvent> deferred_;  // detected behind that door: they belong to the next session
+  std::optional<BeginSession> next_;        // after kStopMapping
+  State left_for_ = State::kMainMenu;       // after kStopMapping without next_
+  bool evidence_saved_ = false;             // by SaveRearImage
   TimeNs now_ = 0;
   Pose2 T_odom_robot_;
   bool has_pose_ = false;  // a Moved was received

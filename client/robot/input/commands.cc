@@ -19,6 +19,7 @@ constexpr const char* kHelp =
     "  set-link-point [PLACE [LEVEL]]  the robot has left the map here: door, lift, stairs, ramp or opening\n"
     "  save-rear-image                 before a door: keep this view for the next link point or candidate\n"
     "  set-candidate [PLACE]           there is a door ahead that the robot will not drive through now\n"
+    "  level LEVEL                     the robot has come to this level, for example in a lift\n"
     "  stop                            finish this map and return to the main menu\n"
     "  status\n"
     "  new [NAME]                      main menu: record a new map\n"
@@ -64,6 +65,10 @@ absl::StatusOr<Command> CommandOf(const Arguments& arguments) {
   if (word == "set-link-point") return Command(SetLinkPoint{place, arguments.level});
   if (word == "save-rear-image") return Command(SaveRearImage{});
   if (word == "set-candidate") return Command(SetCandidate{place});
+  if (word == "level") {
+    if (!arguments.level) return InvalidArgument("level: which level? Expected level NUMBER");
+    return Command(EnterLevel{*arguments.level});
+  }
   if (word == "new") return Command(RecordNewMap{arguments.map});
   if (word == "stop") return Command(StopMapping{});
   if (word == "abort") return Command(Abort{});
@@ -124,6 +129,8 @@ absl::StatusOr<Command> ParseCommand(std::string_view line, const Eigen::Matrix3
     if (words.size() > taken && arguments.word == "set-link-point") {
       ENFILADE_ASSIGN_OR_RETURN(arguments.level, NumberOf<std::int32_t>(words[taken++]));
     }
+  } else if (words.size() > taken && arguments.word == "level") {
+    ENFILADE_ASSIGN_OR_RETURN(arguments.level, NumberOf<std::int32_t>(words[taken++]));
   } else if (words.size() > taken && arguments.word == "delete-link-point") {
     arguments.link_point = words[taken++];
   } else if (words.size() > taken &&

@@ -49,8 +49,15 @@ class SimulationSource : public Source {
       : simulation_(std::move(simulation)), truth_(std::move(truth)) {}
 
   absl::StatusOr<Input> Next() override {
+    if (next_) return Input(*std::exchange(next_, std::nullopt));
     ENFILADE_ASSIGN_OR_RETURN(std::optional<simulator::SimulatedRecord> record, simulation_.Next());
-    if (record) return Input(SpoolItem{std::move(record->payload), std::move(record->content)});
+    if (record) {
+      SpoolItem item{std::move(record->payload), std::move(record->content)};
+      if (simulation_.level() == level_) return Input(std::move(item));
+      level_ = simulation_.level();
+      next_ = std::move(item);
+      return Input(Command(EnterLevel{level_}));  // as a lift tells its passengers
+    }
     if (!truth_.empty()) {
       ENFILADE_RETURN_IF_ERROR(io::WriteFile(truth_, simulator::TruthLines(simulation_.truth())));
       truth_.clear();
@@ -61,6 +68,8 @@ class SimulationSource : public Source {
  private:
   simulator::RobotSimulation simulation_;
   std::string truth_;
+  int level_ = 0;
+  std::optional<SpoolItem> next_;
 };
 
 class LinesSource : public Source {

@@ -345,5 +345,40 @@ TEST_F(StateMachineTest, EventsOutOfTurnChangeNothing) {
   EXPECT_EQ(state(), State::kMapping);
 }
 
+TEST(StateMachineLevels, APassageLeadsToTheLevelThatTheRobotWasOnThen) {
+  StateMachineOptions options;
+  options.start = RecordNewMap{"Hall"};
+  StateMachine machine(options);
+  std::vector<sensor::DoorReport> reports;
+  const auto handle = [&](const Event& event) {
+    for (const Action& action : machine.Handle(event)) {
+      if (const auto* written = std::get_if<WriteReport>(&action)) reports.push_back(written->report);
+    }
+  };
+  const auto pass = [&](std::int64_t number, double seconds) {
+    handle(MovedTo(seconds, 0.0));
+    handle(Passage(number, seconds, seconds, 0.0));
+  };
+  const auto begin = [&] {
+    handle(SessionFinished{});
+    handle(SessionBegun{});
+  };
+  handle(Ready{});
+  handle(SessionBegun{});
+  pass(1, 1.0);
+  handle(Command(EnterLevel{1}));  // in the lift, before the robot is far behind its door
+  handle(MovedTo(20.0, 5.0));
+  begin();
+  pass(2, 30.0);
+  handle(MovedTo(50.0, 5.0));
+  begin();
+  pass(3, 60.0);
+  handle(MovedTo(80.0, 5.0));
+  ASSERT_EQ(reports.size(), 3U);
+  EXPECT_EQ(reports[0].entered_level, std::nullopt);
+  EXPECT_EQ(reports[1].entered_level, 1);
+  EXPECT_EQ(reports[2].entered_level, 1);
+}
+
 }  // namespace
 }  // namespace enfilade::robot

@@ -34,6 +34,7 @@ TEST(ParseCommand, ReadsEveryCommand) {
   EXPECT_EQ(Parsed<RecordNewMap>("new \"Hall A\"").map, "Hall A");
   EXPECT_EQ(Parsed<DeleteMap>("delete-map m1").map, "m1");
   EXPECT_EQ(Parsed<DeleteLinkPoint>("delete-link-point l1").link_point, "l1");
+  EXPECT_EQ(Parsed<EnterLevel>("level -1").level, -1);
   Parsed<SaveRearImage>("save-rear-image");
   Parsed<StopMapping>("stop");
   Parsed<Abort>("abort\r");
@@ -61,8 +62,8 @@ TEST(ParseCommand, RefusesWhatItCannotRead) {
         std::pair("old Hall", "where in the map"), std::pair("old", "which map"),
         std::pair("old Hall 1 2 x", "not a number"), std::pair("old Hall 1 2 nan", "not finite"),
         std::pair("set-link-point window", "place is"), std::pair("set-link-point lift up", "not a number"),
-        std::pair("stop now", "too many"), std::pair("new \"Hall", "quotation mark"),
-        std::pair("delete-link-point", "which link point")}) {
+        std::pair("level", "which level"), std::pair("level up", "not a number"), std::pair("stop now", "too many"),
+        std::pair("new \"Hall", "quotation mark"), std::pair("delete-link-point", "which link point")}) {
     EXPECT_STATUS(ParseCommand(line, kCovariance).status(), absl::StatusCode::kInvalidArgument, HasSubstr(message))
         << line;
   }
@@ -115,7 +116,7 @@ TEST(CommandHelp, NamesEveryCommandWithItsArguments) {
     EXPECT_OK(ParseCommand(command, kCovariance)) << command;
     ++commands;
   }
-  EXPECT_EQ(commands, 10);
+  EXPECT_EQ(commands, 11);
 }
 
 TEST(CommandFromJson, RefusesNumbersThatDoNotFit) {
