@@ -86,8 +86,10 @@ class Server::Impl {
                                                    localization});
     api = std::make_unique<Api>(*services);
     if (options.survey.share > 0.0) {
+      survey::SurveyOptions survey_options;
+      survey_options.map_name = options.closure.map_name;
       surveyor = std::make_unique<SiteSurveyor>(
-          survey::SurveyOptions{}, options.survey.share,
+          survey_options, options.survey.share,
           SurveyMappingOptions{{.window_s = options.mapping.pairing_window_s}, slam_profiles},
           SiteSurveyor::Stores{{sessions, records, mappings, maps, door_verdicts}, surveys, site_leases}, graphs,
           rearranger, survey_wake);

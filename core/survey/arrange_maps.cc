@@ -20,8 +20,9 @@ namespace {
 
 class MapArranger {
  public:
-  MapArranger(const LevelSurvey& survey, const std::function<std::string()>& new_id, RoomsOfDrives found)
-      : survey_(survey), new_id_(new_id), found_(std::move(found)) {
+  MapArranger(const LevelSurvey& survey, const std::string& map_name, const std::function<std::string()>& new_id,
+              RoomsOfDrives found)
+      : survey_(survey), map_name_(map_name), new_id_(new_id), found_(std::move(found)) {
     DeferLaterCuts();
   }
 
@@ -116,6 +117,7 @@ class MapArranger {
       if (model == nullptr || !place) continue;
       rearrange::MapSeed seed;
       seed.id = MapId(new_id_());
+      seed.name_prefix = map_name_;
       seed.level = survey_.level;
       seed.environment = model->environment;
       seed.slam_profile = model->slam_profile;
@@ -201,6 +203,7 @@ class MapArranger {
   }
 
   const LevelSurvey& survey_;
+  const std::string& map_name_;
   const std::function<std::string()>& new_id_;
   RoomsOfDrives found_;
   MapPlan plan_;
@@ -212,7 +215,7 @@ class MapArranger {
 
 rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::RoomPartition& partition,
                                      const SurveyOptions& options, const std::function<std::string()>& new_id) {
-  MapArranger maps(survey, new_id, FindRooms(survey, partition, options));
+  MapArranger maps(survey, options.map_name, new_id, FindRooms(survey, partition, options));
   maps.Run(partition);
   rearrange::Rearrangement result = maps.TakeResult();
   ArrangeDoors(survey, partition, maps.found(), maps.plan(), options, new_id, result);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 namespace enfilade::survey {
 
 struct SurveyOptions {
@@ -15,6 +17,7 @@ struct SurveyOptions {
   double door_yaw_sigma = 0.01;   // rad
   double candidate_ahead = 3.5;   // m: a candidate was seen from up to this far before its door
   double candidate_across = 1.0;  // m
+  std::string map_name = "Map";   // a new map's name is this and the least free number
 };
 
 }  // namespace enfilade::survey

@@ -84,6 +84,7 @@ TEST(ArrangeMaps, AMapOfTwoRoomsIsDivided) {
   EXPECT_TRUE(rearrange::Validate(change).ok());
   ASSERT_THAT(change.new_maps, SizeIs(1));
   EXPECT_EQ(change.new_maps[0].slam_profile, "fine");
+  EXPECT_EQ(change.new_maps[0].name_prefix, "Map");
   ASSERT_THAT(change.cuts, SizeIs(1));
   EXPECT_EQ(change.cuts[0].session, SessionId("s"));
   ASSERT_THAT(change.link_points, SizeIs(1));
