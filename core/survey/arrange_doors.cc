@@ -54,10 +54,14 @@ PassedDoor DoorOf(const Crossing& crossing, const rooms::RoomPartition& partitio
 
 class DoorArranger {
  public:
-  DoorArranger(const LevelSurvey& survey, const rooms::RoomPartition& partition, const MapPlan& plan,
-               const SurveyOptions& options, const std::function<std::string()>& new_id,
-               rearrange::Rearrangement& result)
-      : survey_(survey), partition_(partition), plan_(plan), options_(options), new_id_(new_id), result_(result) {}
+  DoorArranger(const LevelInRooms& level, const MapPlan& plan, const SurveyOptions& options,
+               const std::function<std::string()>& new_id, rearrange::Rearrangement& result)
+      : survey_(level.survey),
+        partition_(level.partition),
+        plan_(plan),
+        options_(options),
+        new_id_(new_id),
+        result_(result) {}
 
   void AddPassed(const PassedDoor& door) {
     for (const PassedDoor& known : passed_) {
@@ -252,11 +256,12 @@ class DoorArranger {
 
 }  // namespace
 
-void ArrangeDoors(const LevelSurvey& survey, const rooms::RoomPartition& partition, const RoomsOfDrives& found,
-                  const MapPlan& plan, const SurveyOptions& options, const std::function<std::string()>& new_id,
-                  rearrange::Rearrangement& result) {
-  DoorArranger doors(survey, partition, plan, options, new_id, result);
-  for (const Crossing& crossing : found.crossings) doors.AddPassed(DoorOf(crossing, partition, options.same_door));
+void ArrangeDoors(const LevelInRooms& level, const MapPlan& plan, const SurveyOptions& options,
+                  const std::function<std::string()>& new_id, rearrange::Rearrangement& result) {
+  DoorArranger doors(level, plan, options, new_id, result);
+  for (const Crossing& crossing : level.found.crossings) {
+    doors.AddPassed(DoorOf(crossing, level.partition, options.same_door));
+  }
   doors.Run();
 }
 

@@ -218,7 +218,7 @@ rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::Roo
   MapArranger maps(survey, options.map_name, new_id, FindRooms(survey, partition, options));
   maps.Run(partition);
   rearrange::Rearrangement result = maps.TakeResult();
-  ArrangeDoors(survey, partition, maps.found(), maps.plan(), options, new_id, result);
+  ArrangeDoors({survey, partition, maps.found()}, maps.plan(), options, new_id, result);
   if (!result.empty() && result.reason.empty()) result.reason = "doors and sessions are put where the survey has them";
   return result;
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
@@ -27,9 +28,15 @@ struct MapPlan {
   }
 };
 
+// A level, its rooms, and where in them the drives were.
+struct LevelInRooms {
+  const LevelSurvey& survey;
+  const rooms::RoomPartition& partition;
+  const RoomsOfDrives& found;
+};
+
 // Adds link points, kept and new, and those to be removed.
-void ArrangeDoors(const LevelSurvey& survey, const rooms::RoomPartition& partition, const RoomsOfDrives& found,
-                  const MapPlan& plan, const SurveyOptions& options, const std::function<std::string()>& new_id,
-                  rearrange::Rearrangement& result);
+void ArrangeDoors(const LevelInRooms& level, const MapPlan& plan, const SurveyOptions& options,
+                  const std::function<std::string()>& new_id, rearrange::Rearrangement& result);
 
 }  // namespace enfilade::survey

@@ -52,8 +52,8 @@ Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
 class LevelMapper {
  public:
   LevelMapper(const SurveyStores& stores, const SurveyMappingOptions& options, const SiteGraph& graph,
-              const SiteId& site, DriveCache& cache, const std::function<absl::Status()>& proceed)
-      : stores_(stores), options_(options), graph_(graph), site_(site), cache_(cache), proceed_(proceed) {}
+              const SiteId& site, const SurveyRun& run)
+      : stores_(stores), options_(options), graph_(graph), site_(site), run_(run) {}
 
   absl::StatusOr<MappedLevel> Run(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
@@ -84,7 +84,7 @@ class LevelMapper {
     }
     mapped_before_ += KeyOf(stored, environment);
     ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped,
-                              cache_.Get(mapped_before_, [&] { return MapDrive(stored, slam, T_level_start); }));
+                              run_.cache.Get(mapped_before_, [&] { return MapDrive(stored, slam, T_level_start); }));
     if (mapped->grid.cells.empty()) return absl::OkStatus();
     if (level_.survey.drives.empty()) {
       level_.grid = mapped->grid;
@@ -142,7 +142,7 @@ class LevelMapper {
 
   absl::Status AddRecords(const storage::Session& session, slam::LogMapper& mapper) const {
     for (std::int64_t next = 1; next <= session.acknowledged_sequence;) {
-      ENFILADE_RETURN_IF_ERROR(proceed_());
+      ENFILADE_RETURN_IF_ERROR(run_.proceed());
       ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
                                 stores_.records.Read(SurveyContext(), site_, session.id, next, kPortionBytes));
       if (records.empty()) break;
@@ -250,8 +250,7 @@ class LevelMapper {
   const SurveyMappingOptions& options_;
   const SiteGraph& graph_;
   const SiteId& site_;
-  DriveCache& cache_;
-  const std::function<absl::Status()>& proceed_;
+  const SurveyRun& run_;
   std::string mapped_before_;  // the key of all drives so far
   MappedLevel level_;
 };
@@ -259,8 +258,7 @@ class LevelMapper {
 }  // namespace
 
 absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappingOptions& options,
-                                   const SiteGraph& graph, const SiteId& site, DriveCache& cache,
-                                   const std::function<absl::Status()>& proceed) {
+                                   const SiteGraph& graph, const SiteId& site, const SurveyRun& run) {
   SiteSurvey survey;
   survey.graph_version = graph.graph().version();
   ENFILADE_ASSIGN_OR_RETURN(std::vector<storage::Session> sessions,
@@ -274,10 +272,10 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
   }
   for (const int level : levels) {
     ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped,
-                              LevelMapper(stores, options, graph, site, cache, proceed).Run(level, sessions, maps));
+                              LevelMapper(stores, options, graph, site, run).Run(level, sessions, maps));
     if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
   }
-  cache.DropUnused();
+  run.cache.DropUnused();
   return survey;
 }
 

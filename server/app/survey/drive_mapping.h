@@ -49,11 +49,16 @@ struct SiteSurvey {
   std::int64_t graph_version = 0;   // that it was made at
 };
 
-// Reads and maps all that is mapped of a site. `proceed` is asked between portions; its error ends the survey. Sessions
-// whose records retention has deleted, and drives that nothing joins to the others, are left out. Drives that `cache`
-// has are not mapped again; afterwards it has those of this survey.
+struct SurveyRun {
+  // Drives that it has are not mapped again; afterwards it has those of this survey.
+  DriveCache& cache;
+  // Asked between portions; its error ends the survey.
+  const std::function<absl::Status()>& proceed;
+};
+
+// Reads and maps all that is mapped of a site. Sessions whose records retention has deleted, and drives that nothing
+// joins to the others, are left out.
 absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappingOptions& options,
-                                   const SiteGraph& graph, const SiteId& site, DriveCache& cache,
-                                   const std::function<absl::Status()>& proceed);
+                                   const SiteGraph& graph, const SiteId& site, const SurveyRun& run);
 
 }  // namespace enfilade::server

@@ -23,6 +23,7 @@ constexpr int kSitesAtOnce = 32;
 // A session with several rooms is cut once a survey.
 constexpr int kSurveysInARow = 10;
 constexpr auto kRetry = std::chrono::seconds(2);
+constexpr int kUsualFailures = 10;
 
 storage::CallContext SurveyorContext() {
   storage::CallContext context = storage::CallContext::WithTimeout(kStoreTimeout);
@@ -99,10 +100,14 @@ bool SiteSurveyor::SurveyPending() {
     const absl::Status status = Survey(site);
     const auto rest = std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_));
     due_[site] = Clock::now() + (status.ok() ? rest : std::max<Clock::duration>(rest, kRetry));
+    int& failures = failures_[site];
+    failures = status.ok() ? 0 : failures + 1;
     if (!status.ok() && !stop_.is_set()) {
-      spdlog::log(
-          absl::IsAborted(status) || absl::IsFailedPrecondition(status) ? spdlog::level::debug : spdlog::level::warn,
-          "the survey of site {}: {}; will retry", site.value(), status.ToString());
+      // That robots have changed the graph meanwhile is usual, unless it goes on.
+      const bool usual =
+          (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && failures % kUsualFailures != 0;
+      spdlog::log(usual ? spdlog::level::debug : spdlog::level::warn, "the survey of site {}: {}; will retry",
+                  site.value(), status.ToString());
     }
     worked = worked || status.ok();
   }
@@ -122,10 +127,10 @@ absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(SurveyorContext(), site));
   if (cached_ != site) cache_ = {};
   cached_ = site;
-  ENFILADE_ASSIGN_OR_RETURN(const SiteSurvey survey,
-                            MapSite(stores_.read, mapping_, *graph, site, cache_, [this]() -> absl::Status {
-                              return stop_.is_set() ? absl::CancelledError("the server is stopping") : absl::OkStatus();
-                            }));
+  const std::function<absl::Status()> proceed = [this]() -> absl::Status {
+    return stop_.is_set() ? absl::CancelledError("the server is stopping") : absl::OkStatus();
+  };
+  ENFILADE_ASSIGN_OR_RETURN(const SiteSurvey survey, MapSite(stores_.read, mapping_, *graph, site, {cache_, proceed}));
   ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
                             HeldSiteLease::Await(stores_.leases, SurveyorContext(), site, owner_, kLeaseTime, &stop_));
   ENFILADE_ASSIGN_OR_RETURN(const bool changed, Apply(*lease, survey));

@@ -67,6 +67,7 @@ class SiteSurveyor {
   SiteId cached_;
   DriveCache cache_;
   std::map<SiteId, Clock::time_point> due_;  // sites that were surveyed lately; the worker's only
+  std::map<SiteId, int> failures_;           // in a row; the worker's only
   std::thread worker_;
 };
 
