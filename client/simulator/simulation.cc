@@ -75,15 +75,11 @@ RobotSimulation::RobotSimulation(std::shared_ptr<const World> world, const Robot
 
 int RobotSimulation::level() const {
   const std::map<std::string, double>& heights = world_->campus().levels;
-  const auto height = [&](const std::string& id) {
-    const auto found = heights.find(id);
-    return found == heights.end() ? 0.0 : found->second;
+  const auto rank = [&](const std::string& id) {
+    return std::count_if(heights.begin(), heights.end(),
+                         [&](const auto& level) { return level.second < heights.at(id); });
   };
-  const double low = std::min(height(start_level_), height(driver_.level()));
-  const double high = std::max(height(start_level_), height(driver_.level()));
-  const auto between = std::count_if(heights.begin(), heights.end(),
-                                     [&](const auto& level) { return level.second > low && level.second <= high; });
-  return height(driver_.level()) < height(start_level_) ? -static_cast<int>(between) : static_cast<int>(between);
+  return static_cast<int>(rank(driver_.level()) - rank(start_level_));
 }
 
 Noise RobotSimulation::NoiseOf(int sensor, std::int64_t index) const {

@@ -12,6 +12,17 @@
 namespace enfilade::rooms {
 namespace {
 
+// m, from wall to wall: a door may have panes of glass beside it.
+double LongestLine(const RoomOptions& options) { return 1.4 * options.max_door; }
+
+bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [&](const DoorLine& known) {
+    const bool forward = (known.line.a - line.a).norm() < same && (known.line.b - line.b).norm() < same;
+    const bool reverse = (known.line.a - line.b).norm() < same && (known.line.b - line.a).norm() < same;
+    return forward || reverse;
+  });
+}
+
 // The line at a narrow place, and the walls' own lines across it where they look more like a door.
 void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomOptions& options,
                  std::vector<DoorLine>& lines) {
@@ -65,40 +76,26 @@ bool Crosses(const DoorCandidate& one, const DoorCandidate& other) {
   return side(one, other.a) * side(one, other.b) < 0.0 && side(other, one.a) * side(other, one.b) < 0.0;
 }
 
-// They cross, or lie in about the same direction less than `apart` cells from each other: both cannot be doors.
-bool AreRivals(const DoorCandidate& one, const DoorCandidate& other, double apart) {
+// They lie in about the same direction, less than `apart` cells from each other.
+bool LieTogether(const DoorCandidate& one, const DoorCandidate& other, double apart) {
   constexpr double kMostTurn = M_PI / 3.0;
   const double turn = std::abs((one.b - one.a).normalized().dot((other.b - other.a).normalized()));
-  return Crosses(one, other) || ((one.middle() - other.middle()).norm() < apart && turn > std::cos(kMostTurn));
+  return turn >= std::cos(kMostTurn) && (one.middle() - other.middle()).norm() < apart;
 }
 
 // The line that a robot went through which reports a passage across `passage`: it may have gone through the door
 // obliquely. Null: none.
 DoorLine* LineOfPassage(const DoorCandidate& passage, double reach, std::vector<DoorLine>& lines) {
-  constexpr double kMostTurn = M_PI / 3.0;
-  const Eigen::Vector2d along = (passage.b - passage.a).normalized();
   DoorLine* nearest = nullptr;
   for (DoorLine& line : lines) {
-    const double turn = std::abs((line.line.b - line.line.a).normalized().dot(along));
-    const double distance = (line.line.middle() - passage.middle()).norm();
-    if (turn < std::cos(kMostTurn) || distance >= reach) continue;
-    reach = distance;
+    if (!LieTogether(line.line, passage, reach)) continue;
+    reach = (line.line.middle() - passage.middle()).norm();
     nearest = &line;
   }
   return nearest;
 }
 
 }  // namespace
-
-double LongestLine(const RoomOptions& options) { return 1.4 * options.max_door; }
-
-bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>& lines) {
-  return std::any_of(lines.begin(), lines.end(), [&](const DoorLine& known) {
-    const bool forward = (known.line.a - line.a).norm() < same && (known.line.b - line.b).norm() < same;
-    const bool reverse = (known.line.a - line.b).norm() < same && (known.line.b - line.a).norm() < same;
-    return forward || reverse;
-  });
-}
 
 std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options) {
   const double cells = 1.0 / ground.resolution;  // per metre
@@ -112,21 +109,33 @@ std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField
   return lines;
 }
 
+std::vector<DoorLine> JudgeNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
+                                         std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
+                                         const std::vector<DoorLine>& known) {
+  const double same = 0.2 / ground.resolution;
+  std::vector<DoorLine> lines;
+  for (const DoorCandidate& narrow : FindNarrowsOnPath(ground, geometry, trajectory, LongestLine(options))) {
+    if (IsKnown(narrow, same, known)) continue;
+    const DoorEvidence evidence = GatherEvidence(ground, narrow);
+    lines.push_back({narrow, evidence, OpennessOf(evidence)});
+  }
+  return lines;
+}
+
 void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
                       std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
                       std::vector<DoorLine>& lines) {
-  std::vector<DoorLine> doors;
-  for (const DoorCandidate& narrow : FindNarrowsOnPath(ground, geometry, trajectory, LongestLine(options))) {
-    if (IsKnown(narrow, 0.2 / ground.resolution, lines)) continue;
-    DoorLine door{narrow, GatherEvidence(ground, narrow), 0.0};
-    door.openness = OpennessOf(door.evidence);
-    if (door.openness < 0.0 && door.evidence.width <= options.max_door) doors.push_back(door);
-  }
+  std::vector<DoorLine> doors = JudgeNarrowsOnPath(ground, geometry, trajectory, options, lines);
+  std::erase_if(doors,
+                [&](const DoorLine& door) { return door.openness >= 0.0 || door.evidence.width > options.max_door; });
   std::stable_sort(doors.begin(), doors.end(),
                    [](const DoorLine& a, const DoorLine& b) { return a.openness < b.openness; });
+  const double apart = 1.0 / ground.resolution;
   for (const DoorLine& door : doors) {
     // Of two lines across one opening the clearer one stays.
-    const auto rivals = [&](const DoorLine& line) { return AreRivals(door.line, line.line, 1.0 / ground.resolution); };
+    const auto rivals = [&](const DoorLine& line) {
+      return Crosses(door.line, line.line) || LieTogether(door.line, line.line, apart);
+    };
     const bool known = std::any_of(lines.begin(), lines.end(), [&](const DoorLine& line) {
       return line.openness <= door.openness && rivals(line);
     });

@@ -21,17 +21,15 @@ struct DoorLine {
   double openness = 0.0;  // door_odds.h
 };
 
-// m, from wall to wall: a door may have panes of glass beside it.
-double LongestLine(const RoomOptions& options);
-
-// One of the lines has its ends, in either order, less than `same` cells from the candidate's.
-bool IsKnown(const DoorCandidate& candidate, double same, const std::vector<DoorLine>& lines);
-
 // The lines along which the ground may be cut: at narrow places, and where robots are known to have passed a door.
 std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options);
 
-// Adds the narrow places of the robots' ways (path_narrows.h) that are doors, instead of lines near them
-// that are less so.
+// The narrow places of the robots' ways (path_narrows.h), doors or not, but for those that are among the `known` lines.
+std::vector<DoorLine> JudgeNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
+                                         std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
+                                         const std::vector<DoorLine>& known);
+
+// Adds those of them that are doors, instead of the less clear lines across the same openings.
 void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
                       std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
                       std::vector<DoorLine>& lines);

@@ -19,8 +19,6 @@
 #include "core/base/status_macros.h"
 #include "core/grid/files/plan_image.h"
 #include "core/rooms/door_lines.h"
-#include "core/rooms/door_odds.h"
-#include "core/rooms/path_narrows.h"
 #include "core/rooms/room_partition.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -184,19 +182,6 @@ class RoomsBench {
     return io::WriteFile(std::filesystem::path(options_.plots) / (name + ".png"), png);
   }
 
-  // Those that are taken for no door, too.
-  static void AddAllNarrowsOnPath(const rooms::GroundMap& ground, const grid::GridGeometry& geometry,
-                                  std::span<const Eigen::Vector2d> trajectory, const rooms::RoomOptions& options,
-                                  std::vector<rooms::DoorLine>& lines) {
-    for (const rooms::DoorCandidate& narrow :
-         rooms::FindNarrowsOnPath(ground, geometry, trajectory, rooms::LongestLine(options))) {
-      if (!rooms::IsKnown(narrow, 0.2 / geometry.resolution, lines)) {
-        const rooms::DoorEvidence evidence = rooms::GatherEvidence(ground, narrow);
-        lines.push_back({narrow, evidence, rooms::OpennessOf(evidence)});
-      }
-    }
-  }
-
   // A line for each candidate of which the truth is known: room_at(p_map) is the true room, 0 none.
   template <typename RoomAt>
   void WriteCandidates(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
@@ -207,7 +192,10 @@ class RoomsBench {
     std::vector<rooms::DoorLine> lines = rooms::FindDoorLines(ground, field, options);
     rooms::AddNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
     rooms::AddPassages(ground, grid.geometry, known.passages, lines);
-    AddAllNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
+    // Those that are taken for no door, too.
+    const std::vector<rooms::DoorLine> others =
+        rooms::JudgeNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
+    lines.insert(lines.end(), others.begin(), others.end());
     for (const rooms::DoorLine& line : lines) {
       const Eigen::Vector2d a = rooms::ToMap(grid.geometry, line.line.a);
       const Eigen::Vector2d b = rooms::ToMap(grid.geometry, line.line.b);

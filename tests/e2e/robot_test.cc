@@ -70,6 +70,8 @@ TEST_F(RobotTest, LosesNothingWhileTheServerIsDownAndChainsItsSessions) {
   ASSERT_EQ(end.size(), 1U);
   EXPECT_GE(begun.size(), 2U) << "the campus has doors";
   EXPECT_EQ(Number("SELECT count(*) FROM session_records"), end[0].at("records").get<std::int64_t>());
+  EXPECT_EQ(Number("SELECT count(*) FROM sessions WHERE cut_from_session_id IS NULL"),
+            static_cast<std::int64_t>(begun.size()));
   EXPECT_EQ(Number("SELECT count(*) FROM sessions WHERE state <> 3"), 0) << "mapped";
   EXPECT_EQ(system_.Query("SELECT environment FROM maps WHERE display_name = 'Rooms'"), "1");
   // Each session follows the one before, if need be by way of the pieces that a survey has cut from it.

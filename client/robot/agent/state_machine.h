@@ -182,14 +182,14 @@ class StateMachine {
 
   StateMachineOptions options_;
   State state_ = State::kInitialize;
-  std::vector<Action> actions_;              // in response to the current event
-  std::optional<doors::DoorEvent> passage_;  // to be reported once the robot is farther behind the door
-  std::optional<std::int32_t> level_;        // the robot's; unset: never told
-  std::optional<std::int32_t> passage_level_;
-  std::vector<doors::DoorEvent> deferred_;  // detected behind that door: they belong to the next session
-  std::optional<BeginSession> next_;        // after kStopMapping
-  State left_for_ = State::kMainMenu;       // after kStopMapping without next_
-  bool evidence_saved_ = false;             // by SaveRearImage
+  std::vector<Action> actions_;                // in response to the current event
+  std::optional<doors::DoorEvent> passage_;    // to be reported once the robot is farther behind the door
+  std::optional<std::int32_t> level_;          // the robot's; unset: never told
+  std::optional<std::int32_t> passage_level_;  // level_ when the robot went through passage_
+  std::vector<doors::DoorEvent> deferred_;     // detected behind that door: they belong to the next session
+  std::optional<BeginSession> next_;           // after kStopMapping
+  State left_for_ = State::kMainMenu;          // after kStopMapping without next_
+  bool evidence_saved_ = false;                // by SaveRearImage
   TimeNs now_ = 0;
   Pose2 T_odom_robot_;
   bool has_pose_ = false;  // a Moved was received

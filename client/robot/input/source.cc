@@ -68,8 +68,8 @@ class SimulationSource : public Source {
  private:
   simulator::RobotSimulation simulation_;
   std::string truth_;
-  int level_ = 0;
-  std::optional<SpoolItem> next_;
+  int level_ = 0;                  // that the agent knows
+  std::optional<SpoolItem> next_;  // recorded on a level that the agent has just been told
 };
 
 class LinesSource : public Source {

@@ -96,16 +96,16 @@ bool SiteSurveyor::SurveyPending() {
   for (const SiteId& site : *pending) {
     if (stop_.is_set()) return false;
     const Clock::time_point begin = Clock::now();
-    if (const auto due = due_.find(site); due != due_.end() && due->second > begin) continue;
+    Pace& pace = paces_[site];
+    if (pace.due > begin) continue;
     const absl::Status status = Survey(site);
     const auto rest = std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_));
-    due_[site] = Clock::now() + (status.ok() ? rest : std::max<Clock::duration>(rest, kRetry));
-    int& failures = failures_[site];
-    failures = status.ok() ? 0 : failures + 1;
+    pace.due = Clock::now() + (status.ok() ? rest : std::max<Clock::duration>(rest, kRetry));
+    pace.failures = status.ok() ? 0 : pace.failures + 1;
     if (!status.ok() && !stop_.is_set()) {
       // That robots have changed the graph meanwhile is usual, unless it goes on.
       const bool usual =
-          (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && failures % kUsualFailures != 0;
+          (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && pace.failures % kUsualFailures != 0;
       spdlog::log(usual ? spdlog::level::debug : spdlog::level::warn, "the survey of site {}: {}; will retry",
                   site.value(), status.ToString());
     }

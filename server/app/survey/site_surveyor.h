@@ -66,8 +66,11 @@ class SiteSurveyor {
   // The worker's only: of the site that was surveyed last.
   SiteId cached_;
   DriveCache cache_;
-  std::map<SiteId, Clock::time_point> due_;  // sites that were surveyed lately; the worker's only
-  std::map<SiteId, int> failures_;           // in a row; the worker's only
+  struct Pace {
+    Clock::time_point due;  // not again before
+    int failures = 0;       // in a row
+  };
+  std::map<SiteId, Pace> paces_;  // of sites that were surveyed; the worker's only
   std::thread worker_;
 };
 

@@ -125,6 +125,27 @@ TEST(OpenSimulation, DrivesTheSameWithTheSameSeedAndWritesTheTruth) {
   EXPECT_FALSE(OpenSimulation("nowhere", "r1", options, "").ok());
 }
 
+TEST(OpenSimulation, TellsTheLevelOnceTheLiftIsThere) {
+  simulator::SimulationOptions options;
+  options.scan_hz = 1.0;
+  ASSERT_OK_AND_ASSIGN(const auto source, OpenSimulation("levels", "r1", options, ""));
+  std::vector<std::int32_t> levels;
+  int before = 0;
+  int behind = 0;
+  while (true) {
+    ASSERT_OK_AND_ASSIGN(const Input input, source->Next());
+    if (std::holds_alternative<Ended>(input)) break;
+    const auto* command = std::get_if<Command>(&input);
+    if (command != nullptr && std::holds_alternative<EnterLevel>(*command)) {
+      levels.push_back(std::get<EnterLevel>(*command).level);
+    }
+    if (std::holds_alternative<client::SpoolItem>(input)) ++(levels.empty() ? before : behind);
+  }
+  EXPECT_THAT(levels, ::testing::ElementsAre(1));
+  EXPECT_GT(before, 100);
+  EXPECT_GT(behind, 100);
+}
+
 TEST(OpenLog, EndsAtABadLineUnlessToldToGoOn) {
   TemporaryDirectory directory;
   const std::string path = (directory.path() / "log.jsonl").string();
