@@ -129,20 +129,30 @@ class DoorArranger {
     return best;
   }
 
-  // Does it join the two maps where the survey has the door?
+  // Does it join the two maps where the survey has the door, and is it about as sure of that?
   bool IsRight(const graph::LinkPoint& link_point, const MapId& from, const MapId& to) const {
     if (link_point.anchors.size() != 2) return false;
     const graph::Anchor* a = link_point.FindAnchor(from);
     const graph::Anchor* b = link_point.FindAnchor(to);
     if (a == nullptr || b == nullptr) return false;
+    if (IsUnsure(*a) || IsUnsure(*b)) return false;
     const Pose2 error = Between(*PlaceOfAnchor(*a), *PlaceOfAnchor(*b));
     return error.translation().norm() <= options_.apart && std::abs(error.yaw) <= options_.turned;
   }
 
+  // The variances of a door's anchor: x, y, yaw.
+  Eigen::Vector3d Variances() const {
+    const Eigen::Vector3d sigmas(options_.door_sigma, options_.door_sigma, options_.door_yaw_sigma);
+    return survey_.variance_factor * sigmas.cwiseAbs2();
+  }
+
+  bool IsUnsure(const graph::Anchor& anchor) const {
+    const Eigen::Vector3d limits = options_.unsure * options_.unsure * Variances();
+    return (anchor.covariance.diagonal().array() > limits.array()).any();
+  }
+
   graph::Anchor AnchorIn(const MapId& map, const Pose2& T_level_door) const {
-    const double xy = options_.door_sigma * options_.door_sigma;
-    const double yaw = options_.door_yaw_sigma * options_.door_yaw_sigma;
-    return {map, Between(plan_.T_level_map.at(map), T_level_door), Eigen::Vector3d(xy, xy, yaw).asDiagonal()};
+    return {map, Between(plan_.T_level_map.at(map), T_level_door), Variances().asDiagonal()};
   }
 
   void Settle(const PassedDoor& door) {

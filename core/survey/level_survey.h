@@ -59,6 +59,7 @@ struct AwaitedMap {
 struct LevelSurvey {
   int level = 0;
   std::vector<Drive> drives = {};
+  double variance_factor = 1.0;        // of the drives' SLAM (core/slam/state/variance_factor.h), the largest
   std::vector<SurveyedMap> maps = {};  // all maps of the level's sessions
   std::vector<AwaitedMap> awaited = {};
   std::vector<graph::LinkPoint> link_points = {};  // with an anchor in one of these maps

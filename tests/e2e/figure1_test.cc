@@ -34,7 +34,8 @@ TEST(Figure1, IsMappedAutomatically) {
   ExpectExact(result);
   EXPECT_LT(result.final_error, 0.6);
   EXPECT_LT(result.final_yaw_error, 0.07);
-  EXPECT_GT(result.samples, 0);
+  EXPECT_GT(result.poses.samples, 0);
+  EXPECT_GT(result.graph.joins.inside, 0);
 
   const std::filesystem::path way = system.directory() / "way.txt";
   system.Tool(result.site, {"trajectory", "export", "--robot", "r1", "--world", "-o", way.string()});

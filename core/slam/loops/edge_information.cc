@@ -5,11 +5,17 @@
 #include <cmath>
 #include <limits>
 
+#include "core/slam/matching/motion_model.h"
+
 namespace enfilade::slam {
 namespace {
 
 // Makes a singular matrix regular; negligible: standard deviations of about 30 m and 30 rad.
 constexpr double kRegularisation = 1e-3;
+
+// The robot may be anywhere near.
+constexpr double kLostTranslation = 10.0;  // m
+constexpr double kLostYaw = 3.0;           // rad
 
 }  // namespace
 
@@ -20,6 +26,8 @@ Eigen::Matrix3d WithFloor(const Eigen::Matrix3d& information, double sigma, doub
   const Eigen::Matrix3d result = covariance.inverse();
   return 0.5 * (result + result.transpose());
 }
+
+Eigen::Matrix3d LostTie() { return InformationOf(kLostTranslation, kLostYaw); }
 
 Eigen::Matrix3d InMeasurementFrame(const Eigen::Matrix3d& information, double yaw) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();

@@ -13,6 +13,9 @@ namespace enfilade::slam {
 // It stands for what scan matching does not model. Symmetric positive definite.
 Eigen::Matrix3d WithFloor(const Eigen::Matrix3d& information, double sigma, double yaw_sigma);
 
+// The information of the tie between two submaps if the robot was lost in between: next to none.
+Eigen::Matrix3d LostTie();
+
 // Converts the information Omega of a pose T_a_b from errors in (x, y, yaw) of frame a to errors in the measurement's
 // frame, as pose-graph edges have it: R' Omega R with R the rotation by `yaw` of T_a_b.
 Eigen::Matrix3d InMeasurementFrame(const Eigen::Matrix3d& information, double yaw);

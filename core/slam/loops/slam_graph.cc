@@ -3,9 +3,13 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "core/slam/loops/edge_information.h"
 #include "fmt/format.h"
@@ -22,7 +26,8 @@ bool IsInGraph(const LoopClosure& closure) {
 
 struct Problem {
   optimize::PoseGraph graph;
-  std::set<std::int64_t> free_nodes;   // keyframes with a vertex
+  std::set<std::size_t> stated;       // edges whose covariance is stated, not measured: to the existing map, while lost
+  std::set<std::int64_t> free_nodes;  // keyframes with a vertex
   std::vector<std::int64_t> closures;  // ids of the edges from `first_closure` on
   std::size_t first_closure = 0;
 };
@@ -40,9 +45,10 @@ void AddSubmap(std::int64_t id, const Pose2& pose, const std::vector<SubmapNode>
   }
 }
 
-Problem BuildProblem(const MapperState& state) {
+// `free_nodes`: keyframes that shall have a vertex in any case.
+Problem BuildProblem(const MapperState& state, std::set<std::int64_t> free_nodes) {
   Problem problem;
-  if (!state.entry) problem.free_nodes.insert(0);
+  problem.free_nodes = std::move(free_nodes);
   for (const auto& [id, closure] : state.loop_closures) {
     if (IsInGraph(closure)) problem.free_nodes.insert(closure.node);
   }
@@ -53,6 +59,7 @@ Problem BuildProblem(const MapperState& state) {
   }
   for (const auto& [id, submap] : state.finished) {
     if (!submap.next) continue;
+    if (!IsMeasured(state, id, *submap.next)) problem.stated.insert(problem.graph.edges.size());
     problem.graph.edges.push_back({SubmapVertex(id), SubmapVertex(id + 1), submap.next->T_submap_next,
                                    InMeasurementFrame(submap.next->information, submap.next->T_submap_next.yaw), false,
                                    true});
@@ -86,12 +93,43 @@ void JudgeLoopClosures(const optimize::SolveReport& report, const GraphOptions& 
   }
 }
 
-// Copies the solution into the state.
-void UpdateState(const optimize::SolveReport& report, const Problem& problem, MapperState& state, GraphChange& change) {
-  std::map<std::int64_t, Pose2> poses;
-  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) poses[vertex.id] = vertex.T_world_node;
+// Counts how far the measurements are from the solution.
+void CountErrors(const optimize::SolveReport& report, const Problem& problem, MapperState& state) {
+  state.errors.graph_chi2 = 0.0;
+  state.errors.redundancy = 0;
+  for (std::size_t i = 0; i < problem.graph.edges.size(); ++i) {
+    if (problem.graph.edges[i].enabled && !problem.stated.contains(i)) state.errors.graph_chi2 += report.edge_chi2[i];
+    if (problem.graph.edges[i].enabled && i >= problem.first_closure) state.errors.redundancy += 3;
+  }
+}
+
+// The covariances of the vertices `wanted` relative to `fixed`, in the map frame, without kernel. The poses must be
+// solved.
+absl::StatusOr<std::map<std::int64_t, Eigen::Matrix3d>> CovariancesOf(const MapperState& state, Problem problem,
+                                                                      std::int64_t fixed,
+                                                                      std::vector<std::int64_t> wanted) {
+  const double factor = VarianceFactor(state.errors);
+  for (std::size_t i = 0; i < problem.graph.edges.size(); ++i) {
+    problem.graph.edges[i].robust = false;
+    if (!problem.stated.contains(i)) problem.graph.edges[i].information /= factor;
+  }
+  optimize::SolveOptions solve;
+  solve.initialisation = optimize::Initialisation::kNone;
+  solve.max_iterations = 0;
+  solve.fixed = {fixed};
+  solve.covariance_of = std::move(wanted);
+  ENFILADE_ASSIGN_OR_RETURN(const optimize::SolveReport report, optimize::SolvePoseGraph(solve, problem.graph));
   std::map<std::int64_t, Eigen::Matrix3d> covariances;
   for (const optimize::NodeCovariance& c : report.covariances) covariances[c.id] = c.covariance;
+  return covariances;
+}
+
+// Copies the solution into the state.
+void UpdateState(const optimize::SolveReport& report, const Problem& problem,
+                 std::map<std::int64_t, Eigen::Matrix3d> covariances, MapperState& state, GraphChange& change) {
+  std::map<std::int64_t, Pose2> poses;
+  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) poses[vertex.id] = vertex.T_world_node;
+  const double factor = VarianceFactor(state.errors);
 
   const auto put = [&](std::int64_t id, Pose2& T_map_submap, const std::vector<SubmapNode>& nodes) {
     const Pose2& pose = poses.at(SubmapVertex(id));
@@ -106,8 +144,8 @@ void UpdateState(const optimize::SolveReport& report, const Problem& problem, Ma
         node.covariance = covariances[NodeVertex(node.id)];
       } else {
         const Eigen::Matrix3d own = measured.information.inverse();
-        const PoseWithCovariance composed =
-            Compose({pose, covariances[SubmapVertex(id)]}, {measured.T_submap_node, 0.5 * (own + own.transpose())});
+        const PoseWithCovariance composed = Compose({pose, covariances[SubmapVertex(id)]},
+                                                    {measured.T_submap_node, 0.5 * factor * (own + own.transpose())});
         node.T_map_node = composed.pose;
         node.covariance = composed.covariance;
       }
@@ -130,21 +168,52 @@ void UpdateState(const optimize::SolveReport& report, const Problem& problem, Ma
 GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
   GraphChange change;
   if (state.nodes.empty()) return change;
-  Problem problem = BuildProblem(state);
+  Problem problem = BuildProblem(state, state.entry ? std::set<std::int64_t>{} : std::set<std::int64_t>{0});
   optimize::SolveOptions solve;
   solve.initialisation = optimize::Initialisation::kNone;
   solve.kernel = {optimize::RobustKernel::Type::kCauchy, options.kernel_width};
   solve.max_iterations = options.max_iterations;
-  solve.fixed = {state.entry ? SubmapVertex(0) : NodeVertex(0)};
+  const std::int64_t fixed = state.entry ? SubmapVertex(0) : NodeVertex(0);
+  solve.fixed = {fixed};
   const absl::StatusOr<optimize::SolveReport> first = optimize::SolvePoseGraph(solve, problem.graph);
   if (!first.ok()) return change;
   JudgeLoopClosures(*first, options, state, problem, change);
   solve.kernel = {};
-  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) solve.covariance_of.push_back(vertex.id);
   const absl::StatusOr<optimize::SolveReport> second = optimize::SolvePoseGraph(solve, problem.graph);
   if (!second.ok()) return change;
-  UpdateState(*second, problem, state, change);
+  CountErrors(*second, problem, state);
+  std::vector<std::int64_t> all;
+  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) all.push_back(vertex.id);
+  auto covariances = CovariancesOf(state, problem, fixed, std::move(all));
+  if (!covariances.ok()) return change;
+  UpdateState(*second, problem, *std::move(covariances), state, change);
   return change;
+}
+
+absl::StatusOr<std::vector<Eigen::Matrix3d>> RelativeCovariances(const MapperState& state, std::int64_t from,
+                                                                 const std::vector<std::int64_t>& to) {
+  std::set<std::int64_t> keyframes(to.begin(), to.end());
+  keyframes.insert(from);
+  for (const std::int64_t id : keyframes) {
+    if (!state.nodes.contains(id)) return InvalidArgument("there is no keyframe {}", id);
+  }
+  Problem problem = BuildProblem(state, keyframes);
+  for (std::size_t i = 0; i < problem.closures.size(); ++i) {
+    problem.graph.edges[problem.first_closure + i].enabled =
+        state.loop_closures.at(problem.closures[i]).state == LoopClosureState::kAccepted;
+  }
+  std::vector<std::int64_t> wanted;
+  for (const std::int64_t id : keyframes) wanted.push_back(NodeVertex(id));
+  ENFILADE_ASSIGN_OR_RETURN(const auto covariances,
+                            CovariancesOf(state, std::move(problem), NodeVertex(from), std::move(wanted)));
+  std::vector<Eigen::Matrix3d> result;
+  const double yaw = state.nodes.at(from).T_map_node.yaw;
+  for (const std::int64_t id : to) result.push_back(InMeasurementFrame(covariances.at(NodeVertex(id)), yaw));
+  return result;
+}
+
+bool IsMeasured(const MapperState& state, std::int64_t id, const NextSubmap& next) {
+  return !state.is_existing_map(id) && next.information != LostTie();
 }
 
 double LoopClosureChi2(const MapperState& state, const LoopClosure& closure) {

@@ -5,13 +5,18 @@
 #include "core/slam/matching/motion_model.h"
 
 namespace enfilade::slam {
+namespace {
 
-LocatedScan LocateFirstScan(const sensor::PairedScan& scan, const MotionOptions& options) {
+constexpr double kExact = 1e-3;  // m, rad
+
+}  // namespace
+
+LocatedScan LocateFirstScan(const sensor::PairedScan& scan) {
   LocatedScan located;
   located.track.T_odom_robot = scan.T_odom_robot;
   located.track.time = scan.scan.time;
   located.track.matched_at = scan.scan.time;
-  located.information = InformationOf(options.translation_floor, options.yaw_floor);
+  located.information = InformationOf(kExact, kExact);
   return located;
 }
 
@@ -37,6 +42,7 @@ LocatedScan LocateScan(const Track& last, const sensor::PairedScan& scan, const 
     if (match.good) {
       next = match.match.T_submap_robot;
       track.matched_at = scan.scan.time;
+      located.residual = match.match.residual;
     }
     located.information += match.match.information;
     located.matched_share = match.agreement.matched_share;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "core/grid/scan_rays.h"
 #include "core/sensor/scan_pairing.h"
@@ -16,11 +17,12 @@ struct LocatedScan {
   Track track;                                                // after the scan
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  // of track.T_submap_robot
   double matched_share = 0.0;                                 // share of the scan's hits, 0..1
+  std::optional<double> residual;                             // m, of a good match (MatchResult::residual)
   bool may_insert = true;                                     // false: the scan contradicts the submap
 };
 
-// The first scan is taken at the active submap's origin.
-LocatedScan LocateFirstScan(const sensor::PairedScan& scan, const MotionOptions& options);
+// The first scan is taken at the active submap's origin, by definition.
+LocatedScan LocateFirstScan(const sensor::PairedScan& scan);
 
 // Predicts the motion since `last`, matches the scan to the active submap, and judges the match. If the odometry's
 // prediction leads to no match, matches without odometry: wheels slip, and odometry jumps. `rays`: the scan's, in the

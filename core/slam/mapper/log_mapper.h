@@ -44,6 +44,7 @@ class LogMapper {
   std::string Checkpoint() const;
   grid::OccupancyGrid RenderGrid() const { return mapper_.RenderGrid(); }
   std::optional<PresentPose> FindPresentPose() const { return mapper_.FindPresentPose(); }
+  double variance_factor() const { return mapper_.variance_factor(); }
   LogMapperCounts counts() const;
 
  private:

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -16,7 +17,6 @@
 #include "core/slam/mapper/map_renderer.h"
 #include "core/slam/mapper/policies.h"
 #include "core/slam/matching/local_matching.h"
-#include "core/slam/matching/motion_model.h"
 #include "core/slam/state/checkpoint.h"
 #include "core/slam/state/mapper_state.h"
 #include "core/slam/submaps/robot_rays.h"
@@ -29,10 +29,6 @@ ScanReport NotUsed(std::string reason) {
   report.reason = std::move(reason);
   return report;
 }
-
-// Standard deviations of the edge to a submap begun because the robot was lost: it may be anywhere near.
-constexpr double kLostTranslation = 10.0;  // m
-constexpr double kLostYaw = 3.0;           // rad
 
 }  // namespace
 
@@ -73,6 +69,10 @@ class Mapper::Impl {
     report.used = true;
     report.keyframe = is_keyframe && (located.may_insert || is_elsewhere);
     if (report.keyframe) AddKeyframe(scan, rays, located.information);
+    if (report.keyframe && located.residual) {
+      state_.errors.match_squares += std::pow(*located.residual / options_.local.field.sigma, 2);
+      ++state_.errors.matches;
+    }
     report.lost = IsLost(state_.track->quality, options_.quality) || state_.adrift_since.has_value();
     report.matched_share = located.matched_share;
     if (options_.match_scans) report.match_age = ToSeconds(state_.track->time - state_.track->matched_at);
@@ -113,6 +113,8 @@ class Mapper::Impl {
     return renderer_.Render(&state_.active->content.grid, state_.active->T_map_submap);
   }
 
+  double variance_factor() const { return VarianceFactor(state_.errors); }
+
   std::optional<PresentPose> PoseNow() const { return enfilade::slam::FindPresentPose(state_, options_.quality); }
 
  private:
@@ -128,7 +130,7 @@ class Mapper::Impl {
     }
     state_.active = std::move(first);
     fields_.emplace(options_.resolution, options_.local);
-    return LocateFirstScan(scan, options_.motion);
+    return LocateFirstScan(scan);
   }
 
   void TieToExistingMap(const PoseWithCovariance& T_map_first) {
@@ -227,7 +229,7 @@ class Mapper::Impl {
   // Begins an empty submap at the estimated pose, tied to the last one so weakly that it is free until it is
   // recognised.
   void BeginSubmapElsewhere() {
-    BeginSubmap(InformationOf(kLostTranslation, kLostYaw));
+    BeginSubmap(LostTie());
     state_.track->quality = {};
     state_.track->last_step.reset();
     state_.track->length_since_keyframe += options_.quality.lost_length;
@@ -271,6 +273,7 @@ void Mapper::Finish() { impl_->Finish(); }
 SlamDelta Mapper::TakeDelta() { return impl_->TakeDelta(); }
 std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
 Footprint Mapper::footprint() const { return impl_->footprint(); }
+double Mapper::variance_factor() const { return impl_->variance_factor(); }
 grid::OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }
 std::optional<PresentPose> Mapper::FindPresentPose() const { return impl_->PoseNow(); }
 

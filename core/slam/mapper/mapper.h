@@ -72,6 +72,10 @@ class Mapper {
 
   Footprint footprint() const;
 
+  // By how much errors are smaller (below 1) or larger than the options state (state/variance_factor.h). The map's
+  // covariances contain it.
+  double variance_factor() const;
+
   // The map by the current estimate: what the scans have shown, without the existing map.
   grid::OccupancyGrid RenderGrid() const;
   // Where the robot was at the last used scan; unset before the first.

@@ -3,14 +3,15 @@
 
 #include <Eigen/Dense>
 
+#include "core/slam/loops/slam_graph.h"
 #include "core/slam/mapper/policies.h"
 #include "core/slam/state/mapper_state.h"
 
 namespace enfilade::slam {
 namespace {
 
-PoseWithCovariance Measured(const Pose2& pose, const Eigen::Matrix3d& information) {
-  const Eigen::Matrix3d covariance = information.inverse();
+PoseWithCovariance Measured(const Pose2& pose, const Eigen::Matrix3d& information, double factor) {
+  const Eigen::Matrix3d covariance = factor * information.inverse();
   return {pose, 0.5 * (covariance + covariance.transpose())};
 }
 
@@ -48,17 +49,19 @@ PlacedSubmap LastSolvedSubmap(const MapperState& state) {
 std::optional<PresentPose> FindPresentPose(const MapperState& state, const QualityOptions& options) {
   if (!state.track) return std::nullopt;
   const std::int64_t now = state.last_submap();
+  const double factor = VarianceFactor(state.errors);
   PlacedSubmap submap = LastSolvedSubmap(state);
   for (; submap.id < now; ++submap.id) {
     const std::optional<NextSubmap>& next = state.finished.at(submap.id).next;
-    submap.T_map_submap = Compose(submap.T_map_submap, Measured(next->T_submap_next, next->information));
+    const double tie = IsMeasured(state, submap.id, *next) ? factor : 1.0;
+    submap.T_map_submap = Compose(submap.T_map_submap, Measured(next->T_submap_next, next->information, tie));
   }
   const SubmapNode& last = NodesOf(state, now).back();
   PresentPose present;
   present.time = state.track->time;
   const Pose2 T_last_robot = Between(last.T_submap_node, state.track->T_submap_robot);
   present.T_map_robot = Compose({PoseOf(state, now), submap.T_map_submap.covariance},
-                                Measured(state.track->T_submap_robot, last.information));
+                                Measured(state.track->T_submap_robot, last.information, factor));
   // As in the trajectory: relative to the keyframe, which loop closures may have moved in its submap.
   present.T_map_robot.pose = state.nodes.at(last.node).T_map_node * T_last_robot;
   present.lost = IsLost(state.track->quality, options) || state.adrift_since.has_value();

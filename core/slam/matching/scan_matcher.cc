@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace enfilade::slam {
 namespace {
@@ -50,6 +51,14 @@ Eigen::Matrix3d ScanInformation(const LikelihoodField& field, const std::vector<
     information += scale / (1.0 + r2 / width2) * G.transpose() * WallStructure(field, q) * G;
   }
   return PositivePart(0.5 * (information + information.transpose()));
+}
+
+// The 68 % quantile of distances that are given squared.
+double ResidualOf(std::vector<double>& squared_distances) {
+  if (squared_distances.empty()) return 0.0;
+  const auto quantile = squared_distances.begin() + static_cast<std::ptrdiff_t>(0.68 * squared_distances.size());
+  std::nth_element(squared_distances.begin(), quantile, squared_distances.end());
+  return std::sqrt(*quantile);
 }
 
 }  // namespace
@@ -109,11 +118,13 @@ MatchResult MatchToField(const LikelihoodField& field, const std::vector<Eigen::
     }
   }
   result.information = ScanInformation(field, points, result.T_submap_robot, options);
-  const double limit = options.matched_distance * options.matched_distance;
-  const auto matched = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector2d& p) {
-    return field.At(result.T_submap_robot * p).squared_distance <= limit;
-  });
-  result.matched_share = static_cast<double>(matched) / static_cast<double>(points.size());
+  std::vector<double> matched;  // m^2
+  for (const Eigen::Vector2d& p : points) {
+    const double d2 = field.At(result.T_submap_robot * p).squared_distance;
+    if (d2 <= options.matched_distance * options.matched_distance) matched.push_back(d2);
+  }
+  result.matched_share = static_cast<double>(matched.size()) / static_cast<double>(points.size());
+  result.residual = ResidualOf(matched);
   return result;
 }
 

@@ -12,7 +12,8 @@
 namespace enfilade::slam {
 namespace {
 
-constexpr std::uint8_t kCheckpointVersion = 4;
+constexpr std::uint8_t kCheckpointVersion = 5;
+constexpr std::uint8_t kVersionWithoutErrors = 4;
 constexpr std::uint8_t kVersionWithoutEntry = 3;
 constexpr std::size_t kMaxCheckpointBytes = std::size_t{1} << 30;
 
@@ -39,6 +40,22 @@ std::optional<Pose2> GetOptionalPose(BinaryReader& reader) {
   const bool has_value = reader.Get<std::uint8_t>() != 0;
   const Pose2 pose = GetPose(reader);
   return has_value ? std::optional(pose) : std::nullopt;
+}
+
+void PutErrors(BinaryWriter& writer, const ErrorStatistics& errors) {
+  writer.Put(errors.match_squares);
+  writer.Put(errors.matches);
+  writer.Put(errors.graph_chi2);
+  writer.Put(errors.redundancy);
+}
+
+ErrorStatistics GetErrors(BinaryReader& reader) {
+  ErrorStatistics errors;
+  errors.match_squares = reader.Get<double>();
+  errors.matches = reader.Get<std::int64_t>();
+  errors.graph_chi2 = reader.Get<double>();
+  errors.redundancy = reader.Get<std::int64_t>();
+  return errors;
 }
 
 void PutTrack(BinaryWriter& writer, const std::optional<Track>& track) {
@@ -107,6 +124,7 @@ std::string EncodeCheckpoint(const MapperState& state) {
   writer.Put<std::uint8_t>(state.unsolved_closures);
   writer.Put<std::uint8_t>(state.urgent_closures);
   writer.Put<std::int64_t>(state.adrift_since.value_or(-1));
+  PutErrors(writer, state.errors);
   PutEntry(writer, state.entry);
   PutTrack(writer, state.track);
   PutActive(writer, state.active);
@@ -118,7 +136,7 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, Decompress(checkpoint, kMaxCheckpointBytes));
   BinaryReader reader(bytes);
   const auto version = reader.Get<std::uint8_t>();
-  if (version != kCheckpointVersion && version != kVersionWithoutEntry) {
+  if (version < kVersionWithoutEntry || version > kCheckpointVersion) {
     return DataLoss("the checkpoint has version {}, which this program does not know", version);
   }
   MapperState state;
@@ -130,7 +148,8 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   state.unsolved_closures = reader.Get<std::uint8_t>() != 0;
   state.urgent_closures = reader.Get<std::uint8_t>() != 0;
   if (const auto since = reader.Get<std::int64_t>(); since >= 0) state.adrift_since = since;
-  if (version != kVersionWithoutEntry) state.entry = GetEntry(reader);
+  if (version > kVersionWithoutErrors) state.errors = GetErrors(reader);
+  if (version > kVersionWithoutEntry) state.entry = GetEntry(reader);
   state.track = GetTrack(reader);
   ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");

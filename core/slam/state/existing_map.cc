@@ -28,7 +28,10 @@ PoseWithCovariance PoseAtScan(const ExistingMapEntry& entry, const std::optional
   pose.covariance = 0.5 * (pose.covariance + pose.covariance.transpose().eval());
   pose.covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, yaw_sigma * yaw_sigma);
   if (!entry.T_odom_robot || !T_odom_now) return pose;
-  const PredictedMotion motion = PredictMotion(entry.T_odom_robot, T_odom_now, {}, 0.0, options.motion);
+  MotionOptions since_entry = options.motion;  // the floors are for windows in which scans are searched for
+  since_entry.translation_floor = 0.0;
+  since_entry.yaw_floor = 0.0;
+  const PredictedMotion motion = PredictMotion(entry.T_odom_robot, T_odom_now, {}, 0.0, since_entry);
   const double t = motion.sigma_translation * motion.sigma_translation;
   const Eigen::Vector3d variances(t, t, motion.sigma_yaw * motion.sigma_yaw);
   return Compose(pose, {motion.T_last_now, variances.asDiagonal()});

@@ -11,6 +11,7 @@
 #include "core/slam/matching/motion_model.h"
 #include "core/slam/slam_map.h"
 #include "core/slam/state/existing_map.h"
+#include "core/slam/state/variance_factor.h"
 #include "core/slam/submaps/finished_submap.h"
 #include "core/slam/submaps/submap.h"
 
@@ -45,6 +46,7 @@ struct MapperState {
   std::map<std::int64_t, LoopClosure> loop_closures;
   // Which submaps accepted loop closures join, in both directions. Derived from `loop_closures`.
   std::map<std::int64_t, std::set<std::int64_t>> joined;
+  ErrorStatistics errors;
   bool ended = false;  // Finish was called
   // The number of keyframes when the graph was last solved, and what has come since.
   std::int64_t nodes_at_solve = 0;

@@ -19,6 +19,7 @@ namespace enfilade::server {
 struct MappedDrive {
   grid::OccupancyGrid grid;                   // of this drive alone; no cells: nothing could be mapped
   std::vector<slam::StampedPose> trajectory;  // by time
+  double variance_factor = 1.0;               // of its SLAM
 };
 
 // What the last survey of a site has mapped: while a survey's rearrangements are applied, it is made again and again

@@ -92,6 +92,8 @@ class LevelMapper {
       ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, mapped->grid));
     }
     PlaceVisits(mapped->trajectory, drive);
+    double& factor = level_.survey.variance_factor;
+    factor = level_.survey.drives.empty() ? mapped->variance_factor : std::max(factor, mapped->variance_factor);
     ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, mapped->trajectory));
     level_.survey.drives.push_back(std::move(drive));
     return absl::OkStatus();
@@ -113,7 +115,7 @@ class LevelMapper {
     mapper->Finish();
     slam::SlamMap map;
     map.Apply(mapper->TakeDelta());
-    MappedDrive mapped{mapper->RenderGrid(), slam::TrajectoryOf(map)};
+    MappedDrive mapped{mapper->RenderGrid(), slam::TrajectoryOf(map), mapper->variance_factor()};
     std::sort(mapped.trajectory.begin(), mapped.trajectory.end(),
               [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
     return mapped;

@@ -22,7 +22,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kChiSquared95 = 5.991;  // 2 degrees of freedom
 constexpr const char* kFirstMap = "M0";
 
 std::shared_ptr<const simulator::World> LoadWorld(const std::string& name) {
@@ -63,11 +62,11 @@ class Expedition {
     std::vector<DriveTruth> truths;
     for (const Running& one : running_) truths.push_back(ReadTruth(one.robot, one.truth));
     result_.comparison = Compare(truths, DoorsOf(world_->campus()), state);
+    result_.graph = MeasureConsistency(truths, state);
     for (std::size_t i = 0; i < truths.size(); ++i) {
-      ReadOutput(truths[i], truths[0].poses.front().T_campus_robot, running_[i].output);
+      ReadOutput(truths[i], running_[i].output);
       MeasureLastPose(truths[i]);
     }
-    if (result_.samples > 0) result_.nees /= result_.samples;
     result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!run_.keep.empty()) Keep(truths);
     return result_;
@@ -159,11 +158,12 @@ class Expedition {
     if (!exists) throw std::runtime_error("the first robot's map does not exist");
   }
 
-  // The world's frame, while the robots drive: that of the first map.
-  void ReadOutput(const DriveTruth& truth, const Pose2& T_campus_world, const std::filesystem::path& output) {
+  void ReadOutput(const DriveTruth& truth, const std::filesystem::path& output) {
     for (const json& line : ReadJsonLines(output)) {
       const std::string event = line.value("event", "");
-      if (event == "global_pose") MeasurePose(truth, T_campus_world, line);
+      if (event == "global_pose" && result_.graph.T_campus_world) {
+        MeasurePose(truth, *result_.graph.T_campus_world, line);
+      }
       if (event != "verdict") continue;
       const std::string entered = line.at("entered_map");
       result_.verdicts.push_back(fmt::format(
@@ -176,15 +176,12 @@ class Expedition {
     const std::vector<double> values = line.at("covariance");
     if (values.size() != 9) return;
     const Pose2 estimate = T_campus_world * PoseOf(line.at("pose_world_robot"));
-    Eigen::Matrix2d covariance;
-    covariance << values[0], values[1], values[3], values[4];
-    const Eigen::Matrix2d turn = Eigen::Rotation2D<double>(T_campus_world.yaw).toRotationMatrix();
-    const Eigen::Vector2d error = estimate.translation() - TruthAt(truth, line.at("time_ns")).translation();
-    const double squared = error.dot((turn * covariance * turn.transpose()).inverse() * error);
-    if (!std::isfinite(squared)) return;  // the first pose is certain
-    ++result_.samples;
-    result_.inside += squared <= kChiSquared95 ? 1 : 0;
-    result_.nees += squared;
+    const Pose2 right = TruthAt(truth, line.at("time_ns"));
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    turn.topLeftCorner<2, 2>() = Eigen::Rotation2D<double>(T_campus_world.yaw).toRotationMatrix();
+    const Eigen::Matrix3d covariance = Eigen::Map<const Eigen::Matrix3d>(values.data());  // symmetric
+    result_.poses.Add({estimate.x - right.x, estimate.y - right.y, WrapAngle(estimate.yaw - right.yaw)},
+                      turn * covariance * turn.transpose());
   }
 
   void MeasureLastPose(const DriveTruth& truth) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/e2e/campus/comparison.h"
+#include "tests/e2e/campus/consistency.h"
 #include "tests/e2e/whole_system.h"
 
 namespace enfilade::testing {
@@ -39,9 +40,8 @@ struct CampusResult {
   bool has_last_poses = true;    // of all robots, in the world
   double final_error = 0.0;      // m, of these poses, the largest
   double final_yaw_error = 0.0;  // rad
-  int samples = 0;               // poses in the world while the robots drove
-  int inside = 0;                // truth within the 95 % ellipse
-  double nees = 0.0;             // mean of the position's normalised squared error; 2 if the covariances are right
+  Consistency poses;             // in the world, while the robots drove
+  GraphConsistency graph;        // when everything was done
   double seconds = 0.0;
   std::vector<std::string> verdicts;  // on door reports, with their reasons, robot by robot
 };

@@ -8,10 +8,12 @@
 #include <set>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "client/sdk/api/paging.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
+#include "proto/convert/geometry.h"
 #include "tests/support/eventually.h"
 
 namespace enfilade::testing {
@@ -61,6 +63,30 @@ v1::Graph AwaitQuiet(const client::Connection& connection, const std::string& si
   throw std::runtime_error(site + " does not come to rest");
 }
 
+MapTransform ReadTransform(const client::Connection& connection, const std::string& a, const std::string& b) {
+  v1::TransformPosesRequest request;
+  request.set_source_map(b);
+  request.set_target_map(a);
+  const auto response = OrThrow(connection.Call(&v1::GraphService::Stub::TransformPoses, request), "TransformPoses");
+  return {a, b, response.hops_size(),
+          OrThrow(convert::FromProto("pose", response.pose_target_source()), "a transform")};
+}
+
+std::vector<MapTransform> ReadTransforms(const client::Connection& connection, const v1::Graph& graph) {
+  std::set<std::pair<std::string, std::string>> wanted;
+  for (const v1::GraphMap& map : graph.maps()) {
+    if (map.has_pose_world_map() && map.map() != graph.root_map()) wanted.emplace(graph.root_map(), map.map());
+  }
+  for (const v1::GraphLinkPoint& point : graph.link_points()) {
+    if (point.joins() && point.maps_size() == 2 && point.has_pose_world_place()) {
+      wanted.insert(std::minmax(point.maps(0), point.maps(1)));
+    }
+  }
+  std::vector<MapTransform> transforms;
+  for (const auto& [a, b] : wanted) transforms.push_back(ReadTransform(connection, a, b));
+  return transforms;
+}
+
 }  // namespace
 
 int MappedState::candidates() const {
@@ -70,20 +96,20 @@ int MappedState::candidates() const {
 
 int MappedState::components() const {
   std::map<std::string, std::string> parent;
-  const std::function<std::string(const std::string&)> root = [&](const std::string& map) {
+  const std::function<std::string(const std::string&)> top = [&](const std::string& map) {
     const auto up = parent.find(map);
-    return up == parent.end() ? map : root(up->second);
+    return up == parent.end() ? map : top(up->second);
   };
   for (const MappedLinkPoint& point : link_points) {
     if (!point.joins) continue;
     for (const std::string& map : point.maps) {
-      const std::string a = root(point.maps[0]);
-      const std::string b = root(map);
+      const std::string a = top(point.maps[0]);
+      const std::string b = top(map);
       if (a != b) parent[b] = a;
     }
   }
   std::set<std::string> roots;
-  for (const std::string& map : maps) roots.insert(root(map));
+  for (const std::string& map : maps) roots.insert(top(map));
   return static_cast<int>(roots.size());
 }
 
@@ -91,7 +117,13 @@ MappedState ReadWhenQuiet(const client::Connection& connection, const std::strin
                           const std::vector<std::string>& robots) {
   const v1::Graph graph = AwaitQuiet(connection, "sites/" + site);
   MappedState state;
-  for (const v1::GraphMap& map : graph.maps()) state.maps.push_back(map.map());
+  state.root = graph.root_map();
+  for (const v1::GraphMap& map : graph.maps()) {
+    state.maps.push_back(map.map());
+    if (!map.has_pose_world_map()) continue;
+    state.poses.emplace(map.map(), OrThrow(convert::FromProto("pose", map.pose_world_map()), "a map's pose"));
+  }
+  state.transforms = ReadTransforms(connection, graph);
   for (const v1::GraphLinkPoint& point : graph.link_points()) {
     MappedLinkPoint read{point.link_point(), {point.maps().begin(), point.maps().end()}, point.joins(), std::nullopt};
     if (point.has_pose_world_place()) {

@@ -9,6 +9,7 @@
 
 #include "client/sdk/api/world_trajectory.h"
 #include "client/sdk/connection.h"
+#include "core/geometry/pose2.h"
 
 namespace enfilade::testing {
 
@@ -19,9 +20,20 @@ struct MappedLinkPoint {
   std::optional<Eigen::Vector2d> world;  // its place
 };
 
+// One map in another, along the chain of `hops` link points.
+struct MapTransform {
+  std::string a;
+  std::string b;
+  int hops = 0;
+  PoseWithCovariance T_a_b;
+};
+
 // What the server knows about a site: its graph, and where it has mapped each robot.
 struct MappedState {
   std::vector<std::string> maps;
+  std::string root;                                 // the map whose frame is the world's
+  std::map<std::string, PoseWithCovariance> poses;  // T_world_map, of maps that are joined to the root
+  std::vector<MapTransform> transforms;             // of maps that a link point joins, and of all maps in the root
   std::vector<MappedLinkPoint> link_points;
   std::map<std::string, std::vector<client::MappedStretch>> stretches;  // by robot
 

@@ -42,6 +42,29 @@ double MedianOf(std::vector<double> values) {
 
 double Percent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
 
+// What is measured, by the names that the JSON uses.
+std::vector<std::pair<const char*, Consistency>> KindsOf(const Consistency& poses, const GraphConsistency& graph) {
+  return {{"poses", poses}, {"joins", graph.joins}, {"chains", graph.chains}, {"maps", graph.maps}};
+}
+
+std::string ConsistencyOf(const Consistency& poses, const GraphConsistency& graph) {
+  std::vector<std::string> parts;
+  for (const auto& [name, kind] : KindsOf(poses, graph)) {
+    parts.push_back(fmt::format("{} {:.1f} % of {}, {:.2f}, {:.3f} m", name, 100.0 * kind.inside_share(), kind.samples,
+                                kind.mean_nees(), kind.rms()));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+nlohmann::json ToJson(const Consistency& poses, const GraphConsistency& graph) {
+  nlohmann::json document;
+  for (const auto& [name, kind] : KindsOf(poses, graph)) {
+    document[name] = {
+        {"samples", kind.samples}, {"inside", kind.inside}, {"mean_nees", kind.mean_nees()}, {"rms_m", kind.rms()}};
+  }
+  return document;
+}
+
 }  // namespace
 
 void CampusTotals::Add(const CampusResult& result) {
@@ -51,9 +74,10 @@ void CampusTotals::Add(const CampusResult& result) {
   sums.unplaced_s += result.comparison.unplaced_s;
   sums.unmapped_s += result.comparison.unmapped_s;
   sums.position_max = std::max(sums.position_max, result.comparison.position_max);
-  samples += result.samples;
-  inside += result.inside;
-  nees_sum += result.nees * result.samples;
+  poses.Add(result.poses);
+  graph.joins.Add(result.graph.joins);
+  graph.chains.Add(result.graph.chains);
+  graph.maps.Add(result.graph.maps);
   if (!result.has_last_poses) return;
   errors.push_back(result.final_error);
   yaw_errors.push_back(result.final_yaw_error * kDegrees);
@@ -76,8 +100,8 @@ std::string CampusLine(const CampusRun& run, const CampusResult& result) {
       c.areas_doubled, c.areas_missing, c.maps_extra, fmt::format("{}/{}", c.doors, c.joins), c.doors_doubled,
       c.doors_missing, c.joins_wrong, c.joins_false, c.components,
       fmt::format("{}/{}", c.false_placements, c.stretches), c.position_rms, result.final_error,
-      result.final_yaw_error * kDegrees, fmt::format("{}/{}", result.inside, result.samples), result.seconds,
-      fmt::join(c.wrong, "; "));
+      result.final_yaw_error * kDegrees, fmt::format("{}/{}", result.poses.inside, result.poses.samples),
+      result.seconds, fmt::join(c.wrong, "; "));
   line.erase(line.find_last_not_of(' ') + 1);
   return line;
 }
@@ -89,15 +113,14 @@ std::string Summary(const CampusTotals& totals) {
       "areas: {} entered, {} maps; {} doubled ({:.1f} %), {} without a map of their own ({:.1f} %), {} maps too many\n"
       "doors: {} passed, {} joins; {} missing ({:.1f} %), {} doubled, {} joins of wrong maps, {} joins at no door\n"
       "false placements: {} of {} stretches ({} passages); {:.1f} s without a place, {:.1f} s not mapped\n"
-      "final pose error: median {:.3f} m, {:.2f} deg; truth inside the 95 % ellipse: {:.1f} % of {} samples, mean NEES "
-      "{:.2f} (2 if right)",
+      "final pose error: median {:.3f} m, {:.2f} deg\n"
+      "truth inside the 95 % ellipsoid, mean NEES (1 if right), error: {}",
       totals.exact, totals.runs, 100.0 * totals.exact_share(),
       totals.failed > 0 ? fmt::format(", {} FAILED", totals.failed) : "", c.components, c.areas, c.maps,
       c.areas_doubled, Percent(c.areas_doubled, c.areas), c.areas_missing, Percent(c.areas_missing, c.areas),
       c.maps_extra, c.doors, c.joins, c.doors_missing, Percent(c.doors_missing, c.doors), c.doors_doubled,
       c.joins_wrong, c.joins_false, c.false_placements, c.stretches, c.passages, c.unplaced_s, c.unmapped_s,
-      MedianOf(totals.errors), MedianOf(totals.yaw_errors), Percent(totals.inside, totals.samples), totals.samples,
-      totals.samples > 0 ? totals.nees_sum / totals.samples : 0.0);
+      MedianOf(totals.errors), MedianOf(totals.yaw_errors), ConsistencyOf(totals.poses, totals.graph));
 }
 
 nlohmann::json ToJson(const CampusRun& run, const CampusResult& result) {
@@ -117,9 +140,7 @@ nlohmann::json ToJson(const CampusRun& run, const CampusResult& result) {
                              {"has_last_poses", result.has_last_poses},
                              {"final_error_m", result.final_error},
                              {"final_yaw_error_deg", result.final_yaw_error * kDegrees},
-                             {"samples", result.samples},
-                             {"inside", result.inside},
-                             {"nees", result.nees},
+                             {"consistency", ToJson(result.poses, result.graph)},
                              {"seconds", result.seconds},
                              {"verdicts", result.verdicts}};
   for (const auto& [name, count] : kCounts) document[name] = c.*count;
@@ -136,9 +157,7 @@ nlohmann::json ToJson(const CampusTotals& totals) {
                              {"position_max_m", totals.sums.position_max},
                              {"median_final_error_m", MedianOf(totals.errors)},
                              {"median_final_yaw_error_deg", MedianOf(totals.yaw_errors)},
-                             {"samples", totals.samples},
-                             {"inside", totals.inside},
-                             {"mean_nees", totals.samples > 0 ? totals.nees_sum / totals.samples : 0.0}};
+                             {"consistency", ToJson(totals.poses, totals.graph)}};
   for (const auto& [name, count] : kCounts) document[name] = totals.sums.*count;
   return document;
 }

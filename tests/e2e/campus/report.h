@@ -16,9 +16,8 @@ struct CampusTotals {
   int failed = 0;  // a program ended with an error, or never
   int exact = 0;
   Comparison sums;  // of the counts
-  int samples = 0;
-  int inside = 0;
-  double nees_sum = 0.0;
+  Consistency poses;
+  GraphConsistency graph;
   std::vector<double> errors;      // m, final
   std::vector<double> yaw_errors;  // deg, final
 

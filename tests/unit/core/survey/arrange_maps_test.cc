@@ -111,6 +111,30 @@ TEST(ArrangeMaps, MapsThatAreRoomsStay) {
   EXPECT_TRUE(Arrange(survey).empty());
 }
 
+// What a verdict at the door knew was little; the survey has seen both rooms as a whole.
+TEST(ArrangeMaps, AnUnsureLinkPointBecomesAsSureAsTheSurvey) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive(
+      {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", {1.0, 1.0, 0.3}, {{1.5, 2.0}, {3.0, 1.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
+  const Pose2 door{1.5, 2.75, -M_PI / 2};
+  survey.link_points = {Join("d1", AnchorAt("a", {}, door), AnchorAt("b", {1.0, 1.0, 0.3}, door))};
+  survey.link_points[0].anchors[1].covariance(2, 2) = 0.04;  // 0.2 rad
+  survey.variance_factor = 0.25;
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_THAT(change.moves, IsEmpty());
+  ASSERT_THAT(change.link_points, SizeIs(1));
+  EXPECT_EQ(change.link_points[0].id, LinkPointId("d1"));
+  const SurveyOptions options;
+  for (const graph::Anchor& anchor : change.link_points[0].anchors) {
+    EXPECT_NEAR(std::sqrt(anchor.covariance(0, 0)), 0.5 * options.door_sigma, 1e-9);
+    EXPECT_NEAR(std::sqrt(anchor.covariance(2, 2)), 0.5 * options.door_yaw_sigma, 1e-9);
+  }
+  survey.link_points = change.link_points;
+  survey.variance_factor = 0.15;  // as the drive goes on, little changes
+  EXPECT_TRUE(Arrange(survey).empty());
+}
+
 TEST(ArrangeMaps, AnEmptyMapBehindTheLastDoorIsTheRoomThatTheDriveEndedIn) {
   LevelSurvey survey;
   survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 1.0}}}})};

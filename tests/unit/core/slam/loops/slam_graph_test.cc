@@ -11,6 +11,7 @@
 #include "core/slam/loops/loop_candidates.h"
 #include "core/slam/matching/motion_model.h"
 #include "tests/support/pose_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::slam {
 namespace {
@@ -95,6 +96,53 @@ TEST(SolveSlamGraph, GivesCovariancesThatGrowAlongTheWay) {
   for (std::int64_t id = 1; id <= 4; ++id) {
     EXPECT_GT(state.nodes.at(id).covariance(2, 2), state.nodes.at(id - 1).covariance(2, 2));
   }
+}
+
+TEST(SolveSlamGraph, ScalesMeasuredCovariancesByWhatTheErrorsAre) {
+  MapperState careful = Square(0.0);
+  SolveSlamGraph({}, careful);
+  MapperState accurate = Square(0.0);
+  accurate.errors = {.match_squares = 4.0, .matches = 100};  // a fifth of the options' standard deviations
+  SolveSlamGraph({}, accurate);
+  for (std::int64_t id = 1; id <= 4; ++id) {
+    const Eigen::Matrix3d expected = 0.04 * careful.nodes.at(id).covariance;
+    EXPECT_LT((accurate.nodes.at(id).covariance - expected).norm(), 1e-6 * expected.norm()) << id;
+    EXPECT_THAT(accurate.nodes.at(id).T_map_node, PoseNear(careful.nodes.at(id).T_map_node, 1e-12, 1e-12));
+  }
+}
+
+TEST(SolveSlamGraph, DoesNotScaleTheTieOfALostRobot) {
+  MapperState state = Square(0.0);
+  state.finished.at(1).next->information = LostTie();
+  state.errors = {.match_squares = 1.0, .matches = 100};
+  SolveSlamGraph({}, state);
+  EXPECT_LT(state.nodes.at(1).covariance(0, 0), 0.01);
+  EXPECT_GT(state.nodes.at(2).covariance(0, 0), 99.0) << "10 m";
+}
+
+TEST(SolveSlamGraph, LearnsFromItsLoopClosures) {
+  MapperState state = Square(0.0);
+  state.errors = {.match_squares = 1.0, .matches = 100};
+  const double before = VarianceFactor(state.errors);
+  state.loop_closures[0] = Closure(0, 0, 4, {1.4, 0.0, 0.1});  // 0.4 m from where the way led
+  SolveSlamGraph({}, state);
+  EXPECT_EQ(state.errors.redundancy, 3);
+  EXPECT_GT(state.errors.graph_chi2, 0.5);
+  EXPECT_GT(VarianceFactor(state.errors), before);
+  SolveSlamGraph({}, state);
+  EXPECT_EQ(state.errors.redundancy, 3) << "counted once";
+}
+
+TEST(RelativeCovariances, AreThoseOfTheWayBetween) {
+  MapperState state = Square(0.0);
+  SolveSlamGraph({}, state);
+  ASSERT_OK_AND_ASSIGN(const auto from_first, RelativeCovariances(state, 0, {0, 3, 4}));
+  EXPECT_TRUE(from_first[0].isZero());
+  EXPECT_LT((from_first[1] - InMeasurementFrame(state.nodes.at(3).covariance, state.nodes.at(0).T_map_node.yaw)).norm(),
+            1e-9);
+  ASSERT_OK_AND_ASSIGN(const auto from_last, RelativeCovariances(state, 3, {4}));
+  EXPECT_LT(from_last[0](2, 2), from_first[2](2, 2)) << "one step, not four";
+  EXPECT_CODE(RelativeCovariances(state, 0, {17}), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(DriftLengths, GoTheShortestWayAcrossClosures) {

@@ -144,6 +144,34 @@ TEST(MapperSlam, KnowsHowSureItsNodesAre) {
   }
 }
 
+// The mean normalised squared error of the keyframes' poses, per degree of freedom: 1 if the covariances are right.
+double MeanNees(const SlamMap& map, const std::vector<Pose2>& truth) {
+  double sum = 0.0;
+  for (const auto& [id, node] : map.nodes) {
+    if (id == 0) continue;
+    const Pose2 right = Between(truth.front(), truth[static_cast<std::size_t>(node.sequence - 1)]);
+    const Eigen::Vector3d e(node.T_map_node.x - right.x, node.T_map_node.y - right.y,
+                            WrapAngle(node.T_map_node.yaw - right.yaw));
+    sum += e.dot(node.covariance.ldlt().solve(e)) / 3.0;
+  }
+  return sum / static_cast<double>(map.nodes.size() - 1);
+}
+
+TEST(MapperSlam, KnowsHowSureItIsWhateverTheScannersNoise) {
+  for (const double noise : {0.003, 0.01, 0.03}) {
+    double nees = 0.0;
+    for (const int seed : {3, 4, 5}) {
+      testing::SyntheticScanner scanner;
+      scanner.range_sigma = noise;
+      nees += MeanNees(MapLog(testing::Record(RingOfCorridors(), TwoRounds(), scanner, kPoorOdometry, seed)).map,
+                       TwoRounds()) /
+              3.0;
+    }
+    EXPECT_GT(nees, 0.1) << "too careful with noise of " << noise << " m";
+    EXPECT_LT(nees, 3.0) << "too sure with noise of " << noise << " m";
+  }
+}
+
 TEST(MapperSlam, ContinuesTheSameAfterRestoreAtAnyPoint) {
   const auto log = testing::Record(RingOfCorridors(), TwoRounds(), {}, kPoorOdometry, 3);
   const MappedDrive expected = MapLog(log);

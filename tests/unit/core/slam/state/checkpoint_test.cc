@@ -188,19 +188,33 @@ TEST(Checkpoint, RefusesTruncatedAndTrailingBytes) {
 TEST(Checkpoint, RefusesAnotherVersion) {
   const MapperState state = FullState();
   std::string raw = RawCheckpoint(state);
-  raw[0] = 5;
+  raw[0] = 6;
   EXPECT_STATUS(DecodeCheckpoint(Compress(raw), RowsOf(state), {}), absl::StatusCode::kDataLoss,
-                HasSubstr("version 5"));
+                HasSubstr("version 6"));
 }
 
-// Version 3 had no entry: a byte fewer, between the flags and the track.
+constexpr std::size_t kBeforeErrors = 1 + 3 * 8 + 1 + 8 + 1 + 1 + 8;
+constexpr std::size_t kErrorsBytes = 4 * 8;
+
+// Version 4 had no statistics of errors, between the flags and the entry.
+TEST(Checkpoint, ReadsTheVersionBeforeErrorStatistics) {
+  const MapperState state = FullState();
+  std::string raw = RawCheckpoint(state);
+  raw.erase(kBeforeErrors, kErrorsBytes);
+  raw[0] = 4;
+  ASSERT_OK_AND_ASSIGN(const MapperState restored, DecodeCheckpoint(Compress(raw), RowsOf(state), {}));
+  EXPECT_EQ(restored.errors, ErrorStatistics{});
+  EXPECT_EQ(restored.entry.has_value(), state.entry.has_value());
+  ExpectEqualTracks(restored.track, state.track);
+}
+
+// Version 3 had no entry, either: a byte fewer if there is none.
 TEST(Checkpoint, ReadsTheVersionBeforeEntries) {
   MapperState state = FullState();
   state.entry.reset();
   std::string raw = RawCheckpoint(state);
-  constexpr std::size_t kBeforeEntry = 1 + 3 * 8 + 1 + 8 + 1 + 1 + 8;
-  ASSERT_EQ(raw[kBeforeEntry], 0) << "no entry";
-  raw.erase(kBeforeEntry, 1);
+  ASSERT_EQ(raw[kBeforeErrors + kErrorsBytes], 0) << "no entry";
+  raw.erase(kBeforeErrors, kErrorsBytes + 1);
   raw[0] = 3;
   ASSERT_OK_AND_ASSIGN(const MapperState restored, DecodeCheckpoint(Compress(raw), RowsOf(state), {}));
   EXPECT_FALSE(restored.entry.has_value());
