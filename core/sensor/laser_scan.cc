@@ -58,9 +58,10 @@ absl::Status Validate(const LaserScan& scan) {
     return InvalidArgument("laser_scan range limits are [{}, {}]: expected 0 <= range_min < range_max < infinity",
                            scan.range_min, scan.range_max);
   }
-  if (!IsFinite(scan.T_robot_laser)) {
-    return InvalidArgument("laser_scan.mount ({}, {}, {}) is not finite", scan.T_robot_laser.x, scan.T_robot_laser.y,
-                           scan.T_robot_laser.yaw);
+  const Pose2& mount = scan.T_robot_laser;
+  if (!IsFinite(mount) || std::hypot(mount.x, mount.y) > kMaxMountDistance) {
+    return InvalidArgument("laser_scan.mount ({}, {}, {}): expected finite, and at most {} m from the robot's origin",
+                           mount.x, mount.y, mount.yaw, kMaxMountDistance);
   }
   return absl::OkStatus();
 }

@@ -51,9 +51,12 @@ std::vector<Eigen::Vector2d> HitPoints(const LaserScan& scan, double max_range);
 
 // At most this many beams in one scan.
 constexpr std::size_t kMaxBeams = 100'000;
+// A scanner is mounted at most this far from the robot's origin, m.
+constexpr double kMaxMountDistance = 20.0;
 
 // INVALID_ARGUMENT naming the field: no beams, more than kMaxBeams, non-finite or zero angles, range_max <= range_min,
-// negative or non-finite limits, a non-finite mount. The ranges themselves may have any value (see above).
+// negative or non-finite limits, a non-finite mount or one beyond kMaxMountDistance. The ranges themselves may have any
+// value (see above).
 absl::Status Validate(const LaserScan& scan);
 
 }  // namespace enfilade::sensor

@@ -32,6 +32,9 @@ struct SessionLease {
 struct LeasedSession {
   SessionLease lease;
   Session session;
+  // How often the session has been taken since it was last released, this time included. Above 1: the holders before
+  // did not come to the end of their turn.
+  std::int64_t attempts = 1;
 };
 
 // What a mapping worker stores in one transaction. The referenced values must live until the call returns.
@@ -82,7 +85,7 @@ class MappingStore {
   // Extends the lease to `ttl` from now. ABORTED if another holder has taken over or the session is deleted.
   virtual absl::Status Renew(const CallContext& context, const SessionLease& lease,
                              std::chrono::milliseconds ttl) const = 0;
-  // Makes the lease available. Releasing a lost lease is no error.
+  // Makes the lease available, and begins the count of attempts anew. Releasing a lost lease is no error.
   virtual absl::Status Release(const CallContext& context, const SessionLease& lease) const = 0;
 
   // Stores the delta's rows, the checkpoint, the revision and the session's final state in one transaction. Returns the

@@ -92,9 +92,9 @@ absl::StatusOr<std::optional<storage::LeasedSession>> InMemoryMappingStore::Acqu
     }
   }
   if (next == nullptr) return std::nullopt;
-  next->lease = {owner, next->lease.token + 1, access.Now() + ttl};
+  next->lease = {owner, next->lease.token + 1, access.Now() + ttl, next->lease.attempts + 1};
   const storage::Session session = WithProgress(*next);
-  return storage::LeasedSession{{session.site, session.id, owner, next->lease.token}, session};
+  return storage::LeasedSession{{session.site, session.id, owner, next->lease.token}, session, next->lease.attempts};
 }
 
 absl::Status InMemoryMappingStore::Renew(const storage::CallContext& context, const storage::SessionLease& lease,
@@ -112,6 +112,7 @@ absl::Status InMemoryMappingStore::Release(const storage::CallContext& context,
   SessionRow* const row = FindHeld(access, lease);
   if (!IsOwner(row, lease)) return absl::OkStatus();
   row->lease.owner.clear();
+  row->lease.attempts = 0;
   row->lease.expires_at = access.Now();
   return absl::OkStatus();
 }

@@ -14,7 +14,7 @@ absl::StatusOr<std::optional<storage::SiteLease>> InMemorySiteLeaseStore::Acquir
   ENFILADE_ASSIGN_OR_RETURN(SiteRows* const rows, access.GetSite(site));
   LeaseRow& lease = rows->lease;
   if (lease.token > 0 && lease.expires_at > access.Now()) return std::nullopt;
-  lease = {owner, lease.token + 1, access.Now() + ttl};
+  lease = {owner, lease.token + 1, access.Now() + ttl, 0};
   return storage::SiteLease{site, owner, lease.token};
 }
 

@@ -26,6 +26,7 @@ struct LeaseRow {
   std::string owner;
   std::int64_t token = 0;  // 0: never held
   std::chrono::steady_clock::time_point expires_at;
+  std::int64_t attempts = 0;  // of mapping, since the last release
 };
 
 struct RecordRow {

@@ -18,6 +18,8 @@ constexpr std::int32_t kMaxCount = 1'000;   // so that a mean keeps following ne
 constexpr double kMeanStep = 1.0 / 4096.0;  // m: a power of two, so that rounded means have few digits
 constexpr double kMinProbability = 1e-6;    // so that log-odds are finite
 constexpr std::size_t kTreeNodeBytes = 48;  // overhead of a std::map per element
+// Of a submap that scans grow: 410 m x 410 m at 5 cm, 200 MB. Twice the side of what the largest extent and range need.
+constexpr std::int64_t kMaxCells = std::int64_t{1} << 26;
 
 double Probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
@@ -38,6 +40,7 @@ std::pair<grid::CellIndex, grid::CellIndex> Bounds(const grid::LogOddsGrid& grid
 
 grid::LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options) {
   grid::LogOddsOptions result;
+  result.max_cells = kMaxCells;
   if (options.log_odds) {
     result.p_hit = options.hit_probability;
     result.p_miss = options.miss_probability;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include "core/base/error.h"
@@ -33,6 +34,12 @@ SessionMappingOptions SessionOptions(const ServerOptions::Mapping& options, cons
   session.checkpoint_interval = std::chrono::duration<double>(options.checkpoint_interval_s);
   session.revision_interval = std::chrono::duration<double>(options.revision_interval_s);
   return session;
+}
+
+// Whether trying again would not help.
+bool IsFinal(const absl::Status& status, std::int64_t attempts) {
+  if (absl::IsInternal(status)) return attempts >= Mapping::kMaxAttempts;
+  return absl::IsDataLoss(status) || absl::IsFailedPrecondition(status);
 }
 
 }  // namespace
@@ -102,29 +109,43 @@ bool Mapping::TakeTurn(const std::string& owner) {
 
 void Mapping::MapSession(const storage::LeasedSession& leased, Turn& turn) {
   const std::string& session = leased.session.id.value();
-  std::unique_ptr<SessionMapping> mapping = Unpark(leased);
-  absl::Status status;
-  if (!mapping) {
-    auto loaded = SessionMapping::Load(stores_, session_options_, leased.session);
-    status = loaded.status();
-    if (loaded.ok()) mapping = *std::move(loaded);
-  }
-  if (mapping) status = MapUntilTurnEnds(leased.lease, *mapping, turn);
-
-  const bool failed = absl::IsDataLoss(status) || absl::IsFailedPrecondition(status);
+  std::unique_ptr<SessionMapping> mapping;
+  absl::Status status = MapForOneTurn(leased, turn, mapping);
+  const bool failed = IsFinal(status, leased.attempts);
   const bool ended = failed || (mapping && mapping->ended());
   if (status.ok()) {
     Park(leased.lease, std::move(mapping));
   } else if (failed) {
-    // Retrying would not help.
+    mapping.reset();
     spdlog::error("mapping: session {} failed: {}", session, status.ToString());
     status = SessionMapping::Fail(stores_, leased, status);
   } else {
     spdlog::warn("mapping: session {} will be resumed from its checkpoint: {}", session, status.ToString());
+    // The lease is left to run out: the attempt stays counted, and the next one comes later.
+    if (absl::IsInternal(status)) return;
   }
   // If the database is unreachable, the lease expires.
   (void)stores_.mappings.Release(storage::CallContext::WithTimeout(kWorkTimeout), leased.lease);
   if (ended && on_session_ended_) on_session_ended_();
+}
+
+// INTERNAL after an exception.
+absl::Status Mapping::MapForOneTurn(const storage::LeasedSession& leased, Turn& turn,
+                                    std::unique_ptr<SessionMapping>& mapping) {
+  if (leased.attempts > kMaxAttempts) {
+    return Internal("{} attempts to map the session ended before their time; memory may not suffice for it",
+                    leased.attempts - 1);
+  }
+  try {
+    mapping = Unpark(leased);
+    if (!mapping) {
+      ENFILADE_ASSIGN_OR_RETURN(mapping, SessionMapping::Load(stores_, session_options_, leased.session));
+    }
+    return MapUntilTurnEnds(leased.lease, *mapping, turn);
+  } catch (const std::exception& exception) {
+    mapping.reset();
+    return Internal("attempt {} to map the session: {}", leased.attempts, exception.what());
+  }
 }
 
 absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn) {

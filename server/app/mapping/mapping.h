@@ -23,9 +23,14 @@ namespace enfilade::server {
 
 // Maps the sessions of all sites. Each worker repeatedly takes the session that has waited longest, maps it for one
 // turn of a few seconds, and releases it. A worker holds the session's lease, so that only one worker of one process
-// maps it; it stores results and checkpoint together, and stops when the lease is lost. Thread-safe.
+// maps it; it stores results and checkpoint together, and stops when the lease is lost.
+//
+// An exception (out of memory) ends the turn, not the process. A session whose turns end in this way, or with the death
+// of their process, kMaxAttempts times in succession has failed. Thread-safe.
 class Mapping {
  public:
+  static constexpr std::int64_t kMaxAttempts = 10;
+
   // `on_session_ended` is called whenever a session is mapped or has failed.
   Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles& slam, const SessionMappingStores& stores,
           Metrics& metrics, std::function<void()> on_session_ended = {});
@@ -47,6 +52,8 @@ class Mapping {
   // Returns false if there was nothing to do.
   bool TakeTurn(const std::string& owner);
   void MapSession(const storage::LeasedSession& leased, Turn& turn);
+  absl::Status MapForOneTurn(const storage::LeasedSession& leased, Turn& turn,
+                             std::unique_ptr<SessionMapping>& mapping);
   absl::Status MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn);
   std::unique_ptr<SessionMapping> Unpark(const storage::LeasedSession& leased);
   void Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping);

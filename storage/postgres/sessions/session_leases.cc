@@ -22,10 +22,11 @@ constexpr Statement kFindWork{"looking for sessions to map",
                               " ORDER BY l.expires_at NULLS FIRST, s.create_time LIMIT 8"};
 constexpr Statement kTakeSessionLease{
     "taking the lease",
-    "INSERT INTO enfilade.session_leases AS l (site_id, session_id, owner, token, expires_at)"
-    " VALUES ($1, $2, $3, 1, clock_timestamp() + $4 * interval '1 millisecond')"
+    "INSERT INTO enfilade.session_leases AS l (site_id, session_id, owner, token, attempts, expires_at)"
+    " VALUES ($1, $2, $3, 1, 1, clock_timestamp() + $4 * interval '1 millisecond')"
     " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
-    " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= clock_timestamp() RETURNING token"};
+    " attempts = l.attempts + 1, expires_at = EXCLUDED.expires_at WHERE l.expires_at <= clock_timestamp()"
+    " RETURNING token, attempts"};
 // A separate statement after the lease is taken: it sees a deletion that came in between.
 constexpr Statement kSelectLeasedSession{"reading the session",
                                          "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
@@ -35,7 +36,8 @@ constexpr Statement kRenewSessionLease{"renewing the lease",
                                        " SET expires_at = clock_timestamp() + $5 * interval '1 millisecond'"
                                        " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
 constexpr Statement kReleaseSessionLease{"releasing the lease",
-                                         "UPDATE enfilade.session_leases SET owner = '', expires_at = clock_timestamp()"
+                                         "UPDATE enfilade.session_leases"
+                                         " SET owner = '', attempts = 0, expires_at = clock_timestamp()"
                                          " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
 
 // Blocks others from taking the lease and from deleting the session.
@@ -66,8 +68,10 @@ absl::StatusOr<std::optional<LeasedSession>> TakeLease(Pool& pool, const CallCon
   if (results[0].rows() == 0 || results[1].rows() == 0) return std::nullopt;
   LeasedSession leased;
   ENFILADE_ASSIGN_OR_RETURN(leased.session, ReadOne(results[1], ReadSession, NameOf(lease.site, lease.session)));
-  ENFILADE_ASSIGN_OR_RETURN(lease.token, ReadOne(
-                                             results[0], [](Row& row) { return row.Int64(); }, "the lease"));
+  Row row(results[0], 0);
+  lease.token = row.Int64();
+  leased.attempts = row.Int64();
+  ENFILADE_RETURN_IF_ERROR(row.status());
   leased.lease = std::move(lease);
   return leased;
 }

@@ -83,6 +83,18 @@ TEST_F(MappingStoreTest, AReleasedSessionGoesToTheEndOfTheQueue) {
   EXPECT_EQ(AcquireOne().session.id, first.session.id);
 }
 
+TEST_F(MappingStoreTest, AttemptsAreCountedUntilALeaseIsReleased) {
+  SessionWithRecords("s1", 3);
+  for (std::int64_t attempt = 1; attempt <= 3; ++attempt) {
+    EXPECT_EQ(AcquireOne("dies", milliseconds(1)).attempts, attempt);
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  const storage::LeasedSession survivor = AcquireOne();
+  EXPECT_EQ(survivor.attempts, 4);
+  ASSERT_OK(mapping_.Release(Soon(), survivor.lease));
+  EXPECT_EQ(AcquireOne().attempts, 1);
+}
+
 TEST_F(MappingStoreTest, EachSessionGoesToOneOfManyWorkers) {
   constexpr int kSessions = 12;
   for (int i = 0; i < kSessions; ++i) SessionWithRecords(fmt::format("s{}", i), 1);

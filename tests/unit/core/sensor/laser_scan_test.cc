@@ -55,6 +55,7 @@ TEST(LaserScan, RefusesImplausibleScans) {
   refused([](LaserScan& s) { s.angle_min = NAN; }, "angle_min");
   refused([](LaserScan& s) { s.range_max = 0.05F; }, "range limits");
   refused([](LaserScan& s) { s.T_robot_laser.x = INFINITY; }, "mount");
+  refused([](LaserScan& s) { s.T_robot_laser.y = -5000.0; }, "mount");
 }
 
 }  // namespace

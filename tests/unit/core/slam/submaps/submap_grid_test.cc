@@ -104,6 +104,8 @@ TEST(SubmapGrid, RefusesWhatItCannotHoldAndStaysAsItWas) {
   ASSERT_OK(grid.Insert({}, Beam(0.55)).status());
   const SubmapGrid before = grid;
   EXPECT_CODE(grid.Insert({}, Beam(1e8)).status(), absl::StatusCode::kResourceExhausted);
+  // More than 200 MB of cells.
+  EXPECT_CODE(grid.Insert({9e3 * kCell, 9e3 * kCell, 0.0}, Beam(1.0)).status(), absl::StatusCode::kResourceExhausted);
   EXPECT_CODE(grid.Insert({}, Beam(NAN)).status(), absl::StatusCode::kInvalidArgument);
   EXPECT_TRUE(grid == before);
 }

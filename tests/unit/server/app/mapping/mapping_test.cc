@@ -2,6 +2,7 @@
 #include "server/app/mapping/mapping.h"
 
 #include <atomic>
+#include <new>
 #include <optional>
 #include <thread>
 
@@ -60,11 +61,49 @@ class CountingMappingStore final : public storage::MappingStore {
   mutable std::atomic<int> loads_{0};
 };
 
+// Throws when the records of one session are read.
+class ThrowingRecordStore final : public storage::RecordStore {
+ public:
+  explicit ThrowingRecordStore(const storage::RecordStore& store) : store_(store) {}
+
+  void ThrowFor(const SessionId& session) { poison_ = session; }
+  int throws() const { return throws_; }
+
+  std::vector<absl::StatusOr<storage::AppendResult>> AppendGroup(
+      const storage::CallContext& context, absl::Span<const storage::RecordBatch> batches) const override {
+    return store_.AppendGroup(context, batches);
+  }
+  absl::StatusOr<std::vector<sensor::Record>> Read(const storage::CallContext& context, const SiteId& site,
+                                                   const SessionId& session, std::int64_t from_sequence,
+                                                   std::int64_t max_bytes) const override {
+    if (session == poison_) {
+      ++throws_;
+      throw std::bad_alloc();
+    }
+    return store_.Read(context, site, session, from_sequence, max_bytes);
+  }
+  absl::StatusOr<std::vector<sensor::Record>> ReadSelected(const storage::CallContext& context, const SiteId& site,
+                                                           const SessionId& session,
+                                                           const storage::RecordSelection& selection) const override {
+    return store_.ReadSelected(context, site, session, selection);
+  }
+  absl::StatusOr<std::vector<sensor::Record>> ReadEach(const storage::CallContext& context, const SiteId& site,
+                                                       const SessionId& session,
+                                                       const std::vector<std::int64_t>& sequences) const override {
+    return store_.ReadEach(context, site, session, sequences);
+  }
+
+ private:
+  const storage::RecordStore& store_;
+  SessionId poison_{"none"};
+  mutable std::atomic<int> throws_{0};
+};
+
 class MappingWorkersTest : public MappingFixture {
  protected:
   void Start(int workers = 1) {
     options_.workers = workers;
-    SessionMappingStores stores{counting_,         stores_.records,     stores_.sessions, stores_.blobs,
+    SessionMappingStores stores{counting_,         throwing_,           stores_.sessions, stores_.blobs,
                                 stores_.revisions, stores_.robot_poses, stores_.maps};
     mapping_.emplace(options_, slam::SlamOptions(), stores, *metrics_, [this] { ++ended_; });
   }
@@ -80,6 +119,7 @@ class MappingWorkersTest : public MappingFixture {
 
   ServerOptions::Mapping options_;
   CountingMappingStore counting_{stores_.mappings};
+  ThrowingRecordStore throwing_{stores_.records};
   const std::unique_ptr<Metrics> metrics_ = *Metrics::Create("");
   std::atomic<int> ended_{0};
   std::optional<Mapping> mapping_;
@@ -137,6 +177,35 @@ TEST_F(MappingWorkersTest, AnUnreadableRecordFailsItsSessionAndNoOther) {
   EXPECT_EQ(Session(broken).state, State::kFailed);
   EXPECT_THAT(Session(broken).error, HasSubstr("broken"));
   EXPECT_EQ(Session(sound).state, State::kMapped);
+}
+
+TEST_F(MappingWorkersTest, AnExceptionEndsTheTurnAndTheTenthInSuccessionTheSession) {
+  const SessionId poison = NewFinishedSession("poison");
+  throwing_.ThrowFor(poison);
+  ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "room"), ""));
+  const SessionId sound = NewFinishedSession("sound", "room");
+  Start();
+  while (ended_ < 2) {
+    stores_.database.AdvanceClock(std::chrono::hours(1));  // the leases of ended turns run out
+    mapping_->Wake();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  AwaitState(sound, State::kMapped);
+  EXPECT_EQ(Session(poison).state, State::kFailed);
+  EXPECT_THAT(Session(poison).error, HasSubstr("bad_alloc"));
+  EXPECT_EQ(throwing_.throws(), Mapping::kMaxAttempts);
+}
+
+TEST_F(MappingWorkersTest, ASessionThatKilledItsProcessesIsGivenUpUnread) {
+  const SessionId deadly = NewFinishedSession("deadly");
+  for (std::int64_t i = 0; i < Mapping::kMaxAttempts; ++i) {
+    ASSERT_OK(stores_.mappings.Acquire(Soon(), "a process that dies", std::chrono::seconds(10)));
+    stores_.database.AdvanceClock(std::chrono::hours(1));
+  }
+  Start();
+  AwaitEnded(1);
+  EXPECT_EQ(Session(deadly).state, State::kFailed);
+  EXPECT_THAT(Session(deadly).error, HasSubstr("10 attempts"));
 }
 
 TEST_F(MappingWorkersTest, StoppingStoresTheCheckpointAndReleasesTheLease) {
