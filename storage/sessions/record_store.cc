@@ -55,6 +55,16 @@ absl::Status ValidateBlobSize(const sensor::Record& record, const sensor::BlobRe
   return absl::OkStatus();
 }
 
+absl::Status ValidateDistance(const std::vector<const sensor::Record*>& fresh, std::int64_t acknowledged) {
+  for (const sensor::Record* record : fresh) {
+    if (record->sequence - acknowledged <= kMaxSequenceDistance) continue;
+    return RefuseRecord(InvalidArgument("sequence {} is more than {} beyond the acknowledged {}", record->sequence,
+                                        kMaxSequenceDistance, acknowledged),
+                        record->sequence);
+  }
+  return absl::OkStatus();
+}
+
 bool HasContent(const sensor::Record& record, sensor::RecordKind kind, std::string_view payload) {
   if (sensor::KindOf(record) != kind) return false;
   const std::string encoded = sensor::EncodePayload(record);

@@ -46,6 +46,11 @@ absl::Status ValidateBatch(const RecordBatch& batch);
 // INVALID_ARGUMENT (see RefusedSequenceOf) unless the blob of `record` is stored with the size that the record gives.
 // `stored_size` 0: it is not stored.
 absl::Status ValidateBlobSize(const sensor::Record& record, const sensor::BlobRef& blob, std::int64_t stored_size);
+// A record may be at most this far beyond the acknowledged one: a hole can then always be filled.
+constexpr std::int64_t kMaxSequenceDistance = 1'000'000;
+// INVALID_ARGUMENT (see RefusedSequenceOf) if one of `fresh`, by sequence, is more than kMaxSequenceDistance beyond
+// `acknowledged`.
+absl::Status ValidateDistance(const std::vector<const sensor::Record*>& fresh, std::int64_t acknowledged);
 // Whether `kind` and `payload` are those of `record`, also if another layout of the same values is stored.
 bool HasContent(const sensor::Record& record, sensor::RecordKind kind, std::string_view payload);
 
@@ -65,8 +70,9 @@ class RecordStore {
   //
   // NOT_FOUND: no such session. FAILED_PRECONDITION: the session is deleted, or it is finished and the batch has new
   // records. Because of one record, named by the message and RefusedSequenceOf: ALREADY_EXISTS if other content is
-  // stored under its sequence; INVALID_ARGUMENT if its blob is missing or has another size, or its sequence is below 1
-  // or not above the one before. Otherwise records are taken as valid: Validate(Record) is up to the caller.
+  // stored under its sequence; INVALID_ARGUMENT if its blob is missing or has another size, or its sequence is below 1,
+  // not above the one before, or more than kMaxSequenceDistance beyond the acknowledged one. Otherwise records are
+  // taken as valid: Validate(Record) is up to the caller.
   absl::StatusOr<AppendResult> Append(const CallContext& context, const RecordBatch& batch) const {
     return AppendGroup(context, absl::MakeConstSpan(&batch, 1)).front();
   }

@@ -40,6 +40,7 @@ absl::StatusOr<std::vector<const sensor::Record*>> SelectFresh(const SiteRows& s
     return FailedPrecondition("{} is finished and takes no new records: {} is new", NameOf(batch.site, batch.session),
                               fresh.front()->sequence);
   }
+  ENFILADE_RETURN_IF_ERROR(storage::ValidateDistance(fresh, row.session.acknowledged_sequence));
   for (const sensor::Record* record : fresh) {
     const sensor::BlobRef* blob = sensor::FindBlob(*record);
     if (blob == nullptr) continue;

@@ -128,6 +128,8 @@ absl::StatusOr<BatchDecision> SiteAppend::Accept(const RecordBatch& batch) {
                                           NameOf(site_, batch.session), decision.fresh.front()->sequence);
     return decision;
   }
+  decision.refusal = ValidateDistance(decision.fresh, log.growth.acknowledged);
+  if (!decision.refusal.ok()) return decision;
   ENFILADE_RETURN_IF_ERROR(CheckBlobs(batch, decision));
   if (decision.refusal.ok()) Take(batch, log, decision.fresh);
   return decision;
