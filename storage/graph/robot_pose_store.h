@@ -23,16 +23,26 @@ struct RobotPose {
   PoseWithCovariance T_map_robot;    // m, rad
   TimeNs time = 0;                   // by the robot's clock
   std::int64_t version = 0;          // set by the store: a new value with every report
+  TimeNs received = 0;               // by the server's clock; set by the store
 };
+
+// A robot's clock may be this far ahead of the server's.
+constexpr DurationNs kMaxPoseLead = 10 * kNsPerSecond;
+
+// The pose, received now. INVALID_ARGUMENT if a number is not finite, the covariance is invalid, or the pose's time is
+// more than kMaxPoseLead ahead of the server's clock.
+absl::StatusOr<RobotPose> Receive(const RobotPose& pose);
+// Whether `pose` is later than the stored one, or estimates the same moment of the same session again. A time ahead of
+// the server's clock counts as the time of receipt, so that a clock that was ahead does not silence its robot.
+bool Replaces(const RobotPose& pose, const RobotPose& stored);
 
 // The last reported pose of each robot. Thread-safe; errors common to all stores: see SiteStore.
 class RobotPoseStore {
  public:
   virtual ~RobotPoseStore() = default;
 
-  // Keeps the pose with the latest time: an earlier one is ignored. One of the same time replaces the stored pose only
-  // if both are of the same session, which has then estimated that moment again. NOT_FOUND naming the robot or map
-  // that is missing; INVALID_ARGUMENT if a number is not finite or the covariance is invalid.
+  // Keeps the latest pose: one that does not replace the stored one (Replaces) is ignored. NOT_FOUND naming the robot
+  // or map that is missing; INVALID_ARGUMENT as from Receive.
   virtual absl::Status Report(const CallContext& context, const RobotPose& pose) const = 0;
   // NOT_FOUND if the robot has reported no pose.
   virtual absl::StatusOr<RobotPose> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const = 0;

@@ -2,24 +2,19 @@
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
-#include "core/geometry/covariance.h"
 #include "tests/fakes/in_memory_stores.h"
 
 namespace enfilade::testing {
 
-absl::Status InMemoryRobotPoseStore::Report(const storage::CallContext& context, const storage::RobotPose& pose) const {
-  if (!IsFinite(pose.T_map_robot.pose)) return InvalidArgument("the pose is not finite");
-  ENFILADE_RETURN_IF_ERROR(ValidateCovariance(pose.T_map_robot.covariance));
+absl::Status InMemoryRobotPoseStore::Report(const storage::CallContext& context,
+                                            const storage::RobotPose& report) const {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose pose, storage::Receive(report));
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_RETURN_IF_ERROR(access.GetMap(pose.site, pose.map).status());
   SiteRows* const rows = access.FindSite(pose.site);
   if (!rows->robots.contains(pose.robot)) return NotFound("{} does not exist", NameOf(pose.site, pose.robot));
   const auto stored = rows->robot_poses.find(pose.robot);
-  if (stored != rows->robot_poses.end()) {
-    const bool newer = stored->second.time < pose.time;
-    const bool estimated_again = stored->second.time == pose.time && stored->second.session == pose.session;
-    if (!newer && !estimated_again) return absl::OkStatus();
-  }
+  if (stored != rows->robot_poses.end() && !storage::Replaces(pose, stored->second)) return absl::OkStatus();
   storage::RobotPose& row = rows->robot_poses[pose.robot];
   row = pose;
   row.version = access.NewEtag();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/graph/robot_pose_store.h"
 
+#include <chrono>
 #include <cmath>
 
 #include "tests/contract/storage/suite/contract_test.h"
@@ -52,6 +53,22 @@ TEST_F(RobotPoseStoreTest, AMomentsPoseIsReplacedOnlyByItsOwnSession) {
   ASSERT_OK_AND_ASSIGN(const storage::RobotPose stored, robot_poses_.Get(Soon(), site_, robot_));
   EXPECT_EQ(stored.T_map_robot.pose.x, 1.004);
   EXPECT_EQ(stored.session, session);
+}
+
+TEST_F(RobotPoseStoreTest, ATimeAheadOfTheServersClockSilencesNoRobot) {
+  const auto now = [] { return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count(); };
+  EXPECT_STATUS(robot_poses_.Report(Soon(), At(9.0, 7'226'582'400 * kNsPerSecond)), absl::StatusCode::kInvalidArgument,
+                ::testing::HasSubstr("ahead of the server's clock"));
+  const TimeNs begin = now();
+  ASSERT_OK(robot_poses_.Report(Soon(), At(1.0, begin + storage::kMaxPoseLead / 2)));
+  ASSERT_OK_AND_ASSIGN(const storage::RobotPose ahead, robot_poses_.Get(Soon(), site_, robot_));
+  EXPECT_EQ(ahead.time, begin + storage::kMaxPoseLead / 2);
+  EXPECT_GE(ahead.received, begin);
+  EXPECT_LE(ahead.received, now());
+  // The robot's clock is set right: what it reports now is later.
+  ASSERT_OK(robot_poses_.Report(Soon(), At(2.0, now())));
+  ASSERT_OK_AND_ASSIGN(const storage::RobotPose stored, robot_poses_.Get(Soon(), site_, robot_));
+  EXPECT_EQ(stored.T_map_robot.pose.x, 2.0);
 }
 
 TEST_F(RobotPoseStoreTest, SaysWhatIsMissingOrWrong) {
