@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/base/error.h"
+#include "core/base/status_macros.h"
 
 namespace enfilade {
 
@@ -19,6 +20,13 @@ absl::Status ValidateCovariance(const Eigen::Matrix3d& covariance) {
                            solver.eigenvalues().minCoeff());
   }
   return absl::OkStatus();
+}
+
+absl::Status ValidateMeasuredCovariance(const Eigen::Matrix3d& covariance) {
+  ENFILADE_RETURN_IF_ERROR(ValidateCovariance(covariance));
+  const double largest = covariance.diagonal().maxCoeff();
+  if (largest <= kMaxVariance) return absl::OkStatus();
+  return InvalidArgument("the covariance has the variance {}: expected at most {}", largest, kMaxVariance);
 }
 
 }  // namespace enfilade

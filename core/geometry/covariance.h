@@ -11,4 +11,10 @@ namespace enfilade {
 // INVALID_ARGUMENT names the property that fails.
 absl::Status ValidateCovariance(const Eigen::Matrix3d& covariance);
 
+// Of a measured pose: a standard deviation of 1000 km or 10^6 rad says no more than that nothing is known, and larger
+// ones make systems of equations unsolvable. m^2, rad^2.
+constexpr double kMaxVariance = 1e12;
+// ValidateCovariance, and no variance above kMaxVariance.
+absl::Status ValidateMeasuredCovariance(const Eigen::Matrix3d& covariance);
+
 }  // namespace enfilade

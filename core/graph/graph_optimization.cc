@@ -193,10 +193,20 @@ class Optimization {
         solution.switched_off.push_back({.link_point = link_point.id, .chi2 = chi2_[i], .gate = gate_[i]});
       }
     }
+    SwitchOffUnusable(solution);
     solution.disconnected = joint_.disconnected;
     solution.iterations = iterations_;
     solution.converged = report_.converged;
     return solution;
+  }
+
+  void SwitchOffUnusable(SolvedGraph& solution) const {
+    for (const LinkPoint* link_point : snapshot_.ListLinkPoints()) {
+      if (link_point->use == LinkPointUse::kSuspended || link_point->is_candidate()) continue;
+      if (IsUnusable(*link_point)) solution.switched_off.push_back({.link_point = link_point->id});
+    }
+    std::sort(solution.switched_off.begin(), solution.switched_off.end(),
+              [](const SwitchedOff& a, const SwitchedOff& b) { return a.link_point < b.link_point; });
   }
 
   const GraphSnapshot& snapshot_;

@@ -32,7 +32,8 @@ struct GraphOptimizationOptions {
 // and the rest is solved without a kernel. While a used link point is beyond the gate, the worst one is switched off; a
 // switched-off one that is within the gate of the new poses is used again, at most once. Link points switched off
 // earlier are judged again. A link point that is the only connection between maps is never switched off: nothing
-// contradicts it.
+// contradicts it. A link point with a covariance that no measurement has (ValidateMeasuredCovariance) is switched off
+// before anything is solved, with chi2 and gate 0.
 //
 // INVALID_ARGUMENT: options out of range. FAILED_PRECONDITION: the graph has no root. A graph without link points has
 // the trivial solution: its root at the origin.

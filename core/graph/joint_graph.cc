@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "core/geometry/covariance.h"
 #include "core/graph/paths/pose_chain.h"
 #include "core/optimize/edge_error.h"
 #include "core/optimize/solve_pose_graph.h"
@@ -40,7 +41,7 @@ optimize::PoseGraphEdge Edge(int from, std::int64_t to, const PoseWithCovariance
 }
 
 bool IsSolved(const LinkPoint& link_point) {
-  return link_point.use != LinkPointUse::kSuspended && !link_point.is_candidate();
+  return link_point.use != LinkPointUse::kSuspended && !link_point.is_candidate() && !IsUnusable(link_point);
 }
 
 // The maps connected to the root, breadth first, with their initial poses.
@@ -92,6 +93,11 @@ void AddTerm(const GraphSnapshot& snapshot, int slot, const GraphOptimizationOpt
 }
 
 }  // namespace
+
+bool IsUnusable(const LinkPoint& link_point) {
+  return std::any_of(link_point.anchors.begin(), link_point.anchors.end(),
+                     [](const Anchor& anchor) { return !ValidateMeasuredCovariance(anchor.covariance).ok(); });
+}
 
 JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphOptimizationOptions& options) {
   JointGraph joint;

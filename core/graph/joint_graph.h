@@ -29,8 +29,12 @@ struct JointGraph {
   std::vector<MapId> disconnected;  // by id
 };
 
+// Whether an anchor's covariance cannot be solved with: link points are checked when they are stored, but were not
+// always.
+bool IsUnusable(const LinkPoint& link_point);
+
 // Initial poses are the solution's, or, for maps that it lacks, those of the chain with the fewest link points.
-// Includes switched-off link points, but not suspended ones and candidates.
+// Includes switched-off link points, but not suspended, unusable ones and candidates.
 JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphOptimizationOptions& options);
 
 void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled);

@@ -19,7 +19,7 @@ absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors) {
                              anchor.map.value());
     }
     if (!IsFinite(anchor.T_map_place)) return InvalidArgument("anchors[{}].pose is not finite", i);
-    ENFILADE_RETURN_IF_ERROR(WithContext(ValidateCovariance(anchor.covariance), fmt::format("anchors[{}]", i)));
+    ENFILADE_RETURN_IF_ERROR(WithContext(ValidateMeasuredCovariance(anchor.covariance), fmt::format("anchors[{}]", i)));
   }
   return absl::OkStatus();
 }

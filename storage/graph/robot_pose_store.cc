@@ -12,7 +12,7 @@ namespace enfilade::storage {
 
 absl::StatusOr<RobotPose> Receive(const RobotPose& pose) {
   if (!IsFinite(pose.T_map_robot.pose)) return InvalidArgument("the pose is not finite");
-  ENFILADE_RETURN_IF_ERROR(ValidateCovariance(pose.T_map_robot.covariance));
+  ENFILADE_RETURN_IF_ERROR(ValidateMeasuredCovariance(pose.T_map_robot.covariance));
   RobotPose received = pose;
   received.received =
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();

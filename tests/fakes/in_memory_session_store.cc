@@ -52,7 +52,7 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Create(const storage::Cal
                                                               const std::string& request_id) const {
   if (session.entry.T_map_robot) {
     ENFILADE_RETURN_IF_ERROR(
-        WithContext(ValidateCovariance(session.entry.T_map_robot->covariance), "entry.pose_map_robot"));
+        WithContext(ValidateMeasuredCovariance(session.entry.T_map_robot->covariance), "entry.pose_map_robot"));
   }
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_ASSIGN_OR_RETURN(SiteRows* const site, access.GetSite(session.site));

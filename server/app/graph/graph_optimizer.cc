@@ -44,6 +44,17 @@ std::string DigestOf(const graph::GraphSnapshot& graph) {
   return Sha256(bytes);
 }
 
+// ": a, b, ...": as many as fit into a line.
+std::string FirstNames(const std::vector<graph::SwitchedOff>& switched_off) {
+  constexpr std::size_t kNames = 10;
+  std::string names;
+  for (std::size_t i = 0; i < switched_off.size() && i <= kNames; ++i) {
+    names += i == 0 ? ": " : ", ";
+    names += i == kNames ? "..." : switched_off[i].link_point.value();
+  }
+  return names;
+}
+
 bool IsSame(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
   // A solution that only places the root adds nothing.
   if (graph.solution() == nullptr) return solution.map_poses.size() <= 1 && solution.switched_off.empty();
@@ -125,13 +136,24 @@ void GraphOptimizer::Run() {
   while (!stop_.WaitFor(kSettleTime)) {
     for (const SiteId& site : changed_.Take()) {
       if (stop_.is_set()) return;
-      const absl::Status status = OptimizeIfDue(site);
-      if (status.ok() || absl::IsNotFound(status)) continue;
-      if (!absl::IsAborted(status))
-        spdlog::warn("cannot optimise the graph of {}: {}", site.value(), status.ToString());
-      changed_.Add(site);
+      if (!TryToOptimize(site)) changed_.Add(site);
     }
   }
+}
+
+bool GraphOptimizer::TryToOptimize(const SiteId& site) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!backoff_.IsDue(site, now)) return false;
+  const absl::Status status = OptimizeIfDue(site);
+  if (absl::IsAborted(status)) return false;
+  if (status.ok() || absl::IsNotFound(status)) {
+    backoff_.Succeed(site);
+    return true;
+  }
+  const std::chrono::seconds wait = backoff_.Fail(site, std::chrono::steady_clock::now());
+  spdlog::warn("cannot optimise the graph of {}; next attempt in {} s: {}", site.value(), wait.count(),
+               status.ToString());
+  return false;
 }
 
 absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
@@ -155,9 +177,9 @@ absl::Status GraphOptimizer::OptimizeChanged(const storage::CallContext& context
   ENFILADE_ASSIGN_OR_RETURN(const graph::SolvedGraph solution, graph::OptimizeGraph(graph.graph()));
   if (IsSame(graph.graph(), solution)) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph.graph(), solution));
-  spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off",
+  spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off{}",
                site.value(), version, solution.map_poses.size(), solution.chi2_before, solution.chi2_after,
-               solution.switched_off.size());
+               solution.switched_off.size(), FirstNames(solution.switched_off));
   return absl::OkStatus();
 }
 

@@ -10,6 +10,7 @@
 #include "core/base/ids.h"
 #include "core/graph/graph_optimization.h"
 #include "server/app/graph/changed_sites.h"
+#include "server/app/graph/site_backoff.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
@@ -44,6 +45,8 @@ class GraphOptimizer {
 
  private:
   void Run();
+  // False: the site remains to be optimised. After an error it is left alone for a while.
+  bool TryToOptimize(const SiteId& site);
   // No-op if the graph's measurements are those that were last solved. ABORTED if another holder has the lease.
   absl::Status OptimizeIfDue(const SiteId& site);
   // The next three: the caller holds the site's lease.
@@ -58,6 +61,7 @@ class GraphOptimizer {
   StopSignal stop_;
   // The digest of the measurements that were last solved. Used by the worker only.
   std::unordered_map<SiteId, std::string> solved_;
+  SiteBackoff backoff_;  // used by the worker only
   const std::string owner_;
   std::thread worker_;
 };

@@ -64,7 +64,8 @@ absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const S
                                              const std::string& request_id) const {
   const sensor::SessionEntry& entry = session.entry;
   if (entry.T_map_robot) {
-    ENFILADE_RETURN_IF_ERROR(WithContext(ValidateCovariance(entry.T_map_robot->covariance), "entry.pose_map_robot"));
+    ENFILADE_RETURN_IF_ERROR(
+        WithContext(ValidateMeasuredCovariance(entry.T_map_robot->covariance), "entry.pose_map_robot"));
   }
   const PoseColumns initial(entry.T_map_robot);
   const PoseColumns odom(entry.T_odom_robot);

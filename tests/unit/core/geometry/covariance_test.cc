@@ -67,6 +67,13 @@ TEST(ValidateCovariance, NamesTheProperty) {
   EXPECT_STATUS(ValidateCovariance(indefinite), absl::StatusCode::kInvalidArgument, HasSubstr("-0.5"));
 }
 
+TEST(ValidateMeasuredCovariance, RefusesVariancesThatNoMeasurementHas) {
+  EXPECT_OK(ValidateMeasuredCovariance(kMaxVariance * Eigen::Matrix3d::Identity()));
+  EXPECT_STATUS(ValidateMeasuredCovariance(Eigen::Vector3d(1.0, 1e300, 1.0).asDiagonal()),
+                absl::StatusCode::kInvalidArgument, HasSubstr("1e+300"));
+  EXPECT_CODE(ValidateMeasuredCovariance(-Eigen::Matrix3d::Identity()), absl::StatusCode::kInvalidArgument);
+}
+
 TEST(PoseWithCovariance, CompositionIsAssociative) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 200; ++i) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "core/geometry/covariance.h"
 #include "core/graph/chi_squared.h"
 #include "core/graph/global_pose.h"
 #include "tests/support/pose_matchers.h"
@@ -169,6 +170,29 @@ TEST(GraphOptimizationTest, TheOnlyConnectionIsNeverSwitchedOff) {
   ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(graph));
   EXPECT_THAT(solution.switched_off, SizeIs(1));
   EXPECT_THAT(solution.map_poses, SizeIs(2));
+}
+
+TEST(GraphOptimizationTest, ALinkPointThatCannotBeSolvedWithIsSwitchedOffAndNamed) {
+  LinkPoint broken = Joining("w", {AnchorIn("b", {1, 0, 0}), AnchorIn("c", {})});
+  broken.anchors[0].covariance = 1e300 * Eigen::Matrix3d::Identity();
+  const GraphSnapshot graph =
+      Graph({"a", "b", "c"}, {Joining("x", {AnchorIn("a", {3, 0, 0}), AnchorIn("b", {})}), broken});
+  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(graph));
+  EXPECT_THAT(solution.map_poses, SizeIs(2));
+  EXPECT_THAT(solution.map_poses.at(M("b")).pose, PoseNear(Pose2{3, 0, 0}, 1e-6, 1e-6));
+  EXPECT_THAT(solution.disconnected, ElementsAre(M("c")));
+  EXPECT_THAT(solution.switched_off, ElementsAre(SwitchedOff{.link_point = L("w")}));
+}
+
+TEST(GraphOptimizationTest, TheLargestPermittedCovarianceIsSolvedBesideExactOnes) {
+  LinkPoint vague = Joining("w", {AnchorIn("b", {1, 0, 0}), AnchorIn("c", {})});
+  vague.anchors[0].covariance = kMaxVariance * Eigen::Matrix3d::Identity();
+  LinkPoint exact = Joining("x", {AnchorIn("a", {3, 0, 0}), AnchorIn("b", {})});
+  for (Anchor& anchor : exact.anchors) anchor.covariance.setZero();
+  const GraphSnapshot graph = Graph({"a", "b", "c"}, {exact, vague});
+  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(graph));
+  EXPECT_THAT(solution.map_poses.at(M("c")).pose, PoseNear(Pose2{4, 0, 0}, 1e-3, 1e-3));
+  EXPECT_THAT(solution.switched_off, IsEmpty());
 }
 
 TEST(GraphOptimizationTest, ReportsDisconnectedMaps) {
