@@ -142,10 +142,12 @@ absl::StatusOr<storage::Site> FromProto(const v1::Site& in) {
   ENFILADE_RETURN_IF_ERROR(CheckDisplayName("site.display_name", in.display_name()));
   site.display_name = in.display_name();
   if (in.has_raw_retention()) {
-    if (in.raw_retention().seconds() < 0 || in.raw_retention().nanos() != 0) {
-      return InvalidArgument("site.raw_retention must be a whole, non-negative number of seconds");
+    const std::int64_t seconds = in.raw_retention().seconds();
+    if (seconds < 0 || seconds > storage::kMaxRetention.count() || in.raw_retention().nanos() != 0) {
+      return InvalidArgument("site.raw_retention must be a whole number of seconds, 0 to {}; unset for ever",
+                             storage::kMaxRetention.count());
     }
-    site.raw_retention = std::chrono::seconds(in.raw_retention().seconds());
+    site.raw_retention = std::chrono::seconds(seconds);
   }
   return site;
 }

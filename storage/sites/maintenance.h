@@ -13,8 +13,9 @@ class Pool;
 }
 
 // Deletes what is no longer needed, in small transactions: each call deletes about `limit` rows at most and returns how
-// many. Call it again while it returns `limit`. Several replicas may do so at the same time. Thread-safe; errors common
-// to all stores: see SiteStore.
+// many. Call it again while it returns `limit`. An error in one site does not stop the others: it is returned, naming
+// the site, once they have nothing left to delete. Several replicas may do so at the same time. Thread-safe; errors
+// common to all stores: see SiteStore.
 class Maintenance {
  public:
   explicit Maintenance(postgres::Pool& pool) : pool_(pool) {}

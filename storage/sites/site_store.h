@@ -18,11 +18,14 @@ namespace postgres {
 class Pool;
 }
 
+// A hundred years.
+constexpr std::chrono::seconds kMaxRetention = std::chrono::hours(24) * 36'500;
+
 // A campus: a tenant of the server.
 struct Site {
   SiteId id;
   std::string display_name;
-  // How long the records of a session are kept after it has finished; unset: for ever.
+  // How long the records of a session are kept after it has finished, 0 to kMaxRetention; unset: for ever.
   std::optional<std::chrono::seconds> raw_retention;
   // Set by the store. A new value with every change, never used twice.
   std::int64_t etag = 0;

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 
@@ -11,22 +12,33 @@ namespace {
 
 using postgres::ExecuteAlone;
 using postgres::Params;
+using postgres::ReadRows;
 using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
+// Sites are listed first and worked on one by one, so that an error in one of them leaves the others alone.
+constexpr Statement kListDeleted{"looking for deleted sessions",
+                                 "SELECT DISTINCT site_id FROM enfilade.sessions"
+                                 " WHERE delete_time IS NOT NULL AND NOT purged ORDER BY site_id"};
+constexpr Statement kListExpired{"looking for expired records",
+                                 "SELECT DISTINCT site_id FROM enfilade.sessions"
+                                 " WHERE records_deleted AND delete_time IS NULL AND NOT purged ORDER BY site_id"};
+constexpr Statement kListRetentions{"looking for retentions",
+                                    "SELECT site_id FROM enfilade.sites WHERE raw_retention_s IS NOT NULL"
+                                    " ORDER BY site_id"};
 // Skips sessions that another replica is purging.
-constexpr Statement kFindDeleted{"looking for deleted sessions",
-                                 "SELECT site_id, session_id FROM enfilade.sessions"
-                                 " WHERE delete_time IS NOT NULL AND NOT purged LIMIT 1 FOR UPDATE SKIP LOCKED"};
-constexpr Statement kFindExpired{"looking for expired records",
-                                 "SELECT site_id, session_id FROM enfilade.sessions"
-                                 " WHERE records_deleted AND delete_time IS NULL AND NOT purged LIMIT 1"
+constexpr Statement kFindDeleted{"looking for a deleted session",
+                                 "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
+                                 " AND delete_time IS NOT NULL AND NOT purged LIMIT 1 FOR UPDATE SKIP LOCKED"};
+constexpr Statement kFindExpired{"looking for a session with expired records",
+                                 "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
+                                 " AND records_deleted AND delete_time IS NULL AND NOT purged LIMIT 1"
                                  " FOR UPDATE SKIP LOCKED"};
 constexpr Statement kMarkExpired{
     "looking for sessions past their retention",
     "UPDATE enfilade.sessions s SET records_deleted = true FROM enfilade.sites t"
-    " WHERE t.site_id = s.site_id AND s.finish_time <= now() - t.raw_retention_s * interval '1 second'"
+    " WHERE t.site_id = $1 AND s.site_id = $1 AND s.finish_time <= now() - t.raw_retention_s * interval '1 second'"
     " AND s.delete_time IS NULL AND NOT s.records_deleted AND s.state IN (3, 4)"};
 constexpr Statement kMarkPurged{"closing the session",
                                 "UPDATE enfilade.sessions SET purged = true WHERE site_id = $1 AND session_id = $2"};
@@ -58,19 +70,32 @@ constexpr Statement kCollectBlobs{
     "    WHERE u.site_id = b.site_id AND u.sha256 = b.sha256)"
     "  LIMIT $2 FOR UPDATE SKIP LOCKED))"};
 
+// What is purged, and where it is found.
+struct PurgeKind {
+  const Statement& list_sites;
+  const Statement& find;  // in a site
+  bool with_mapping;
+};
+constexpr PurgeKind kDeleted{kListDeleted, kFindDeleted, true};
+constexpr PurgeKind kExpired{kListExpired, kFindExpired, false};
+
+absl::StatusOr<std::vector<SiteId>> ListSites(postgres::Pool& pool, const CallContext& context, const Statement& list) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, list, Params()));
+  return ReadRows(result, [](Row& row) { return SiteId(std::string(row.Text())); });
+}
+
 // Deletes up to `limit` rows of one session; unset if there is none to purge.
 absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const CallContext& context,
-                                                     const Statement& find, bool with_mapping, std::int64_t limit) {
+                                                     const PurgeKind& kind, const SiteId& site, std::int64_t limit) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(find, Params()));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kind.find, Params(site)));
   if (found.rows() == 0) return std::nullopt;
   Row row(found, 0);
-  const std::string site(row.Text());
   const std::string session(row.Text());
   ENFILADE_RETURN_IF_ERROR(row.status());
   std::vector<const Statement*> deletions;
   for (const Statement& deletion : kRecordTables) deletions.push_back(&deletion);
-  if (with_mapping) {
+  if (kind.with_mapping) {
     for (const Statement& deletion : kMappingTables) deletions.push_back(&deletion);
   }
   std::int64_t deleted = 0;
@@ -85,32 +110,48 @@ absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const
   return deleted;
 }
 
-absl::StatusOr<std::int64_t> Purge(postgres::Pool& pool, const CallContext& context, const Statement& find,
-                                   bool with_mapping, std::int64_t limit) {
-  std::int64_t total = 0;
+// Adds the rows deleted in the site to `total`, also if an error ends it.
+absl::Status PurgeSite(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind, const SiteId& site,
+                       std::int64_t limit, std::int64_t& total) {
   while (total < limit) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto deleted, PurgeOne(pool, context, find, with_mapping, limit - total));
+    ENFILADE_ASSIGN_OR_RETURN(const auto deleted, PurgeOne(pool, context, kind, site, limit - total));
     if (!deleted) break;
     total += *deleted;
   }
+  return absl::OkStatus();
+}
+
+// The first error of a site, naming it, is returned once there is nothing left to do in the others.
+absl::StatusOr<std::int64_t> Purge(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind,
+                                   std::int64_t limit, absl::Status error = {}) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool, context, kind.list_sites));
+  std::int64_t total = 0;
+  for (const SiteId& site : sites) {
+    error.Update(WithContext(PurgeSite(pool, context, kind, site, limit, total), NameOf(site)));
+    if (total >= limit) return total;
+  }
+  if (!error.ok()) return error;
   return total;
 }
 
 }  // namespace
 
 absl::StatusOr<std::int64_t> Maintenance::PurgeDeletedSessions(const CallContext& context, std::int64_t limit) const {
-  return Purge(pool_, context, kFindDeleted, true, limit);
+  return Purge(pool_, context, kDeleted, limit);
 }
 
 absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const {
-  ENFILADE_RETURN_IF_ERROR(storage::postgres::ExecuteAlone(pool_, context, kMarkExpired, Params()).status());
-  return Purge(pool_, context, kFindExpired, false, limit);
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool_, context, kListRetentions));
+  absl::Status error;
+  for (const SiteId& site : sites) {
+    error.Update(WithContext(ExecuteAlone(pool_, context, kMarkExpired, Params(site)).status(), NameOf(site)));
+  }
+  return Purge(pool_, context, kExpired, limit, error);
 }
 
 absl::StatusOr<std::int64_t> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,
                                                        std::int64_t limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kCollectBlobs,
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kCollectBlobs,
                                                             Params(static_cast<std::int64_t>(grace.count()), limit)));
   return result.affected();
 }

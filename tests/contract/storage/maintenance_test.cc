@@ -108,6 +108,38 @@ TEST_F(MaintenanceTest, DeletesRecordsPastTheSitesRetention) {
   EXPECT_EQ(database_.SqlValue("SELECT purged FROM enfilade.sessions"), "t");
 }
 
+TEST_F(MaintenanceTest, TheLongestRetentionIsWithinTheDatabasesTimes) {
+  SetRetention(storage::kMaxRetention);
+  EXPECT_EQ(DeleteExpired(), 0);
+  ASSERT_OK_AND_ASSIGN(storage::Site site, sites_.Get(Soon(), site_));
+  site.raw_retention = storage::kMaxRetention + seconds(1);
+  EXPECT_STATUS(sites_.Update(Soon(), site).status(), absl::StatusCode::kInvalidArgument,
+                HasSubstr("sites_raw_retention_max"));
+}
+
+TEST_F(MaintenanceTest, AnErrorInOneSiteStopsNoOther) {
+  SetRetention(seconds(1800));
+  const SessionId session = NewSession("s1", false);
+  ASSERT_OK(Append(session, ScanRecords(1, 25)));
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 25));
+  Age(session);
+  // A site before this one, in which nothing can be deleted.
+  database_.Sql(
+      "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s) VALUES ('0broken', 'B', 0);"
+      "INSERT INTO enfilade.robots (site_id, robot_id, display_name) VALUES ('0broken', 'r', 'R');"
+      "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, state, finish_time)"
+      " VALUES ('0broken', 's', 'r', 3, now() - interval '1 hour');"
+      "CREATE FUNCTION enfilade.refuse() RETURNS trigger LANGUAGE plpgsql AS"
+      " $$ BEGIN RAISE 'the site is broken'; END $$;"
+      "CREATE TRIGGER refuse BEFORE UPDATE ON enfilade.sessions FOR EACH ROW WHEN (OLD.site_id = '0broken')"
+      " EXECUTE FUNCTION enfilade.refuse()");
+  EXPECT_EQ(DeleteExpired(10), 10);
+  EXPECT_EQ(DeleteExpired(10), 10);
+  EXPECT_STATUS(maintenance_.DeleteExpiredRecords(Soon(), 10).status(), absl::StatusCode::kInternal,
+                HasSubstr("0broken"));
+  EXPECT_EQ(CountIn("session_records"), "0");
+}
+
 TEST_F(MaintenanceTest, KeepsRecordsThatAreStillToBeMapped) {
   SetRetention(seconds(0));
   const SessionId recording = NewSession("s1");

@@ -52,6 +52,8 @@ TEST(SiteResource, RefusesARetentionThatIsNoWholeNumberOfSeconds) {
   site.set_display_name("Site");
   site.mutable_raw_retention()->set_seconds(-1);
   EXPECT_STATUS(FromProto(site), absl::StatusCode::kInvalidArgument, HasSubstr("site.raw_retention"));
+  site.mutable_raw_retention()->set_seconds(1'000'000'000'000);
+  EXPECT_STATUS(FromProto(site), absl::StatusCode::kInvalidArgument, HasSubstr("3153600000"));
   site.mutable_raw_retention()->set_seconds(1);
   site.mutable_raw_retention()->set_nanos(1);
   EXPECT_STATUS(FromProto(site), absl::StatusCode::kInvalidArgument, HasSubstr("site.raw_retention"));
