@@ -137,7 +137,7 @@ class Server::Impl {
     if (state.ready) {
       spdlog::info("ready: schema {}", state.schema.deployed);
     } else {
-      spdlog::warn("not ready: {}", state.reason);
+      spdlog::warn("not ready: {}{}", state.reason, state.detail.empty() ? "" : " (" + state.detail + ")");
     }
     if (grpc) grpc->GetHealthCheckService()->SetServingStatus(state.ready);
   }

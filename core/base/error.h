@@ -48,11 +48,13 @@ absl::Status Internal(fmt::format_string<Args...> format, Args&&... args) {
   return absl::InternalError(fmt::format(format, std::forward<Args>(args)...));
 }
 
-// The same status code with `context` and ": " before its message.
+// The same status with `context` and ": " before its message.
 inline absl::Status WithContext(const absl::Status& status, const std::string& context) {
   if (status.ok()) return status;
   const std::string message(status.message().data(), status.message().size());
-  return absl::Status(status.code(), context + ": " + message);
+  absl::Status result(status.code(), context + ": " + message);
+  status.ForEachPayload([&result](auto url, const absl::Cord& payload) { result.SetPayload(url, payload); });
+  return result;
 }
 
 }  // namespace enfilade

@@ -117,7 +117,8 @@ void Uploader::StartNext() {
   }
   MutexLock lock(mutex_);
   progress_.waiting = waiting;
-  if (!next || stopping_ || !progress_.blocked.empty()) return;
+  if (!next || stopping_ || (!progress_.blocked.empty() && Clock::now() < retry_blocked_)) return;
+  progress_.blocked.clear();
   client::UplinkOptions options = options_.uplink;
   options.on_map_entered = [this, id = *next](const v1::MapEntered& entered) { OnMapEntered(id, entered); };
   session_ = *next;
@@ -158,7 +159,11 @@ void Uploader::OnUplinkEnded(const absl::Status& status) {
     uplink_.reset();
     progress_.session.clear();
     if (absl::IsCancelled(status)) return;
-    if (!status.ok()) progress_.blocked = std::string(status.message());
+    if (!status.ok()) {
+      progress_.blocked = std::string(status.message());
+      retry_blocked_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                          std::chrono::duration<double>(options_.retry_blocked_s));
+    }
     if (status.ok()) ++progress_.followed;
   }
   if (!status.ok()) {

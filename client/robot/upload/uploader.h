@@ -23,13 +23,16 @@ namespace enfilade::robot {
 
 struct UploaderOptions {
   client::UplinkOptions uplink;
-  double follow_s = 1.0;     // between two polls of what the server has made of finished sessions
+  double follow_s = 1.0;  // between two polls of what the server has made of finished sessions
+  // After the server has refused a session for good, until it is tried again: an operator may have mended the cause.
+  double retry_blocked_s = 60.0;
   bool global_pose = false;  // polls the robot's pose in the world, too
 };
 
 // Uploads a robot's sessions one after the other in the order in which they began, each while it is still recorded, and
 // then follows what the server makes of them (SessionFollower). A session that the server has received whole is removed
-// from the spool, unless refused records are kept in it. Thread-safe.
+// from the spool, unless refused records are kept in it. One that the server refuses for good blocks the later ones; it
+// is tried again from time to time. Thread-safe.
 class Uploader {
  public:
   struct Progress {
@@ -37,7 +40,7 @@ class Uploader {
     client::UplinkProgress uplink;
     std::int64_t waiting = 0;   // sessions in the spool that the server has not received whole
     std::int64_t followed = 0;  // sessions that it has received and is still mapping or judging
-    std::string blocked;        // why nothing more can be uploaded; empty: all is well
+    std::string blocked;        // why nothing is uploaded at present; empty: all is well
     std::string map;            // the display name of the map where the server last saw the robot
     std::string map_name;       // and its resource name
   };
@@ -80,6 +83,7 @@ class Uploader {
   SessionFollower follower_;
   std::string last_error_;
   std::string last_pose_error_;
+  std::chrono::steady_clock::time_point retry_blocked_;
 
   Mutex mutex_;
   CondVar changed_;

@@ -10,24 +10,29 @@ namespace {
 
 Readiness::State StateFrom(const absl::StatusOr<storage::SchemaState>& schema) {
   if (!schema.ok()) {
-    return {false, "the database does not answer: " + std::string(schema.status().message()), {}};
+    return {false,
+            "the database does not answer: " + std::string(schema.status().message()),
+            {},
+            schema.status().ToString()};
   }
   switch (schema->position) {
     case storage::SchemaState::Position::kAtHead:
-      return {true, "", *schema};
+      return {true, "", *schema, {}};
     case storage::SchemaState::Position::kEmpty:
-      return {false, "the database has no schema: run deploy/database/migrate up", *schema};
+      return {false, "the database has no schema: run deploy/database/migrate up", *schema, {}};
     case storage::SchemaState::Position::kBehind:
       return {false,
               fmt::format("the database is at {}, this program needs {}: run deploy/database/migrate up",
                           schema->deployed, schema->expected),
-              *schema};
+              *schema,
+              {}};
     case storage::SchemaState::Position::kAhead:
       return {false,
               fmt::format("the database is at {}, which this program does not know: use a newer one", schema->deployed),
-              *schema};
+              *schema,
+              {}};
   }
-  return {false, "unknown schema state", *schema};
+  return {false, "unknown schema state", *schema, {}};
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ class Readiness {
     bool ready = false;
     std::string reason;  // why it is not ready, for people
     storage::SchemaState schema;
+    std::string detail;  // what the database says about it: for the log, not for callers
   };
   // Reads the schema's state from the database.
   using CheckSchema = std::function<absl::StatusOr<storage::SchemaState>()>;

@@ -47,17 +47,6 @@ bool EndsConnection(const absl::Status& status) {
          sqlstate == "25006" || sqlstate == "0A000" || sqlstate == "26000";
 }
 
-absl::Status ConnectFailure(pg_conn* connection) {
-  std::string reason = PQerrorMessage(connection);
-  while (!reason.empty() && reason.back() == '\n') reason.pop_back();
-  const std::string message = "cannot connect to the database: " + reason;
-  if (reason.find("does not exist") != std::string::npos && reason.find("database \"") != std::string::npos) {
-    return absl::FailedPreconditionError(message);
-  }
-  if (reason.find("authentication failed") != std::string::npos) return absl::PermissionDeniedError(message);
-  return absl::UnavailableError(message);
-}
-
 absl::Status AwaitConnected(pg_conn* connection, steady_clock::time_point deadline) {
   PostgresPollingStatusType next = PGRES_POLLING_WRITING;
   while (PQstatus(connection) != CONNECTION_BAD && next != PGRES_POLLING_FAILED) {
@@ -68,7 +57,7 @@ absl::Status AwaitConnected(pg_conn* connection, steady_clock::time_point deadli
     }
     next = PQconnectPoll(connection);
   }
-  return ConnectFailure(connection);
+  return CannotConnect(connection);
 }
 
 }  // namespace
@@ -88,8 +77,8 @@ absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::string& 
   if (!connection) return absl::ResourceExhaustedError("cannot connect to the database: out of memory");
   ENFILADE_RETURN_IF_ERROR(AwaitConnected(connection, deadline));
   if (PQserverVersion(connection) < kOldestServer) {
-    return FailedPrecondition("the database server is PostgreSQL {}, at least 15 is needed",
-                              PQserverVersion(connection) / 10000);
+    return Unavailable("the database server is PostgreSQL {}, at least 15 is needed",
+                       PQserverVersion(connection) / 10000);
   }
   PQsetnonblocking(connection, 1);
   PQsetNoticeProcessor(
@@ -125,7 +114,7 @@ absl::Status Connection::EnterPipeline() {
   if (PQpipelineStatus(connection_.get()) != PQ_PIPELINE_OFF || PQenterPipelineMode(connection_.get())) {
     return absl::OkStatus();
   }
-  return Broken(Internal("cannot enter pipeline mode: {}", PQerrorMessage(connection_.get())));
+  return Broken(LostConnection(connection_.get(), "entering pipeline mode"));
 }
 
 absl::Status Connection::LeavePipeline(std::string_view what) {
@@ -133,7 +122,7 @@ absl::Status Connection::LeavePipeline(std::string_view what) {
   if (PQpipelineStatus(connection_.get()) == PQ_PIPELINE_OFF || PQexitPipelineMode(connection_.get())) {
     return absl::OkStatus();
   }
-  return Broken(Internal("{}: cannot leave pipeline mode: {}", what, PQerrorMessage(connection_.get())));
+  return Broken(LostConnection(connection_.get(), what));
 }
 
 void Connection::Queue(const Statement& statement, const Params& params) {

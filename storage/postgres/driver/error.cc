@@ -12,6 +12,7 @@ namespace {
 
 constexpr char kSqlStatePayload[] = "enfilade/sqlstate";
 constexpr char kConstraintPayload[] = "enfilade/constraint";
+constexpr char kDatabaseTextPayload[] = "enfilade/database";
 
 struct CodeOfState {
   std::string_view prefix;
@@ -23,8 +24,7 @@ constexpr std::array kCodes = {
     CodeOfState{"40001", absl::StatusCode::kAborted},  // serialization_failure
     CodeOfState{"40P01", absl::StatusCode::kAborted},  // deadlock_detected
     CodeOfState{"55P03", absl::StatusCode::kAborted},  // lock_not_available
-    CodeOfState{"23505", absl::StatusCode::kAlreadyExists},
-    CodeOfState{"23503", absl::StatusCode::kFailedPrecondition},
+    CodeOfState{"23505", absl::StatusCode::kAlreadyExists}, CodeOfState{"23503", absl::StatusCode::kFailedPrecondition},
     CodeOfState{"23502", absl::StatusCode::kInvalidArgument},  // not_null_violation
     CodeOfState{"23514", absl::StatusCode::kInvalidArgument},  // check_violation
     CodeOfState{"22", absl::StatusCode::kInvalidArgument},     // data_exception
@@ -38,11 +38,15 @@ constexpr std::array kCodes = {
     CodeOfState{"0A000", absl::StatusCode::kUnavailable},     // a plan from before a migration
     CodeOfState{"26000", absl::StatusCode::kUnavailable},     // a prepared statement is missing: a pooler in between
     CodeOfState{"08", absl::StatusCode::kUnavailable},
-    CodeOfState{"42501", absl::StatusCode::kPermissionDenied},
-    CodeOfState{"28", absl::StatusCode::kPermissionDenied},
-    CodeOfState{"42P01", absl::StatusCode::kFailedPrecondition},  // undefined_table
-    CodeOfState{"3F000", absl::StatusCode::kFailedPrecondition},  // invalid_schema_name
-    CodeOfState{"3D000", absl::StatusCode::kFailedPrecondition},  // invalid_catalog_name
+    // The server's own fault, which an operator mends: no fault of the caller, who may try again.
+    CodeOfState{"42501", absl::StatusCode::kUnavailable},  // insufficient_privilege
+    CodeOfState{"28", absl::StatusCode::kUnavailable},     // invalid_authorization_specification
+    CodeOfState{"42P01", absl::StatusCode::kUnavailable},  // undefined_table: not migrated
+    CodeOfState{"42703", absl::StatusCode::kUnavailable},  // undefined_column
+    CodeOfState{"42883", absl::StatusCode::kUnavailable},  // undefined_function
+    CodeOfState{"42704", absl::StatusCode::kUnavailable},  // undefined_object
+    CodeOfState{"3F000", absl::StatusCode::kUnavailable},  // invalid_schema_name
+    CodeOfState{"3D000", absl::StatusCode::kUnavailable},  // invalid_catalog_name
 };
 
 std::string Field(const pg_result* result, int field) {
@@ -61,6 +65,12 @@ std::string WithoutLineEnd(const char* text) {
   return result;
 }
 
+// What the database or libpq says may name hosts, users and rows: it is for the log (ToString), not for callers.
+absl::Status WithDatabaseText(absl::Status status, const std::string& text) {
+  status.SetPayload(kDatabaseTextPayload, absl::Cord(text));
+  return status;
+}
+
 }  // namespace
 
 absl::StatusCode CodeOfSqlState(std::string_view sqlstate) {
@@ -74,23 +84,30 @@ absl::Status StatusFromResult(const pg_result* result, std::string_view what) {
   const std::string sqlstate = Field(result, PG_DIAG_SQLSTATE);
   const std::string constraint = Field(result, PG_DIAG_CONSTRAINT_NAME);
   if (sqlstate.empty()) {  // made by libpq
-    return Unavailable("{}: {}", what, WithoutLineEnd(PQresultErrorMessage(result)));
+    return WithDatabaseText(Unavailable("{}: the database does not answer", what),
+                            WithoutLineEnd(PQresultErrorMessage(result)));
   }
-  std::string message = fmt::format("{}: {}", what, Field(result, PG_DIAG_MESSAGE_PRIMARY));
-  if (const std::string detail = Field(result, PG_DIAG_MESSAGE_DETAIL); !detail.empty()) message += ": " + detail;
-  message += fmt::format(" (SQLSTATE {})", sqlstate);
-  absl::Status status(CodeOfSqlState(sqlstate), message);
+  std::string message = fmt::format("{}: the database refused it (SQLSTATE {})", what, sqlstate);
+  if (!constraint.empty()) message += ", by the constraint " + constraint;
+  std::string text = Field(result, PG_DIAG_MESSAGE_PRIMARY);
+  if (const std::string detail = Field(result, PG_DIAG_MESSAGE_DETAIL); !detail.empty()) text += ": " + detail;
+  absl::Status status = WithDatabaseText(absl::Status(CodeOfSqlState(sqlstate), message), text);
   status.SetPayload(kSqlStatePayload, absl::Cord(sqlstate));
   if (!constraint.empty()) status.SetPayload(kConstraintPayload, absl::Cord(constraint));
   return status;
 }
 
 absl::Status LostConnection(const pg_conn* connection, std::string_view what) {
-  return Unavailable("{}: the connection to the database was lost: {}", what,
-                     WithoutLineEnd(PQerrorMessage(connection)));
+  return WithDatabaseText(Unavailable("{}: the connection to the database was lost", what),
+                          WithoutLineEnd(PQerrorMessage(connection)));
+}
+
+absl::Status CannotConnect(const pg_conn* connection) {
+  return WithDatabaseText(Unavailable("cannot connect to the database"), WithoutLineEnd(PQerrorMessage(connection)));
 }
 
 std::string SqlStateOf(const absl::Status& status) { return PayloadOf(status, kSqlStatePayload); }
 std::string ConstraintOf(const absl::Status& status) { return PayloadOf(status, kConstraintPayload); }
+std::string DatabaseTextOf(const absl::Status& status) { return PayloadOf(status, kDatabaseTextPayload); }
 
 }  // namespace enfilade::storage::postgres

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "storage/postgres/driver/error.h"
 #include "storage/postgres/driver/transaction.h"
 #include "tests/support/cluster.h"
 #include "tests/support/database.h"
@@ -15,6 +16,7 @@ namespace enfilade::storage::postgres {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr Statement kOne{"selecting one", "SELECT 1::bigint"};
 constexpr Statement kSum{"adding", "SELECT $1 + $2"};
@@ -142,16 +144,19 @@ TEST_F(PoolTest, AnUnreachableServerIsUnavailableAtOnceWhileItBacksOff) {
                           .first_backoff = std::chrono::seconds(60),
                           .max_backoff = std::chrono::seconds(60)});
   const absl::Status first = Ping(*pool);
-  EXPECT_STATUS(first, absl::StatusCode::kUnavailable, HasSubstr("/nonexistent"));
+  EXPECT_STATUS(first, absl::StatusCode::kUnavailable, Not(HasSubstr("/nonexistent")));
+  EXPECT_THAT(DatabaseTextOf(first), HasSubstr("/nonexistent"));
   EXPECT_EQ(Ping(*pool), first);
   EXPECT_EQ(pool->stats().failures, 1);
   EXPECT_EQ(pool->stats().open, 0);
 }
 
-TEST_F(PoolTest, AMissingDatabaseIsAFailedPrecondition) {
+TEST_F(PoolTest, AMissingDatabaseOrRoleIsUnavailableAndNotNamed) {
   std::string url = database_.url();
   url.replace(url.find("/enfilade_test_"), 15, "/no_such_thing_");
-  EXPECT_STATUS(Ping(*Make({.url = url})), absl::StatusCode::kFailedPrecondition, HasSubstr("no_such_thing"));
+  EXPECT_STATUS(Ping(*Make({.url = url})), absl::StatusCode::kUnavailable, Not(HasSubstr("no_such_thing")));
+  url = database_.url() + (database_.url().find('?') == std::string::npos ? "?" : "&") + "user=nobody_known";
+  EXPECT_STATUS(Ping(*Make({.url = url})), absl::StatusCode::kUnavailable, Not(HasSubstr("nobody_known")));
 }
 
 TEST_F(PoolTest, ConnectsAgainWhenAKilledServerIsBack) {

@@ -15,6 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr Statement kSleep{"sleeping", "SELECT pg_sleep($1)"};
 constexpr Statement kSelectOne{"selecting one", "SELECT 1::bigint"};
@@ -139,8 +140,17 @@ TEST_F(TransactionTest, NamesTheConstraintThatRefused) {
   EXPECT_OK(ExecuteAlone(*pool_, Soon(), kInsert, Params(std::int64_t{999})));
 }
 
+TEST_F(TransactionTest, AMissingSchemaIsUnavailableWithoutTheDatabasesWords) {
+  for (const Statement& missing :
+       {Statement{"reading", "SELECT * FROM no_schema.no_table"},
+        Statement{"reading", "SELECT no_column FROM pg_class"}, Statement{"reading", "SELECT no_function()"}}) {
+    EXPECT_STATUS(ExecuteAlone(*pool_, Soon(), missing, Params()).status(), absl::StatusCode::kUnavailable,
+                  Not(HasSubstr("no_")));
+  }
+}
+
 TEST_F(TransactionTest, ServesOnAfterAnError) {
-  constexpr Statement kBroken{"breaking", "SELECT no_such_function()"};
+  constexpr Statement kBroken{"breaking", "SELECT FROM FROM"};
   EXPECT_CODE(ExecuteAlone(*pool_, Soon(), kBroken, Params()), absl::StatusCode::kInternal);
   EXPECT_CODE(ExecuteAlone(*pool_, Soon(), kBroken, Params()), absl::StatusCode::kInternal);
   EXPECT_OK(ExecuteAlone(*pool_, Soon(), kSelectOne, Params()));

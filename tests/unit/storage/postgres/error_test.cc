@@ -28,7 +28,10 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair("57P03", StatusCode::kUnavailable), std::pair("08006", StatusCode::kUnavailable),
         std::pair("53300", StatusCode::kUnavailable), std::pair("25006", StatusCode::kUnavailable),
         std::pair("53100", StatusCode::kResourceExhausted), std::pair("53200", StatusCode::kResourceExhausted),
-        std::pair("42501", StatusCode::kPermissionDenied), std::pair("42P01", StatusCode::kFailedPrecondition),
+        std::pair("42501", StatusCode::kUnavailable), std::pair("42P01", StatusCode::kUnavailable),
+        std::pair("42703", StatusCode::kUnavailable), std::pair("42883", StatusCode::kUnavailable),
+        std::pair("28P01", StatusCode::kUnavailable), std::pair("28000", StatusCode::kUnavailable),
+        std::pair("3F000", StatusCode::kUnavailable), std::pair("3D000", StatusCode::kUnavailable),
         std::pair("42601", StatusCode::kInternal), std::pair("XX000", StatusCode::kInternal)));
 
 TEST(SqlStateTest, AStatusOfOursNamesNone) {

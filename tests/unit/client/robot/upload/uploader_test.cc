@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -166,6 +167,24 @@ TEST_F(UploaderTest, SurvivesOutagesAndReportsThemOnceEach) {
   EXPECT_EQ(server_->sessions()[NameOf(session)].records.size(), 12U);
   EXPECT_EQ(server_->sessions()[NameOf(session)].conflicts, 0);
   EXPECT_THAT(Notifications("uplink").at(0).text, HasSubstr("nothing is lost"));
+}
+
+TEST_F(UploaderTest, ABlockedSessionIsTriedAgainOnceTheCauseIsMended) {
+  RecordWhole("a");
+  std::atomic<int> refusals{0};
+  FakeServer::Behaviour behaviour;
+  behaviour.interfere = [&](Moment moment, int) {
+    return moment == Moment::kCreateSession && refusals++ < 3
+               ? grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "not this robot")
+               : grpc::Status::OK;
+  };
+  Serve(behaviour);
+  options_.retry_blocked_s = 0.01;
+  StartUploader();
+  ASSERT_TRUE(Done());
+  EXPECT_EQ(Notifications("blocked").size(), 3U);
+  EXPECT_EQ(uploader_->progress().blocked, "");
+  EXPECT_EQ(server_->sessions().size(), 1U);
 }
 
 TEST_F(UploaderTest, ASessionThatIsRefusedForGoodBlocksTheLaterOnes) {
