@@ -7,6 +7,7 @@
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/server_service.grpc.pb.h"
 #include "google/protobuf/descriptor.h"
 #include "grpcpp/generic/generic_stub.h"
 #include "storage/postgres/driver/transaction.h"
@@ -180,6 +181,25 @@ TEST_F(CallsTest, StreamedPoseReportsAreStoredInTheNameOfTheActor) {
   EXPECT_EQ(actor, "robot r");
   stream->WritesDone();
   EXPECT_TRUE(stream->Finish().ok());
+}
+
+TEST_F(CallsTest, StreamsCancelledWhileTheyOpenLeaveNothingOpen) {
+  const auto streams_open = [this] {
+    return Call(&v1::ServerService::Stub::GetServerStatus, v1::GetServerStatusRequest())->streams_open();
+  };
+  v1::StreamRecordsRequest open;
+  open.mutable_open()->set_session(CreateSession(false));
+  const auto stub = v1::IngestService::NewStub(connection_->channel());
+  for (int i = 0; i < 1500; ++i) {
+    grpc::ClientContext context;
+    const auto stream = stub->StreamRecords(&context);
+    ASSERT_TRUE(stream->Write(open));
+    std::this_thread::sleep_for(std::chrono::microseconds(10 * (i % 150)));
+    context.TryCancel();
+    EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  }
+  for (int i = 0; i < 1000 && streams_open() > 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(streams_open(), 0);
 }
 
 // The last report of a stream counts although the client is gone when its turn comes.

@@ -167,6 +167,28 @@ TEST_F(IngestTest, FiftyReconnectsMakeOneSession) {
   EXPECT_EQ(StoredCount(), "500");
 }
 
+// A reader that never reads would otherwise have the server keep all refusals.
+TEST_F(IngestTest, AStreamWhoseAnswersAreNotReadIsReadNoFurther) {
+  constexpr int kReports = 50'000;
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(8));
+  const auto stub = v1::IngestService::NewStub(connection_->channel());
+  const auto stream = stub->StreamRecords(&context);
+  v1::StreamRecordsRequest request;
+  request.mutable_open()->set_session(CreateSession(false));
+  ASSERT_TRUE(stream->Write(request));
+  v1::StreamRecordsResponse opened;
+  ASSERT_TRUE(stream->Read(&opened));
+  request.mutable_pose_report()->set_map(std::string(200, 'x'));  // which the refusal repeats
+  int sent = 0;
+  while (sent < kReports && stream->Write(request)) ++sent;
+  EXPECT_LT(sent, kReports) << "flow control stops the sender until the deadline";
+  EXPECT_GT(sent, 0);
+  while (stream->Read(&opened)) {
+  }
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+}
+
 TEST_F(IngestTest, TheFirstMessageMustOpenASessionThatExists) {
   const auto stub = v1::IngestService::NewStub(connection_->channel());
   const auto status_of = [&](const std::vector<v1::StreamRecordsRequest>& requests) {

@@ -18,9 +18,11 @@
 namespace enfilade::server {
 namespace {
 
+constexpr std::size_t kMaxWaitingResponses = 64;
+
 // One stream: reading -> (half-closed by the client, failed or draining) -> pending batches are answered -> finished.
 // At most one read and one write are in progress. Called by gRPC's callbacks, the executor and Ingest's writers; only
-// the executor's calls may block.
+// the executor's calls may block. Reading stops while a client leaves many answers unread.
 class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamRecordsRequest, v1::StreamRecordsResponse>,
                                    public std::enable_shared_from_this<StreamRecordsReactor> {
  public:
@@ -54,6 +56,10 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     writing_ = false;
     if (!ok) responses_.clear();
     WriteNext();
+    if (reading_paused_ && responses_.size() < kMaxWaitingResponses / 2) {
+      reading_paused_ = false;
+      if (!ending_) StartRead(&request_);
+    }
   }
 
   void OnCancel() override {
@@ -91,20 +97,23 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   void Open(const storage::CallContext& context, const convert::SessionName& name) {
     const absl::StatusOr<storage::Session> session = services_.sessions.Get(context, name.site, name.session);
     if (!session.ok()) return EndReading(session.status());
-    auto stream = services_.ingest.Open(
+    const std::shared_ptr<Ingest::Stream> stream = services_.ingest.Open(
         name, [self = std::weak_ptr<StreamRecordsReactor>(shared_from_this())](const IngestEvent& event) {
           if (const auto reactor = self.lock()) reactor->OnEvent(event);
         });
+    bool ended = false;
     {
       MutexLock lock(mutex_);
-      stream_ = std::move(stream);
-      robot_ = {name.site, session->robot};
-      session_ = name.session;
-      v1::StreamRecordsResponse response;
-      response.mutable_opened()->set_acknowledged_sequence(session->acknowledged_sequence);
-      responses_.push_back(std::move(response));
-      WriteNext();
+      ended = ending_;  // cancelled meanwhile: OnDone may have come already
+      if (!ended) {
+        stream_ = stream;
+        robot_ = {name.site, session->robot};
+        session_ = name.session;
+        responses_.emplace_back().mutable_opened()->set_acknowledged_sequence(session->acknowledged_sequence);
+        WriteNext();
+      }
     }
+    if (ended) return services_.ingest.Close(stream);
     AwaitMap(name, session->entry);
     ReadOn();
   }
@@ -234,7 +243,8 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
 
   void ReadOn() {
     MutexLock lock(mutex_);
-    if (!ending_) StartRead(&request_);
+    reading_paused_ = responses_.size() >= kMaxWaitingResponses;
+    if (!ending_ && !reading_paused_) StartRead(&request_);
   }
 
   // Reads no more. OK: pending batches are answered first.
@@ -279,6 +289,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   v1::StreamRecordsResponse response_;  // of the write in progress
   std::int64_t unanswered_ ABSL_GUARDED_BY(mutex_) = 0;
   bool waiting_for_room_ ABSL_GUARDED_BY(mutex_) = false;
+  bool reading_paused_ ABSL_GUARDED_BY(mutex_) = false;  // until most responses are written
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool ending_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
