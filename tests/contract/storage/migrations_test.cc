@@ -142,5 +142,11 @@ TEST(SchemaTest, EveryForeignKeyToABlobHasAnIndex) {
       IsEmpty());
 }
 
+TEST(SchemaTest, TheForeignKeyOfTrajectoriesToKeyframesHasAnIndex) {
+  const TestDatabase database;
+  EXPECT_THAT(database.Sql("SELECT indexdef FROM pg_indexes WHERE tablename = 'trajectory_points'"),
+              Contains(HasSubstr("(site_id, session_id, node_id)")));
+}
+
 }  // namespace
 }  // namespace enfilade::testing

@@ -1,0 +1,7 @@
+-- SPDX-License-Identifier: Apache-2.0
+-- Deleting keyframes looks for the trajectory's points that refer to them.
+BEGIN;
+
+CREATE INDEX trajectory_points_node_idx ON enfilade.trajectory_points (site_id, session_id, node_id);
+
+COMMIT;
