@@ -40,6 +40,9 @@ absl::Status SimulationOptions::Validate() const {
       return InvalidArgument("{} is {}: expected 0 to odometry_hz ({})", name, hz, odometry_hz);
     }
   }
+  if (!(start_after >= 0.0 && start_after <= 1e6)) {
+    return InvalidArgument("start_after is {} s: expected 0 to 1000000", start_after);
+  }
   if (!(wheel_sigma >= 0.0 && slip >= 0.0 && near_doors >= 0.0)) {
     return InvalidArgument("wheel_sigma, slip and near_doors must not be negative");
   }
@@ -57,7 +60,20 @@ absl::StatusOr<RobotSimulation> RobotSimulation::Start(std::shared_ptr<const Wor
   if (!found) return NotFound("campus {} has no robot \"{}\"", world->campus().name, robot);
   Robot plan = *found;
   if (options.laps) plan.laps = *options.laps;
-  return RobotSimulation(std::move(world), plan, options);
+  RobotSimulation simulation(std::move(world), plan, options);
+  ENFILADE_RETURN_IF_ERROR(simulation.DriveUnrecorded());
+  return simulation;
+}
+
+absl::Status RobotSimulation::DriveUnrecorded() {
+  const std::int64_t first = std::llround(options_.start_after * options_.odometry_hz);
+  while (steps_ < first) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::optional<RouteDriver::Step> step, driver_.Next());
+    if (!step) break;
+    ++steps_;
+  }
+  start_level_ = driver_.level();
+  return absl::OkStatus();
 }
 
 RobotSimulation::RobotSimulation(std::shared_ptr<const World> world, const Robot& robot,

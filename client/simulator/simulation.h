@@ -22,6 +22,8 @@ struct SimulationOptions {
   TimeNs start_time = 1'700'000'000 * kNsPerSecond;
   MotionLimits motion;
   std::optional<int> laps;  // instead of the robot's
+  // s: the robot is switched on at this time of its route, wherever it is then; what came before is not recorded.
+  double start_after = 0.0;
 
   // Rates, Hz; 0 switches a sensor off. The rates are rounded so that a whole number of odometry steps lies between two
   // readings.
@@ -79,7 +81,7 @@ struct GroundTruth {
 
 // One robot's drive, record by record in order of time. The noise of each reading depends only on (seed, robot, sensor,
 // index): the same campus, robot and options give the same records whatever else is simulated, and switching a sensor
-// off does not change the others. Odometry starts at zero.
+// off does not change the others. Odometry starts at zero where the robot is switched on.
 class RobotSimulation {
  public:
   // INVALID_ARGUMENT on bad options, NOT_FOUND: the campus has no such robot.
@@ -98,6 +100,7 @@ class RobotSimulation {
  private:
   RobotSimulation(std::shared_ptr<const World> world, const Robot& robot, const SimulationOptions& options);
 
+  absl::Status DriveUnrecorded();
   Noise NoiseOf(int sensor, std::int64_t index) const;
   bool Due(double hz) const;
   bool NearADoor() const;

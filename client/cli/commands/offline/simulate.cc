@@ -183,6 +183,8 @@ void AddSimulate(CLI::App& app, const Globals& globals) {
   command->add_option("--truth", options->truth, "Without CAMPUS: also write the true poses, lines \"t x y yaw\"");
   command->add_option("--robots", options->robots, "Only these robots, comma-separated")->delimiter(',');
   command->add_option("--seed", options->simulation.seed, "The seed of all noise")->capture_default_str();
+  command->add_option("--start-after", options->simulation.start_after,
+                      "The robots are switched on at this time of their routes, s");
   command->add_option("--laps", options->laps,
                       "Rounds of each robot's route (default: the campus's; without CAMPUS 2)");
   AddSensors(*command, options);
