@@ -11,7 +11,8 @@
 
 namespace enfilade::sensor {
 
-// How a session's robot entered the map. All unset: the map starts with the session, at the robot's first pose.
+// How a session's robot entered the map. All unset: the map starts with the session, at the robot's first pose, or, if
+// it has content already, the robot is located in it by its scans.
 struct SessionEntry {
   // The session that the robot left through a door (DoorReport::Kind::kPassage). The verdict on that passage gives the
   // map and the pose in it; until then the session has no map.

@@ -42,57 +42,93 @@ absl::StatusOr<slam::SlamOptions> SlamOptionsOf(const SessionMappingStores& stor
   return *profiles.Find(fallback);
 }
 
-absl::StatusOr<slam::LogMapper> Begin(const SessionMappingStores& stores, const sensor::ScanPairingOptions& pairing,
-                                      const slam::SlamOptions& slam, const storage::Session& session) {
-  if (!session.entry.T_map_robot) return slam::LogMapper(pairing, slam);
-  slam::ExistingMap existing_map{{}, {*session.entry.T_map_robot, session.entry.T_odom_robot}};
-  const auto revision = stores.revisions.Get(MappingContext(), session.site, *session.map, 0);
-  if (revision.ok()) {
-    ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(MappingContext(), stores.revisions, *revision));
-    ENFILADE_ASSIGN_OR_RETURN(existing_map.grid, OnMapLattice(raster, slam.resolution));
-  } else if (!absl::IsNotFound(revision.status())) {
-    return revision.status();
-  }
-  return slam::LogMapper(pairing, slam, existing_map);
-}
-
 }  // namespace
 
 SessionMapping::SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options,
-                               const storage::Session& session, slam::LogMapper mapper)
+                               const storage::Session& session, slam::SlamOptions slam)
     : stores_(stores),
       options_(options),
       site_(session.site),
       session_(session.id),
       robot_(session.robot),
       map_(*session.map),
-      overlay_(stores.blobs, session.site),
-      mapper_(std::move(mapper)) {}
+      slam_(std::move(slam)),
+      overlay_(stores.blobs, session.site) {}
 
 absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const SessionMappingStores& stores,
                                                                      const SessionMappingOptions& options,
                                                                      const storage::Session& session) {
   ENFILADE_ASSIGN_OR_RETURN(const auto stored, stores.mappings.Load(MappingContext(), session.site, session.id));
   ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions slam, SlamOptionsOf(stores, options.slam, session));
-  absl::StatusOr<slam::LogMapper> mapper =
-      stored ? slam::LogMapper::Restore(options.pairing, slam, stored->map, stored->checkpoint)
-             : Begin(stores, options.pairing, slam, session);
-  if (!mapper.ok()) return mapper.status();
-  std::unique_ptr<SessionMapping> mapping(new SessionMapping(stores, options, session, *std::move(mapper)));
-  mapping->mapped_sequence_ = mapping->stored_sequence_ = stored ? stored->mapped_sequence : 0;
+  std::unique_ptr<SessionMapping> mapping(new SessionMapping(stores, options, session, slam));
+  if (stored) {
+    ENFILADE_ASSIGN_OR_RETURN(mapping->mapper_,
+                              slam::LogMapper::Restore(options.pairing, slam, stored->map, stored->checkpoint));
+    mapping->mapped_sequence_ = mapping->stored_sequence_ = stored->mapped_sequence;
+  } else {
+    ENFILADE_RETURN_IF_ERROR(mapping->Begin(session));
+  }
   return mapping;
 }
 
-absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const storage::SessionLease& lease) {
-  absl::StatusOr<std::vector<sensor::Record>> records =
-      stores_.records.Read(MappingContext(), site_, session_, mapped_sequence_ + 1, kRecordPortionBytes);
+absl::Status SessionMapping::Begin(const storage::Session& session) {
+  const std::optional<PoseWithCovariance>& entered = session.entry.T_map_robot;
+  grid::OccupancyGrid existing;
+  const auto revision = stores_.revisions.Get(MappingContext(), site_, map_, 0);
+  if (revision.ok()) {
+    ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(MappingContext(), stores_.revisions, *revision));
+    ENFILADE_ASSIGN_OR_RETURN(existing, OnMapLattice(raster, slam_.resolution));
+  } else if (!absl::IsNotFound(revision.status())) {
+    return revision.status();
+  }
+  if (entered) {
+    mapper_.emplace(options_.pairing, slam_,
+                    slam::ExistingMap{std::move(existing), {*entered, session.entry.T_odom_robot}});
+  } else if (existing.cells.empty()) {
+    mapper_.emplace(options_.pairing, slam_);
+  } else {
+    location_.emplace(options_.pairing, std::move(existing));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<sensor::Record>> SessionMapping::ReadAfter(std::int64_t sequence) const {
+  auto records = stores_.records.Read(MappingContext(), site_, session_, sequence + 1, kRecordPortionBytes);
   // The records of a completely mapped session may be deleted by retention.
-  const bool records_are_gone = absl::IsFailedPrecondition(records.status());
-  if (!records.ok() && !records_are_gone) return records.status();
-  if (records_are_gone || records->empty()) return AtEndOfLog(lease);
-  for (sensor::Record& record : *records) {
+  if (absl::IsFailedPrecondition(records.status())) return std::vector<sensor::Record>();
+  return records;
+}
+
+// Once the robot is located, mapping starts at the beginning of the log.
+absl::StatusOr<SessionMapping::Progress> SessionMapping::LocateStep() {
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records, ReadAfter(looked_sequence_));
+  if (records.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, stores_.sessions.Get(MappingContext(), site_, session_));
+    if (session.state == storage::SessionState::kRecording) return Progress::kWaiting;
+    if (looked_sequence_ < session.acknowledged_sequence && !session.records_deleted) return Progress::kWorked;
+    ENFILADE_RETURN_IF_ERROR(location_->Finish());
+  }
+  for (sensor::Record& record : records) {
+    looked_sequence_ = record.sequence;
+    ENFILADE_RETURN_IF_ERROR(location_->Add(std::move(record)));
+  }
+  if (std::optional<slam::ExistingMap> existing = location_->TakeLocated()) {
+    mapper_.emplace(options_.pairing, slam_, *existing);
+    location_.reset();
+  } else if (records.empty()) {
+    mapper_.emplace(options_.pairing, slam_);
+    location_.reset();  // the session has no scans
+  }
+  return Progress::kWorked;
+}
+
+absl::StatusOr<SessionMapping::Progress> SessionMapping::Step(const storage::SessionLease& lease) {
+  if (location_) return LocateStep();
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records, ReadAfter(mapped_sequence_));
+  if (records.empty()) return AtEndOfLog(lease);
+  for (sensor::Record& record : records) {
     mapped_sequence_ = record.sequence;
-    mapper_.Add(std::move(record));
+    mapper_->Add(std::move(record));
   }
   const auto now = std::chrono::steady_clock::now();
   if (now - last_commit_ >= options_.checkpoint_interval) {
@@ -109,7 +145,7 @@ absl::StatusOr<SessionMapping::Progress> SessionMapping::AtEndOfLog(const storag
     return FailedPrecondition("the records from sequence {} on were deleted before they were mapped",
                               mapped_sequence_ + 1);
   }
-  mapper_.Finish();
+  mapper_->Finish();
   ENFILADE_RETURN_IF_ERROR(Commit(lease, /*with_revision=*/true, storage::SessionState::kMapped));
   ended_ = true;
   return Progress::kEnded;
@@ -123,17 +159,17 @@ absl::Status SessionMapping::Store(const storage::SessionLease& lease) {
 
 absl::Status SessionMapping::Commit(const storage::SessionLease& lease, bool with_revision,
                                     std::optional<storage::SessionState> final_state) {
-  const slam::SlamDelta delta = mapper_.TakeDelta();
-  const std::string checkpoint = mapper_.Checkpoint();
+  const slam::SlamDelta delta = mapper_->TakeDelta();
+  const std::string checkpoint = mapper_->Checkpoint();
   storage::MappingStep step{.delta = delta,
                             .checkpoint = checkpoint,
-                            .counts = ToStored(mapper_.counts()),
+                            .counts = ToStored(mapper_->counts()),
                             .mapped_sequence = mapped_sequence_,
                             .revision = nullptr,
                             .blobs = {},
                             .final_state = final_state,
                             .error = {}};
-  const grid::OccupancyGrid own = with_revision ? mapper_.RenderGrid() : grid::OccupancyGrid{};
+  const grid::OccupancyGrid own = with_revision ? mapper_->RenderGrid() : grid::OccupancyGrid{};
   if (own.cells.empty()) {
     ENFILADE_RETURN_IF_ERROR(stores_.mappings.Commit(MappingContext(), lease, step).status());
   } else {
@@ -184,7 +220,7 @@ absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, 
 
 // Not part of the commit: if it fails, the stored pose is only older.
 void SessionMapping::StorePose() const {
-  const std::optional<slam::PresentPose> pose = mapper_.FindPresentPose();
+  const std::optional<slam::PresentPose> pose = mapper_->FindPresentPose();
   if (!pose || pose->lost) return;
   const absl::Status status =
       stores_.robot_poses.Report(MappingContext(), {site_, robot_, map_, session_, pose->T_map_robot, pose->time, 0});

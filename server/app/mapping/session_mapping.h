@@ -7,12 +7,14 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "core/slam/slam_profiles.h"
 #include "server/app/mapping/layer_overlay.h"
+#include "server/app/mapping/session_location.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_store.h"
@@ -42,13 +44,14 @@ struct SessionMappingOptions {
 
 // Maps one session: reads its records in order, maps them, and stores results together with the checkpoint. The
 // published revision is the session's raster between the other layers of its map. A session that enters an existing map
-// continues in it (Mapper, ExistingMap). Each commit also stores the robot's present pose, unless the robot is lost or
+// continues in it (Mapper, ExistingMap); without an entry pose, the robot is located in it first (SessionLocation), and
+// nothing is stored before. Each commit also stores the robot's present pose, unless the robot is lost or
 // has reported a later pose. Not thread-safe; used by the thread that holds the session's lease.
 class SessionMapping {
  public:
-  // Resumes from the stored checkpoint, or starts at the beginning of the log: if the session has an entry pose, with
-  // the map's current revision as the existing map. `session` must have a map. DATA_LOSS if the stored state does not
-  // fit this program.
+  // Resumes from the stored checkpoint, or starts at the beginning of the log, with the map's current revision, if
+  // there is one, as the existing map. `session` must have a map. DATA_LOSS if the stored state does not fit this
+  // program.
   static absl::StatusOr<std::unique_ptr<SessionMapping>> Load(const SessionMappingStores& stores,
                                                               const SessionMappingOptions& options,
                                                               const storage::Session& session);
@@ -59,8 +62,9 @@ class SessionMapping {
     kEnded,    // the session is completely mapped, and stored as such
   };
 
-  // Maps the next portion of the log, and commits if a checkpoint is due. ABORTED if the lease is lost. After any
-  // error, discard the object: the next one resumes from the checkpoint.
+  // Maps the next portion of the log, and commits if a checkpoint is due. ABORTED if the lease is lost.
+  // FAILED_PRECONDITION: the robot cannot be located in the existing map. After any error, discard the object: the next
+  // one resumes from the checkpoint.
   absl::StatusOr<Progress> Step(const storage::SessionLease& lease);
   // Commits what is not stored yet.
   absl::Status Store(const storage::SessionLease& lease);
@@ -71,12 +75,17 @@ class SessionMapping {
 
   std::int64_t stored_sequence() const { return stored_sequence_; }
   bool ended() const { return ended_; }
-  slam::LogMapperCounts counts() const { return mapper_.counts(); }
+  slam::LogMapperCounts counts() const { return mapper_ ? mapper_->counts() : slam::LogMapperCounts(); }
 
  private:
   SessionMapping(const SessionMappingStores& stores, const SessionMappingOptions& options,
-                 const storage::Session& session, slam::LogMapper mapper);
+                 const storage::Session& session, slam::SlamOptions slam);
 
+  // At the beginning of the log: begins to map, or to locate the robot.
+  absl::Status Begin(const storage::Session& session);
+  absl::StatusOr<Progress> LocateStep();
+  // The log's next portion after `sequence`; empty at its end.
+  absl::StatusOr<std::vector<sensor::Record>> ReadAfter(std::int64_t sequence) const;
   absl::StatusOr<Progress> AtEndOfLog(const storage::SessionLease& lease);
   absl::Status Commit(const storage::SessionLease& lease, bool with_revision,
                       std::optional<storage::SessionState> final_state);
@@ -90,8 +99,11 @@ class SessionMapping {
   const SessionId session_;
   const RobotId robot_;
   const MapId map_;
+  const slam::SlamOptions slam_;
   LayerOverlay overlay_;
-  slam::LogMapper mapper_;
+  std::optional<SessionLocation> location_;  // until the robot is located; then
+  std::optional<slam::LogMapper> mapper_;
+  std::int64_t looked_sequence_ = 0;  // of location_
   std::int64_t mapped_sequence_ = 0;
   std::int64_t stored_sequence_ = 0;
   bool ended_ = false;

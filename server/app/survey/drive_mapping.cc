@@ -10,6 +10,7 @@
 #include "core/grid/overlay.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "fmt/format.h"
+#include "server/app/survey/drive_location.h"
 #include "server/app/survey/stored_drives.h"
 #include "storage/sessions/all_sessions.h"
 
@@ -59,34 +60,47 @@ class LevelMapper {
                                   const std::map<MapId, storage::Map>& maps) {
     level_.survey.level = level;
     mapped_before_ = fmt::format("level {}", level);
-    for (const StoredDrive& drive : DrivesOn(level, sessions, maps)) {
-      ENFILADE_RETURN_IF_ERROR(AddDrive(drive, maps));
+    std::vector<StoredDrive> left = DrivesOn(level, sessions, maps);
+    for (bool grown = true; std::exchange(grown, false);) {
+      std::vector<StoredDrive> without_place;
+      for (StoredDrive& drive : left) {
+        ENFILADE_ASSIGN_OR_RETURN(const bool added, AddDrive(drive, maps));
+        if (!added) without_place.push_back(std::move(drive));
+        grown = grown || added;
+      }
+      left = std::move(without_place);  // what was mapped since may show where they are
     }
     AddMaps(sessions, maps);
     return std::move(level_);
   }
 
  private:
-  absl::Status AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
-    if (!IsDrivenByDoors(stored)) return absl::OkStatus();
+  // False: nothing says where the drive is.
+  absl::StatusOr<bool> AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
+    if (!IsDrivenByDoors(stored)) return true;
     ENFILADE_ASSIGN_OR_RETURN(survey::Drive drive, ReadDrive(stored));
     const auto first = std::find_if(drive.begin(), drive.end(),
                                     [](const survey::SurveyedSession& session) { return !session.visits.empty(); });
-    if (first == drive.end()) return absl::OkStatus();
+    if (first == drive.end()) return true;
     const Environment environment = maps.at(first->map).environment;
     const slam::SlamOptions& slam = *options_.slam.Find(
         environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor);
-    std::optional<Pose2> T_level_start;
-    if (!level_.survey.drives.empty()) {
-      const std::optional<Pose2> T_level_map = FindPlace(first->map);
-      if (!T_level_map) return absl::OkStatus();  // nothing says where it is
-      T_level_start = *T_level_map * first->visits.front().T_map_robot;
-    }
-    mapped_before_ += KeyOf(stored, environment);
-    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped,
-                              run_.cache.Get(mapped_before_, [&] { return MapDrive(stored, slam, T_level_start); }));
-    if (mapped->grid.cells.empty()) return absl::OkStatus();
-    if (level_.survey.drives.empty()) {
+    const bool begins_level = level_.survey.drives.empty();
+    std::optional<slam::ExistingMapEntry> start;
+    if (!begins_level) start = StartByGraph(*first);
+    const bool by_scans = !begins_level && !start;
+    const std::string key = mapped_before_ + (by_scans ? "?" : "") + KeyOf(stored, environment);
+    const auto map = [&]() -> absl::StatusOr<MappedDrive> {
+      if (by_scans) {
+        ENFILADE_ASSIGN_OR_RETURN(start, StartByScans(stored));
+        if (!start) return MappedDrive{};
+      }
+      return MapDrive(stored, slam, start);
+    };
+    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped, run_.cache.Get(key, map));
+    if (mapped->grid.cells.empty()) return !by_scans;
+    mapped_before_ = key;
+    if (begins_level) {
       level_.grid = mapped->grid;
     } else {
       ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, mapped->grid));
@@ -96,22 +110,45 @@ class LevelMapper {
     factor = level_.survey.drives.empty() ? mapped->variance_factor : std::max(factor, mapped->variance_factor);
     ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, mapped->trajectory));
     level_.survey.drives.push_back(std::move(drive));
-    return absl::OkStatus();
+    return true;
+  }
+
+  // Where a drive begins, by where the graph or the drives before it have its first map.
+  std::optional<slam::ExistingMapEntry> StartByGraph(const survey::SurveyedSession& first) const {
+    const std::optional<Pose2> T_level_map = FindPlace(first.map);
+    if (!T_level_map) return std::nullopt;
+    PoseWithCovariance start{*T_level_map * first.visits.front().T_map_robot, Eigen::Matrix3d::Zero()};
+    start.covariance.diagonal() << kStartSigma * kStartSigma, kStartSigma * kStartSigma,
+        kStartYawSigma * kStartYawSigma;
+    return slam::ExistingMapEntry{start, std::nullopt};
+  }
+
+  // Where a drive is that nothing joins to those before it: of a robot that was restarted elsewhere, for example.
+  absl::StatusOr<std::optional<slam::ExistingMapEntry>> StartByScans(const StoredDrive& stored) const {
+    DriveLocation location(options_.pairing, level_.grid);
+    for (const storage::Session* session : stored) {
+      if (location.complete()) break;
+      ENFILADE_RETURN_IF_ERROR(
+          ReadRecords(*session, [&](sensor::Record record) { return location.Add(std::move(record)); }));
+    }
+    return location.Finish();
   }
 
   // A level's first drive begins at its origin, the others in what was mapped before.
   absl::StatusOr<MappedDrive> MapDrive(const StoredDrive& stored, const slam::SlamOptions& slam,
-                                       const std::optional<Pose2>& T_level_start) const {
+                                       const std::optional<slam::ExistingMapEntry>& start) const {
     std::optional<slam::LogMapper> mapper;
-    if (T_level_start) {
-      PoseWithCovariance start{*T_level_start, Eigen::Matrix3d::Zero()};
-      start.covariance.diagonal() << kStartSigma * kStartSigma, kStartSigma * kStartSigma,
-          kStartYawSigma * kStartYawSigma;
-      mapper.emplace(options_.pairing, slam, slam::ExistingMap{level_.grid, {start, std::nullopt}});
+    if (start) {
+      mapper.emplace(options_.pairing, slam, slam::ExistingMap{level_.grid, *start});
     } else {
       mapper.emplace(options_.pairing, slam);
     }
-    for (const storage::Session* session : stored) ENFILADE_RETURN_IF_ERROR(AddRecords(*session, *mapper));
+    for (const storage::Session* session : stored) {
+      ENFILADE_RETURN_IF_ERROR(ReadRecords(*session, [&](sensor::Record record) {
+        mapper->Add(std::move(record));
+        return absl::OkStatus();
+      }));
+    }
     mapper->Finish();
     slam::SlamMap map;
     map.Apply(mapper->TakeDelta());
@@ -142,14 +179,16 @@ class LevelMapper {
     return drive;
   }
 
-  absl::Status AddRecords(const storage::Session& session, slam::LogMapper& mapper) const {
+  // In the order of the log. An error of `take` ends it.
+  absl::Status ReadRecords(const storage::Session& session,
+                           const std::function<absl::Status(sensor::Record)>& take) const {
     for (std::int64_t next = 1; next <= session.acknowledged_sequence;) {
       ENFILADE_RETURN_IF_ERROR(run_.proceed());
       ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
                                 stores_.records.Read(SurveyContext(), site_, session.id, next, kPortionBytes));
       if (records.empty()) break;
       next = records.back().sequence + 1;
-      for (sensor::Record& record : records) mapper.Add(std::move(record));
+      for (sensor::Record& record : records) ENFILADE_RETURN_IF_ERROR(take(std::move(record)));
     }
     return absl::OkStatus();
   }

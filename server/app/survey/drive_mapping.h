@@ -37,7 +37,8 @@ struct SurveyMappingOptions {
 };
 
 // One level, mapped as a whole: each drive from end to end, through all doors, with SLAM's own loop closures. The first
-// drive's start is the level's origin; later drives continue the map of those before them.
+// drive's start is the level's origin; later drives continue the map of those before them, where the graph joins them,
+// or else where their scans show (DriveLocation).
 struct MappedLevel {
   survey::LevelSurvey survey;
   grid::OccupancyGrid grid;  // in the level's frame
@@ -56,8 +57,8 @@ struct SurveyRun {
   const std::function<absl::Status()>& proceed;
 };
 
-// Reads and maps all that is mapped of a site. Sessions whose records retention has deleted, and drives that nothing
-// joins to the others, are left out.
+// Reads and maps all that is mapped of a site. Sessions whose records retention has deleted, and drives that neither
+// the graph nor their scans join to the others, are left out.
 absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappingOptions& options,
                                    const SiteGraph& graph, const SiteId& site, const SurveyRun& run);
 

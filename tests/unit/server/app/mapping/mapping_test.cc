@@ -127,7 +127,8 @@ class MappingWorkersTest : public MappingFixture {
 
 TEST_F(MappingWorkersTest, MapsFinishedSessionsAndReportsTheirEnd) {
   const SessionId a = NewFinishedSession("a");
-  const SessionId b = NewFinishedSession("b");
+  ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "cellar"), ""));
+  const SessionId b = NewFinishedSession("b", "cellar");
   Start();
   AwaitEnded(2);
   for (const SessionId& session : {a, b}) {

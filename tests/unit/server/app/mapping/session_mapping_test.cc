@@ -88,7 +88,9 @@ TEST_F(SessionMappingTest, WaitsForMoreRecordsWhileTheSessionIsRecorded) {
 // The result must not depend on where mapping was interrupted, nor by whom it was resumed.
 TEST_F(SessionMappingTest, ResumingFromCheckpointsGivesTheSameResult) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const SessionId session = NewSession("s" + std::to_string(seed));
+    const std::string map = "room" + std::to_string(seed);
+    ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, map), ""));
+    const SessionId session = NewSession("s" + std::to_string(seed), map);
     std::minstd_rand random(seed);
     for (std::size_t begin = 0; begin < Log().size();) {
       const std::size_t end = std::min<std::size_t>(Log().size(), begin + 1 + random() % 80);
