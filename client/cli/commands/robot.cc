@@ -72,10 +72,12 @@ absl::Status CheckRobot(const RobotCommandOptions& options) {
   return absl::OkStatus();
 }
 
-// A new map, or the pose of --on-old-map: MAP,X,Y,YAW.
-absl::StatusOr<std::variant<robot::RecordNewMap, robot::MapOnExistingMap>> StartOf(const RobotCommandOptions& options,
-                                                                                   const Eigen::Matrix3d& covariance) {
-  if (options.on_existing_map.empty()) return robot::RecordNewMap{options.map};
+using Start = std::variant<robot::RecordNewMap, robot::MapOnExistingMap, robot::LocateRobot>;
+
+// A new map, the pose of --on-old-map: MAP,X,Y,YAW, or unknown.
+absl::StatusOr<Start> StartOf(const RobotCommandOptions& options, const Eigen::Matrix3d& covariance) {
+  if (!options.map.empty()) return robot::RecordNewMap{options.map};
+  if (options.on_existing_map.empty()) return robot::LocateRobot{};
   ENFILADE_ASSIGN_OR_RETURN(const PoseInMap start, ParsePoseInMap(options.on_existing_map));
   return robot::MapOnExistingMap{start.map, {start.pose, covariance}};
 }
@@ -165,7 +167,8 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   if (run.live || run.rate) robot_options.spool.wait_when_full = false;
 
   robot::AgentSetup setup;
-  setup.site = SiteId(globals.site);
+  const SiteId site(globals.site);
+  setup.site = site;
   setup.robot = RobotId(options.robot);
   setup.source = options.campus.empty() ? options.source : "simulator " + options.campus;
   setup.options = robot_options;
@@ -187,9 +190,9 @@ absl::Status RunRobot(const Globals& globals, const RobotCommandOptions& options
   robot::UploaderOptions uploader_options;
   uploader_options.global_pose = robot_options.use_global_tracker;
   robot::Uploader uploader(connection, *spool, {setup.site, setup.robot}, listener, uploader_options);
-  ENFILADE_ASSIGN_OR_RETURN(
-      const std::unique_ptr<robot::Agent> agent,
-      robot::Agent::Make(std::move(setup), {connection, *spool, uploader, listener, interrupted}));
+  ENFILADE_ASSIGN_OR_RETURN(const std::unique_ptr<robot::Agent> agent,
+                            robot::Agent::Make(std::move(setup), {connection, *spool, uploader, listener, interrupted,
+                                                                  robot::LocateOnServer(connection, site)}));
   uploader.Start();
   absl::Status status =
       robot::Run({*agent, uploader, *source, commands ? &*commands : nullptr, interrupted, listener}, run);
@@ -209,6 +212,8 @@ void AddSimulation(CLI::App* command, const std::shared_ptr<RobotCommandOptions>
   command->add_option("--campus", options->campus, "Drive through a simulated campus (see `enfilade simulate --help`)");
   command->add_option("--seed", simulation.seed, "Campus: the seed of all noise")->capture_default_str();
   command->add_option("--laps", options->laps, "Campus: rounds of the route (default: the campus's)");
+  command->add_option("--start-after", simulation.start_after,
+                      "Campus: the robot is switched on at this time of its route, s: it starts elsewhere");
   command->add_option("--image-hz", simulation.image_hz, "Campus: rate of images, Hz")->capture_default_str();
   command->add_option("--cloud-hz", simulation.cloud_hz, "Campus: rate of point clouds, Hz")->capture_default_str();
   command->add_option("--depth-hz", simulation.depth_hz,
@@ -231,7 +236,9 @@ void AddRobot(CLI::App& app, const Globals& globals) {
   AddSimulation(command, options);
   command->add_option("--robot", options->robot, "Its id; created if missing. Campus: the robot that drives")
       ->capture_default_str();
-  command->add_option("--map", options->map, "The name of the first map (default: generated)");
+  command->add_option("--map", options->map,
+                      "The name of the first map, which begins here (default: where the robot is located by its scans, "
+                      "or a new map)");
   command->add_option("--on-existing-map,--on-old-map", options->on_existing_map,
                       "Start in an existing map: MAP,X,Y,YAW (m, rad)");
   command->add_flag("--hand", options->hand, "No detectors: commands name the doors, starting with the main menu");

@@ -29,10 +29,10 @@ StateMachineOptions MachineOptionsOf(const AgentSetup& setup) {
   return options;
 }
 
-// Images of each camera and encoding, and clouds, are recorded each at their own rate.
+// Images of each camera and encoding, clouds, scans and odometry, each at their own rate.
 int SeriesOf(const SpoolItem& item) {
   const auto* image = std::get_if<sensor::Image>(&item.payload);
-  if (!image) return 0;
+  if (!image) return -static_cast<int>(item.payload.index());
   return 1 + 2 * static_cast<int>(image->camera) + (image->encoding == sensor::ImageEncoding::kDepthPng16 ? 1 : 0);
 }
 
@@ -102,6 +102,30 @@ absl::Status Agent::Add(const SpoolItem& item) {
     Notify("bad_input", std::string(valid.message()), {{"error", std::string(valid.message())}});
     return absl::OkStatus();
   }
+  const DurationNs ahead = clock_.ahead();
+  const std::optional<TimeNs> time = clock_.Adjust(SeriesOf(item), TimeOf(item));
+  if (clock_.ahead() != ahead) {
+    const double back = ToSeconds(clock_.ahead() - ahead);
+    Notify("clock", fmt::format("the clock went back by {:.1f} s; recorded times continue without a step", back),
+           {{"back_s", back}});
+  }
+  if (!time) {
+    ++counts_.invalid;
+    Notify("bad_input", "a record's time is out of order, or far ahead of those before it",
+           {{"time_ns", TimeOf(item)}});
+    return absl::OkStatus();
+  }
+  if (*time == TimeOf(item)) return AddValid(item);
+  SpoolItem adjusted = item;
+  std::visit(
+      [&](auto& payload) {
+        if constexpr (requires { payload.time; }) payload.time = *time;
+      },
+      adjusted.payload);
+  return AddValid(adjusted);
+}
+
+absl::Status Agent::AddValid(const SpoolItem& item) {
   if (std::holds_alternative<sensor::LaserScan>(item.payload)) return AddScan(item);
   if (std::holds_alternative<sensor::Odometry>(item.payload)) return AddOdometry(item);
   if (std::holds_alternative<sensor::Image>(item.payload) || std::holds_alternative<sensor::PointCloud>(item.payload)) {
@@ -112,7 +136,13 @@ absl::Status Agent::Add(const SpoolItem& item) {
 }
 
 absl::Status Agent::AddScan(const SpoolItem& item) {
-  if (to_begin_) ENFILADE_RETURN_IF_ERROR(BeginWithScan(item));
+  if (odometry_) {
+    const auto broken = continuity_.Add(std::get<sensor::LaserScan>(item.payload), odometry_->T_odom_robot);
+    if (broken) ENFILADE_RETURN_IF_ERROR(Handle(Interrupted{*broken}));
+  }
+  if (to_begin_ && (!to_begin_->when_settled || continuity_.settled())) {
+    ENFILADE_RETURN_IF_ERROR(BeginWithScan(item));
+  }
   if (!recording()) {
     ++counts_.ignored;
     return absl::OkStatus();
@@ -139,6 +169,7 @@ absl::Status Agent::AddPairedScans(std::vector<sensor::PairedScan>& scans) {
   for (const sensor::PairedScan& scan : scans) {
     if (!scan.T_odom_robot) continue;
     classifier_.Add(scan.scan);
+    if (start_) ENFILADE_RETURN_IF_ERROR(LookAround(scan));
     ENFILADE_RETURN_IF_ERROR(Handle(Moved{scan.scan.time, *scan.T_odom_robot}));
     if (!setup_.options.automatic) continue;
     for (const doors::DoorEvent& event : detector_.Add(scan.scan, *scan.T_odom_robot)) {
@@ -176,7 +207,7 @@ void Agent::ReportPose(const PoseReport& report) {
   } else if (IsValidResourceId(map)) {
     map = convert::NameOf(convert::MapName{setup_.site, MapId(map)});
   }
-  context_.uploader.ReportPose(map, report.T_map_robot, report.time);
+  context_.uploader.ReportPose(map, report.T_map_robot, report.time + clock_.ahead());
 }
 
 absl::Status Agent::Finish() {

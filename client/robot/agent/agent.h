@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,8 +16,11 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/robot/agent/continuity.h"
 #include "client/robot/agent/environment_classifier.h"
 #include "client/robot/agent/evidence_buffer.h"
+#include "client/robot/agent/record_clock.h"
+#include "client/robot/agent/start_location.h"
 #include "client/robot/agent/state_machine.h"
 #include "client/robot/input/pose_report.h"
 #include "client/robot/notification.h"
@@ -34,7 +38,7 @@ struct AgentSetup {
   RobotId robot;
   std::string source;  // where the records come from, for people
   RobotOptions options;
-  std::variant<RecordNewMap, MapOnExistingMap> start;  // of automatic mapping
+  std::variant<RecordNewMap, MapOnExistingMap, LocateRobot> start;  // of automatic mapping
 };
 
 // What an agent works with. All references must outlive it.
@@ -44,6 +48,7 @@ struct AgentContext {
   Uploader& uploader;
   NotificationListener listener;
   std::function<bool()> interrupted;  // asked while the agent waits for space in the spool
+  LocateByScans locate = {};          // of a robot that does not know where it starts; called by another thread
 };
 
 struct AgentCounts {
@@ -62,6 +67,9 @@ struct AgentCounts {
 //
 // What earlier runs left in the spool is uploaded first. A session that such a run left open is finished as it is,
 // because nobody knows where the robot has been since.
+//
+// While a robot that does not know where it is looks for itself (LocateRobot), its session waits in the spool, so that
+// it can still go into the map where the robot is found.
 //
 // Not thread-safe; the uploader is.
 class Agent {
@@ -89,6 +97,7 @@ class Agent {
   Agent(AgentSetup setup, AgentContext context, EnvironmentClassifier classifier);
 
   absl::Status Handle(const Event& event);
+  absl::Status AddValid(const client::SpoolItem& item);
   absl::Status AddScan(const client::SpoolItem& item);
   absl::Status AddOdometry(const client::SpoolItem& item);
   absl::Status AddPairedScans(std::vector<sensor::PairedScan>& scans);
@@ -109,6 +118,11 @@ class Agent {
   absl::Status FinishLeftovers();
   absl::Status BeginWithScan(const client::SpoolItem& item);
   absl::Status Begin(client::SpoolSession session, const std::string& description);
+  // While the robot is not located: asks the server if that is due, and takes its answer.
+  absl::Status LookAround(const sensor::PairedScan& scan);
+  // Waits for the answer if the source can wait.
+  void TakeStartAnswer();
+  absl::Status EnterStartMap(const StartDecision& decision);
   // The evidence for a report: what was kept for its door and, for a passage, what was seen behind it.
   std::vector<client::SpoolItem> TakeEvidence(std::int64_t door, const sensor::DoorReport& report);
   void NotifyReport(const sensor::DoorReport& report, std::int64_t evidence, const std::string& environment);
@@ -130,11 +144,16 @@ class Agent {
   StateMachine machine_;
   sensor::ScanPairing pairing_;
   doors::DoorDetector detector_;
+  Continuity continuity_;
+  RecordClock clock_;
   EvidenceBuffer evidence_;
   EnvironmentClassifier classifier_;
   std::map<std::int64_t, std::vector<client::SpoolItem>> kept_;  // by door
 
   std::optional<BeginSession> to_begin_;  // with the next scan
+  std::optional<StartLocation> start_;    // until it is decided into which map session_ goes
+  std::future<absl::StatusOr<StartAnswer>> start_answer_;
+  Pose2 T_odom_asked_;
   std::optional<SessionId> session_;
   int reports_ = 0;                            // in the session
   std::set<std::pair<int, TimeNs>> recorded_;  // images and clouds in the session, by series and time

@@ -56,7 +56,9 @@ absl::Status Agent::BeginWithScan(const SpoolItem& item) {
     session.environment = verdict.environment;
     description += ", " + verdict.reason;
   }
-  return Begin(std::move(session), description);
+  if (!action.locate) return Begin(std::move(session), description);
+  start_.emplace();
+  return Begin(std::move(session), "the robot is being located; " + description + " if it is not");
 }
 
 absl::Status Agent::Begin(client::SpoolSession session, const std::string& description) {
@@ -65,6 +67,7 @@ absl::Status Agent::Begin(client::SpoolSession session, const std::string& descr
   session.id = SessionId(NewUuid());
   session.request_id = NewUuid();
   session.source = setup_.source;
+  if (start_) context_.uploader.Hold(session.id);
   ENFILADE_RETURN_IF_ERROR(context_.spool.CreateSession(session));
   session_ = session.id;
   reports_ = 0;
@@ -80,8 +83,50 @@ absl::Status Agent::Begin(client::SpoolSession session, const std::string& descr
   return Handle(SessionBegun{});
 }
 
+absl::Status Agent::LookAround(const sensor::PairedScan& scan) {
+  if (start_answer_.valid()) TakeStartAnswer();
+  if (start_->Add(scan) && !start_answer_.valid()) {
+    T_odom_asked_ = *scan.T_odom_robot;
+    start_answer_ = std::async(std::launch::async, context_.locate, start_->scans());
+    TakeStartAnswer();
+  }
+  const std::optional<StartDecision> decision = start_->Decide();
+  return decision ? EnterStartMap(*decision) : absl::OkStatus();
+}
+
+void Agent::TakeStartAnswer() {
+  if (!setup_.options.spool.wait_when_full &&
+      start_answer_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    return;
+  }
+  start_->Answer(start_answer_.get(), T_odom_asked_);
+}
+
+absl::Status Agent::EnterStartMap(const StartDecision& decision) {
+  start_.reset();
+  start_answer_ = {};
+  const bool located = !decision.map.empty();
+  if (located) {
+    const sensor::SessionEntry entry{std::nullopt, decision.T_map_robot, decision.T_odom_robot};
+    ENFILADE_RETURN_IF_ERROR(context_.spool.SetEntry(*session_, decision.map, entry));
+  }
+  context_.uploader.Release();
+  const Pose2& pose = decision.T_map_robot.pose;
+  Notify("located",
+         located ? fmt::format("located in map {} at x {:.2f} m, y {:.2f} m: {}", decision.map, pose.x, pose.y,
+                               decision.reason)
+                 : "not located, so a new map begins: " + decision.reason,
+         {{"session", session_->value()},
+          {"map", located ? nlohmann::json(decision.map) : nlohmann::json()},
+          {"pose_map_robot", located ? PoseToJson(pose.x, pose.y, pose.yaw) : nlohmann::json()},
+          {"reason", decision.reason}});
+  return absl::OkStatus();
+}
+
 absl::Status Agent::Execute(const FinishSession&) {
   to_begin_.reset();
+  if (start_answer_.valid()) TakeStartAnswer();
+  if (start_) ENFILADE_RETURN_IF_ERROR(EnterStartMap(start_->DecideNow()));
   ENFILADE_RETURN_IF_ERROR(WriteBuffer(false));
   if (session_) ENFILADE_RETURN_IF_ERROR(context_.spool.MarkFinished(*session_));
   return Handle(SessionFinished{});

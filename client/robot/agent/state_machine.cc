@@ -52,6 +52,7 @@ void StateMachine::On(const Ready&) {
   if (state_ != State::kInitialize) return;
   if (!options_.automatic) return Leave(State::kMainMenu);
   if (const auto* fresh = std::get_if<RecordNewMap>(&options_.start)) return Begin({fresh->map, std::nullopt, false});
+  if (std::holds_alternative<LocateRobot>(options_.start)) return Begin({.map = {}, .T_map_robot = {}, .locate = true});
   const auto& existing = std::get<MapOnExistingMap>(options_.start);
   Begin({existing.map, existing.T_map_robot, false});
 }
@@ -109,6 +110,16 @@ void StateMachine::On(const Moved& moved) {
   const double behind = (passage_->T_odom_door.translation() - T_odom_robot_.translation()).norm();
   const double since = ToSeconds(now_ - passage_->time);
   if (behind >= options_.report_behind || since >= options_.report_after) ReportPassage();
+}
+
+// The door of a passage that is not reported yet may lie on either side of the break: the survey finds it.
+void StateMachine::On(const Interrupted& interrupted) {
+  if (state_ != State::kMapping || !options_.automatic) return;
+  passage_.reset();
+  deferred_.clear();
+  Emit(ShowMessage{interrupted.reason + "; the robot is located anew"});
+  next_ = BeginSession{.map = {}, .T_map_robot = {}, .locate = true, .when_settled = true};
+  Stop();
 }
 
 void StateMachine::On(const SourceEnded&) {

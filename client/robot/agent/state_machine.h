@@ -46,6 +46,10 @@ struct Moved {
   TimeNs time = 0;
   Pose2 T_odom_robot;
 };
+// What the sensors show does not continue what they showed before (Continuity).
+struct Interrupted {
+  std::string reason;
+};
 // The source has no more input.
 struct SourceEnded {};
 // An error that ends the run.
@@ -61,6 +65,8 @@ struct MapOnExistingMap {
   std::string map;  // by name or id
   PoseWithCovariance T_map_robot;
 };
+// Where the robot is has to be found out by its scans.
+struct LocateRobot {};
 struct DeleteMap {
   std::string map;
 };
@@ -88,7 +94,8 @@ struct AskStatus {};
 
 using Command = std::variant<RecordNewMap, MapOnExistingMap, DeleteMap, DeleteLinkPoint, SetLinkPoint, SaveRearImage,
                              SetCandidate, EnterLevel, StopMapping, Abort, AskStatus>;
-using Event = std::variant<Ready, SessionBegun, SessionFinished, DoorDetected, Moved, SourceEnded, Failed, Command>;
+using Event =
+    std::variant<Ready, SessionBegun, SessionFinished, DoorDetected, Moved, Interrupted, SourceEnded, Failed, Command>;
 
 // Actions, to be executed in order.
 
@@ -97,6 +104,8 @@ struct BeginSession {
   std::string map;                                // empty with after_passage
   std::optional<PoseWithCovariance> T_map_robot;  // in an existing map
   bool after_passage = false;                     // entry.previous is the previous session
+  bool locate = false;                            // the map is an existing one, if the robot is located there
+  bool when_settled = false;                      // only when its scans agree with each other
 };
 struct FinishSession {};
 // Keeps the images and the cloud nearest to `time` for the coming report on `door`. Doors set by hand have number 0.
@@ -130,7 +139,7 @@ struct StateMachineOptions {
   // Doors come from the detector and mapping starts without a command; false: a person gives all commands.
   bool automatic = true;
   // What automatic mapping begins with.
-  std::variant<RecordNewMap, MapOnExistingMap> start;
+  std::variant<RecordNewMap, MapOnExistingMap, LocateRobot> start;
   // A passage is reported at this distance behind the door, m, or after this time, s, so that its evidence shows the
   // map entered.
   double report_behind = 2.0;
@@ -151,6 +160,7 @@ class StateMachine {
   void On(const SessionFinished&);
   void On(const DoorDetected& seen);
   void On(const Moved& moved);
+  void On(const Interrupted& interrupted);
   void On(const SourceEnded&);
   void On(const Failed& failed);
   void On(const Command& command);

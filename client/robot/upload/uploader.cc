@@ -44,6 +44,17 @@ void Uploader::Stop() {
   if (worker_.joinable()) worker_.join();
 }
 
+void Uploader::Hold(const SessionId& session) {
+  MutexLock lock(mutex_);
+  held_ = session;
+}
+
+void Uploader::Release() {
+  MutexLock lock(mutex_);
+  held_.reset();
+  changed_.NotifyAll();
+}
+
 void Uploader::ExpectVerdicts(const SessionId& session, int count) {
   MutexLock lock(mutex_);
   expected_[session.value()] = count;
@@ -117,7 +128,8 @@ void Uploader::StartNext() {
   }
   MutexLock lock(mutex_);
   progress_.waiting = waiting;
-  if (!next || stopping_ || (!progress_.blocked.empty() && Clock::now() < retry_blocked_)) return;
+  const bool blocked = !progress_.blocked.empty() && Clock::now() < retry_blocked_;
+  if (!next || next == held_ || stopping_ || blocked) return;
   progress_.blocked.clear();
   client::UplinkOptions options = options_.uplink;
   options.on_map_entered = [this, id = *next](const v1::MapEntered& entered) { OnMapEntered(id, entered); };

@@ -55,6 +55,10 @@ class Uploader {
   void Start();
   void Stop();
 
+  // This session and those after it are not uploaded until Release.
+  void Hold(const SessionId& session);
+  void Release();
+
   // The session's log holds `count` door reports, so this many verdicts will come.
   void ExpectVerdicts(const SessionId& session, int count);
   // Sent with the session that is being uploaded; without one it is dropped.
@@ -91,6 +95,7 @@ class Uploader {
   std::shared_ptr<client::Uplink> uplink_ ABSL_GUARDED_BY(mutex_);
   SessionId session_ ABSL_GUARDED_BY(mutex_);
   Progress progress_ ABSL_GUARDED_BY(mutex_);
+  std::optional<SessionId> held_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, int> expected_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -88,6 +88,8 @@ class Spool {
 
   // ALREADY_EXISTS.
   absl::Status CreateSession(const SpoolSession& session);
+  // Where the robot of a session that is not uploaded yet entered which map. NOT_FOUND.
+  absl::Status SetEntry(const SessionId& id, const std::string& map, const sensor::SessionEntry& entry);
   std::optional<SpoolSession> FindSession(const SessionId& id);
   // In the order of creation.
   std::vector<SpoolSession> ListSessions();

@@ -95,6 +95,18 @@ absl::Status Spool::CreateSession(const SpoolSession& session) {
   return absl::OkStatus();
 }
 
+absl::Status Spool::SetEntry(const SessionId& id, const std::string& map, const sensor::SessionEntry& entry) {
+  MutexLock writing(writer_mutex_);
+  ENFILADE_ASSIGN_OR_RETURN(SessionRow* const row, RowOf(id));
+  ENFILADE_ASSIGN_OR_RETURN(SqliteStatement update,
+                            writer_.Prepare("UPDATE sessions SET map = ?, entry = ? WHERE key = ?"));
+  const std::string bytes = sensor::Encode(entry);
+  ENFILADE_RETURN_IF_ERROR(update.BindText(1, map).BindBlob(2, bytes).Bind(3, row->key).Run());
+  row->session.map = map;
+  row->session.entry = entry;
+  return absl::OkStatus();
+}
+
 std::optional<SpoolSession> Spool::FindSession(const SessionId& id) {
   MutexLock writing(writer_mutex_);
   const auto row = sessions_.find(id.value());

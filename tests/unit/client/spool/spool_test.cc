@@ -96,6 +96,22 @@ TEST_F(SpoolTest, GoesOnWhereItWasAfterReopening) {
   EXPECT_EQ(*spool_->Append(kSession, NumberedScan(6)), 6);
 }
 
+TEST_F(SpoolTest, RemembersAnEntryThatIsFoundLater) {
+  OpenWithSession();
+  AppendScans(1, 5);
+  const sensor::SessionEntry entry{std::nullopt, PoseWithCovariance{{1.0, 2.0, 3.0}, Eigen::Matrix3d::Identity()},
+                                   Pose2{4.0, 5.0, 1.0}};
+  ASSERT_OK(spool_->SetEntry(kSession, "cellar", entry));
+  EXPECT_EQ(spool_->FindSession(kSession)->map, "cellar");
+  Open();
+  const auto session = spool_->FindSession(kSession);
+  EXPECT_EQ(session->map, "cellar");
+  EXPECT_EQ(session->entry.T_map_robot->pose, (Pose2{1.0, 2.0, 3.0}));
+  EXPECT_EQ(session->entry.T_odom_robot, (Pose2{4.0, 5.0, 1.0}));
+  EXPECT_THAT(Sequences(0), ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_TRUE(absl::IsNotFound(spool_->SetEntry(SessionId("none"), "cellar", entry)));
+}
+
 TEST_F(SpoolTest, SequencesNeverRestartAlsoWhereEverythingIsTrimmed) {
   OpenWithSession();
   AppendScans(1, 3);

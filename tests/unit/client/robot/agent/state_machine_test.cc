@@ -18,7 +18,8 @@ std::string WordOf(const Action& action) {
   struct {
     std::string operator()(const BeginSession& a) const {
       return a.after_passage ? "begin behind the door"
-                             : "begin \"" + a.map + "\"" + (a.T_map_robot ? " at a pose" : "");
+                             : "begin \"" + a.map + "\"" + (a.T_map_robot ? " at a pose" : "") +
+                                   (a.locate ? " where it is located" : "");
     }
     std::string operator()(const FinishSession&) const { return "finish"; }
     std::string operator()(const KeepEvidence& a) const { return "keep " + std::to_string(a.door); }
@@ -123,6 +124,21 @@ TEST_F(StateMachineTest, BeginsByItselfInAnExistingMap) {
   options_.start = MapOnExistingMap{"Hall", {}};
   machine_ = StateMachine(options_);
   EXPECT_THAT(Do(Ready{}), ElementsAre("begin \"Hall\" at a pose"));
+}
+
+TEST_F(StateMachineTest, BeginsByItselfWhereverItIs) {
+  options_.start = LocateRobot{};
+  machine_ = StateMachine(options_);
+  EXPECT_THAT(Do(Ready{}), ElementsAre("begin \"\" where it is located"));
+}
+
+TEST_F(StateMachineTest, WhatIsInterruptedContinuesWhereTheRobotIsLocated) {
+  StartMapping();
+  Do(Passage(1, 5.0, 4.0, 10.0));
+  EXPECT_THAT(Do(Interrupted{"odometry jumps"}), ElementsAre("finish"));
+  EXPECT_THAT(Do(SessionFinished{}), ElementsAre("begin \"\" where it is located"));
+  Do(SessionBegun{});
+  EXPECT_THAT(Do(MovedTo(9.0, 20.0)), IsEmpty()) << "the passage before is not reported here";
 }
 
 TEST_F(StateMachineTest, KeepsWhatIsSeenAtALatchAndReportsTheCandidate) {
