@@ -2,6 +2,11 @@
 #include "storage/sites/maintenance.h"
 
 #include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
@@ -58,6 +63,35 @@ constexpr Statement kCollectBlobs{
     "    WHERE u.site_id = b.site_id AND u.sha256 = b.sha256)"
     "  LIMIT $2 FOR UPDATE SKIP LOCKED))"};
 
+// Skips rearrangements that are being undone, or that another replica is purging. They are locked as Undo locks them.
+constexpr Statement kFindExpiredUndo{"looking for rearrangements past their retention",
+                                     "SELECT site_id, rearrangement_id FROM enfilade.rearrangements"
+                                     " WHERE NOT undo_purged AND create_time <= now() - $1 * interval '1 second'"
+                                     " ORDER BY create_time LIMIT 1 FOR UPDATE SKIP LOCKED"};
+constexpr Statement kMarkUndoPurged{"closing the rearrangement",
+                                    "UPDATE enfilade.rearrangements SET undo_expired = true, undo_purged = $3"
+                                    " WHERE site_id = $1 AND rearrangement_id = $2"};
+#define ENFILADE_PURGE_UNDO(table)                                                                                    \
+  Statement {                                                                                                         \
+    "deleting from " table, "DELETE FROM enfilade." table " WHERE ctid = ANY (ARRAY(SELECT ctid FROM enfilade." table \
+                            " WHERE site_id = $1 AND rearrangement_id = $2 LIMIT $3))"                                \
+  }
+constexpr std::array kUndoTables = {ENFILADE_PURGE_UNDO("rearrangement_images"),
+                                    ENFILADE_PURGE_UNDO("rearrangement_blobs")};
+
+// Deletes up to `limit` rows that belong to what `key` names, one table after the other.
+absl::StatusOr<std::int64_t> DeleteRows(Transaction& transaction, const std::vector<const Statement*>& deletions,
+                                        const std::pair<std::string, std::string>& key, std::int64_t limit) {
+  std::int64_t deleted = 0;
+  for (const Statement* deletion : deletions) {
+    if (deleted >= limit) break;
+    ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                              transaction.Execute(*deletion, Params(key.first, key.second, limit - deleted)));
+    deleted += result.affected();
+  }
+  return deleted;
+}
+
 // Deletes up to `limit` rows of one session; unset if there is none to purge.
 absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const CallContext& context,
                                                      const Statement& find, bool with_mapping, std::int64_t limit) {
@@ -73,23 +107,38 @@ absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const
   if (with_mapping) {
     for (const Statement& deletion : kMappingTables) deletions.push_back(&deletion);
   }
-  std::int64_t deleted = 0;
-  for (const Statement* deletion : deletions) {
-    if (deleted >= limit) break;
-    ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                              transaction.Execute(*deletion, Params(site, session, limit - deleted)));
-    deleted += result.affected();
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted, DeleteRows(transaction, deletions, {site, session}, limit));
   if (deleted < limit) transaction.Queue(kMarkPurged, Params(site, session));
   ENFILADE_RETURN_IF_ERROR(transaction.Commit());
   return deleted;
 }
 
-absl::StatusOr<std::int64_t> Purge(postgres::Pool& pool, const CallContext& context, const Statement& find,
-                                   bool with_mapping, std::int64_t limit) {
+// Deletes up to `limit` rows of what undoing one rearrangement needs; unset if there is none to purge.
+absl::StatusOr<std::optional<std::int64_t>> PurgeOneUndo(postgres::Pool& pool, const CallContext& context,
+                                                         std::chrono::seconds kept, std::int64_t limit) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found,
+                            transaction.Execute(kFindExpiredUndo, Params(static_cast<std::int64_t>(kept.count()))));
+  if (found.rows() == 0) return std::nullopt;
+  Row row(found, 0);
+  const std::string site(row.Text());
+  const std::string rearrangement(row.Text());
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  std::vector<const Statement*> deletions;
+  for (const Statement& deletion : kUndoTables) deletions.push_back(&deletion);
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted,
+                            DeleteRows(transaction, deletions, {site, rearrangement}, limit));
+  transaction.Queue(kMarkUndoPurged, Params(site, rearrangement, deleted < limit));
+  ENFILADE_RETURN_IF_ERROR(transaction.Commit());
+  return deleted;
+}
+
+// Calls `purge_one` with the rows left of `limit` until there is nothing to purge.
+absl::StatusOr<std::int64_t> Purge(
+    std::int64_t limit, const std::function<absl::StatusOr<std::optional<std::int64_t>>(std::int64_t)>& purge_one) {
   std::int64_t total = 0;
   while (total < limit) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto deleted, PurgeOne(pool, context, find, with_mapping, limit - total));
+    ENFILADE_ASSIGN_OR_RETURN(const auto deleted, purge_one(limit - total));
     if (!deleted) break;
     total += *deleted;
   }
@@ -99,12 +148,17 @@ absl::StatusOr<std::int64_t> Purge(postgres::Pool& pool, const CallContext& cont
 }  // namespace
 
 absl::StatusOr<std::int64_t> Maintenance::PurgeDeletedSessions(const CallContext& context, std::int64_t limit) const {
-  return Purge(pool_, context, kFindDeleted, true, limit);
+  return Purge(limit, [&](std::int64_t rest) { return PurgeOne(pool_, context, kFindDeleted, true, rest); });
 }
 
 absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const {
   ENFILADE_RETURN_IF_ERROR(storage::postgres::ExecuteAlone(pool_, context, kMarkExpired, Params()).status());
-  return Purge(pool_, context, kFindExpired, false, limit);
+  return Purge(limit, [&](std::int64_t rest) { return PurgeOne(pool_, context, kFindExpired, false, rest); });
+}
+
+absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredUndo(const CallContext& context, std::chrono::seconds kept,
+                                                            std::int64_t limit) const {
+  return Purge(limit, [&](std::int64_t rest) { return PurgeOneUndo(pool_, context, kept, rest); });
 }
 
 absl::StatusOr<std::int64_t> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,

@@ -88,6 +88,61 @@ TEST_F(RearrangementStoreTest, BlobsThatUndoingNeedsAreKept) {
   EXPECT_THAT(*link_points_.ListEvidence(Soon(), site_, {LinkPointId("gate")}), SizeIs(1));
 }
 
+TEST_F(RearrangementStoreTest, WhatUndoingNeedsIsDeletedInPortionsWhenItIsOld) {
+  ASSERT_OK(store_.Apply(Soon(), lease_, Merge()));
+  ASSERT_OK(store_.Apply(Soon(), lease_, Split()));
+  database_.Sql("UPDATE rearrangements SET create_time = now() - interval '31 days' WHERE rearrangement_id = 'merge'");
+  const auto count = [&](const std::string& table, const std::string& id) {
+    return std::stoll(database_.SqlValue("SELECT count(*) FROM " + table + " WHERE rearrangement_id = '" + id + "'"));
+  };
+  const auto images = count("rearrangement_images", "merge"), blobs = count("rearrangement_blobs", "merge");
+  const auto kept = count("rearrangement_images", "split");
+  ASSERT_GT(images, 4);
+  ASSERT_GT(blobs, 0);
+  const storage::Maintenance maintenance(*pool_);
+  constexpr std::chrono::hours kMonth{30 * 24};
+  const rearrange::RearrangementId merge("merge");
+  EXPECT_FALSE(store_.Get(Soon(), site_, merge)->undo_expired);
+
+  const std::string before = Everything();
+  ASSERT_OK_AND_ASSIGN(const std::int64_t portion, maintenance.DeleteExpiredUndo(Soon(), kMonth, 3));
+  EXPECT_EQ(portion, 3);
+  EXPECT_EQ(count("rearrangement_images", "merge"), images - 3);
+  EXPECT_STATUS(store_.Undo(Soon(), lease_, merge), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("rearrangements/merge can no longer be undone"))
+      << "not even by what is left";
+  ASSERT_OK_AND_ASSIGN(const std::int64_t rest, maintenance.DeleteExpiredUndo(Soon(), kMonth, 1000));
+  EXPECT_EQ(rest, images + blobs - 3);
+  ASSERT_OK_AND_ASSIGN(const std::int64_t nothing, maintenance.DeleteExpiredUndo(Soon(), kMonth, 1000));
+  EXPECT_EQ(nothing, 0);
+  EXPECT_EQ(count("rearrangement_images", "merge") + count("rearrangement_blobs", "merge"), 0);
+  EXPECT_EQ(count("rearrangement_images", "split"), kept);
+  EXPECT_EQ(Everything(), before) << "only undoing is lost";
+
+  ASSERT_OK_AND_ASSIGN(const auto listed, store_.List(Soon(), site_, 0, 10));
+  ASSERT_THAT(listed, SizeIs(2));
+  EXPECT_FALSE(listed[0].undo_expired);
+  EXPECT_TRUE(listed[1].undo_expired);
+  EXPECT_THAT(listed[1].moves, SizeIs(1));
+  EXPECT_STATUS(store_.Undo(Soon(), lease_, merge), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("can no longer be undone"));
+  EXPECT_EQ(maps_.Get(Soon(), site_, lab_)->id, map_) << "names still lead there";
+  ASSERT_OK(store_.Undo(Soon(), lease_, rearrange::RearrangementId("split")));
+}
+
+TEST_F(RearrangementStoreTest, BlobsOfWhatCannotBeUndoneAreCollected) {
+  storage::RearrangementChange change = Merge();
+  change.rearrangement.link_points.erase(change.rearrangement.link_points.begin());
+  change.rearrangement.removed_link_points.emplace_back("gate");
+  ASSERT_OK(store_.Apply(Soon(), lease_, change));
+  const storage::Maintenance maintenance(*pool_);
+  ASSERT_OK(maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 1000));
+  ASSERT_OK(blobs_.Get(Soon(), site_, image_.sha256()));
+  ASSERT_OK(maintenance.DeleteExpiredUndo(Soon(), std::chrono::seconds(0), 1000));
+  ASSERT_OK(maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 1000));
+  EXPECT_CODE(blobs_.Get(Soon(), site_, image_.sha256()).status(), absl::StatusCode::kNotFound);
+}
+
 TEST_F(RearrangementStoreTest, ChainsOfRedirectsAreFollowed) {
   ASSERT_OK(store_.Apply(Soon(), lease_, Merge()));
   ASSERT_OK(store_.Apply(Soon(), lease_, Split()));
