@@ -42,6 +42,7 @@ class StoreContractTest : public ::testing::Test {
   const storage::GraphStore& graph_ = backend_->graphs();
   const storage::SiteLeaseStore& leases_ = backend_->site_leases();
   const storage::RobotPoseStore& robot_poses_ = backend_->robot_poses();
+  const storage::RearrangementStore& rearrangements_ = backend_->rearrangements();
 };
 
 }  // namespace enfilade::testing
