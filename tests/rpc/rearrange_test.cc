@@ -137,6 +137,19 @@ class RearrangeTest : public ServerTest {
     return response.ok() ? response->map() : v1::Map();
   }
 
+  // Of the graph: what watchers are told of.
+  int CountRearrangedVersions() {
+    v1::ListGraphVersionsRequest request;
+    request.set_parent("sites/s");
+    request.set_page_size(1000);
+    const auto response = Call(&v1::GraphService::Stub::ListGraphVersions, request);
+    EXPECT_OK(response);
+    if (!response.ok()) return -1;
+    const auto& versions = response->graph_versions();
+    return static_cast<int>(std::count_if(versions.begin(), versions.end(), [](const v1::GraphVersion& version) {
+      return version.cause() == v1::GraphVersion::CAUSE_REARRANGED;
+    }));
+  }
   std::vector<slam::StampedPose> Trajectory(const std::string& session) {
     const auto mapping = storage::postgres::MappingStore(*pool_).ReadTrajectory(Soon(), site_, IdOf(session));
     EXPECT_OK(mapping);
@@ -375,8 +388,24 @@ TEST_F(RearrangeTest, RefusesWhatCannotBe) {
   AwaitState(session, v1::Session::STATE_MAPPED);
   ASSERT_OK_AND_ASSIGN(const v1::MergeMapsResponse merged, Merge());  // without anything mapped
   EXPECT_EQ(GetSession(session).map(), "sites/s/maps/m");
+  EXPECT_STATUS(Merge(), absl::StatusCode::kFailedPrecondition, HasSubstr("was merged into"));
   ASSERT_OK(Undo(merged.rearrangement().name()));
   EXPECT_EQ(GetSession(session).map(), "sites/s/maps/m2");
+  EXPECT_STATUS(Undo(merged.rearrangement().name()), absl::StatusCode::kFailedPrecondition, HasSubstr("already"));
+
+  ASSERT_OK_AND_ASSIGN(const v1::MergeMapsResponse again, Merge());
+  v1::DeleteSessionRequest edit;
+  edit.set_name(session);
+  ASSERT_OK(Call(&v1::SessionService::Stub::DeleteSession, edit));
+  EXPECT_STATUS(Undo(again.rearrangement().name()), absl::StatusCode::kFailedPrecondition,
+                HasSubstr(IdOf(session).value()));
+  EXPECT_EQ(GetMap("m2").name(), "sites/s/maps/m") << "nothing is undone";
+  request.set_map_id("above");
+  request.mutable_map()->set_display_name("Above");
+  request.mutable_map()->set_level(1);
+  ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request));
+  EXPECT_STATUS(Merge("m", "above"), absl::StatusCode::kInvalidArgument, HasSubstr("level"));
+  EXPECT_EQ(CountRearrangedVersions(), 3) << "two merges and an undo; nothing of what was refused";
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "tests/contract/storage/suite/contract_test.h"
@@ -198,6 +200,22 @@ TEST_F(RearrangementStoreTest, TwoAtOnceOneWins) {
   const storage::RearrangementChange first = Merge("first"), second = Merge("second");
   ASSERT_OK(rearrangements_.Apply(Soon(), lease_, first));
   EXPECT_STATUS(rearrangements_.Apply(Soon(), lease_, second), absl::StatusCode::kAborted, HasSubstr("decide again"));
+  EXPECT_THAT(*rearrangements_.List(Soon(), site_, 0, 10), SizeIs(1));
+}
+
+TEST_F(RearrangementStoreTest, OfManyThreadsOneMakesItAndTheOthersDecideAgain) {
+  const std::int64_t version = Version();
+  std::vector<storage::RearrangementChange> changes;
+  for (const char* id : {"a", "b", "c", "d"}) changes.push_back(Merge(id));
+  std::vector<absl::Status> results(changes.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    threads.emplace_back([&, i] { results[i] = rearrangements_.Apply(Soon(), lease_, changes[i]).status(); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(std::count_if(results.begin(), results.end(), [](const absl::Status& one) { return one.ok(); }), 1);
+  for (const absl::Status& one : results) EXPECT_TRUE(one.ok() || absl::IsAborted(one)) << one;
+  EXPECT_EQ(Version(), version + 1);
   EXPECT_THAT(*rearrangements_.List(Soon(), site_, 0, 10), SizeIs(1));
 }
 
