@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/rpc/rearrange_fixture.h"
+#include "tests/support/eventually.h"
 
 namespace enfilade::testing {
 namespace {
@@ -49,6 +50,29 @@ TEST_F(RearrangeTest, RefusesWhatCannotBe) {
   ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request));
   EXPECT_STATUS(Merge("m", "above"), absl::StatusCode::kInvalidArgument, HasSubstr("level"));
   EXPECT_EQ(CountRearrangedVersions(), 3) << "two merges and an undo; nothing of what was refused";
+}
+
+TEST_F(RearrangeTest, WhatIsTooOldStaysInTheListAndCannotBeUndone) {
+  server::ServerOptions options = Options();
+  options.retention.undo_s = 0.0;
+  options.retention.interval_s = 0.1;
+  Restart(options);
+  v1::CreateMapRequest request;
+  request.set_parent("sites/s");
+  request.set_map_id("m2");
+  request.mutable_map()->set_display_name("Second part");
+  ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request));
+  Link("between", {1, 2, 0}, {});
+  ASSERT_OK_AND_ASSIGN(const v1::MergeMapsResponse merged, Merge());
+  v1::ListRearrangementsRequest list;
+  list.set_parent("sites/s");
+  EXPECT_TRUE(Eventually([&] {
+    const auto listed = Call(&v1::MapService::Stub::ListRearrangements, list);
+    return listed.ok() && listed->rearrangements_size() == 1 && listed->rearrangements(0).undo_expired();
+  }));
+  EXPECT_STATUS(Undo(merged.rearrangement().name()), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("can no longer be undone"));
+  EXPECT_EQ(GetMap("m2").name(), "sites/s/maps/m");
 }
 
 }  // namespace
