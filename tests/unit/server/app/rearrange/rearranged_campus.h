@@ -33,6 +33,7 @@ class RearrangedCampus : public ::testing::Test {
     storage::Map map = MakeMap(site_, id);
     map.level = level;
     ASSERT_OK(stores_.maps.Create(Soon(), map, ""));
+    graphs_.MarkChanged(site_);
   }
   void Join(const std::string& id, const std::string& a, const Pose2& T_a_place, const std::string& b,
             const Pose2& T_b_place, double variance_scale = 1.0) {
@@ -40,6 +41,7 @@ class RearrangedCampus : public ::testing::Test {
     point.point.anchors[1].T_map_place = T_b_place;
     for (graph::Anchor& anchor : point.point.anchors) anchor.covariance *= variance_scale;
     ASSERT_OK(stores_.link_points.Create(Soon(), point, ""));
+    graphs_.MarkChanged(site_);
   }
   // Recorded and not yet mapped.
   void Record(const std::string& id, const std::string& map) {
