@@ -36,17 +36,20 @@ constexpr Statement kMarkExpired{
 constexpr Statement kMarkPurged{"closing the session",
                                 "UPDATE enfilade.sessions SET purged = true WHERE site_id = $1 AND session_id = $2"};
 
-#define ENFILADE_PURGE(table)                                                                                         \
+// Of one session, or of one rearrangement, by the column `key`.
+#define ENFILADE_PURGE(table, key)                                                                                    \
   Statement {                                                                                                         \
     "deleting from " table, "DELETE FROM enfilade." table " WHERE ctid = ANY (ARRAY(SELECT ctid FROM enfilade." table \
-                            " WHERE site_id = $1 AND session_id = $2 LIMIT $3))"                                      \
+                            " WHERE site_id = $1 AND " key " = $2 LIMIT $3))"                                         \
   }
 // First what retention deletes, then what only the session's deletion does, in an order that foreign keys permit.
-constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs"), ENFILADE_PURGE("session_records")};
+constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs", "session_id"),
+                                      ENFILADE_PURGE("session_records", "session_id")};
 constexpr std::array kMappingTables = {
-    ENFILADE_PURGE("door_verdicts"),       ENFILADE_PURGE("session_tracks"), ENFILADE_PURGE("trajectory_points"),
-    ENFILADE_PURGE("slam_closures"),       ENFILADE_PURGE("slam_nodes"),     ENFILADE_PURGE("slam_submaps"),
-    ENFILADE_PURGE("mapping_checkpoints"), ENFILADE_PURGE("session_leases"),
+    ENFILADE_PURGE("door_verdicts", "session_id"),       ENFILADE_PURGE("session_tracks", "session_id"),
+    ENFILADE_PURGE("trajectory_points", "session_id"),   ENFILADE_PURGE("slam_closures", "session_id"),
+    ENFILADE_PURGE("slam_nodes", "session_id"),          ENFILADE_PURGE("slam_submaps", "session_id"),
+    ENFILADE_PURGE("mapping_checkpoints", "session_id"), ENFILADE_PURGE("session_leases", "session_id"),
 };
 
 constexpr Statement kCollectBlobs{
@@ -71,13 +74,8 @@ constexpr Statement kFindExpiredUndo{"looking for rearrangements past their rete
 constexpr Statement kMarkUndoPurged{"closing the rearrangement",
                                     "UPDATE enfilade.rearrangements SET undo_expired = true, undo_purged = $3"
                                     " WHERE site_id = $1 AND rearrangement_id = $2"};
-#define ENFILADE_PURGE_UNDO(table)                                                                                    \
-  Statement {                                                                                                         \
-    "deleting from " table, "DELETE FROM enfilade." table " WHERE ctid = ANY (ARRAY(SELECT ctid FROM enfilade." table \
-                            " WHERE site_id = $1 AND rearrangement_id = $2 LIMIT $3))"                                \
-  }
-constexpr std::array kUndoTables = {ENFILADE_PURGE_UNDO("rearrangement_images"),
-                                    ENFILADE_PURGE_UNDO("rearrangement_blobs")};
+constexpr std::array kUndoTables = {ENFILADE_PURGE("rearrangement_images", "rearrangement_id"),
+                                    ENFILADE_PURGE("rearrangement_blobs", "rearrangement_id")};
 
 // Deletes up to `limit` rows that belong to what `key` names, one table after the other.
 absl::StatusOr<std::int64_t> DeleteRows(Transaction& transaction, const std::vector<const Statement*>& deletions,
