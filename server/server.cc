@@ -100,7 +100,7 @@ class Server::Impl {
         MaintenanceLoop::Options{.interval = std::chrono::duration<double>(options.retention.interval_s),
                                  .is_ready = [this] { return readiness->state().ready; },
                                  .on_tick = [this] { UpdatePoolMetrics(); }},
-        MaintenanceJobs(maintenance));
+        MaintenanceJobs(maintenance, std::chrono::seconds(static_cast<std::int64_t>(options.retention.undo_s))));
     return absl::OkStatus();
   }
 

@@ -44,6 +44,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("transfers.max_import_bytes", options.transfers.max_import_bytes);
   visit("survey.share", options.survey.share);
   visit("retention.interval_s", options.retention.interval_s);
+  visit("retention.undo_s", options.retention.undo_s);
   visit("metrics.address", options.metrics.address);
   visit("log.level", options.log.level);
   visit("log.format", options.log.format);
@@ -106,6 +107,8 @@ absl::Status RequireAtLeast(const char* key, double value, double minimum) {
   if (value >= minimum && std::isfinite(value)) return absl::OkStatus();
   return InvalidArgument("option {} is {}: it must be at least {}", key, value, minimum);
 }
+
+constexpr double kCentury = 100 * 365 * 86'400.0;  // s
 
 }  // namespace
 
@@ -183,6 +186,9 @@ absl::Status ServerOptions::Validate() const {
     return InvalidArgument("survey.share is {}: expected 0 to 1", survey.share);
   }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("retention.interval_s", retention.interval_s, 0.1));
+  if (!(retention.undo_s >= 0.0 && retention.undo_s <= kCentury)) {
+    return InvalidArgument("retention.undo_s is {}: expected 0 to {}, which is a century", retention.undo_s, kCentury);
+  }
   for (const char* level : {"trace", "debug", "info", "warn", "error"}) {
     if (log.level == level) {
       if (log.format == "text" || log.format == "json") return absl::OkStatus();

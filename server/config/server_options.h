@@ -81,8 +81,10 @@ struct ServerOptions {
   } transfers;
 
   struct Retention {
-    // How often raw records past their site's retention are deleted, s.
+    // How often what is past its retention is deleted, s: raw records by their site's, and what undo_s says.
     double interval_s = 300.0;
+    // How long merges and splits of maps can be undone, s, up to a century. Afterwards what undoing needs is deleted.
+    double undo_s = 30 * 86'400.0;
   } retention;
 
   struct Metrics {

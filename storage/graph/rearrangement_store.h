@@ -51,6 +51,7 @@ struct StoredRearrangement {
   std::int64_t version_undone = 0;  // 0: not undone
   TimeNs create_time = 0;
   std::optional<TimeNs> undo_time;
+  bool undo_expired = false;  // what undoing needs is deleted (Maintenance): it can no longer be undone
   // What it did.
   std::vector<MapId> new_maps;
   std::vector<rearrange::SessionCut> cuts;
@@ -74,8 +75,8 @@ class RearrangementStore {
   virtual absl::StatusOr<StoredRearrangement> Apply(const CallContext& context, const SiteLease& lease,
                                                     const RearrangementChange& change) const = 0;
   // Restores exactly what was before: poses, link points, evidence, layers; rasters as new revisions with the old
-  // content. ABORTED if the lease is lost; NOT_FOUND; FAILED_PRECONDITION if it has been undone already, or naming what
-  // has been changed since: then nothing is undone.
+  // content. ABORTED if the lease is lost; NOT_FOUND; FAILED_PRECONDITION if it has been undone already, if it
+  // is too old (StoredRearrangement::undo_expired), or naming what has been changed since: then nothing is undone.
   virtual absl::StatusOr<StoredRearrangement> Undo(const CallContext& context, const SiteLease& lease,
                                                    const rearrange::RearrangementId& id) const = 0;
   // Where the id of a map leads to, through any number of redirects. A map that is not redirected, or does not exist,

@@ -25,6 +25,10 @@ class Maintenance {
   // Records older than their site's retention, counted from when the session was finished. Sessions that are recording
   // or not yet mapped keep theirs.
   absl::StatusOr<std::int64_t> DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const;
+  // The data for undoing rearrangements that were made longer than `kept` ago. They stay in the list and can no longer
+  // be undone (RearrangementStore::Undo).
+  absl::StatusOr<std::int64_t> DeleteExpiredUndo(const CallContext& context, std::chrono::seconds kept,
+                                                 std::int64_t limit) const;
   // Blobs that nothing refers to and that were last put longer than `grace` ago: the time that a client may take from
   // sending a blob to sending the record that refers to it.
   absl::StatusOr<std::int64_t> CollectBlobs(const CallContext& context, std::chrono::seconds grace,

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
+#include "tests/fakes/session_rows.h"
 
 namespace enfilade::testing {
 
@@ -23,9 +24,11 @@ void InMemoryDatabase::AddRobot(const SiteId& site, const RobotId& robot) {
 void InMemoryDatabase::EnterMap(const SiteId& site, const SessionId& session, const MapId& map,
                                 const PoseWithCovariance& T_map_robot) {
   const std::lock_guard lock(mutex_);
-  storage::Session& entered = tables_.at(site).sessions.at(session).session;
+  SiteRows& rows = tables_.at(site);
+  storage::Session& entered = rows.sessions.at(session).session;
   entered.map = map;
   entered.entry.T_map_robot = T_map_robot;
+  FollowRedirect(rows, entered);
 }
 
 void InMemoryDatabase::ExpireRecords(const SiteId& site, const SessionId& session) {
@@ -115,6 +118,12 @@ absl::StatusOr<MapRow*> InMemoryDatabase::Access::GetMap(const SiteId& site, con
     if (found != rows->maps.end()) return &found->second;
   }
   return NotFound("{} does not exist", NameOf(site, map));
+}
+
+absl::StatusOr<MapRow*> InMemoryDatabase::Access::GetMapInUse(const SiteId& site, const MapId& map) {
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, GetMap(site, map));
+  if (row->redirect) return NotFound("{} does not exist", NameOf(site, map));
+  return row;
 }
 
 std::chrono::steady_clock::time_point InMemoryDatabase::Access::Now() const {

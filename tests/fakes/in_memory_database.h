@@ -53,6 +53,7 @@ class InMemoryDatabase {
     absl::StatusOr<SiteRows*> GetSite(const SiteId& site);                         // or NOT_FOUND
     absl::StatusOr<SessionRow*> GetSession(const SiteId& site, const SessionId&);  // also NOT_FOUND if deleted
     absl::StatusOr<MapRow*> GetMap(const SiteId& site, const MapId& map);
+    absl::StatusOr<MapRow*> GetMapInUse(const SiteId& site, const MapId& map);  // also NOT_FOUND if redirected
 
     std::chrono::steady_clock::time_point Now() const;
     // Wall time; greater with every call.

@@ -6,6 +6,7 @@
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "tests/fakes/in_memory_stores.h"
+#include "tests/fakes/map_rows.h"
 
 namespace enfilade::testing {
 namespace {
@@ -199,6 +200,11 @@ absl::StatusOr<std::int64_t> InMemoryGraphStore::SetControlPoints(
     }
   }
   rows->graph.control_points = points;
+  for (storage::ControlPoint& point : rows->graph.control_points) {
+    const rearrange::MapRedirect redirect = ResolveMap(*rows, point.map);
+    point.map = redirect.to;
+    point.position = redirect.T_to_from * point.position;
+  }
   return access.RaiseVersion(site, storage::GraphCause::kGeoreferenced, "");
 }
 

@@ -31,7 +31,8 @@ absl::StatusOr<LinkPointRow*> GetRow(InMemoryDatabase::Access& access, const Sit
 
 absl::Status CheckMaps(const SiteRows& site, const storage::StoredLinkPoint& link_point) {
   for (const graph::Anchor& anchor : link_point.point.anchors) {
-    if (site.maps.contains(anchor.map)) continue;
+    const auto map = site.maps.find(anchor.map);
+    if (map != site.maps.end() && !map->second.redirect) continue;
     return NotFound("{}: one of its maps does not exist: {}", NameOf(link_point.site, link_point.point.id),
                     anchor.map.value());
   }

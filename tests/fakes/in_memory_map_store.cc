@@ -6,6 +6,7 @@
 #include "core/base/status_macros.h"
 #include "tests/fakes/graph_rows.h"
 #include "tests/fakes/in_memory_stores.h"
+#include "tests/fakes/map_rows.h"
 #include "tests/fakes/session_rows.h"
 
 namespace enfilade::testing {
@@ -65,6 +66,15 @@ storage::MapUse UseOf(const SiteRows& site, const MapId& map) {
   return use;
 }
 
+// The map and all that lead to it.
+std::set<MapId> RedirectsTo(const SiteRows& site, const MapId& map) {
+  std::set<MapId> ids;
+  for (const auto& [id, row] : site.maps) {
+    if (ResolveMap(site, id).to == map) ids.insert(id);
+  }
+  return ids;
+}
+
 void Write(storage::Map& stored, const storage::Map& map) {
   stored.display_name = map.display_name;
   stored.level = map.level;
@@ -105,7 +115,9 @@ absl::StatusOr<storage::Map> InMemoryMapStore::Create(const storage::CallContext
 absl::StatusOr<storage::Map> InMemoryMapStore::Get(const storage::CallContext& context, const SiteId& site,
                                                    const MapId& map) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  ENFILADE_ASSIGN_OR_RETURN(const MapRow* const row, access.GetMap(site, map));
+  const SiteRows* const rows = access.FindSite(site);
+  ENFILADE_ASSIGN_OR_RETURN(const MapRow* const row,
+                            access.GetMap(site, rows == nullptr ? map : ResolveMap(*rows, map).to));
   return row->map;
 }
 
@@ -114,7 +126,7 @@ absl::StatusOr<storage::Map> InMemoryMapStore::GetByDisplayName(const storage::C
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   if (const SiteRows* const rows = access.FindSite(site)) {
     for (const auto& [id, row] : rows->maps) {
-      if (row.map.display_name == display_name) return row.map;
+      if (row.map.display_name == display_name) return rows->maps.at(ResolveMap(*rows, id).to).map;
     }
   }
   return NotFound("a map \"{}\" in {} does not exist", display_name, NameOf(site));
@@ -129,7 +141,7 @@ absl::StatusOr<std::vector<storage::Map>> InMemoryMapStore::List(const storage::
   if (rows == nullptr) return maps;
   for (auto row = rows->maps.upper_bound(MapId(page.after)); row != rows->maps.end(); ++row) {
     if (maps.size() == static_cast<std::size_t>(page.limit)) break;
-    maps.push_back(row->second.map);
+    if (!row->second.redirect) maps.push_back(row->second.map);
   }
   return maps;
 }
@@ -139,7 +151,7 @@ absl::StatusOr<storage::Map> InMemoryMapStore::Update(const storage::CallContext
   ENFILADE_RETURN_IF_ERROR(Validate(map));
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMap(map.site, map.id));
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMapInUse(map.site, map.id));
   if (row->map.etag != map.etag) return Aborted("{} has changed: read it again", NameOf(map.site, map.id));
   SiteRows& site = *access.FindSite(map.site);
   ENFILADE_RETURN_IF_ERROR(CheckName(site, map));
@@ -161,7 +173,7 @@ absl::Status InMemoryMapStore::Delete(const storage::CallContext& context, const
                                       std::int64_t etag, bool force) const {
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  ENFILADE_ASSIGN_OR_RETURN(const MapRow* const row, access.GetMap(site, map));
+  ENFILADE_ASSIGN_OR_RETURN(const MapRow* const row, access.GetMapInUse(site, map));
   if (etag != 0 && etag != row->map.etag) return Aborted("{} has changed: read it again", NameOf(site, map));
   SiteRows& rows = *access.FindSite(site);
   const storage::MapUse use = UseOf(rows, map);
@@ -169,7 +181,7 @@ absl::Status InMemoryMapStore::Delete(const storage::CallContext& context, const
   RemoveMap(access, site, map, access.RaiseVersion(site, storage::GraphCause::kMapRemoved, ResourceOf(map)));
   for (const std::string& session : use.sessions) DeleteSession(rows.sessions.at(SessionId(session)));
   std::erase_if(rows.robot_poses, [&](const auto& pose) { return pose.second.map == map; });
-  rows.maps.erase(map);
+  std::erase_if(rows.maps, [gone = RedirectsTo(rows, map)](const auto& entry) { return gone.contains(entry.first); });
   return absl::OkStatus();
 }
 

@@ -20,6 +20,15 @@ std::int64_t BlobSize(const SiteRows& site, const storage::RecordBatch& batch, c
   return found == site.blobs.end() ? 0 : static_cast<std::int64_t>(found->second.size());
 }
 
+// The log of the session as it was recorded, of which it has the first part: with the rests that were cut off.
+const RecordRow* FindRecorded(const SiteRows& site, const SessionId& session, std::int64_t sequence) {
+  for (const auto& [id, row] : site.sessions) {
+    if ((id != session && row.cut_from != session) || row.deleted) continue;
+    if (const auto found = row.records.find(sequence); found != row.records.end()) return &found->second;
+  }
+  return nullptr;
+}
+
 // The records of the batch that are not stored yet: first those before the end of the log.
 absl::StatusOr<std::vector<const sensor::Record*>> SelectFresh(const SiteRows& site, const SessionRow& row,
                                                                const storage::RecordBatch& batch) {
@@ -27,10 +36,10 @@ absl::StatusOr<std::vector<const sensor::Record*>> SelectFresh(const SiteRows& s
   for (const sensor::Record& record : batch.records) {
     const bool beyond = record.sequence > row.session.highest_sequence;
     if (!beyond && row.session.records_deleted) continue;
-    const auto stored = row.records.find(record.sequence);
-    if (stored == row.records.end()) {
+    const RecordRow* const stored = FindRecorded(site, batch.session, record.sequence);
+    if (stored == nullptr) {
       fresh.push_back(&record);
-    } else if (!storage::HasContent(record, stored->second.kind, stored->second.payload)) {
+    } else if (!storage::HasContent(record, stored->kind, stored->payload)) {
       return storage::RefuseRecord(AlreadyExists("record {} of {} is stored with other content", record.sequence,
                                                  NameOf(batch.site, batch.session)),
                                    record.sequence);
@@ -75,6 +84,11 @@ SessionRow* FindLog(InMemoryDatabase::Access& access, const SiteId& site, const 
   return found == rows->sessions.end() ? nullptr : &found->second;
 }
 
+// As the robot knows the log.
+std::int64_t AcknowledgedOf(const SessionRow& row) {
+  return row.recorded_sequence.value_or(row.session.acknowledged_sequence);
+}
+
 absl::StatusOr<storage::AppendResult> AppendBatch(InMemoryDatabase::Access& access, const storage::RecordBatch& batch) {
   ENFILADE_RETURN_IF_ERROR(storage::ValidateBatch(batch));
   SessionRow* const found = FindLog(access, batch.site, batch.session);
@@ -94,7 +108,7 @@ absl::StatusOr<storage::AppendResult> AppendBatch(InMemoryDatabase::Access& acce
   }
   if (!fresh.empty()) Grow(row, growth);
   const auto inserted = static_cast<std::int64_t>(fresh.size());
-  return storage::AppendResult{row.session.acknowledged_sequence, inserted,
+  return storage::AppendResult{AcknowledgedOf(row), inserted,
                                static_cast<std::int64_t>(batch.records.size()) - inserted};
 }
 
@@ -121,8 +135,7 @@ std::vector<absl::StatusOr<storage::AppendResult>> InMemoryRecordStore::AppendGr
   // As all batches of a site are one transaction, each learns of the whole log.
   for (std::size_t i = 0; i < batches.size(); ++i) {
     if (!results[i].ok()) continue;
-    results[i]->acknowledged_sequence =
-        FindLog(*access, batches[i].site, batches[i].session)->session.acknowledged_sequence;
+    results[i]->acknowledged_sequence = AcknowledgedOf(*FindLog(*access, batches[i].site, batches[i].session));
   }
   return results;
 }

@@ -11,12 +11,6 @@
 namespace enfilade::testing {
 namespace {
 
-std::int64_t LayersVersion(const MapRow& row) {
-  std::int64_t version = 0;
-  for (const LayerRow& layer : row.layers) version = std::max(version, layer.version);
-  return version;
-}
-
 absl::Status CheckTiles(const SiteRows& site, const std::vector<storage::TileRef>& tiles,
                         absl::Span<const storage::BlobView> blobs) {
   for (const storage::TileRef& tile : tiles) {
@@ -52,10 +46,25 @@ void SetLayer(MapRow& row, const storage::NewRevision& revision, std::int64_t ve
 
 }  // namespace
 
-absl::StatusOr<std::int64_t> AddRevision(InMemoryDatabase::Access& access, const SiteId& site, const MapId& map,
-                                         const storage::NewRevision& revision,
-                                         absl::Span<const storage::BlobView> blobs) {
-  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMap(site, map));
+rearrange::MapRedirect ResolveMap(const SiteRows& site, const MapId& map) {
+  rearrange::MapRedirect whole{map, map, {}};
+  for (auto row = site.maps.find(map); row != site.maps.end() && row->second.redirect; row = site.maps.find(whole.to)) {
+    whole.to = row->second.redirect->to;
+    whole.T_to_from = row->second.redirect->T_to_from * whole.T_to_from;
+  }
+  return whole;
+}
+
+std::int64_t LayersVersion(const MapRow& row) {
+  std::int64_t version = 0;
+  for (const LayerRow& layer : row.layers) version = std::max(version, layer.version);
+  return version;
+}
+
+absl::StatusOr<std::int64_t> StoreRevision(InMemoryDatabase::Access& access, const SiteId& site, const MapId& map,
+                                           const storage::NewRevision& revision,
+                                           absl::Span<const storage::BlobView> blobs) {
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMapInUse(site, map));
   SiteRows& rows = *access.FindSite(site);
   if (revision.layers_version && *revision.layers_version != LayersVersion(*row)) {
     return storage::LayersChanged(site, map);
@@ -90,9 +99,17 @@ absl::StatusOr<std::int64_t> AddRevision(InMemoryDatabase::Access& access, const
     }
     row->revisions.push_back(std::move(added));
   }
-  SetLayer(*row, revision, access.NewEtag());
   row->map.current_revision = row->revisions.back().revision.number;
   return row->map.current_revision;
+}
+
+absl::StatusOr<std::int64_t> AddRevision(InMemoryDatabase::Access& access, const SiteId& site, const MapId& map,
+                                         const storage::NewRevision& revision,
+                                         absl::Span<const storage::BlobView> blobs) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t number, StoreRevision(access, site, map, revision, blobs));
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMap(site, map));
+  SetLayer(*row, revision, access.NewEtag());
+  return number;
 }
 
 absl::StatusOr<storage::MapRevision> InMemoryRevisionStore::Add(const storage::CallContext& context, const SiteId& site,
@@ -109,7 +126,8 @@ absl::StatusOr<storage::MapRevision> InMemoryRevisionStore::Add(const storage::C
 absl::StatusOr<storage::MapRevision> InMemoryRevisionStore::Get(const storage::CallContext& context, const SiteId& site,
                                                                 const MapId& map, std::int64_t number) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  const auto row = access.GetMap(site, map);
+  const SiteRows* const rows = access.FindSite(site);
+  const auto row = access.GetMap(site, rows != nullptr && number == 0 ? ResolveMap(*rows, map).to : map);
   if (row.ok()) {
     const auto& revisions = (*row)->revisions;
     const auto count = static_cast<std::int64_t>(revisions.size());

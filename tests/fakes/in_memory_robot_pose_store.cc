@@ -3,6 +3,7 @@
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "tests/fakes/in_memory_stores.h"
+#include "tests/fakes/map_rows.h"
 
 namespace enfilade::testing {
 
@@ -12,11 +13,14 @@ absl::Status InMemoryRobotPoseStore::Report(const storage::CallContext& context,
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_RETURN_IF_ERROR(access.GetMap(pose.site, pose.map).status());
   SiteRows* const rows = access.FindSite(pose.site);
+  const rearrange::MapRedirect redirect = ResolveMap(*rows, pose.map);
   if (!rows->robots.contains(pose.robot)) return NotFound("{} does not exist", NameOf(pose.site, pose.robot));
   const auto stored = rows->robot_poses.find(pose.robot);
   if (stored != rows->robot_poses.end() && !storage::Replaces(pose, stored->second)) return absl::OkStatus();
   storage::RobotPose& row = rows->robot_poses[pose.robot];
   row = pose;
+  row.map = redirect.to;
+  row.T_map_robot = rearrange::Moved(redirect.T_to_from, pose.T_map_robot);
   row.version = access.NewEtag();
   return absl::OkStatus();
 }

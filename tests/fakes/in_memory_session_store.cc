@@ -6,6 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/geometry/covariance.h"
 #include "tests/fakes/in_memory_stores.h"
+#include "tests/fakes/map_rows.h"
 #include "tests/fakes/session_rows.h"
 
 namespace enfilade::testing {
@@ -40,6 +41,13 @@ storage::Session WithProgress(const SessionRow& row) {
   return session;
 }
 
+void FollowRedirect(const SiteRows& site, storage::Session& session) {
+  if (!session.map) return;
+  const rearrange::MapRedirect redirect = ResolveMap(site, *session.map);
+  session.map = redirect.to;
+  if (auto& entry = session.entry.T_map_robot) entry = rearrange::Moved(redirect.T_to_from, *entry);
+}
+
 void DeleteSession(SessionRow& row) {
   row.deleted = true;
   row.session.map = std::nullopt;
@@ -72,6 +80,7 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Create(const storage::Cal
   row.session.robot = session.robot;
   row.session.map = session.map;
   row.session.entry = session.entry;
+  FollowRedirect(*site, row.session);
   row.session.create_time = access.Timestamp();
   row.request_id = request_id;
   return site->sessions.emplace(session.id, std::move(row)).first->second.session;
@@ -111,9 +120,10 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Finish(const storage::Cal
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_ASSIGN_OR_RETURN(SessionRow* const row, access.GetSession(site, session));
   storage::Session& stored = row->session;
-  if (stored.highest_sequence != last_sequence) {
+  const std::int64_t highest = row->recorded_sequence.value_or(stored.highest_sequence);
+  if (highest != last_sequence) {
     return FailedPrecondition("{} cannot finish at record {}: the highest that is stored is {}", NameOf(site, session),
-                              last_sequence, stored.highest_sequence);
+                              last_sequence, highest);
   }
   if (stored.acknowledged_sequence != stored.highest_sequence) {
     return FailedPrecondition("{} cannot finish: record {} is missing", NameOf(site, session),

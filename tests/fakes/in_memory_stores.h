@@ -3,6 +3,7 @@
 
 #include "storage/graph/graph_store.h"
 #include "storage/graph/link_point_store.h"
+#include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/graph/site_lease_store.h"
 #include "storage/maps/blob_store.h"
@@ -234,6 +235,28 @@ class InMemoryRobotPoseStore final : public storage::RobotPoseStore {
   InMemoryDatabase& database_;
 };
 
+class InMemoryRearrangementStore final : public storage::RearrangementStore {
+ public:
+  explicit InMemoryRearrangementStore(InMemoryDatabase& database) : database_(database) {}
+
+  absl::StatusOr<storage::StoredRearrangement> Apply(const storage::CallContext& context,
+                                                     const storage::SiteLease& lease,
+                                                     const storage::RearrangementChange& change) const override;
+  absl::StatusOr<storage::StoredRearrangement> Undo(const storage::CallContext& context,
+                                                    const storage::SiteLease& lease,
+                                                    const rearrange::RearrangementId& id) const override;
+  absl::StatusOr<rearrange::MapRedirect> Resolve(const storage::CallContext& context, const SiteId& site,
+                                                 const MapId& map) const override;
+  absl::StatusOr<storage::StoredRearrangement> Get(const storage::CallContext& context, const SiteId& site,
+                                                   const rearrange::RearrangementId& id) const override;
+  absl::StatusOr<std::vector<storage::StoredRearrangement>> List(const storage::CallContext& context,
+                                                                 const SiteId& site, std::int64_t before,
+                                                                 int limit) const override;
+
+ private:
+  InMemoryDatabase& database_;
+};
+
 // All of them over one database.
 struct InMemoryStores {
   InMemoryDatabase database;
@@ -247,6 +270,7 @@ struct InMemoryStores {
   InMemoryGraphStore graphs{database};
   InMemorySiteLeaseStore site_leases{database};
   InMemoryRobotPoseStore robot_poses{database};
+  InMemoryRearrangementStore rearrangements{database};
 };
 
 }  // namespace enfilade::testing

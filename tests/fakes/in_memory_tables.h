@@ -7,10 +7,12 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "storage/graph/graph_store.h"
 #include "storage/graph/link_point_store.h"
+#include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/revision_store.h"
@@ -43,6 +45,8 @@ struct SessionRow {
   LeaseRow lease;
   std::optional<storage::StoredMapping> mapping;
   storage::MappingCounts counts;
+  std::optional<SessionId> cut_from;              // of a rest: the session in which it was recorded
+  std::optional<std::int64_t> recorded_sequence;  // of the last record as it was recorded; unset: never cut
 };
 
 struct RevisionRow {
@@ -60,6 +64,7 @@ struct MapRow {
   std::string request_id;
   std::vector<RevisionRow> revisions;  // number 1, 2, ...
   std::vector<LayerRow> layers;        // from the bottom
+  std::optional<rearrange::MapRedirect> redirect;
 };
 
 struct GraphMapRow {
@@ -85,6 +90,25 @@ struct GraphRows {
   std::vector<storage::ControlPoint> control_points;
 };
 
+// Rows as they were before a rearrangement; unset: there was none.
+struct RowsBefore {
+  std::map<MapId, std::optional<MapRow>> maps;
+  std::map<MapId, std::optional<GraphMapRow>> places;
+  std::map<SessionId, std::optional<SessionRow>> sessions;
+  std::map<LinkPointId, std::optional<LinkPointRow>> link_points;
+  std::map<RobotId, storage::RobotPose> robot_poses;
+  std::vector<storage::ControlPoint> control_points;
+};
+
+struct RearrangementRow {
+  storage::StoredRearrangement stored;
+  std::map<SessionId, MapId> sources;  // the maps that the sessions left
+  RowsBefore before;
+  // What was changed, as it was left: texts by relation and key (rearrangement_journal.h).
+  std::map<std::pair<std::string, std::string>, std::string> images_before, images_after;
+  std::map<RobotId, std::int64_t> moved_robot_poses;  // and the version that moving them made
+};
+
 struct SiteRows {
   std::set<RobotId> robots;
   std::map<MapId, MapRow> maps;
@@ -92,6 +116,7 @@ struct SiteRows {
   std::map<std::string, std::string, std::less<>> blobs;  // by SHA-256
   std::map<RobotId, storage::RobotPose> robot_poses;
   GraphRows graph;
+  std::map<rearrange::RearrangementId, RearrangementRow> rearrangements;
   LeaseRow lease;
 };
 

@@ -7,6 +7,15 @@ namespace enfilade::testing {
 
 // The session with the progress of its mapping.
 storage::Session WithProgress(const SessionRow& row);
+// A session that is created in a map which was merged goes to the map that it leads to, in its frame.
+void FollowRedirect(const SiteRows& site, storage::Session& session);
+// What the session has mapped, in a frame in which that of its map has the pose `T_to_from`.
+void MoveSession(SessionRow& row, const rearrange::SessionMove& move);
+// The rest of the session's records, from the cut on, with what was mapped by them, becomes a session of its own.
+// Loop closures across the cut are dropped.
+void CutSession(SiteRows& site, const rearrange::SessionCut& cut);
+// Takes the rest back. `before`: the session as it was before the cut.
+void UncutSession(SiteRows& site, const rearrange::SessionCut& cut, const SessionRow& before);
 // Whoever holds its lease has lost it.
 void DeleteSession(SessionRow& row);
 

@@ -1,21 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Maps that robots have recorded are merged and split, and that is undone.
-#include <algorithm>
 #include <thread>
 
-#include "client/simulator/simulation.h"
-#include "core/grid/overlay.h"
-#include "core/slam/mapper/log_mapper.h"
-#include "enfilade/v1/graph_service.grpc.pb.h"
-#include "enfilade/v1/link_point_service.grpc.pb.h"
-#include "proto/convert/geometry.h"
-#include "proto/convert/record.h"
-#include "server/app/mapping/raster_revision.h"
-#include "storage/postgres/graph/graph_store.h"
 #include "storage/postgres/graph/link_point_store.h"
-#include "storage/postgres/maps/revision_store.h"
-#include "storage/postgres/sessions/mapping_store.h"
-#include "tests/rpc/server_test.h"
+#include "tests/rpc/rearrange_fixture.h"
 #include "tests/support/pose_matchers.h"
 
 namespace enfilade::testing {
@@ -23,154 +11,6 @@ namespace {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
-using ::testing::SizeIs;
-
-// A drive through the simulated rooms in two parts, and where the second one begins in the frame of the first.
-struct TwoParts {
-  std::vector<sensor::Record> first, second;
-  Pose2 T_first_second;
-};
-
-std::vector<sensor::Record> Numbered(std::vector<sensor::Record> records) {
-  for (std::size_t i = 0; i < records.size(); ++i) records[i].sequence = static_cast<std::int64_t>(i) + 1;
-  return records;
-}
-
-const TwoParts& Drive() {
-  static const TwoParts parts = [] {
-    simulator::SimulationOptions options = simulator::RoomsOptions();
-    options.seed = 18;
-    const auto drive = simulator::SimulateRooms(options);
-    EXPECT_OK(drive);
-    std::vector<sensor::Record> records;
-    for (const simulator::SimulatedRecord& entry : drive->records) {
-      std::visit([&](const auto& payload) { records.push_back({0, payload}); }, entry.payload);
-    }
-    const auto cut = records.begin() + static_cast<std::ptrdiff_t>(records.size() * 3 / 10);
-    TwoParts two{Numbered({records.begin(), cut}), Numbered({cut, records.end()}), {}};
-    slam::LogMapper whole({}, slam::SlamOptions());
-    for (const sensor::Record& record : Numbered(records)) whole.Add(record);
-    whole.Finish();
-    slam::SlamMap map;
-    map.Apply(whole.TakeDelta());
-    TimeNs begin = 0;
-    for (const sensor::Record& record : two.second) {
-      if (const auto* scan = std::get_if<sensor::LaserScan>(&record.payload); scan != nullptr && begin == 0) {
-        begin = scan->time;
-      }
-    }
-    const std::vector<slam::StampedPose> trajectory = slam::TrajectoryOf(map);
-    two.T_first_second = std::min_element(trajectory.begin(), trajectory.end(), [&](const auto& a, const auto& b) {
-                           return std::abs(a.time - begin) < std::abs(b.time - begin);
-                         })->T_map_robot;
-    return two;
-  }();
-  return parts;
-}
-
-class RearrangeTest : public ServerTest {
- protected:
-  // The first part in map "m", the second one in map "m2"; a link point says where m2 lies in m.
-  void MapBoth() {
-    v1::CreateMapRequest request;
-    request.set_parent("sites/s");
-    request.set_map_id("m2");
-    request.mutable_map()->set_display_name("Second part");
-    ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request));
-    first_ = CreateSession(true);
-    Map(first_, Drive().first);
-    second_ = CreateSessionIn("sites/s/maps/m2");
-    Map(second_, Drive().second);
-    Link("between", Drive().T_first_second, {});
-  }
-  std::string CreateSessionIn(const std::string& map) {
-    v1::CreateSessionRequest request;
-    request.set_parent("sites/s");
-    request.mutable_session()->set_robot("sites/s/robots/r");
-    request.mutable_session()->set_map(map);
-    const auto response = Call(&v1::SessionService::Stub::CreateSession, request);
-    EXPECT_OK(response);
-    return response.ok() ? response->session().name() : "";
-  }
-  void Map(const std::string& session, const std::vector<sensor::Record>& log) {
-    TestStream stream(*connection_, session);
-    std::vector<v1::Record> batch;
-    for (const sensor::Record& record : log) {
-      batch.push_back(convert::ToProto(record));
-      if (batch.size() < 200 && &record != &log.back()) continue;
-      ASSERT_TRUE(stream.SendBatch(batch));
-      batch.clear();
-    }
-    ASSERT_TRUE(stream.AwaitAcknowledged(static_cast<std::int64_t>(log.size())));
-    ASSERT_OK(FinishSession(session, static_cast<std::int64_t>(log.size())));
-    AwaitState(session, v1::Session::STATE_MAPPED);
-  }
-  void Link(const std::string& id, const Pose2& in_m, const Pose2& in_m2) {
-    v1::CreateLinkPointRequest request;
-    request.set_parent("sites/s");
-    request.set_link_point_id(id);
-    request.mutable_link_point()->set_kind(v1::LinkPoint::KIND_DOOR);
-    for (const auto& [map, pose] : {std::pair("sites/s/maps/m", in_m), std::pair("sites/s/maps/m2", in_m2)}) {
-      v1::Anchor& anchor = *request.mutable_link_point()->add_anchors();
-      anchor.set_map(map);
-      *anchor.mutable_pose_map_place() = convert::ToProto(PoseWithCovariance{pose, graph::DefaultAnchorCovariance()});
-    }
-    ASSERT_OK(Call(&v1::LinkPointService::Stub::CreateLinkPoint, request));
-  }
-
-  absl::StatusOr<v1::MergeMapsResponse> Merge(const std::string& kept = "m", const std::string& merged = "m2") {
-    v1::MergeMapsRequest request;
-    request.set_name("sites/s/maps/" + kept);
-    request.set_merged_map("sites/s/maps/" + merged);
-    return Call(&v1::MapService::Stub::MergeMaps, request);
-  }
-  absl::StatusOr<v1::UndoRearrangementResponse> Undo(const std::string& name) {
-    v1::UndoRearrangementRequest request;
-    request.set_name(name);
-    return Call(&v1::MapService::Stub::UndoRearrangement, request);
-  }
-  v1::Map GetMap(const std::string& id) {
-    v1::GetMapRequest request;
-    request.set_name("sites/s/maps/" + id);
-    const auto response = Call(&v1::MapService::Stub::GetMap, request);
-    EXPECT_OK(response);
-    return response.ok() ? response->map() : v1::Map();
-  }
-
-  std::vector<slam::StampedPose> Trajectory(const std::string& session) {
-    const auto mapping = storage::postgres::MappingStore(*pool_).ReadTrajectory(Soon(), site_, IdOf(session));
-    EXPECT_OK(mapping);
-    return mapping.ok() ? mapping->poses : std::vector<slam::StampedPose>();
-  }
-  std::vector<Pose2> WorldTrajectory(const std::string& session) {
-    const std::string map = GetSession(session).map();
-    const auto places = storage::postgres::GraphStore(*pool_).GetPlaces(Soon(), site_, {MapId(map.substr(13))});
-    EXPECT_OK(places);
-    EXPECT_THAT(*places, SizeIs(1));
-    std::vector<Pose2> world;
-    for (const slam::StampedPose& pose : Trajectory(session)) {
-      world.push_back(places->front().T_world_map.pose * pose.T_map_robot);
-    }
-    return world;
-  }
-  grid::OccupancyGrid Published(const std::string& map) {
-    const storage::postgres::RevisionStore revisions(*pool_);
-    const auto revision = revisions.Get(Soon(), site_, MapId(map), 0);
-    EXPECT_OK(revision);
-    const auto raster = server::ReadRaster(Soon(), revisions, *revision);
-    EXPECT_OK(raster);
-    return grid::ResampleToLattice(grid::ToOccupancyGrid(*raster), 0.05).value();
-  }
-  std::string HashOf(const std::string& map) {
-    const auto revision = storage::postgres::RevisionStore(*pool_).Get(Soon(), site_, MapId(map), 0);
-    EXPECT_OK(revision);
-    return revision->content_sha256;
-  }
-  static SessionId IdOf(const std::string& name) { return SessionId(name.substr(name.rfind('/') + 1)); }
-
-  const SiteId site_{"s"};
-  std::string first_, second_;
-};
 
 void ExpectSame(const std::vector<Pose2>& a, const std::vector<Pose2>& b) {
   ASSERT_GT(a.size(), 50U);
@@ -348,35 +188,6 @@ TEST_F(RearrangeTest, TwoAtOnceOneWinsAndTheMergedSessionCanBeMappedAgain) {
   const std::vector<Pose2> after = WorldTrajectory(second_);
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < after.size(); ++i) ASSERT_THAT(after[i], PoseNear(before[i], 0.5, 0.2)) << i;
-}
-
-TEST_F(RearrangeTest, RefusesWhatCannotBe) {
-  v1::CreateMapRequest request;
-  request.set_parent("sites/s");
-  request.set_map_id("m2");
-  request.mutable_map()->set_display_name("Second part");
-  ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request));
-  EXPECT_STATUS(Merge("m", "m"), absl::StatusCode::kInvalidArgument, HasSubstr("with itself"));
-  EXPECT_STATUS(Merge("m", "none"), absl::StatusCode::kNotFound, HasSubstr("none"));
-  EXPECT_STATUS(Merge(), absl::StatusCode::kFailedPrecondition, HasSubstr("no link points lead"));
-  Link("between", {1, 2, 0}, {});
-  const std::string session = CreateSessionIn("sites/s/maps/m2");
-  EXPECT_STATUS(Merge(), absl::StatusCode::kFailedPrecondition, HasSubstr("still recording or being mapped"));
-  v1::SplitMapRequest split;
-  split.set_name("sites/s/maps/m2");
-  EXPECT_STATUS(Call(&v1::MapService::Stub::SplitMap, split), absl::StatusCode::kFailedPrecondition,
-                HasSubstr("no session leaves"));
-  split.add_sessions("sites/s/sessions/none");
-  EXPECT_STATUS(Call(&v1::MapService::Stub::SplitMap, split), absl::StatusCode::kNotFound, HasSubstr("none"));
-  split.set_sessions(0, "sites/other/sessions/none");
-  EXPECT_STATUS(Call(&v1::MapService::Stub::SplitMap, split), absl::StatusCode::kInvalidArgument, HasSubstr("site"));
-  EXPECT_STATUS(Undo("sites/s/rearrangements/none"), absl::StatusCode::kNotFound, HasSubstr("rearrangements/none"));
-  ASSERT_OK(FinishSession(session, 0));
-  AwaitState(session, v1::Session::STATE_MAPPED);
-  ASSERT_OK_AND_ASSIGN(const v1::MergeMapsResponse merged, Merge());  // without anything mapped
-  EXPECT_EQ(GetSession(session).map(), "sites/s/maps/m");
-  ASSERT_OK(Undo(merged.rearrangement().name()));
-  EXPECT_EQ(GetSession(session).map(), "sites/s/maps/m2");
 }
 
 }  // namespace

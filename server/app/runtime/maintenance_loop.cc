@@ -14,7 +14,7 @@ constexpr auto kBlobGrace = std::chrono::hours(24);
 
 }  // namespace
 
-std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance) {
+std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance, std::chrono::seconds undo_kept) {
   return {
       {"rows of deleted sessions",
        [&maintenance](const storage::CallContext& context, std::int64_t limit) {
@@ -23,6 +23,10 @@ std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintena
       {"records past their retention",
        [&maintenance](const storage::CallContext& context, std::int64_t limit) {
          return maintenance.DeleteExpiredRecords(context, limit);
+       }},
+      {"rows of rearrangements that are too old to be undone",
+       [&maintenance, undo_kept](const storage::CallContext& context, std::int64_t limit) {
+         return maintenance.DeleteExpiredUndo(context, undo_kept, limit);
        }},
       {"unused blobs",
        [&maintenance](const storage::CallContext& context, std::int64_t limit) {

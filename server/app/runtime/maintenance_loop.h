@@ -22,9 +22,9 @@ struct MaintenanceJob {
   std::function<absl::StatusOr<std::int64_t>(const storage::CallContext& context, std::int64_t limit)> delete_portion;
 };
 
-// Records past their site's retention, rows of deleted sessions, and unreferenced blobs. `maintenance` must outlive
-// the jobs.
-std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance);
+// Records past their site's retention, rows of deleted sessions, what undoing needs of rearrangements that are older
+// than `undo_kept`, and unreferenced blobs. `maintenance` must outlive the jobs.
+std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance, std::chrono::seconds undo_kept);
 
 // Runs jobs periodically on a thread of its own: each until a portion is not full. A job that fails is logged and tried
 // again in the next round.

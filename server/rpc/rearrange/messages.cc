@@ -17,6 +17,7 @@ v1::Rearrangement ToProto(const storage::StoredRearrangement& rearrangement) {
   out.set_graph_version(rearrangement.version_after);
   if (rearrangement.undo_time) *out.mutable_undo_time() = convert::ToTimestamp(*rearrangement.undo_time);
   out.set_undo_graph_version(rearrangement.version_undone);
+  out.set_undo_expired(rearrangement.undo_expired);
   for (const MapId& map : rearrangement.new_maps) out.add_new_maps(NameOf(site, map));
   for (const rearrange::MapRedirect& redirect : rearrangement.redirects) {
     v1::MergedMap& merged = *out.add_merged_maps();

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <map>
 #include <string>
-#include <vector>
+#include <utility>
 
-#include "core/base/resource_name.h"
+#include "storage/graph/rearrangement_rules.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/rearrange/rearrangement_changes.h"
-#include "storage/sessions/session_store.h"
 
 namespace enfilade::storage::postgres {
 namespace {
@@ -91,70 +90,28 @@ constexpr Statement kKeepImagesAfter{"keeping what is now",
                                      " SET after = enfilade.rearrangement_image(site_id, relation, key)"
                                      " WHERE site_id = $1 AND rearrangement_id = $2"};
 
-absl::Status CheckMaps(const Result& locked, const SiteId& site, const rearrange::Rearrangement& rearrangement) {
-  std::map<std::string, bool, std::less<>> redirected;
+absl::StatusOr<std::map<MapId, bool>> ReadLockedMaps(const Result& locked) {
+  std::map<MapId, bool> redirected;
   for (int i = 0; i < locked.rows(); ++i) {
     Row row(locked, i);
-    std::string map(row.Text());
+    MapId map{std::string(row.Text())};
     redirected[std::move(map)] = row.Bool();
     ENFILADE_RETURN_IF_ERROR(row.status());
   }
-  for (const rearrange::MapSeed& seed : rearrangement.new_maps) redirected.emplace(seed.id.value(), false);
-  const auto check = [&](const MapId& map) {
-    const auto found = redirected.find(map.value());
-    if (found == redirected.end()) return NotFound("{} does not exist", NameOf(site, map));
-    if (found->second) return NotFound("{} was merged into another map", NameOf(site, map));
-    return absl::OkStatus();
-  };
-  for (const rearrange::SessionMove& move : rearrangement.moves) ENFILADE_RETURN_IF_ERROR(check(move.to));
-  for (const rearrange::MapRedirect& redirect : rearrangement.redirects) {
-    ENFILADE_RETURN_IF_ERROR(check(redirect.from));
-    ENFILADE_RETURN_IF_ERROR(check(redirect.to));
-  }
-  return absl::OkStatus();
+  return redirected;
 }
 
-absl::Status CheckSessions(const Result& locked, const SiteId& site, const rearrange::Rearrangement& rearrangement) {
-  struct Stored {
-    std::string map;
-    SessionState state = SessionState::kRecording;
-    bool records_deleted = false;
-  };
-  std::map<std::string, Stored, std::less<>> sessions;
+absl::StatusOr<std::map<SessionId, SessionToRearrange>> ReadLockedSessions(const Result& locked) {
+  std::map<SessionId, SessionToRearrange> sessions;
   for (int i = 0; i < locked.rows(); ++i) {
     Row row(locked, i);
-    Stored& stored = sessions[std::string(row.Text())];
-    stored.map = row.Text();
+    SessionToRearrange& stored = sessions[SessionId(std::string(row.Text()))];
+    stored.map = MapId(std::string(row.Text()));
     stored.state = static_cast<SessionState>(row.Int16());
     stored.records_deleted = row.Bool();
     ENFILADE_RETURN_IF_ERROR(row.status());
   }
-  const auto check = [&](const SessionId& session, const MapId& to) {
-    const auto found = sessions.find(session.value());
-    const std::string name = NameOf(site, session);
-    if (found == sessions.end()) return NotFound("{} does not exist", name);
-    const Stored& stored = found->second;
-    if (stored.state == SessionState::kRecording) return FailedPrecondition("{} is still recording", name);
-    if (stored.state == SessionState::kFinished) return FailedPrecondition("{} is still being mapped", name);
-    if (stored.map.empty()) return FailedPrecondition("{} has no map", name);
-    if (stored.map == to.value()) return InvalidArgument("{} is in map {} already", name, stored.map);
-    return absl::OkStatus();
-  };
-  std::map<SessionId, SessionId> cut_from;
-  for (const rearrange::SessionCut& cut : rearrangement.cuts) {
-    ENFILADE_RETURN_IF_ERROR(check(cut.session, MapId()));
-    const Stored& stored = sessions[cut.session.value()];
-    if (stored.state != SessionState::kMapped || stored.records_deleted) {
-      return FailedPrecondition("{} cannot be cut: {}", NameOf(site, cut.session),
-                                stored.records_deleted ? "its records have been deleted" : "its mapping failed");
-    }
-    cut_from[cut.rest] = cut.session;
-  }
-  for (const rearrange::SessionMove& move : rearrangement.moves) {
-    const auto rest = cut_from.find(move.session);
-    ENFILADE_RETURN_IF_ERROR(check(rest == cut_from.end() ? move.session : rest->second, move.to));
-  }
-  return absl::OkStatus();
+  return sessions;
 }
 
 }  // namespace
@@ -166,35 +123,35 @@ void QueueRearranging(Transaction& transaction, const rearrange::RearrangementId
 absl::Status LockAndCheck(Transaction& transaction, const SiteId& site, const RearrangementChange& change) {
   const rearrange::Rearrangement& rearrangement = change.rearrangement;
   const Params key(site, change.id);
-  ENFILADE_ASSIGN_OR_RETURN(const Result maps, transaction.Execute(kLockMapsOf, key));
-  ENFILADE_RETURN_IF_ERROR(CheckMaps(maps, site, rearrangement));
+  ENFILADE_ASSIGN_OR_RETURN(const Result locked, transaction.Execute(kLockMapsOf, key));
+  ENFILADE_ASSIGN_OR_RETURN(auto maps, ReadLockedMaps(locked));
+  ENFILADE_RETURN_IF_ERROR(CheckRearrangedMaps(site, rearrangement, std::move(maps)));
   transaction.Queue(kLockSessionsOf, key);
   transaction.Queue(kFindEmptyCut, key);
   transaction.Queue(kFindLeftSession, key);
   transaction.Queue(kFindLeftAnchor, key);
   transaction.Queue(kFindRedirectedRoot, key);
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
-  ENFILADE_RETURN_IF_ERROR(CheckSessions(results[results.size() - 5], site, rearrangement));
+  ENFILADE_ASSIGN_OR_RETURN(const auto sessions, ReadLockedSessions(results[results.size() - 5]));
+  ENFILADE_RETURN_IF_ERROR(CheckRearrangedSessions(site, rearrangement, sessions));
   if (const Result& empty = results[results.size() - 4]; empty.rows() > 0) {
     Row row(empty, 0);
     const SessionId session{std::string(row.Text())};
-    return FailedPrecondition("{} has no keyframes on both sides of record {}: there is nothing to cut off",
-                              NameOf(site, session), row.Int64());
+    return NothingToCutOff(site, session, row.Int64());
   }
   if (const Result& left = results[results.size() - 3]; left.rows() > 0) {
     Row row(left, 0);
     const SessionId session{std::string(row.Text())};
-    return FailedPrecondition("{} is still in map {}, which would disappear", NameOf(site, session), row.Text());
+    return SessionIsLeft(site, session, MapId(std::string(row.Text())));
   }
   if (const Result& left = results[results.size() - 2]; left.rows() > 0) {
     Row row(left, 0);
     const LinkPointId point{std::string(row.Text())};
-    return FailedPrecondition("{} still has an anchor in map {}, which would disappear", NameOf(site, point),
-                              row.Text());
+    return AnchorIsLeft(site, point, MapId(std::string(row.Text())));
   }
   if (const Result& root = results[results.size() - 1]; root.rows() > 0) {
     Row row(root, 0);
-    return FailedPrecondition("map {} carries the site's world frame and cannot disappear", row.Text());
+    return RootWouldDisappear(MapId(std::string(row.Text())));
   }
   return absl::OkStatus();
 }

@@ -32,8 +32,9 @@ constexpr Statement kInsertParts{
     " CASE WHEN $3 IN (3, 6) THEN u.y END, CASE WHEN $3 IN (3, 6) THEN u.yaw END, u.n"
     " FROM unnest($4::text[], $5::text[], $6::bigint[], $7::float8[], $8::float8[], $9::float8[])"
     " WITH ORDINALITY AS u (subject, target, first_sequence, x, y, yaw, n)"};
-#define ENFILADE_REARRANGEMENT_COLUMNS \
-  "rearrangement_id, reason, actor, version_before, version_after, version_undone, create_time, undo_time"
+#define ENFILADE_REARRANGEMENT_COLUMNS                                                                       \
+  "rearrangement_id, reason, actor, version_before, version_after, version_undone, create_time, undo_time, " \
+  "undo_expired"
 constexpr Statement kSelectRearrangement{"reading the rearrangement",
                                          "SELECT " ENFILADE_REARRANGEMENT_COLUMNS
                                          " FROM enfilade.rearrangements WHERE site_id = $1 AND rearrangement_id = $2"};
@@ -86,6 +87,7 @@ StoredRearrangement ReadRearrangementRow(Row& row) {
   stored.version_undone = row.Int64();
   stored.create_time = row.Time();
   stored.undo_time = row.OptionalTime();
+  stored.undo_expired = row.Bool();
   return stored;
 }
 
@@ -139,10 +141,6 @@ absl::StatusOr<std::vector<StoredRearrangement>> WithParts(Transaction& transact
 }
 
 }  // namespace
-
-std::string NameOfRearrangement(const SiteId& site, const rearrange::RearrangementId& id) {
-  return fmt::format("{}/rearrangements/{}", NameOf(site), id.value());
-}
 
 void QueueRearrangement(Transaction& transaction, const SiteId& site, const RearrangementChange& change,
                         std::int64_t version) {

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "storage/graph/rearrangement_rules.h"
 #include "storage/graph/rearrangement_store.h"
 #include "storage/postgres/driver/transaction.h"
 
@@ -21,9 +22,6 @@ enum class RearrangementPart : std::int16_t {
   kRemovedLinkPoint = 5,
   kRedirect = 6,
 };
-
-// sites/{site}/rearrangements/{rearrangement}
-std::string NameOfRearrangement(const SiteId& site, const rearrange::RearrangementId& id);
 
 // Stores the rearrangement with its parts, by which all other statements find what they change. Queued only.
 void QueueRearrangement(Transaction& transaction, const SiteId& site, const RearrangementChange& change,

@@ -19,8 +19,6 @@ namespace {
 
 constexpr Statement kResolveMap{"following redirects", "SELECT map_id, x, y, yaw FROM enfilade.resolve_map($1, $2)"};
 
-std::string ResourceOfRearrangement(const rearrange::RearrangementId& id) { return "rearrangements/" + id.value(); }
-
 // An error of the schema in terms of the API.
 absl::Status ExplainRearrangement(const absl::Status& status, const SiteId& site,
                                   const rearrange::RearrangementId& id) {
@@ -38,8 +36,7 @@ absl::Status ExplainRearrangement(const absl::Status& status, const SiteId& site
 absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext& context, const SiteLease& lease,
                                                               const RearrangementChange& change) const {
   const SiteId& site = lease.site;
-  ENFILADE_RETURN_IF_ERROR(rearrange::Validate(change.rearrangement));
-  if (change.rearrangement.empty()) return InvalidArgument("the rearrangement changes nothing");
+  ENFILADE_RETURN_IF_ERROR(ValidateToApply(change.rearrangement));
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_RETURN_IF_ERROR(LockGraphAt(transaction, site, change.graph_version));
   ENFILADE_RETURN_IF_ERROR(LockSiteLease(transaction, lease));

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/resource_name.h"
+#include "storage/graph/rearrangement_rules.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/rearrange/rearrangement_rows.h"
 #include "storage/postgres/rearrange/session_cuts.h"
@@ -12,7 +13,7 @@ namespace enfilade::storage::postgres {
 namespace {
 
 constexpr Statement kLockUndone{"locking the rearrangement",
-                                "SELECT version_undone FROM enfilade.rearrangements"
+                                "SELECT version_undone, undo_expired FROM enfilade.rearrangements"
                                 " WHERE site_id = $1 AND rearrangement_id = $2 FOR UPDATE"};
 constexpr Statement kLockUndoneMaps{
     "locking the maps",
@@ -246,38 +247,38 @@ constexpr Statement kMarkUndone{"closing the rearrangement",
                                 "UPDATE enfilade.rearrangements SET version_undone = $3, undo_time = now()"
                                 " WHERE site_id = $1 AND rearrangement_id = $2"};
 
-// For people: "keyframes of session s1".
-std::string Describe(std::string_view relation, std::string_view key) {
-  if (relation == "control_points") return "the control points";
-  if (relation == "layers") return fmt::format("the layers of map {}", key);
-  if (relation == "slam") return fmt::format("the keyframes of session {}", key);
-  if (relation == "link_point") return fmt::format("link point {}", key);
-  if (relation == "verdict") return fmt::format("the verdict {}", key);
-  return fmt::format("{} {}", relation, key);
-}
-
 }  // namespace
 
 absl::Status LockAndCheckUnchanged(Transaction& transaction, const SiteId& site, const StoredRearrangement& stored) {
   const std::string name = NameOfRearrangement(site, stored.id);
   const Params key(site, stored.id);
   ENFILADE_ASSIGN_OR_RETURN(const Result locked, transaction.Execute(kLockUndone, key));
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t undone, ReadOne(
-                                                           locked, [](Row& row) { return row.Int64(); }, name));
-  if (undone != 0) return FailedPrecondition("{} has been undone already", name);
+  struct Undo {
+    std::int64_t version = 0;  // 0: not undone
+    bool expired = false;
+  };
+  ENFILADE_ASSIGN_OR_RETURN(const Undo undo, ReadOne(
+                                                 locked,
+                                                 [](Row& row) {
+                                                   const std::int64_t version = row.Int64();
+                                                   return Undo{version, row.Bool()};
+                                                 },
+                                                 name));
+  if (undo.version != 0) return AlreadyUndone(name);
+  if (undo.expired) return UndoExpired(name);
   transaction.Queue(kLockUndoneMaps, key);
   transaction.Queue(kLockUndoneSessions, key);
   ENFILADE_ASSIGN_OR_RETURN(const Result changed, transaction.Execute(kFindChanged, key));
   if (changed.rows() > 0) {
     Row row(changed, 0);
     const std::string relation(row.Text());
-    return FailedPrecondition("{} cannot be undone: {} has been changed since", name, Describe(relation, row.Text()));
+    return ChangedSince(name, relation, row.Text());
   }
   ENFILADE_ASSIGN_OR_RETURN(const Result newcomer, transaction.Execute(kFindNewcomer, key));
   if (newcomer.rows() > 0) {
     Row row(newcomer, 0);
     const std::string what(row.Text());
-    return FailedPrecondition("{} cannot be undone: {} has come into map {} since", name, what, row.Text());
+    return HasComeSince(name, what, MapId(std::string(row.Text())));
   }
   return absl::OkStatus();
 }
@@ -306,7 +307,7 @@ absl::Status RestoreImages(Transaction& transaction, const SiteId& site, const r
   if (wrong.rows() > 0) {
     Row row(wrong, 0);
     const std::string relation(row.Text());
-    return Internal("{}: {} was not restored", NameOfRearrangement(site, id), Describe(relation, row.Text()));
+    return Internal("{}: {} was not restored", NameOfRearrangement(site, id), DescribeImage(relation, row.Text()));
   }
   transaction.Queue(kMarkUndone, with_version);
   return absl::OkStatus();

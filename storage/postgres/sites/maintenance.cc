@@ -2,6 +2,11 @@
 #include "storage/sites/maintenance.h"
 
 #include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
@@ -43,17 +48,20 @@ constexpr Statement kMarkExpired{
 constexpr Statement kMarkPurged{"closing the session",
                                 "UPDATE enfilade.sessions SET purged = true WHERE site_id = $1 AND session_id = $2"};
 
-#define ENFILADE_PURGE(table)                                                                                         \
+// Of one session, or of one rearrangement, by the column `key`.
+#define ENFILADE_PURGE(table, key)                                                                                    \
   Statement {                                                                                                         \
     "deleting from " table, "DELETE FROM enfilade." table " WHERE ctid = ANY (ARRAY(SELECT ctid FROM enfilade." table \
-                            " WHERE site_id = $1 AND session_id = $2 LIMIT $3))"                                      \
+                            " WHERE site_id = $1 AND " key " = $2 LIMIT $3))"                                         \
   }
 // First what retention deletes, then what only the session's deletion does, in an order that foreign keys permit.
-constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs"), ENFILADE_PURGE("session_records")};
+constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs", "session_id"),
+                                      ENFILADE_PURGE("session_records", "session_id")};
 constexpr std::array kMappingTables = {
-    ENFILADE_PURGE("door_verdicts"),       ENFILADE_PURGE("session_tracks"), ENFILADE_PURGE("trajectory_points"),
-    ENFILADE_PURGE("slam_closures"),       ENFILADE_PURGE("slam_nodes"),     ENFILADE_PURGE("slam_submaps"),
-    ENFILADE_PURGE("mapping_checkpoints"), ENFILADE_PURGE("session_leases"),
+    ENFILADE_PURGE("door_verdicts", "session_id"),       ENFILADE_PURGE("session_tracks", "session_id"),
+    ENFILADE_PURGE("trajectory_points", "session_id"),   ENFILADE_PURGE("slam_closures", "session_id"),
+    ENFILADE_PURGE("slam_nodes", "session_id"),          ENFILADE_PURGE("slam_submaps", "session_id"),
+    ENFILADE_PURGE("mapping_checkpoints", "session_id"), ENFILADE_PURGE("session_leases", "session_id"),
 };
 
 constexpr Statement kCollectBlobs{
@@ -84,6 +92,30 @@ absl::StatusOr<std::vector<SiteId>> ListSites(postgres::Pool& pool, const CallCo
   return ReadRows(result, [](Row& row) { return SiteId(std::string(row.Text())); });
 }
 
+// Skips rearrangements that are being undone, or that another replica is purging. They are locked as Undo locks them.
+constexpr Statement kFindExpiredUndo{"looking for rearrangements past their retention",
+                                     "SELECT site_id, rearrangement_id FROM enfilade.rearrangements"
+                                     " WHERE NOT undo_purged AND create_time <= now() - $1 * interval '1 second'"
+                                     " ORDER BY create_time LIMIT 1 FOR UPDATE SKIP LOCKED"};
+constexpr Statement kMarkUndoPurged{"closing the rearrangement",
+                                    "UPDATE enfilade.rearrangements SET undo_expired = true, undo_purged = $3"
+                                    " WHERE site_id = $1 AND rearrangement_id = $2"};
+constexpr std::array kUndoTables = {ENFILADE_PURGE("rearrangement_images", "rearrangement_id"),
+                                    ENFILADE_PURGE("rearrangement_blobs", "rearrangement_id")};
+
+// Deletes up to `limit` rows that belong to what `key` names, one table after the other.
+absl::StatusOr<std::int64_t> DeleteRows(Transaction& transaction, const std::vector<const Statement*>& deletions,
+                                        const std::pair<std::string, std::string>& key, std::int64_t limit) {
+  std::int64_t deleted = 0;
+  for (const Statement* deletion : deletions) {
+    if (deleted >= limit) break;
+    ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                              transaction.Execute(*deletion, Params(key.first, key.second, limit - deleted)));
+    deleted += result.affected();
+  }
+  return deleted;
+}
+
 // Deletes up to `limit` rows of one session; unset if there is none to purge.
 absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const CallContext& context,
                                                      const PurgeKind& kind, const SiteId& site, std::int64_t limit) {
@@ -98,23 +130,38 @@ absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const
   if (kind.with_mapping) {
     for (const Statement& deletion : kMappingTables) deletions.push_back(&deletion);
   }
-  std::int64_t deleted = 0;
-  for (const Statement* deletion : deletions) {
-    if (deleted >= limit) break;
-    ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                              transaction.Execute(*deletion, Params(site, session, limit - deleted)));
-    deleted += result.affected();
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted, DeleteRows(transaction, deletions, {site, session}, limit));
   if (deleted < limit) transaction.Queue(kMarkPurged, Params(site, session));
   ENFILADE_RETURN_IF_ERROR(transaction.Commit());
   return deleted;
 }
 
-// Adds the rows deleted in the site to `total`, also if an error ends it.
-absl::Status PurgeSite(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind, const SiteId& site,
-                       std::int64_t limit, std::int64_t& total) {
+// Deletes up to `limit` rows of what undoing one rearrangement needs; unset if there is none to purge.
+absl::StatusOr<std::optional<std::int64_t>> PurgeOneUndo(postgres::Pool& pool, const CallContext& context,
+                                                         std::chrono::seconds kept, std::int64_t limit) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found,
+                            transaction.Execute(kFindExpiredUndo, Params(static_cast<std::int64_t>(kept.count()))));
+  if (found.rows() == 0) return std::nullopt;
+  Row row(found, 0);
+  const std::string site(row.Text());
+  const std::string rearrangement(row.Text());
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  std::vector<const Statement*> deletions;
+  for (const Statement& deletion : kUndoTables) deletions.push_back(&deletion);
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted,
+                            DeleteRows(transaction, deletions, {site, rearrangement}, limit));
+  transaction.Queue(kMarkUndoPurged, Params(site, rearrangement, deleted < limit));
+  ENFILADE_RETURN_IF_ERROR(transaction.Commit());
+  return deleted;
+}
+
+// Calls `purge_next` with the rows left of `limit` until there is nothing to purge. Adds the rows deleted to `total`,
+// also if an error ends it.
+using PurgeNext = std::function<absl::StatusOr<std::optional<std::int64_t>>(std::int64_t)>;
+absl::Status PurgeAll(std::int64_t limit, const PurgeNext& purge_next, std::int64_t& total) {
   while (total < limit) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto deleted, PurgeOne(pool, context, kind, site, limit - total));
+    ENFILADE_ASSIGN_OR_RETURN(const auto deleted, purge_next(limit - total));
     if (!deleted) break;
     total += *deleted;
   }
@@ -122,12 +169,13 @@ absl::Status PurgeSite(postgres::Pool& pool, const CallContext& context, const P
 }
 
 // The first error of a site, naming it, is returned once there is nothing left to do in the others.
-absl::StatusOr<std::int64_t> Purge(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind,
-                                   std::int64_t limit, absl::Status error = {}) {
+absl::StatusOr<std::int64_t> PurgeSites(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind,
+                                        std::int64_t limit, absl::Status error = {}) {
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool, context, kind.list_sites));
   std::int64_t total = 0;
   for (const SiteId& site : sites) {
-    error.Update(WithContext(PurgeSite(pool, context, kind, site, limit, total), NameOf(site)));
+    const auto purge_next = [&](std::int64_t rest) { return PurgeOne(pool, context, kind, site, rest); };
+    error.Update(WithContext(PurgeAll(limit, purge_next, total), NameOf(site)));
     if (total >= limit) return total;
   }
   if (!error.ok()) return error;
@@ -137,7 +185,7 @@ absl::StatusOr<std::int64_t> Purge(postgres::Pool& pool, const CallContext& cont
 }  // namespace
 
 absl::StatusOr<std::int64_t> Maintenance::PurgeDeletedSessions(const CallContext& context, std::int64_t limit) const {
-  return Purge(pool_, context, kDeleted, limit);
+  return PurgeSites(pool_, context, kDeleted, limit);
 }
 
 absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const {
@@ -146,7 +194,15 @@ absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext
   for (const SiteId& site : sites) {
     error.Update(WithContext(ExecuteAlone(pool_, context, kMarkExpired, Params(site)).status(), NameOf(site)));
   }
-  return Purge(pool_, context, kExpired, limit, error);
+  return PurgeSites(pool_, context, kExpired, limit, error);
+}
+
+absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredUndo(const CallContext& context, std::chrono::seconds kept,
+                                                            std::int64_t limit) const {
+  std::int64_t total = 0;
+  ENFILADE_RETURN_IF_ERROR(PurgeAll(
+      limit, [&](std::int64_t rest) { return PurgeOneUndo(pool_, context, kept, rest); }, total));
+  return total;
 }
 
 absl::StatusOr<std::int64_t> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,

@@ -17,6 +17,7 @@ class InMemoryBackend final : public Backend {
   const storage::GraphStore& graphs() const override { return stores_.graphs; }
   const storage::SiteLeaseStore& site_leases() const override { return stores_.site_leases; }
   const storage::RobotPoseStore& robot_poses() const override { return stores_.robot_poses; }
+  const storage::RearrangementStore& rearrangements() const override { return stores_.rearrangements; }
 
   void AddSite(const SiteId& site) override { stores_.database.AddSite(site); }
   void AddRobot(const SiteId& site, const RobotId& robot) override { stores_.database.AddRobot(site, robot); }

@@ -7,6 +7,7 @@
 #include "storage/postgres/maps/blob_store.h"
 #include "storage/postgres/maps/map_store.h"
 #include "storage/postgres/maps/revision_store.h"
+#include "storage/postgres/rearrange/rearrangement_store.h"
 #include "storage/postgres/sessions/mapping_store.h"
 #include "storage/postgres/sessions/record_store.h"
 #include "storage/postgres/sessions/session_store.h"
@@ -38,6 +39,7 @@ class PostgresBackend final : public Backend {
   const storage::GraphStore& graphs() const override { return graphs_; }
   const storage::SiteLeaseStore& site_leases() const override { return site_leases_; }
   const storage::RobotPoseStore& robot_poses() const override { return robot_poses_; }
+  const storage::RearrangementStore& rearrangements() const override { return rearrangements_; }
 
   void AddSite(const SiteId& site) override {
     EXPECT_OK(storage::SiteStore(*pool_).Create(Soon(), MakeSite(site, site.value()), ""));
@@ -87,6 +89,7 @@ class PostgresBackend final : public Backend {
   const storage::postgres::GraphStore graphs_{*pool_};
   const storage::postgres::SiteLeaseStore site_leases_{*pool_};
   const storage::postgres::RobotPoseStore robot_poses_{*pool_};
+  const storage::postgres::RearrangementStore rearrangements_{*pool_};
 };
 
 }  // namespace

@@ -26,7 +26,8 @@ nlohmann::json RearrangementToJson(const v1::Rearrangement& rearrangement) {
                              {"actor", rearrangement.actor()},
                              {"create_time", FormatTime(rearrangement.create_time())},
                              {"graph_version", rearrangement.graph_version()},
-                             {"undone", rearrangement.undo_graph_version() != 0}};
+                             {"undone", rearrangement.undo_graph_version() != 0},
+                             {"undo_expired", rearrangement.undo_expired()}};
   for (const v1::MergedMap& merged : rearrangement.merged_maps()) {
     const v1::Pose2& pose = merged.pose_into_map();
     document["merged_maps"].push_back(
@@ -45,6 +46,11 @@ nlohmann::json RearrangementToJson(const v1::Rearrangement& rearrangement) {
   document["removed_link_points"] =
       std::vector<std::string>(rearrangement.removed_link_points().begin(), rearrangement.removed_link_points().end());
   return document;
+}
+
+const char* StateOf(const v1::Rearrangement& rearrangement) {
+  if (rearrangement.undo_graph_version() != 0) return "undone";
+  return rearrangement.undo_expired() ? "permanent" : "in effect";
 }
 
 void PrintRearrangement(const Globals& globals, const std::string& what, const v1::Rearrangement& rearrangement) {
@@ -146,13 +152,12 @@ absl::Status ListRearrangements(const Globals& globals) {
                                             &v1::ListRearrangementsResponse::rearrangements, kShownRearrangements));
   PrintList<v1::Rearrangement>(globals, listed, {"REARRANGEMENT", "MADE (UTC)", "GRAPH", "STATE", "BY", "REASON"},
                                RearrangementToJson, [](const v1::Rearrangement& rearrangement) {
-                                 return std::vector<std::string>{
-                                     IdOf(rearrangement.name()),
-                                     FormatTime(rearrangement.create_time()),
-                                     std::to_string(rearrangement.graph_version()),
-                                     rearrangement.undo_graph_version() == 0 ? "in effect" : "undone",
-                                     rearrangement.actor(),
-                                     rearrangement.reason()};
+                                 return std::vector<std::string>{IdOf(rearrangement.name()),
+                                                                 FormatTime(rearrangement.create_time()),
+                                                                 std::to_string(rearrangement.graph_version()),
+                                                                 StateOf(rearrangement),
+                                                                 rearrangement.actor(),
+                                                                 rearrangement.reason()};
                                });
   return absl::OkStatus();
 }
@@ -184,8 +189,9 @@ void AddMapRearrange(CLI::App& map, const Globals& globals) {
   split->footer("Example: enfilade map split \"Corridor\" s17 s18@4200");
 
   const auto rearrangement = std::make_shared<std::string>();
-  CLI::App* undo = AddCommand(map, "undo", "Undo a merge or split, if nothing has changed since",
-                              [&globals, rearrangement] { return RunUndo(globals, *rearrangement); });
+  CLI::App* undo = AddCommand(
+      map, "undo", "Undo a merge or split, if nothing has changed since and the server still keeps what that needs",
+      [&globals, rearrangement] { return RunUndo(globals, *rearrangement); });
   undo->add_option("REARRANGEMENT", *rearrangement, "Its id or resource name (enfilade map rearrangements)")
       ->required();
   AddCommand(map, "rearrangements", "List merges and splits, the newest first",

@@ -8,6 +8,7 @@
 #include "core/geometry/pose2.h"
 #include "storage/graph/graph_store.h"
 #include "storage/graph/link_point_store.h"
+#include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/graph/site_lease_store.h"
 #include "storage/maps/blob_store.h"
@@ -34,6 +35,7 @@ class Backend {
   virtual const storage::GraphStore& graphs() const = 0;
   virtual const storage::SiteLeaseStore& site_leases() const = 0;
   virtual const storage::RobotPoseStore& robot_poses() const = 0;
+  virtual const storage::RearrangementStore& rearrangements() const = 0;
 
   // What none of these stores writes.
   virtual void AddSite(const SiteId& site) = 0;

@@ -4,44 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include "storage/call_context.h"
-#include "tests/contract/storage/store_values.h"
-#include "tests/contract/storage/suite/backend.h"
+#include "tests/contract/storage/suite/contract_stores.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::testing {
 
-// What holds for the stores of every backend. Starts with a site "campus", a robot "r1" and a map "hall" in it.
-class StoreContractTest : public ::testing::Test {
+// What holds for the stores of every backend.
+class StoreContractTest : public ::testing::Test, protected ContractStores {
  protected:
-  StoreContractTest();
-
-  // Time enough for any one call.
-  static storage::CallContext Soon() { return storage::CallContext::WithTimeout(std::chrono::seconds(60)); }
-  // A new session of r1 into "hall"; without `mapped` only recorded.
-  SessionId NewSession(const std::string& id, bool mapped = true);
-  absl::StatusOr<storage::AppendResult> Append(const SessionId& session, const std::vector<sensor::Record>& records,
-                                               const std::vector<storage::BlobView>& blobs = {});
-
-  const SiteId site_{"campus"};
-  const RobotId robot_{"r1"};
-  const MapId map_{"hall"};
-  const std::unique_ptr<Backend> backend_ = MakeBackend();
-  const storage::MapStore& maps_ = backend_->maps();
-  const storage::RevisionStore& revisions_ = backend_->revisions();
-  const storage::SessionStore& sessions_ = backend_->sessions();
-  const storage::RecordStore& records_ = backend_->records();
-  const storage::BlobStore& blobs_ = backend_->blobs();
-  const storage::MappingStore& mapping_ = backend_->mappings();
-  const storage::LinkPointStore& link_points_ = backend_->link_points();
-  const storage::GraphStore& graph_ = backend_->graphs();
-  const storage::SiteLeaseStore& leases_ = backend_->site_leases();
-  const storage::RobotPoseStore& robot_poses_ = backend_->robot_poses();
+  StoreContractTest() : ContractStores(MakeBackend()) {}
 };
 
 }  // namespace enfilade::testing

@@ -68,10 +68,13 @@ TEST_F(RearrangeCommandsTest, ARearrangementIsListedAndUndone) {
                                         v1::ListRearrangementsResponse& response) {
     EXPECT_EQ(request.parent(), "sites/s");
     Fill(*response.add_rearrangements());
+    Fill(*response.add_rearrangements());
+    response.mutable_rearrangements(1)->set_undo_expired(true);
     return grpc::Status::OK;
   };
   ASSERT_OK(Run({"map", "rearrangements"}, false));
   EXPECT_THAT(printed_, HasSubstr("in effect"));
+  EXPECT_THAT(printed_, HasSubstr("permanent"));
   EXPECT_THAT(printed_, HasSubstr("one room"));
   server_.maps.undo_rearrangement = [](const v1::UndoRearrangementRequest& request,
                                        v1::UndoRearrangementResponse& response) {

@@ -141,6 +141,8 @@ TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
         Case{"transfers.max_import_bytes", [](ServerOptions& o) { o.transfers.max_import_bytes = 0; }},
         Case{"survey.share", [](ServerOptions& o) { o.survey.share = 1.5; }},
         Case{"retention.interval_s", [](ServerOptions& o) { o.retention.interval_s = 0.0; }},
+        Case{"retention.undo_s", [](ServerOptions& o) { o.retention.undo_s = -1.0; }},
+        Case{"retention.undo_s", [](ServerOptions& o) { o.retention.undo_s = 1e18; }},
         // Ten mappers need twenty connections.
         Case{"database.max_connections", [](ServerOptions& o) { o.mapping.workers = 10; }}}) {
     ServerOptions options;

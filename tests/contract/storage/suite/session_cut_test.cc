@@ -1,34 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "storage/sessions/loop_closure_store.h"
-#include "tests/contract/storage/rearrangement_fixture.h"
+#include <gmock/gmock.h>
+
+#include "storage/graph/rearrangement_store.h"
+#include "tests/contract/storage/suite/contract_test.h"
+#include "tests/contract/storage/suite/rearrangement_fixture.h"
 
 namespace enfilade::testing {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-class SessionCutTest : public RearrangementStoreTest {
+// The lab's session s2 is cut; s3 followed it.
+class SessionCutTest : public RearrangementFixture<StoreContractTest> {
  protected:
   SessionCutTest() {
     storage::Session third = MakeSession(site_, SessionId("s3"), robot_, std::nullopt);
     third.entry.previous = s2_;
     EXPECT_OK(sessions_.Create(Soon(), third, ""));
-    database_.Sql(
-        "INSERT INTO door_verdicts (site_id, session_id, sequence, decision, evidence, reason, graph_version)"
-        " VALUES ('campus', 's2', 3, 2, '{1}', '', 1)");
-    database_.Sql(
-        "INSERT INTO door_comparisons (site_id, session_id, sequence, ordinal, link_point_id, map_id, images_agree,"
-        " inlier_share, clouds_agree, accepted, reason) VALUES ('campus', 's2', 3, 1, 'gate', 'yard', false, 0, false,"
-        " false, '')");
   }
   const SessionId rest_{"s2b"};
 };
 
 TEST_F(SessionCutTest, TheRestIsASessionOfItsOwn) {
   const auto before = mapping_.ReadTrajectory(Soon(), site_, s2_);
-  ASSERT_OK(store_.Apply(Soon(), lease_, Cut()));
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Cut()));
   ASSERT_OK_AND_ASSIGN(const storage::Session head, sessions_.Get(Soon(), site_, s2_));
   ASSERT_OK_AND_ASSIGN(const storage::Session rest, sessions_.Get(Soon(), site_, rest_));
   EXPECT_EQ(head.map, lab_);
@@ -54,65 +52,47 @@ TEST_F(SessionCutTest, TheRestIsASessionOfItsOwn) {
   ASSERT_THAT(records, SizeIs(1));
   EXPECT_EQ(records[0].sequence, 3);
   EXPECT_THAT(*records_.Read(Soon(), site_, s2_, 1, 1 << 20), SizeIs(2));
-  const storage::DoorVerdictStore verdicts(*pool_);
-  ASSERT_OK_AND_ASSIGN(const auto judged, verdicts.List(Soon(), site_, rest_, 0, 10));
-  ASSERT_THAT(judged, SizeIs(1));
-  EXPECT_THAT(judged[0].comparisons, SizeIs(1));
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM slam_closures WHERE session_id LIKE 's2%'"), "0")
-      << "the loop closure was across the cut";
+  for (const SessionId& part : {s2_, rest_}) {
+    EXPECT_THAT((*mapping_.Load(Soon(), site_, part))->map.loop_closures, IsEmpty())
+        << "the loop closure was across the cut";
+  }
 }
 
 TEST_F(SessionCutTest, UndoMakesItWhole) {
   const std::string before = Everything();
-  ASSERT_OK(store_.Apply(Soon(), lease_, Cut()));
-  ASSERT_OK(store_.Undo(Soon(), lease_, rearrange::RearrangementId("cut")));
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Cut()));
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("cut")));
   EXPECT_STATUS(sessions_.Get(Soon(), site_, rest_), absl::StatusCode::kNotFound, HasSubstr("s2b"));
   EXPECT_EQ(maps_.Get(Soon(), site_, MapId("annex"))->id, lab_);
-  database_.Sql("DELETE FROM map_layers WHERE map_id = 'annex'");
-  database_.Sql("DELETE FROM maps WHERE map_id = 'annex'");
   EXPECT_EQ(Everything(), before);
 }
 
 TEST_F(SessionCutTest, TheRobotMaySendAndFinishAgain) {
-  ASSERT_OK(store_.Apply(Soon(), lease_, Cut()));
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Cut()));
   EXPECT_OK(sessions_.Finish(Soon(), site_, s2_, 3)) << "as it was recorded";
   ASSERT_OK_AND_ASSIGN(const auto again, Append(s2_, {ScanRecord(2), ScanRecord(3)}));
   EXPECT_EQ(again.acknowledged_sequence, 3);
-  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM session_records WHERE session_id LIKE 's2%'"), "3");
+  EXPECT_THAT(*records_.Read(Soon(), site_, s2_, 1, 1 << 20), SizeIs(2));
+  EXPECT_THAT(*records_.Read(Soon(), site_, rest_, 1, 1 << 20), SizeIs(1));
   EXPECT_STATUS(sessions_.Finish(Soon(), site_, s2_, 4), absl::StatusCode::kFailedPrecondition, HasSubstr("4"));
-}
-
-TEST_F(SessionCutTest, ASubmapWithKeyframesOnBothSidesIsInBoth) {
-  database_.Sql("UPDATE slam_nodes SET submap_id = 0 WHERE session_id = 's2'");
-  ASSERT_OK(store_.Apply(Soon(), lease_, Cut()));
-  EXPECT_THAT(database_.Sql("SELECT session_id || submap_id FROM slam_submaps WHERE session_id LIKE 's2%' ORDER BY 1"),
-              ElementsAre("s20", "s21", "s2b0"));
 }
 
 TEST_F(SessionCutTest, RefusesWhatCannotBeCut) {
   const std::string before = Everything();
-  EXPECT_STATUS(store_.Apply(Soon(), lease_, Cut(4)), absl::StatusCode::kFailedPrecondition,
+  EXPECT_STATUS(rearrangements_.Apply(Soon(), lease_, Cut(4)), absl::StatusCode::kFailedPrecondition,
                 HasSubstr("nothing to cut off"));
   storage::RearrangementChange change = Cut();
   change.rearrangement.cuts[0].rest = s1_;
   change.rearrangement.moves.clear();
   change.rearrangement.new_maps.clear();
   change.rasters.clear();
-  EXPECT_STATUS(store_.Apply(Soon(), lease_, change), absl::StatusCode::kAlreadyExists, HasSubstr("rest"));
+  EXPECT_STATUS(rearrangements_.Apply(Soon(), lease_, change), absl::StatusCode::kAlreadyExists, HasSubstr("rest"));
   change.rearrangement.cuts[0] = {SessionId("none"), 2, rest_};
-  EXPECT_STATUS(store_.Apply(Soon(), lease_, change), absl::StatusCode::kNotFound, HasSubstr("sessions/none"));
+  EXPECT_STATUS(rearrangements_.Apply(Soon(), lease_, change), absl::StatusCode::kNotFound, HasSubstr("sessions/none"));
   EXPECT_EQ(Everything(), before);
-  database_.Sql("UPDATE sessions SET records_deleted = true WHERE session_id = 's2'");
-  EXPECT_STATUS(store_.Apply(Soon(), lease_, Cut()), absl::StatusCode::kFailedPrecondition, HasSubstr("deleted"));
-}
-
-TEST_F(SessionCutTest, ItsLoopClosuresStayAsTheyAre) {
-  database_.Sql("UPDATE slam_closures SET node_id = 0 WHERE session_id = 's2'");
-  ASSERT_OK(store_.Apply(Soon(), lease_, Cut()));
-  const storage::LoopClosureStore closures(*pool_);
-  ASSERT_THAT(*closures.List(Soon(), site_, s2_, -1, 10), SizeIs(1));
-  EXPECT_STATUS(closures.SetSuspended(Soon(), site_, s2_, 0, true), absl::StatusCode::kFailedPrecondition,
-                HasSubstr("cut in two"));
+  backend_->ExpireRecords(site_, s2_);
+  EXPECT_STATUS(rearrangements_.Apply(Soon(), lease_, Cut()), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("deleted"));
 }
 
 }  // namespace

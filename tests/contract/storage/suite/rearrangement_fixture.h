@@ -3,21 +3,30 @@
 
 #include <chrono>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/sha256.h"
-#include "storage/graph/door_verdict_store.h"
-#include "storage/postgres/graph/site_lease_store.h"
-#include "storage/postgres/rearrange/rearrangement_store.h"
-#include "storage/sites/maintenance.h"
-#include "tests/contract/storage/store_test.h"
+#include "fmt/format.h"
+#include "storage/graph/rearrangement_store.h"
+#include "tests/contract/storage/store_values.h"
 #include "tests/support/pose_matchers.h"
+#include "tests/support/status_assertions.h"
 
 namespace enfilade::testing {
 
-// The hall (the root) with session s1, the lab with s2, which came from s1 through the door, and a yard behind the lab.
-class RearrangementStoreTest : public StoreTest {
+// The hall (the root) with session s1, the lab with s2, which came from s1 through the door, and a yard behind the lab;
+// what rearrangements are made of them. `Base` has the stores: StoreContractTest, or a test of one implementation.
+template <typename Base>
+class RearrangementFixture : public Base {
  protected:
-  RearrangementStoreTest() {
+  using Base::Append, Base::NewSession, Base::Soon;
+  using Base::blobs_, Base::graph_, Base::leases_, Base::link_points_, Base::mapping_, Base::maps_, Base::records_,
+      Base::revisions_, Base::robot_poses_, Base::sessions_;
+  using Base::map_, Base::robot_, Base::site_;
+
+  RearrangementFixture() {
     EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, lab_, "Lab"), ""));
     EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("yard"), "Yard"), ""));
     MapSession(NewSession("s1"), 1);
@@ -38,7 +47,6 @@ class RearrangementStoreTest : public StoreTest {
     EXPECT_OK(graph_.SetControlPoints(Soon(), site_, {{map_, {0, 0}, 48, 11}, {lab_, {1, 2}, 48, 11}}));
     EXPECT_OK(
         robot_poses_.Report(Soon(), {site_, robot_, lab_, s2_, {{1, 1, 0.1}, Eigen::Matrix3d::Identity()}, 99, 0}));
-    Judge();
     const auto lease = leases_.Acquire(Soon(), site_, "me", std::chrono::seconds(300));
     EXPECT_OK(lease);
     lease_ = lease->value_or(storage::SiteLease());
@@ -88,13 +96,6 @@ class RearrangementStoreTest : public StoreTest {
     for (const std::string& content : contents) revision.content_sha256 += content;
     revision.content_sha256 = Sha256(revision.content_sha256);
     return revision;
-  }
-  // s1's passage into the lab.
-  void Judge() {
-    database_.Sql(
-        "INSERT INTO door_verdicts (site_id, session_id, sequence, decision, map_id, x, y, yaw, covariance, evidence,"
-        " reason, graph_version) VALUES ('campus', 's1', 3, 5, 'lab', 0.5, 0.25, 0.3, '{1,0,0,0,2,0,0,0,3}', '{}', '', "
-        "1)");
   }
 
   storage::RearrangedRaster Raster(const std::string& map, const std::string& session,
@@ -161,38 +162,35 @@ class RearrangementStoreTest : public StoreTest {
   // Everything that a rearrangement may change, as text.
   std::string Everything() {
     std::string all;
-    for (const char* query : {
-             "SELECT map_id, display_name, redirect_map_id FROM maps",
-             "SELECT map_id, x, y, yaw, covariance FROM graph_maps",
-             "SELECT session_id, acknowledged_sequence, highest_sequence, laser_scans, odometry, payload_bytes,"
-             " first_time_ns, last_time_ns, recorded_sequence, previous_session_id FROM sessions WHERE delete_time IS "
-             "NULL",
-             "SELECT session_id, sequence, time_ns, kind FROM session_records",
-             "SELECT session_id, mapped_sequence, used, keyframes FROM mapping_checkpoints",
-             "SELECT session_id, sequence, ordinal FROM door_comparisons",
-             "SELECT session_id, map_id, state, initial_x, initial_y, initial_yaw, initial_covariance FROM sessions"
-             " WHERE delete_time IS NULL",
-             "SELECT session_id, submap_id, x, y, yaw, content FROM slam_submaps",
-             "SELECT session_id, node_id, x, y, yaw, covariance FROM slam_nodes",
-             "SELECT session_id, sequence, node_id, x, y, yaw FROM trajectory_points",
-             "SELECT session_id, closure_id, x, y, yaw, state FROM slam_closures",
-             "SELECT session_id, map_id, track::text FROM session_tracks",
-             "SELECT session_id, sequence, map_id, x, y, yaw, covariance FROM door_verdicts",
-             "SELECT robot_id, map_id, point::text, yaw, covariance FROM robot_poses",
-             "SELECT ordinal, map_id, x, y FROM control_points",
-             "SELECT link_point_id, kind, tag, direction_map_id, anchor_count, position::text, yaw FROM link_points",
-             "SELECT link_point_id, map_id, ordinal, x, y, yaw, covariance FROM link_point_anchors",
-             "SELECT link_point_id, map_id, kind, ordinal, sha256, x, y, yaw FROM link_point_evidence",
-             "SELECT map_id, position, session_id, revision, raster_header FROM map_layers",
-             "SELECT map_id, position, tile_row, tile_column, sha256 FROM map_layer_tiles",
-             "SELECT map_id, content_sha256 FROM map_revisions JOIN maps USING (site_id, map_id)"
-             " WHERE revision = current_revision",
-         }) {
-      all += std::string(query) + "\n";
-      for (const std::string& row :
-           database_.Sql("SELECT (q.*)::text FROM (" + std::string(query) + ") q ORDER BY 1")) {
-        all += "  " + row + "\n";
+    for (const storage::Session& session : ValueOf(sessions_.List(Soon(), site_, {}, 100, std::nullopt))) {
+      const storage::RecordCounts& counts = session.record_counts;
+      all += fmt::format("session {} map {} state {} to {} of {}, {} scans, {} bytes, mapped {} used {} after {}\n",
+                         session.id.value(), session.map.value_or(MapId()).value(), static_cast<int>(session.state),
+                         session.acknowledged_sequence, session.highest_sequence, counts.laser_scans,
+                         session.payload_bytes, session.mapped_sequence, session.mapping_counts.used,
+                         session.entry.previous.value_or(SessionId()).value());
+      if (session.entry.T_map_robot) all += "  entry " + Text(*session.entry.T_map_robot);
+      all += SlamOf(session.id);
+      for (const sensor::Record& record : ValueOf(records_.Read(Soon(), site_, session.id, 1, 1 << 20))) {
+        all += fmt::format("  record {}\n", record.sequence);
       }
+    }
+    for (const storage::Map& map : ValueOf(maps_.List(Soon(), site_, storage::PageRequest{}))) {
+      all += fmt::format("map {} {}\n", map.id.value(), map.display_name) + RasterOfMap(map.id);
+    }
+    for (const storage::MapPose& place : ValueOf(graph_.GetPlaces(Soon(), site_, {}))) {
+      all += fmt::format("place of {} ", place.map.value()) + Text(place.T_world_map);
+    }
+    for (const auto& point : ValueOf(link_points_.List(Soon(), site_, {}, storage::PageRequest{}))) {
+      all += LinkPointText(point);
+    }
+    for (const storage::ControlPoint& point : ValueOf(graph_.GetControlPoints(Soon(), site_))) {
+      all += fmt::format("control point {} {} {}\n", point.map.value(), point.position.x(), point.position.y());
+    }
+    for (const storage::RobotPose& pose : ValueOf(robot_poses_.List(Soon(), site_))) {
+      all += fmt::format("robot {} in {} {} ", pose.robot.value(), pose.map.value(),
+                         pose.session.value_or(SessionId()).value()) +
+             Text(pose.T_map_robot);
     }
     return all;
   }
@@ -201,9 +199,65 @@ class RearrangementStoreTest : public StoreTest {
   const MapId lab_{"lab"};
   const SessionId s1_{"s1"}, s2_{"s2"};
   const TestBlob image_{"image"};
-  const storage::postgres::SiteLeaseStore leases_{*pool_};
-  const storage::postgres::RearrangementStore store_{*pool_};
   storage::SiteLease lease_;
+
+ private:
+  template <typename T>
+  static T ValueOf(absl::StatusOr<T> value) {
+    EXPECT_OK(value);
+    return value.ok() ? *std::move(value) : T();
+  }
+  static std::string Text(const PoseWithCovariance& pose) {
+    std::string text = fmt::format("({} {} {})", pose.pose.x, pose.pose.y, pose.pose.yaw);
+    for (int i = 0; i < 9; ++i) text += fmt::format(" {}", pose.covariance(i / 3, i % 3));
+    return text + "\n";
+  }
+  std::string SlamOf(const SessionId& session) {
+    std::string text;
+    const auto stored = ValueOf(mapping_.Load(Soon(), site_, session));
+    if (!stored) return text;
+    const Eigen::Matrix3d none = Eigen::Matrix3d::Zero();
+    for (const auto& [id, submap] : stored->map.submaps) {
+      text += fmt::format("  submap {} {} ", id, submap.content) + Text({submap.T_map_submap, none});
+    }
+    for (const auto& [id, node] : stored->map.nodes) {
+      text += fmt::format("  node {} in {} ", id, node.submap) + Text({node.T_map_node, node.covariance});
+    }
+    for (const auto& [id, closure] : stored->map.loop_closures) {
+      text += fmt::format("  closure {} ", id) + Text({closure.T_submap_node, none});
+    }
+    for (const slam::TrajectoryPoint& point : stored->map.trajectory) {
+      text += fmt::format("  at {} {} ", point.sequence, point.node) + Text({point.T_node_robot, none});
+    }
+    return text;
+  }
+  std::string RasterOfMap(const MapId& map) {
+    std::string text;
+    if (const auto revision = revisions_.Get(Soon(), site_, map, 0); revision.ok()) {
+      text += "  raster " + ToHex(revision->content_sha256) + "\n";
+    }
+    const storage::LayersBeside layers = ValueOf(revisions_.ReadLayersBeside(Soon(), site_, map, SessionId("none")));
+    for (const storage::MapLayer& layer : layers.below) {
+      text += fmt::format("  layer of {} {}", layer.session.value_or(SessionId()).value(), layer.raster.header);
+      for (const storage::TileRef& tile : layer.raster.tiles) text += " " + ToHex(tile.sha256);
+      text += "\n";
+    }
+    return text;
+  }
+  std::string LinkPointText(const storage::StoredLinkPoint& stored) {
+    const graph::LinkPoint& point = stored.point;
+    std::string text = fmt::format("link point {} {} '{}' into '{}'\n", point.id.value(), static_cast<int>(point.kind),
+                                   point.tag, point.direction.value());
+    if (stored.T_world_place) text += "  place " + Text(*stored.T_world_place);
+    for (const graph::Anchor& anchor : point.anchors) {
+      text += fmt::format("  anchor {} ", anchor.map.value()) + Text({anchor.T_map_place, anchor.covariance});
+    }
+    for (const storage::Evidence& evidence : ValueOf(link_points_.ListEvidence(Soon(), site_, {point.id}))) {
+      text += fmt::format("  evidence {} {} ", evidence.map.value(), static_cast<int>(evidence.kind)) +
+              Text({evidence.T_map_robot.value_or(Pose2()), Eigen::Matrix3d::Zero()});
+    }
+    return text;
+  }
 };
 
 }  // namespace enfilade::testing

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include "storage/graph/rearrangement_store.h"
+#include "tests/contract/storage/suite/contract_test.h"
+#include "tests/contract/storage/suite/rearrangement_fixture.h"
+
+namespace enfilade::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+using RearrangementUndoTest = RearrangementFixture<StoreContractTest>;
+
+TEST_F(RearrangementUndoTest, UndoRestoresEverything) {
+  const std::string before = Everything();
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
+  EXPECT_NE(Everything(), before);
+  const std::int64_t version = Version();
+  const auto undone = rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("merge"));
+  ASSERT_OK(undone);
+  EXPECT_EQ(Everything(), before);
+  EXPECT_EQ(undone->version_undone, version + 1);
+  EXPECT_TRUE(undone->undo_time);
+  EXPECT_EQ(revisions_.Get(Soon(), site_, map_, 0)->number, 3) << "revisions only grow";
+  const auto changes = graph_.ReadChanges(Soon(), site_, version);
+  EXPECT_THAT(changes->removed_maps, IsEmpty());
+  EXPECT_STATUS(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("merge")),
+                absl::StatusCode::kFailedPrecondition, HasSubstr("already"));
+  // And again.
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge("again")));
+  EXPECT_EQ(sessions_.Get(Soon(), site_, s2_)->map, map_);
+}
+
+TEST_F(RearrangementUndoTest, SplitsAMapAndUndoesIt) {
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
+  const std::string before = Everything();
+  const std::int64_t version = Version();
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Split()));
+  EXPECT_EQ(Version(), version + 1);
+  EXPECT_EQ(sessions_.Get(Soon(), site_, s2_)->map, MapId("annex"));
+  EXPECT_EQ(maps_.Get(Soon(), site_, MapId("annex"))->display_name, "Map 1");
+  EXPECT_EQ(revisions_.Get(Soon(), site_, map_, 0)->content_sha256, Sha256("s1 alone"));
+  EXPECT_EQ(revisions_.Get(Soon(), site_, MapId("annex"), 0)->content_sha256, Sha256("s2 split"));
+  const auto places = graph_.GetPlaces(Soon(), site_, {MapId("annex")});
+  ASSERT_THAT(*places, SizeIs(1));
+  EXPECT_THAT(places->front().T_world_map.pose, PoseNear(Inverse(Pose2{1, 2, 0.5}), 1e-12, 1e-12));
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("split")));
+  EXPECT_EQ(maps_.Get(Soon(), site_, MapId("annex"))->id, map_);
+  EXPECT_EQ(Everything(), before);
+  // Undone in the other order as they were done.
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("merge")));
+  EXPECT_EQ(maps_.Get(Soon(), site_, lab_)->id, lab_);
+}
+
+TEST_F(RearrangementUndoTest, RefusesToUndoWhatWasChangedSince) {
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
+  const rearrange::RearrangementId id("merge");
+  ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("seen"), 0));
+  const std::string before = Everything();
+  EXPECT_STATUS(rearrangements_.Undo(Soon(), lease_, id), absl::StatusCode::kFailedPrecondition,
+                HasSubstr("link point seen"));
+  EXPECT_EQ(Everything(), before);
+  EXPECT_STATUS(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("none")), absl::StatusCode::kNotFound,
+                HasSubstr("rearrangements/none"));
+}
+
+TEST_F(RearrangementUndoTest, RefusesToUndoOnceItsSessionIsGone) {
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
+  ASSERT_OK(sessions_.Delete(Soon(), site_, s2_));
+  EXPECT_STATUS(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("merge")),
+                absl::StatusCode::kFailedPrecondition, HasSubstr("session s2"));
+}
+
+TEST_F(RearrangementUndoTest, RefusesToUndoASplitIntoWhichAnotherHasCome) {
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Split()));
+  ASSERT_OK(sessions_.Create(Soon(), MakeSession(site_, SessionId("s3"), robot_, MapId("annex")), ""));
+  EXPECT_STATUS(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("split")),
+                absl::StatusCode::kFailedPrecondition, HasSubstr("session s3 has come into map annex"));
+}
+
+TEST_F(RearrangementUndoTest, ChainsOfRedirectsAreFollowed) {
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Split()));
+  storage::RearrangementChange change;
+  change.id = rearrange::RearrangementId("third");
+  change.graph_version = Version();
+  change.rearrangement.moves = {{s2_, MapId("yard"), {0, 0, 1}}};
+  change.rearrangement.redirects = {{MapId("annex"), MapId("yard"), {0, 0, 1}}};
+  change.rearrangement.removed_link_points = {LinkPointId("arch")};
+  change.rasters = {Raster("yard", "s2", {"s2 yard"})};
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, change));
+  EXPECT_EQ(maps_.Get(Soon(), site_, MapId("annex"))->id, MapId("yard"));
+  EXPECT_STATUS(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("split")),
+                absl::StatusCode::kFailedPrecondition, HasSubstr("changed since"));
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, change.id));
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("split")));
+}
+
+}  // namespace
+}  // namespace enfilade::testing
