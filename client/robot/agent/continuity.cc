@@ -33,8 +33,7 @@ Continuity::View Continuity::ViewOf(const sensor::LaserScan& scan, const Pose2& 
   return view;
 }
 
-double Continuity::FreeShare(const View& a, const View& b) const {
-  const Pose2 T_b_a = Between(b.T_odom_robot, a.T_odom_robot);
+double Continuity::FreeShare(const View& a, const View& b, const Pose2& T_b_a) const {
   int seen = 0;
   int free = 0;
   for (const Eigen::Vector2d& hit : a.hits) {
@@ -51,6 +50,16 @@ double Continuity::FreeShare(const View& a, const View& b) const {
     if (range < reach - options_.tolerance - options_.range_tolerance * range) ++free;
   }
   return seen > 0 ? static_cast<double>(free) / seen : 0.0;
+}
+
+bool Continuity::Contradict(const View& a, const View& b) const {
+  constexpr int kSteps = 6;
+  const Pose2 T_b_a = Between(b.T_odom_robot, a.T_odom_robot);
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    const Pose2 turned = T_b_a * Pose2{0.0, 0.0, options_.yaw_error * step / kSteps};
+    if (FreeShare(a, b, turned) + FreeShare(b, a, Inverse(turned)) <= options_.contradicted) return false;
+  }
+  return true;
 }
 
 std::optional<std::string> Continuity::Break(std::string reason) {

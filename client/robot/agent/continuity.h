@@ -19,8 +19,9 @@ struct ContinuityOptions {
   double blind_distance = 5.0;  // m driven without seeing walls, after which odometry alone says too little
   int min_hits = 30;            // of a scan that sees walls
   // Two scans contradict each other if this share of their hits lies where the other one has seen free space (of each
-  // scan's, added up).
+  // scan's, added up), however the odometry's yaw is wrong by up to `yaw_error`: wheels slip in turns.
   double contradicted = 0.6;
+  double yaw_error = 0.3;         // rad
   double comparable = 0.5;        // m; farther apart, scans see too different things to contradict each other
   double comparable_yaw = 0.4;    // rad
   double tolerance = 0.3;         // m, of a hit
@@ -49,10 +50,8 @@ class Continuity {
   };
   View ViewOf(const sensor::LaserScan& scan, const Pose2& T_odom_robot) const;
   // Of the hits of `a` in directions that `b` has seen, the share that lies in its free space.
-  double FreeShare(const View& a, const View& b) const;
-  bool Contradict(const View& a, const View& b) const {
-    return FreeShare(a, b) + FreeShare(b, a) > options_.contradicted;
-  }
+  double FreeShare(const View& a, const View& b, const Pose2& T_b_a) const;
+  bool Contradict(const View& a, const View& b) const;
   std::optional<std::string> Break(std::string reason);
 
   ContinuityOptions options_;
