@@ -130,7 +130,8 @@ absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const
   if (kind.with_mapping) {
     for (const Statement& deletion : kMappingTables) deletions.push_back(&deletion);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted, DeleteRows(transaction, deletions, {site.value(), session}, limit));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted,
+                            DeleteRows(transaction, deletions, {site.value(), session}, limit));
   if (deleted < limit) transaction.Queue(kMarkPurged, Params(site, session));
   ENFILADE_RETURN_IF_ERROR(transaction.Commit());
   return deleted;
