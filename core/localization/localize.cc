@@ -257,4 +257,11 @@ absl::StatusOr<Localization> Localize(const std::vector<QueryScan>& scans, const
   return Localizer(std::move(selected), maps, options, keep_going).Run();
 }
 
+absl::StatusOr<Localization> LocalizeIn(const std::shared_ptr<const SearchableMap>& map,
+                                        const std::vector<QueryScan>& scans) {
+  auto found = Localize(scans, {{[&map] { return map; }}}, LocalizationOptions(), [] { return absl::OkStatus(); });
+  if (absl::IsInvalidArgument(found.status())) return Localization{{}, std::string(found.status().message())};
+  return found;
+}
+
 }  // namespace enfilade::localization

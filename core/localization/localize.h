@@ -52,4 +52,8 @@ struct Localization {
 absl::StatusOr<Localization> Localize(const std::vector<QueryScan>& scans, const std::vector<CandidateMap>& maps,
                                       const LocalizationOptions& options, const KeepGoing& keep_going);
 
+// The same in one map, with the default options. Scans that show no walls give no pose.
+absl::StatusOr<Localization> LocalizeIn(const std::shared_ptr<const SearchableMap>& map,
+                                        const std::vector<QueryScan>& scans);
+
 }  // namespace enfilade::localization

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <variant>
 
 #include "core/base/binary.h"
 #include "core/base/error.h"
@@ -43,6 +45,14 @@ void ScanPairing::Add(const Odometry& odometry, std::vector<PairedScan>& settled
     odometry_.pop_front();
   }
   Settle(false, settled);
+}
+
+void ScanPairing::Add(std::int64_t sequence, RecordPayload payload, std::vector<PairedScan>& settled) {
+  if (auto* scan = std::get_if<LaserScan>(&payload)) {
+    Add(sequence, std::move(*scan), settled);
+  } else if (const auto* odometry = std::get_if<Odometry>(&payload)) {
+    Add(*odometry, settled);
+  }
 }
 
 void ScanPairing::Flush(std::vector<PairedScan>& settled) { Settle(true, settled); }

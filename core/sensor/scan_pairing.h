@@ -43,6 +43,8 @@ class ScanPairing {
 
   void Add(std::int64_t sequence, LaserScan scan, std::vector<PairedScan>& settled);
   void Add(const Odometry& odometry, std::vector<PairedScan>& settled);
+  // A record of any kind; those that are neither are ignored.
+  void Add(std::int64_t sequence, RecordPayload payload, std::vector<PairedScan>& settled);
   // Settles all waiting scans: no more records will follow.
   void Flush(std::vector<PairedScan>& settled);
 

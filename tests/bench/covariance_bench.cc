@@ -255,9 +255,7 @@ void MeasureBuilding(std::uint64_t seed, const simulator::SimulationOptions& sim
   std::vector<sensor::PairedScan> scans;
   std::int64_t sequence = 0;
   for (simulator::SimulatedRecord& record : drive.records) {
-    ++sequence;
-    if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload)) pairing.Add(sequence, std::move(*scan), scans);
-    if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) pairing.Add(*odometry, scans);
+    pairing.Add(++sequence, std::move(record.payload), scans);
   }
   pairing.Flush(scans);
   std::map<TimeNs, Pose2> truth;

@@ -77,11 +77,7 @@ absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(sources::LogReader& re
     const TimeNs time = sensor::TimeOf(entry->payload);
     if (!start) start = time;
     if (until && ToSeconds(time - *start) > *until) break;
-    if (auto* scan = std::get_if<sensor::LaserScan>(&entry->payload)) {
-      pairing.Add(sequence, std::move(*scan), scans);
-    } else if (const auto* odometry = std::get_if<sensor::Odometry>(&entry->payload)) {
-      pairing.Add(*odometry, scans);
-    }
+    pairing.Add(sequence, std::move(entry->payload), scans);
   }
   pairing.Flush(scans);
   return scans;

@@ -15,11 +15,7 @@ constexpr std::uint8_t kLogMapperVersion = 1;
 }  // namespace
 
 void LogMapper::Add(sensor::Record record) {
-  if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload)) {
-    pairing_.Add(record.sequence, std::move(*scan), settled_);
-  } else if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) {
-    pairing_.Add(*odometry, settled_);
-  }
+  pairing_.Add(record.sequence, std::move(record.payload), settled_);
   MapSettled();
 }
 

@@ -2,7 +2,6 @@
 #include "server/app/mapping/session_location.h"
 
 #include <utility>
-#include <variant>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -16,11 +15,7 @@ SessionLocation::SessionLocation(const sensor::ScanPairingOptions& pairing, grid
       searchable_(std::make_shared<const localization::SearchableMap>(map_, localization::LocalizationOptions())) {}
 
 absl::Status SessionLocation::Add(sensor::Record record) {
-  if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload)) {
-    pairing_.Add(record.sequence, std::move(*scan), settled_);
-  } else if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) {
-    pairing_.Add(*odometry, settled_);
-  }
+  pairing_.Add(record.sequence, std::move(record.payload), settled_);
   return LookAround();
 }
 
@@ -47,17 +42,11 @@ absl::Status SessionLocation::LookAround() {
 }
 
 absl::Status SessionLocation::Locate() {
-  const std::vector<localization::CandidateMap> maps = {{[this] { return searchable_; }}};
-  const auto found = localization::Localize(recent_.scans(), maps, localization::LocalizationOptions(),
-                                            [] { return absl::OkStatus(); });
-  if (absl::IsInvalidArgument(found.status())) {  // the scans show no walls
-    reason_ = std::string(found.status().message());
-    return absl::OkStatus();
-  }
-  ENFILADE_RETURN_IF_ERROR(found.status());
-  reason_ = found->reason;
-  if (found->poses.empty() || !found->poses.front().confident) return absl::OkStatus();
-  entry_ = slam::ExistingMapEntry{found->poses.front().T_map_robot, recent_.T_odom_robot()};
+  ENFILADE_ASSIGN_OR_RETURN(const localization::Localization found,
+                            localization::LocalizeIn(searchable_, recent_.scans()));
+  reason_ = found.reason;
+  if (found.poses.empty() || !found.poses.front().confident) return absl::OkStatus();
+  entry_ = slam::ExistingMapEntry{found.poses.front().T_map_robot, recent_.T_odom_robot()};
   return absl::OkStatus();
 }
 

@@ -2,7 +2,6 @@
 #include "server/app/survey/drive_location.h"
 
 #include <utility>
-#include <variant>
 
 #include "core/base/status_macros.h"
 #include "core/localization/localize.h"
@@ -32,11 +31,7 @@ DriveLocation::DriveLocation(const sensor::ScanPairingOptions& pairing, const gr
 bool DriveLocation::complete() const { return moments_.size() >= kEnough || attempts_ >= kMaxAttempts; }
 
 absl::Status DriveLocation::Add(sensor::Record record) {
-  if (auto* scan = std::get_if<sensor::LaserScan>(&record.payload)) {
-    pairing_.Add(record.sequence, std::move(*scan), settled_);
-  } else if (const auto* odometry = std::get_if<sensor::Odometry>(&record.payload)) {
-    pairing_.Add(*odometry, settled_);
-  }
+  pairing_.Add(record.sequence, std::move(record.payload), settled_);
   for (const sensor::PairedScan& scan : std::exchange(settled_, {})) {
     if (complete() || !scan.T_odom_robot) continue;
     if (recent_.Add(scan)) ENFILADE_RETURN_IF_ERROR(Locate());
@@ -52,13 +47,9 @@ std::optional<slam::ExistingMapEntry> DriveLocation::Finish() {
 
 absl::Status DriveLocation::Locate() {
   ++attempts_;
-  const std::vector<localization::CandidateMap> maps = {{[this] { return level_; }}};
-  const auto found = localization::Localize(recent_.scans(), maps, localization::LocalizationOptions(),
-                                            [] { return absl::OkStatus(); });
-  if (absl::IsInvalidArgument(found.status())) return absl::OkStatus();  // the scans show no walls
-  ENFILADE_RETURN_IF_ERROR(found.status());
-  if (found->poses.empty() || !found->poses.front().confident) return absl::OkStatus();
-  moments_.push_back({found->poses.front().T_map_robot, *recent_.T_odom_robot(), recent_.travelled()});
+  ENFILADE_ASSIGN_OR_RETURN(const localization::Localization found, localization::LocalizeIn(level_, recent_.scans()));
+  if (found.poses.empty() || !found.poses.front().confident) return absl::OkStatus();
+  moments_.push_back({found.poses.front().T_map_robot, *recent_.T_odom_robot(), recent_.travelled()});
   return absl::OkStatus();
 }
 

@@ -19,8 +19,7 @@ absl::StatusOr<std::vector<sensor::PairedScan>> ReadPairedScans(const std::strin
     absl::StatusOr<std::optional<sources::LogEntry>> entry = reader->Next();
     if (!entry.ok()) return entry.status();
     if (!*entry) break;
-    if (auto* scan = std::get_if<sensor::LaserScan>(&(*entry)->payload)) pairing.Add(sequence, std::move(*scan), scans);
-    if (auto* pose = std::get_if<sensor::Odometry>(&(*entry)->payload)) pairing.Add(*pose, scans);
+    pairing.Add(sequence, std::move((*entry)->payload), scans);
   }
   pairing.Flush(scans);
   return scans;

@@ -44,8 +44,7 @@ absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(const DoorsCommandOpti
   for (std::int64_t sequence = 1;; ++sequence) {
     ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
     if (!entry) break;
-    if (auto* scan = std::get_if<sensor::LaserScan>(&entry->payload)) pairing.Add(sequence, std::move(*scan), scans);
-    if (auto* pose = std::get_if<sensor::Odometry>(&entry->payload)) pairing.Add(*pose, scans);
+    pairing.Add(sequence, std::move(entry->payload), scans);
   }
   pairing.Flush(scans);
   const std::size_t all = scans.size();

@@ -44,6 +44,15 @@ TEST_F(ScanPairingTest, InterpolatesBetweenNeighbours) {
   EXPECT_THAT(*settled_[1].T_odom_robot, PoseNear(Pose2{21.0, 0, 0}, 1e-9, 1e-9));
 }
 
+TEST_F(ScanPairingTest, TakesRecordsOfAnyKind) {
+  pairing_.Add(1, RecordPayload(OdometryAt(1.0, 10.0)), settled_);
+  pairing_.Add(2, RecordPayload(Image{}), settled_);
+  pairing_.Add(3, RecordPayload(ScanAt(1.0)), settled_);
+  ASSERT_EQ(settled_.size(), 1U);
+  EXPECT_EQ(settled_[0].sequence, 3);
+  EXPECT_EQ(settled_[0].T_odom_robot->x, 10.0);
+}
+
 TEST_F(ScanPairingTest, SettlesImmediatelyIfTimesAreEqual) {
   pairing_.Add(OdometryAt(1.0, 10.0), settled_);
   pairing_.Add(1, ScanAt(1.0), settled_);
