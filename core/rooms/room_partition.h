@@ -18,6 +18,8 @@ namespace enfilade::rooms {
 struct PassageHint {
   Eigen::Vector2d a = Eigen::Vector2d::Zero();
   Eigen::Vector2d b = Eigen::Vector2d::Zero();
+
+  friend bool operator==(const PassageHint&, const PassageHint&) = default;
 };
 
 // What is known beside the grid; both may be empty.

@@ -43,6 +43,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("transfers.cache_bytes", options.transfers.cache_bytes);
   visit("transfers.max_import_bytes", options.transfers.max_import_bytes);
   visit("survey.share", options.survey.share);
+  visit("survey.cache_bytes", options.survey.cache_bytes);
   visit("retention.interval_s", options.retention.interval_s);
   visit("retention.undo_s", options.retention.undo_s);
   visit("metrics.address", options.metrics.address);
@@ -170,11 +171,12 @@ absl::Status ServerOptions::Validate() const {
   // and to look for entered maps, and one for everything else.
   ENFILADE_RETURN_IF_ERROR(
       RequireAtLeast("database.max_connections", database.max_connections, ingest.writers + 2 * mapping.workers + 5));
-  for (const auto& [key, value] : {std::pair{"ingest.stream_buffer_bytes", ingest.stream_buffer_bytes},
-                                   std::pair{"ingest.total_buffer_bytes", ingest.total_buffer_bytes},
-                                   std::pair{"ingest.transaction_bytes", ingest.transaction_bytes},
-                                   std::pair{"transfers.cache_bytes", transfers.cache_bytes},
-                                   std::pair{"transfers.max_import_bytes", transfers.max_import_bytes}}) {
+  for (const auto& [key, value] :
+       {std::pair{"ingest.stream_buffer_bytes", ingest.stream_buffer_bytes},
+        std::pair{"ingest.total_buffer_bytes", ingest.total_buffer_bytes},
+        std::pair{"ingest.transaction_bytes", ingest.transaction_bytes},
+        std::pair{"survey.cache_bytes", survey.cache_bytes}, std::pair{"transfers.cache_bytes", transfers.cache_bytes},
+        std::pair{"transfers.max_import_bytes", transfers.max_import_bytes}}) {
     ENFILADE_RETURN_IF_ERROR(RequireAtLeast(key, static_cast<double>(value), 1 << 20));
   }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.lease_s", mapping.lease_s, 1.0));

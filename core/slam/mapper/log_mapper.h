@@ -45,6 +45,7 @@ class LogMapper {
   grid::OccupancyGrid RenderGrid() const { return mapper_.RenderGrid(); }
   std::optional<PresentPose> FindPresentPose() const { return mapper_.FindPresentPose(); }
   double variance_factor() const { return mapper_.variance_factor(); }
+  Footprint footprint() const { return mapper_.footprint(); }
   LogMapperCounts counts() const;
 
  private:

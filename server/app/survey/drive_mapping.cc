@@ -8,7 +8,6 @@
 
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
-#include "core/slam/mapper/log_mapper.h"
 #include "fmt/format.h"
 #include "server/app/survey/drive_location.h"
 #include "server/app/survey/stored_drives.h"
@@ -59,7 +58,7 @@ class LevelMapper {
   absl::StatusOr<MappedLevel> Run(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
     level_.survey.level = level;
-    mapped_before_ = fmt::format("level {}", level);
+    ids_before_ = fmt::format("level {}", level);
     std::vector<StoredDrive> left = DrivesOn(level, sessions, maps);
     for (bool grown = true; std::exchange(grown, false);) {
       std::vector<StoredDrive> without_place;
@@ -89,17 +88,28 @@ class LevelMapper {
     std::optional<slam::ExistingMapEntry> start;
     if (!begins_level) start = StartByGraph(*first);
     const bool by_scans = !begins_level && !start;
-    const std::string key = mapped_before_ + (by_scans ? "?" : "") + KeyOf(stored, environment);
-    const auto map = [&]() -> absl::StatusOr<MappedDrive> {
-      if (by_scans) {
-        ENFILADE_ASSIGN_OR_RETURN(start, StartByScans(stored));
-        if (!start) return MappedDrive{};
+    const std::string id = ids_before_ + (by_scans ? "?" : "") + BeginningOf(stored, environment);
+    const std::string records = KeyOf(stored, environment);
+    const auto update = [&](CachedDrive& cached) -> absl::Status {
+      const bool may_continue = run_.continue_drives || cached.before == mapped_before_;
+      if (may_continue && cached.records == records) return absl::OkStatus();
+      std::size_t known = 0;
+      if (may_continue && cached.growing) known = CountSessionsOf(cached.records, stored, environment);
+      if (known == 0) {
+        if (by_scans) {
+          ENFILADE_ASSIGN_OR_RETURN(start, StartByScans(stored));
+        }
+        cached = {};
+        cached.before = mapped_before_;
+        if (start || !by_scans) cached.growing.emplace(options_.pairing, slam, ExistingMapOf(start));
       }
-      return MapDrive(stored, slam, start);
+      cached.records = records;
+      return cached.growing ? Extend(stored, known, cached) : absl::OkStatus();
     };
-    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped, run_.cache.Get(key, map));
+    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped, run_.cache.Get(id, update));
     if (mapped->grid.cells.empty()) return !by_scans;
-    mapped_before_ = key;
+    ids_before_ = id;
+    mapped_before_ += records;
     if (begins_level) {
       level_.grid = mapped->grid;
     } else {
@@ -135,27 +145,21 @@ class LevelMapper {
   }
 
   // A level's first drive begins at its origin, the others in what was mapped before.
-  absl::StatusOr<MappedDrive> MapDrive(const StoredDrive& stored, const slam::SlamOptions& slam,
-                                       const std::optional<slam::ExistingMapEntry>& start) const {
-    std::optional<slam::LogMapper> mapper;
-    if (start) {
-      mapper.emplace(options_.pairing, slam, slam::ExistingMap{level_.grid, *start});
-    } else {
-      mapper.emplace(options_.pairing, slam);
-    }
-    for (const storage::Session* session : stored) {
-      ENFILADE_RETURN_IF_ERROR(ReadRecords(*session, [&](sensor::Record record) {
-        mapper->Add(std::move(record));
+  std::optional<slam::ExistingMap> ExistingMapOf(const std::optional<slam::ExistingMapEntry>& start) const {
+    if (!start) return std::nullopt;
+    return slam::ExistingMap{level_.grid, *start};
+  }
+
+  // The sessions from the `known`th on are new.
+  absl::Status Extend(const StoredDrive& stored, std::size_t known, CachedDrive& cached) const {
+    for (std::size_t i = known; i < stored.size(); ++i) {
+      ENFILADE_RETURN_IF_ERROR(ReadRecords(*stored[i], [&](sensor::Record record) {
+        cached.growing->Add(std::move(record));
         return absl::OkStatus();
       }));
     }
-    mapper->Finish();
-    slam::SlamMap map;
-    map.Apply(mapper->TakeDelta());
-    MappedDrive mapped{mapper->RenderGrid(), slam::TrajectoryOf(map), mapper->variance_factor()};
-    std::sort(mapped.trajectory.begin(), mapped.trajectory.end(),
-              [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
-    return mapped;
+    ENFILADE_ASSIGN_OR_RETURN(cached.mapped, cached.growing->Map());
+    return absl::OkStatus();
   }
 
   absl::StatusOr<survey::Drive> ReadDrive(const StoredDrive& stored) const {
@@ -292,7 +296,8 @@ class LevelMapper {
   const SiteGraph& graph_;
   const SiteId& site_;
   const SurveyRun& run_;
-  std::string mapped_before_;  // the key of all drives so far
+  std::string ids_before_;     // of the level and the drives so far
+  std::string mapped_before_;  // their records
   MappedLevel level_;
 };
 

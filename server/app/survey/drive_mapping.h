@@ -51,8 +51,11 @@ struct SiteSurvey {
 };
 
 struct SurveyRun {
-  // Drives that it has are not mapped again; afterwards it has those of this survey.
+  // Of drives that it has only what is new is mapped; afterwards it has those of this survey.
   DriveCache& cache;
+  // A drive begins in the map of those before it. If these have gone on since, it is mapped again in what they are now,
+  // or else continued in what they were, which is faster.
+  bool continue_drives = false;
   // Asked between portions; its error ends the survey.
   const std::function<absl::Status()>& proceed;
 };

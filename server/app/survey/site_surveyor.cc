@@ -21,7 +21,7 @@ constexpr auto kStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
 constexpr int kSitesAtOnce = 32;
 // A session with several rooms is cut once a survey.
-constexpr int kSurveysInARow = 10;
+constexpr int kSurveysInARow = 50;
 constexpr auto kRetry = std::chrono::seconds(2);
 constexpr int kUsualFailures = 10;
 
@@ -60,16 +60,18 @@ std::vector<rooms::PassageHint> PassagesOf(const survey::LevelSurvey& level) {
 
 }  // namespace
 
-SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, double share, const SurveyMappingOptions& mapping,
-                           const Stores& stores, SiteGraphs& graphs, const Rearranger& rearranger, WakeSignal& wake)
+SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, const SurveyLoad& load,
+                           const SurveyMappingOptions& mapping, const Stores& stores, SiteGraphs& graphs,
+                           const Rearranger& rearranger, WakeSignal& wake)
     : options_(options),
-      share_(share),
+      share_(load.share),
       mapping_(mapping),
       stores_(stores),
       graphs_(graphs),
       rearranger_(rearranger),
       wake_(wake),
-      owner_(NewUuid() + "/survey") {
+      owner_(NewUuid() + "/survey"),
+      caches_(static_cast<std::size_t>(load.cache_bytes)) {
   worker_ = std::thread([this] { Run(); });
 }
 
@@ -99,6 +101,7 @@ bool SiteSurveyor::SurveyPending() {
     Pace& pace = paces_[site];
     if (pace.due > begin) continue;
     const absl::Status status = Survey(site);
+    caches_.Trim();
     const auto rest = std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_));
     pace.due = Clock::now() + (status.ok() ? rest : std::max<Clock::duration>(rest, kRetry));
     pace.failures = status.ok() ? 0 : pace.failures + 1;
@@ -124,16 +127,21 @@ absl::Status SiteSurveyor::Survey(const SiteId& site) {
 
 absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
   const Clock::time_point begin = Clock::now();
-  ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(SurveyorContext(), site));
-  if (cached_ != site) cache_ = {};
-  cached_ = site;
+  ENFILADE_ASSIGN_OR_RETURN(auto graph, graphs_.Get(SurveyorContext(), site));
+  SiteCache& cache = caches_.Get(site);
   const std::function<absl::Status()> proceed = [this]() -> absl::Status {
     return stop_.is_set() ? absl::CancelledError("the server is stopping") : absl::OkStatus();
   };
-  ENFILADE_ASSIGN_OR_RETURN(const SiteSurvey survey, MapSite(stores_.read, mapping_, *graph, site, {cache_, proceed}));
+  ENFILADE_ASSIGN_OR_RETURN(SiteSurvey survey,
+                            MapSite(stores_.read, mapping_, *graph, site, {cache.drives, false, proceed}));
   ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
                             HeldSiteLease::Await(stores_.leases, SurveyorContext(), site, owner_, kLeaseTime, &stop_));
-  ENFILADE_ASSIGN_OR_RETURN(const bool changed, Apply(*lease, survey));
+  // What verdicts have changed meanwhile. There are none from now on, so this must be fast.
+  ENFILADE_ASSIGN_OR_RETURN(graph, graphs_.Get(SurveyorContext(), site));
+  if (graph->graph().version() != survey.graph_version) {
+    ENFILADE_ASSIGN_OR_RETURN(survey, MapSite(stores_.read, mapping_, *graph, site, {cache.drives, true, proceed}));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const bool changed, Apply(*lease, survey, cache));
   if (!changed) {
     ENFILADE_RETURN_IF_ERROR(stores_.surveys.MarkSurveyed(SurveyorContext(), *lease, survey.sessions));
   }
@@ -143,14 +151,12 @@ absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
   return !changed;
 }
 
-absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const SiteSurvey& survey) {
+absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const SiteSurvey& survey, SiteCache& cache) {
   std::int64_t version = survey.graph_version;
   bool changed = false;
   for (const MappedLevel& level : survey.levels) {
-    const std::vector<Eigen::Vector2d> trajectory = TrajectoryOf(level.survey);
-    const std::vector<rooms::PassageHint> passages = PassagesOf(level.survey);
-    const rooms::RoomPartition partition =
-        rooms::PartitionRooms(level.grid, {}, {.passages = passages, .trajectory = trajectory});
+    const rooms::RoomPartition& partition =
+        cache.rooms[level.survey.level].Get(level.grid, PassagesOf(level.survey), TrajectoryOf(level.survey));
     const rearrange::Rearrangement rearrangement = survey::ArrangeMaps(level.survey, partition, options_, NewUuid);
     if (rearrangement.empty()) continue;
     ENFILADE_RETURN_IF_ERROR(rearranger_.Apply(SurveyorContext(), lease, rearrangement, version).status());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <thread>
@@ -14,10 +15,16 @@
 #include "server/app/runtime/stop_signal.h"
 #include "server/app/runtime/wake_signal.h"
 #include "server/app/survey/drive_mapping.h"
+#include "server/app/survey/site_cache.h"
 #include "storage/graph/site_lease_store.h"
 #include "storage/graph/survey_store.h"
 
 namespace enfilade::server {
+
+struct SurveyLoad {
+  double share = 0.25;           // the largest share of the time that a site is surveyed, above 0 and up to 1
+  std::int64_t cache_bytes = 0;  // for what the last surveys have mapped; the last site's is kept even if it is larger
+};
 
 // Surveys sites whose sessions are mapped, and rearranges their maps until each is one room (core/survey). One thread;
 // it looks at a site again only after a multiple of the time that the last survey took, so that a busy site costs a
@@ -31,8 +38,7 @@ class SiteSurveyor {
   };
 
   // `wake` wakes it when a session may have been mapped or judged.
-  // `share`: the largest share of the time that a site is surveyed, above 0 and up to 1.
-  SiteSurveyor(const survey::SurveyOptions& options, double share, const SurveyMappingOptions& mapping,
+  SiteSurveyor(const survey::SurveyOptions& options, const SurveyLoad& load, const SurveyMappingOptions& mapping,
                const Stores& stores, SiteGraphs& graphs, const Rearranger& rearranger, WakeSignal& wake);
   ~SiteSurveyor();
   SiteSurveyor(const SiteSurveyor&) = delete;
@@ -52,7 +58,7 @@ class SiteSurveyor {
   // False if maps were rearranged: survey again.
   absl::StatusOr<bool> SurveyOnce(const SiteId& site);
   // True if something has changed.
-  absl::StatusOr<bool> Apply(const storage::SiteLease& lease, const SiteSurvey& survey);
+  absl::StatusOr<bool> Apply(const storage::SiteLease& lease, const SiteSurvey& survey, SiteCache& cache);
 
   const survey::SurveyOptions options_;
   const double share_;
@@ -63,9 +69,7 @@ class SiteSurveyor {
   WakeSignal& wake_;
   const std::string owner_;
   StopSignal stop_;
-  // The worker's only: of the site that was surveyed last.
-  SiteId cached_;
-  DriveCache cache_;
+  SiteCaches caches_;  // the worker's only
   struct Pace {
     Clock::time_point due;  // not again before
     int failures = 0;       // in a row

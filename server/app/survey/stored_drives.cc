@@ -8,6 +8,29 @@
 #include "fmt/format.h"
 
 namespace enfilade::server {
+namespace {
+
+// One for each beginning of the drive that is some of its sessions.
+std::vector<std::string> KeysOf(const StoredDrive& drive, Environment environment) {
+  std::vector<std::string> keys;
+  std::int64_t scans = 0;
+  std::int64_t odometry = 0;
+  std::int64_t bytes = 0;
+  TimeNs first = std::numeric_limits<TimeNs>::max();
+  TimeNs last = std::numeric_limits<TimeNs>::min();
+  for (const storage::Session* session : drive) {
+    scans += session->record_counts.laser_scans;
+    odometry += session->record_counts.odometry;
+    bytes += session->payload_bytes;
+    first = std::min(first, session->first_time.value_or(first));
+    last = std::max(last, session->last_time.value_or(last));
+    keys.push_back(fmt::format("/{} {} {}-{} {} {} {}", drive.front()->robot.value(), static_cast<int>(environment),
+                               first, last, scans, odometry, bytes));
+  }
+  return keys;
+}
+
+}  // namespace
 
 bool IsMapped(const storage::Session& session) {
   return session.map && session.state == storage::SessionState::kMapped;
@@ -46,21 +69,18 @@ bool IsDrivenByDoors(const StoredDrive& drive) {
                      [](const storage::Session* session) { return session->record_counts.door_reports > 0; });
 }
 
-std::string KeyOf(const StoredDrive& drive, Environment environment) {
-  std::int64_t scans = 0;
-  std::int64_t odometry = 0;
-  std::int64_t bytes = 0;
+std::string KeyOf(const StoredDrive& drive, Environment environment) { return KeysOf(drive, environment).back(); }
+
+std::string BeginningOf(const StoredDrive& drive, Environment environment) {
   TimeNs first = std::numeric_limits<TimeNs>::max();
-  TimeNs last = std::numeric_limits<TimeNs>::min();
-  for (const storage::Session* session : drive) {
-    scans += session->record_counts.laser_scans;
-    odometry += session->record_counts.odometry;
-    bytes += session->payload_bytes;
-    first = std::min(first, session->first_time.value_or(first));
-    last = std::max(last, session->last_time.value_or(last));
-  }
-  return fmt::format("/{} {} {}-{} {} {} {}", drive.front()->robot.value(), static_cast<int>(environment), first, last,
-                     scans, odometry, bytes);
+  for (const storage::Session* session : drive) first = std::min(first, session->first_time.value_or(first));
+  return fmt::format("/{} {} {}", drive.front()->robot.value(), static_cast<int>(environment), first);
+}
+
+std::size_t CountSessionsOf(const std::string& key, const StoredDrive& drive, Environment environment) {
+  const std::vector<std::string> keys = KeysOf(drive, environment);
+  const auto found = std::find(keys.rbegin(), keys.rend(), key);
+  return static_cast<std::size_t>(keys.rend() - found);
 }
 
 }  // namespace enfilade::server

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
@@ -30,5 +31,12 @@ bool IsDrivenByDoors(const StoredDrive& drive);
 // What the map of a drive depends on but for the drives before it. It stays the same when its sessions are cut or
 // moved.
 std::string KeyOf(const StoredDrive& drive, Environment environment);
+
+// Stays the same when the drive goes on, too.
+std::string BeginningOf(const StoredDrive& drive, Environment environment);
+
+// How many of the drive's sessions, from its beginning on, have the records of `key`: the key of what it was before it
+// went on. 0: it was another drive.
+std::size_t CountSessionsOf(const std::string& key, const StoredDrive& drive, Environment environment);
 
 }  // namespace enfilade::server

@@ -6,7 +6,6 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/app/survey/drive_cache.h"
 
 namespace enfilade::server {
 namespace {
@@ -99,29 +98,35 @@ TEST(KeyOf, IsOfTheRecordsNotOfTheSessions) {
   EXPECT_NE(KeyOf({&whole}, Environment::kIndoor), key);
 }
 
-TEST(DriveCache, MapsOnceAndForgetsWhatIsNoLongerAskedFor) {
-  DriveCache cache;
-  int mapped = 0;
-  const auto map = [&]() -> absl::StatusOr<MappedDrive> {
-    ++mapped;
-    return MappedDrive{};
-  };
-  ASSERT_TRUE(cache.Get("a", map).ok());
-  ASSERT_TRUE(cache.Get("a", map).ok());
-  EXPECT_EQ(mapped, 1);
-  cache.DropUnused();
-  ASSERT_TRUE(cache.Get("a", map).ok());
-  EXPECT_EQ(mapped, 1);
-  cache.DropUnused();
-  cache.DropUnused();
-  ASSERT_TRUE(cache.Get("a", map).ok());
-  EXPECT_EQ(mapped, 2);
-}
-
-TEST(DriveCache, KeepsNoErrors) {
-  DriveCache cache;
-  EXPECT_FALSE(cache.Get("a", [] { return absl::StatusOr<MappedDrive>(absl::AbortedError("stop")); }).ok());
-  EXPECT_TRUE(cache.Get("a", [] { return absl::StatusOr<MappedDrive>(MappedDrive{}); }).ok());
+TEST(CountSessionsOf, FindsTheDriveAsItWasBeforeItWentOn) {
+  storage::Session first = MappedSession("a", "");
+  first.record_counts.laser_scans = 4;
+  first.payload_bytes = 300;
+  first.first_time = 100;
+  first.last_time = 500;
+  storage::Session second = MappedSession("b", "a");
+  second.record_counts.laser_scans = 6;
+  second.payload_bytes = 200;
+  second.first_time = 501;
+  second.last_time = 900;
+  const Environment indoor = Environment::kIndoor;
+  EXPECT_EQ(CountSessionsOf(KeyOf({&first}, indoor), {&first, &second}, indoor), 1);
+  EXPECT_EQ(CountSessionsOf(KeyOf({&first, &second}, indoor), {&first, &second}, indoor), 2);
+  EXPECT_EQ(BeginningOf({&first}, indoor), BeginningOf({&first, &second}, indoor));
+  // The first session was cut since.
+  storage::Session rest = second;
+  rest.id = SessionId("rest");
+  storage::Session head = first;
+  head.record_counts.laser_scans = 1;
+  head.payload_bytes = 100;
+  head.last_time = 200;
+  rest.record_counts.laser_scans = 3;
+  rest.payload_bytes = 200;
+  rest.first_time = 201;
+  rest.last_time = 500;
+  EXPECT_EQ(CountSessionsOf(KeyOf({&first}, indoor), {&head, &rest, &second}, indoor), 2);
+  EXPECT_EQ(CountSessionsOf(KeyOf({&second}, indoor), {&first, &second}, indoor), 0);
+  EXPECT_EQ(CountSessionsOf(KeyOf({&first}, indoor), {&first, &second}, Environment::kOutdoor), 0);
 }
 
 }  // namespace

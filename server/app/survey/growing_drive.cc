@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/survey/growing_drive.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/status_macros.h"
+
+namespace enfilade::server {
+namespace {
+
+slam::LogMapper MakeMapper(const sensor::ScanPairingOptions& pairing, const slam::SlamOptions& slam,
+                           const std::optional<slam::ExistingMap>& existing) {
+  return existing ? slam::LogMapper(pairing, slam, *existing) : slam::LogMapper(pairing, slam);
+}
+
+}  // namespace
+
+std::size_t MappedDrive::bytes() const {
+  return sizeof(*this) + grid.cells.size() + trajectory.size() * sizeof(slam::StampedPose);
+}
+
+GrowingDrive::GrowingDrive(const sensor::ScanPairingOptions& pairing, const slam::SlamOptions& slam,
+                           std::optional<slam::ExistingMap> existing)
+    : pairing_(pairing), slam_(slam), mapper_(MakeMapper(pairing, slam, existing)) {}
+
+absl::StatusOr<MappedDrive> GrowingDrive::Map() {
+  stored_.Apply(mapper_.TakeDelta());
+  ENFILADE_ASSIGN_OR_RETURN(slam::LogMapper copy,
+                            slam::LogMapper::Restore(pairing_, slam_, stored_, mapper_.Checkpoint()));
+  copy.Finish();
+  slam::SlamMap finished = stored_;
+  finished.Apply(copy.TakeDelta());
+  MappedDrive mapped{copy.RenderGrid(), slam::TrajectoryOf(finished), copy.variance_factor()};
+  std::sort(mapped.trajectory.begin(), mapped.trajectory.end(),
+            [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
+  return mapped;
+}
+
+std::size_t GrowingDrive::bytes() const {
+  std::size_t bytes = sizeof(*this) + mapper_.footprint().total() + stored_.nodes.size() * sizeof(slam::SlamNode) +
+                      stored_.trajectory.size() * sizeof(slam::TrajectoryPoint);
+  for (const auto& [id, submap] : stored_.submaps) bytes += sizeof(submap) + submap.content.size();
+  return bytes;
+}
+
+}  // namespace enfilade::server
