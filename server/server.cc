@@ -69,6 +69,10 @@ class Server::Impl {
     readiness = std::make_unique<Readiness>(
         [this] { return storage::CheckSchema(storage::CallContext::WithTimeout(kReadinessTimeout), *pool); },
         [this](const Readiness::State& state) { SetReady(state); });
+    site_deletions = std::make_unique<SiteDeletions>(
+        SiteDeletions::Options{.is_ready = [this] { return readiness->state().ready; },
+                               .forget = [this](const SiteId& site) { graphs.Forget(site); }},
+        sites, site_deletion, *metrics);
     services = std::make_unique<Services>(Services{options,       std::chrono::steady_clock::now(),
                                                    executor,      *metrics,
                                                    *readiness,    sites,
@@ -83,7 +87,7 @@ class Server::Impl {
                                                    *exports,      graphs,
                                                    graph_editor,  graph_optimizer,
                                                    map_entries,   rearrangements,
-                                                   localization});
+                                                   localization,  *site_deletions});
     api = std::make_unique<Api>(*services);
     if (options.survey.share > 0.0) {
       survey::SurveyOptions survey_options;
@@ -154,6 +158,7 @@ class Server::Impl {
     door_closures.Stop();
     if (surveyor) surveyor->Stop();
     graph_optimizer.Stop();
+    if (site_deletions) site_deletions->Stop();
     graphs.Stop();
     grpc->Shutdown(deadline);
     grpc->Wait();
@@ -184,6 +189,7 @@ class Server::Impl {
   const storage::postgres::RearrangementStore rearrangement_store{*pool};
   const storage::FeatureStore features{*pool};
   const storage::Maintenance maintenance{*pool};
+  const storage::SiteDeletion site_deletion{*pool};
   WakeSignal doors_wake;
   Executor executor;
   Mapping mapping;
@@ -213,6 +219,7 @@ class Server::Impl {
   std::unique_ptr<SiteSurveyor> surveyor;  // null: sites are not surveyed
   std::unique_ptr<MapExports> exports;
   std::unique_ptr<Readiness> readiness;
+  std::unique_ptr<SiteDeletions> site_deletions;
   std::unique_ptr<Services> services;
   std::unique_ptr<Api> api;
   std::unique_ptr<MaintenanceLoop> maintenance_loop;

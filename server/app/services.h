@@ -15,6 +15,7 @@
 #include "server/app/runtime/executor.h"
 #include "server/app/runtime/metrics.h"
 #include "server/app/runtime/readiness.h"
+#include "server/app/sites/site_deletions.h"
 #include "server/config/server_options.h"
 #include "storage/graph/door_verdict_store.h"
 #include "storage/graph/graph_store.h"
@@ -68,6 +69,7 @@ struct Services {
   MapEntries& map_entries;
   const MapRearrangements& rearrangements;
   RobotLocalization& localization;
+  SiteDeletions& site_deletions;
 };
 
 }  // namespace enfilade::server

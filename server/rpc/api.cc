@@ -261,7 +261,10 @@ CallEnvironment EnvironmentOf(const Services& services) {
   return {.executor = services.executor,
           .metrics = services.metrics,
           .logger = spdlog::default_logger(),
-          .default_timeout = std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout)};
+          .default_timeout = std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout),
+          .is_being_deleted = [&deletions = services.site_deletions](std::string_view site) {
+            return deletions.IsBeingDeleted(site);
+          }};
 }
 
 }  // namespace

@@ -39,6 +39,11 @@ v1::Site ToProto(const storage::Site& site) {
   if (site.raw_retention) out.mutable_raw_retention()->set_seconds(site.raw_retention->count());
   out.set_etag(std::to_string(site.etag));
   *out.mutable_create_time() = convert::ToTimestamp(site.create_time);
+  if (site.deletion) {
+    *out.mutable_deletion()->mutable_start_time() = convert::ToTimestamp(site.deletion->time);
+    out.mutable_deletion()->set_actor(site.deletion->actor);
+    out.mutable_deletion()->set_deleted_rows(site.deletion->deleted_rows);
+  }
   return out;
 }
 

@@ -23,6 +23,13 @@ constexpr std::chrono::seconds kMaxRetention = std::chrono::hours(24) * 36'500;
 
 // A campus: a tenant of the server.
 struct Site {
+  // Of a site that is being deleted, in the background.
+  struct Deletion {
+    TimeNs time = 0;                // when it began
+    std::string actor;              // CallContext::actor of the call that began it
+    std::int64_t deleted_rows = 0;  // so far
+  };
+
   SiteId id;
   std::string display_name;
   // How long the records of a session are kept after it has finished, 0 to kMaxRetention; unset: for ever.
@@ -31,6 +38,7 @@ struct Site {
   std::int64_t etag = 0;
   TimeNs create_time = 0;
   TimeNs update_time = 0;
+  std::optional<Deletion> deletion = {};
 };
 
 // Thread-safe. Errors common to all stores: UNAVAILABLE if the database cannot be reached or the outcome of a commit is
@@ -40,18 +48,20 @@ class SiteStore {
  public:
   explicit SiteStore(postgres::Pool& pool) : pool_(pool) {}
 
-  // ALREADY_EXISTS if the id is taken. If an earlier call with the same `request_id` (AIP-155; empty: none) has created
-  // a site, returns that site and creates nothing.
+  // ALREADY_EXISTS if the id is taken; FAILED_PRECONDITION if the site that has it is being deleted. If an earlier call
+  // with the same `request_id` (AIP-155; empty: none) has created a site, returns that site and creates nothing.
   absl::StatusOr<Site> Create(const CallContext& context, const Site& site, const std::string& request_id) const;
   // NOT_FOUND.
   absl::StatusOr<Site> Get(const CallContext& context, const SiteId& site) const;
   // By id.
   absl::StatusOr<std::vector<Site>> List(const CallContext& context, const PageRequest& page) const;
-  // Writes display name and retention. ABORTED if `site.etag` is not the stored one; NOT_FOUND.
+  // Writes display name and retention. ABORTED if `site.etag` is not the stored one; FAILED_PRECONDITION if it is being
+  // deleted; NOT_FOUND.
   absl::StatusOr<Site> Update(const CallContext& context, const Site& site) const;
-  // ABORTED if `etag` (0: any) is not the stored one; FAILED_PRECONDITION if the site has maps, robots or sessions,
-  // unless `force`, which deletes all of them.
-  absl::Status Delete(const CallContext& context, const SiteId& site, std::int64_t etag, bool force) const;
+  // Marks the site as deleted: from now on nothing can be added to it. SiteDeletion deletes it. Returns the site; one
+  // that is being deleted already as it is. ABORTED if `etag` (0: any) is not the stored one; FAILED_PRECONDITION if
+  // the site has maps, robots or sessions, unless `force`, which deletes all of them; NOT_FOUND.
+  absl::StatusOr<Site> Delete(const CallContext& context, const SiteId& site, std::int64_t etag, bool force) const;
 
  private:
   postgres::Pool& pool_;

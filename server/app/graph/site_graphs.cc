@@ -156,6 +156,11 @@ void SiteGraphs::MarkChanged(const SiteId& site) {
   if (found != entries_.end()) found->second->changes_needed = ++found->second->changes;
 }
 
+void SiteGraphs::Forget(const SiteId& site) {
+  MutexLock lock(mutex_);
+  entries_.erase(site);
+}
+
 void SiteGraphs::MarkAllChanged() {
   MutexLock lock(mutex_);
   for (auto& [site, entry] : entries_) entry->changes_needed = ++entry->changes;

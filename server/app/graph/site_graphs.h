@@ -40,6 +40,9 @@ class SiteGraphs {
   // The caller has changed the site's graph: later calls of Get return a version with the change.
   void MarkChanged(const SiteId& site);
 
+  // The site is gone, or going: its graph is read again if it is asked for.
+  void Forget(const SiteId& site);
+
   // Asks the listening thread to stop, without waiting; the destructor waits.
   void Stop();
   // True after Stop: streams of answers should end.

@@ -62,6 +62,9 @@ class Metrics::Impl {
   prometheus::Counter& scans_used = scans.Add({{"used", "true"}});
   prometheus::Counter& scans_not_used = scans.Add({{"used", "false"}});
   prometheus::Gauge& mapping = Gauge("enfilade_sessions_mapping", "Sessions being mapped by this process");
+  Counters& rows_deleted =
+      Counter("enfilade_rows_deleted_total", "Rows deleted in the background, by what they were of");
+  prometheus::Gauge& sites_deleting = Gauge("enfilade_sites_deleting", "Sites that are being deleted");
   prometheus::Gauge& ready = Gauge("enfilade_ready", "1 if the server accepts work");
   prometheus::Gauge& connections_open = Gauge("enfilade_database_connections_open", "Connections of the pool");
   prometheus::Gauge& connections_busy = Gauge("enfilade_database_connections_busy", "Connections in use");
@@ -106,6 +109,10 @@ void Metrics::CountScansMapped(std::int64_t used, std::int64_t not_used) {
   impl_->scans_not_used.Increment(static_cast<double>(not_used));
 }
 void Metrics::AddSessionsMapping(int sessions) { impl_->mapping.Increment(sessions); }
+void Metrics::CountRowsDeleted(const std::string& of, std::int64_t rows) {
+  impl_->rows_deleted.Add({{"of", of}}).Increment(static_cast<double>(rows));
+}
+void Metrics::SetSitesDeleting(int sites) { impl_->sites_deleting.Set(sites); }
 void Metrics::SetReady(bool ready) { impl_->ready.Set(ready ? 1.0 : 0.0); }
 void Metrics::SetDatabaseConnections(int open, int busy, int waiting) {
   impl_->connections_open.Set(open);

@@ -27,6 +27,9 @@ class Metrics {
   void AddStreamsOpen(int streams);
   void CountScansMapped(std::int64_t used, std::int64_t not_used);
   void AddSessionsMapping(int sessions);
+  // Rows that retention and deletion in the background have deleted, by what they belonged to.
+  void CountRowsDeleted(const std::string& of, std::int64_t rows);
+  void SetSitesDeleting(int sites);
   void SetReady(bool ready);
   void SetDatabaseConnections(int open, int busy, int waiting);
 

@@ -2,8 +2,11 @@
 #include "server/rpc/call/call.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "server/rpc/call/request_id.h"
 
@@ -11,6 +14,9 @@ namespace enfilade::server {
 namespace {
 
 using std::chrono::steady_clock;
+
+// The RPCs that may see a site that is being deleted. The store answers CreateSite.
+constexpr std::array<std::string_view, 4> kOfDeletedSites = {"CreateSite", "DeleteSite", "GetSite", "ListAuditEntries"};
 
 spdlog::level::level_enum LevelOfFailure(absl::StatusCode code) {
   switch (code) {
@@ -50,6 +56,17 @@ absl::Status Call::CheckAwaited(const storage::CallContext& context) {
   if (context.cancellation.stop_requested()) return absl::CancelledError("the client has cancelled the call");
   if (context.deadline > steady_clock::now()) return absl::OkStatus();
   return absl::DeadlineExceededError("the deadline passed while the call waited for its turn");
+}
+
+absl::Status Call::CheckSite() const {
+  if (site_.empty() || !environment_.is_being_deleted || !environment_.is_being_deleted(site_)) return absl::OkStatus();
+  if (std::find(kOfDeletedSites.begin(), kOfDeletedSites.end(), rpc_) != kOfDeletedSites.end()) return absl::OkStatus();
+  return FailedPrecondition("sites/{} is being deleted: GetSite tells its progress", site_);
+}
+
+absl::Status Call::CheckAdmitted(const storage::CallContext& context) const {
+  ENFILADE_RETURN_IF_ERROR(CheckAwaited(context));
+  return CheckSite();
 }
 
 absl::Status Call::TooManyCalls() {

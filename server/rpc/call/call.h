@@ -26,6 +26,8 @@ struct CallEnvironment {
   std::shared_ptr<spdlog::logger> logger;
   // Of a call whose client set no deadline, and of each step of an open-ended stream.
   std::chrono::steady_clock::duration default_timeout;
+  // Whether a site, by its id, is being deleted. Unset: none is.
+  std::function<bool(std::string_view)> is_being_deleted = {};
 };
 
 // What the transport knows about a call. ReadIncomingCall() makes it from gRPC's context.
@@ -57,6 +59,8 @@ class Call {
   const std::string& site() const { return site_; }
   // Called before the call is handed to other threads.
   void set_site(std::string site) { site_ = std::move(site); }
+  // FAILED_PRECONDITION if the site is being deleted, unless the call is one of the few that may see it then.
+  absl::Status CheckSite() const;
 
   // For calls of the stores: the client's deadline, or the default from the call's arrival if it set none; the
   // principal as the actor; cancelled with the call.
@@ -68,18 +72,18 @@ class Call {
   void Cancel() { cancellation_.request_stop(); }
 
   // Calls task(status, context) on the executor in its turn: with OK, or with the reason why it must not do its work,
-  // because nobody waits for the answer any more (CANCELLED, DEADLINE_EXCEEDED) or, from this thread, because too many
-  // calls wait (RESOURCE_EXHAUSTED). Quotas belong here.
+  // because nobody waits for the answer any more (CANCELLED, DEADLINE_EXCEEDED), because its site is being deleted
+  // (FAILED_PRECONDITION) or, from this thread, because too many calls wait (RESOURCE_EXHAUSTED). Quotas belong here.
   template <typename Task>
   void Run(Task task) const {
-    const auto run = [this, task] { task(CheckAwaited(context_), context_); };
+    const auto run = [this, task] { task(CheckAdmitted(context_), context_); };
     if (!environment_.executor.Post(run)) task(TooManyCalls(), context_);
   }
   // The same with StepContext().
   template <typename Task>
   void RunStep(Task task) const {
     const storage::CallContext step = StepContext();
-    const auto run = [task, step] { task(CheckAwaited(step), step); };
+    const auto run = [this, task, step] { task(CheckAdmitted(step), step); };
     if (!environment_.executor.Post(run)) task(TooManyCalls(), step);
   }
   // Queues the next step of a stream that has begun, however many calls wait.
@@ -90,6 +94,7 @@ class Call {
 
  private:
   static absl::Status CheckAwaited(const storage::CallContext& context);
+  absl::Status CheckAdmitted(const storage::CallContext& context) const;
   static absl::Status TooManyCalls();
 
   const CallEnvironment& environment_;

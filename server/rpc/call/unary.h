@@ -24,6 +24,7 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   // try_now(request, response), which must not wait, may give the answer without the executor.
   template <typename TryNow>
   void Start(TryNow try_now) {
+    if (const absl::Status status = call_.CheckSite(); !status.ok()) return End(status);
     if (const std::optional<absl::Status> status = try_now(*request_, *response_)) return End(*status);
     call_.Run([this](const absl::Status& admitted, const storage::CallContext&) {
       End(admitted.ok() ? handle_(call_, *request_, *response_) : admitted);

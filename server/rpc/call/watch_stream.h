@@ -70,6 +70,7 @@ class WatchReactor final : public grpc::ServerWriteReactor<Response> {
   }
 
   void Check() {
+    if (const absl::Status status = call_.CheckSite(); !status.ok()) return End(status);
     due_ = std::chrono::steady_clock::now() + watch_.period;
     const absl::StatusOr<bool> changed = watch_.check(call_.StepContext(), message_);
     if (!changed.ok()) return End(changed.status());

@@ -10,9 +10,11 @@ absl::StatusOr<v1::DeleteSiteResponse> DeleteSite(const Services& services, cons
                                                   const v1::DeleteSiteRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId id, convert::ParseSiteName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
-  ENFILADE_RETURN_IF_ERROR(services.sites.Delete(call.context(), id, etag, request.force()));
-  services.graphs.MarkChanged(id);  // the store does not notify of a deleted graph
-  return v1::DeleteSiteResponse();
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Site deleted,
+                            services.site_deletions.Begin(call.context(), id, etag, request.force()));
+  v1::DeleteSiteResponse response;
+  *response.mutable_site() = ToProto(deleted);
+  return response;
 }
 
 }  // namespace enfilade::server

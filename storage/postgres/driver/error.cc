@@ -13,6 +13,8 @@ namespace {
 constexpr char kSqlStatePayload[] = "enfilade/sqlstate";
 constexpr char kConstraintPayload[] = "enfilade/constraint";
 constexpr char kDatabaseTextPayload[] = "enfilade/database";
+// What a trigger refuses in sites that are being deleted.
+constexpr char kSiteIsBeingDeleted[] = "site_is_being_deleted";
 
 struct CodeOfState {
   std::string_view prefix;
@@ -25,9 +27,10 @@ constexpr std::array kCodes = {
     CodeOfState{"40P01", absl::StatusCode::kAborted},  // deadlock_detected
     CodeOfState{"55P03", absl::StatusCode::kAborted},  // lock_not_available
     CodeOfState{"23505", absl::StatusCode::kAlreadyExists}, CodeOfState{"23503", absl::StatusCode::kFailedPrecondition},
-    CodeOfState{"23502", absl::StatusCode::kInvalidArgument},  // not_null_violation
-    CodeOfState{"23514", absl::StatusCode::kInvalidArgument},  // check_violation
-    CodeOfState{"22", absl::StatusCode::kInvalidArgument},     // data_exception
+    CodeOfState{"23502", absl::StatusCode::kInvalidArgument},     // not_null_violation
+    CodeOfState{"23514", absl::StatusCode::kInvalidArgument},     // check_violation
+    CodeOfState{"22", absl::StatusCode::kInvalidArgument},        // data_exception
+    CodeOfState{"55000", absl::StatusCode::kFailedPrecondition},  // object_not_in_prerequisite_state
     CodeOfState{"57014", absl::StatusCode::kDeadlineExceeded},
     CodeOfState{"57P", absl::StatusCode::kUnavailable},       // shutdown, crash, starting up
     CodeOfState{"53300", absl::StatusCode::kUnavailable},     // too_many_connections
@@ -89,6 +92,7 @@ absl::Status StatusFromResult(const pg_result* result, std::string_view what) {
   }
   std::string message = fmt::format("{}: the database refused it (SQLSTATE {})", what, sqlstate);
   if (!constraint.empty()) message += ", by the constraint " + constraint;
+  if (constraint == kSiteIsBeingDeleted) message = fmt::format("{}: the site is being deleted", what);
   std::string text = Field(result, PG_DIAG_MESSAGE_PRIMARY);
   if (const std::string detail = Field(result, PG_DIAG_MESSAGE_DETAIL); !detail.empty()) text += ": " + detail;
   absl::Status status = WithDatabaseText(absl::Status(CodeOfSqlState(sqlstate), message), text);

@@ -16,7 +16,8 @@ namespace {
 
 constexpr Statement kSelectGraph{"reading the graph's version",
                                  "SELECT coalesce(g.graph_version, 0), g.root_map_id FROM enfilade.sites s"
-                                 " LEFT JOIN enfilade.site_graphs g USING (site_id) WHERE site_id = $1"};
+                                 " LEFT JOIN enfilade.site_graphs g USING (site_id) WHERE site_id = $1"
+                                 " AND s.delete_time IS NULL"};
 constexpr Statement kShareGraph{"locking the graph's version",
                                 "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR SHARE"};
 constexpr Statement kSelectMaps{

@@ -10,7 +10,9 @@
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
+#include "storage/postgres/driver/delete_portion.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/sessions/session_purge.h"
 
 namespace enfilade::storage {
 namespace {
@@ -33,9 +35,6 @@ constexpr Statement kListRetentions{"looking for retentions",
                                     "SELECT site_id FROM enfilade.sites WHERE raw_retention_s IS NOT NULL"
                                     " ORDER BY site_id"};
 // Skips sessions that another replica is purging.
-constexpr Statement kFindDeleted{"looking for a deleted session",
-                                 "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
-                                 " AND delete_time IS NOT NULL AND NOT purged LIMIT 1 FOR UPDATE SKIP LOCKED"};
 constexpr Statement kFindExpired{"looking for a session with expired records",
                                  "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
                                  " AND records_deleted AND delete_time IS NULL AND NOT purged LIMIT 1"
@@ -45,25 +44,6 @@ constexpr Statement kMarkExpired{
     "UPDATE enfilade.sessions s SET records_deleted = true FROM enfilade.sites t"
     " WHERE t.site_id = $1 AND s.site_id = $1 AND s.finish_time <= now() - t.raw_retention_s * interval '1 second'"
     " AND s.delete_time IS NULL AND NOT s.records_deleted AND s.state IN (3, 4)"};
-constexpr Statement kMarkPurged{"closing the session",
-                                "UPDATE enfilade.sessions SET purged = true WHERE site_id = $1 AND session_id = $2"};
-
-// Of one session, or of one rearrangement, by the column `key`.
-#define ENFILADE_PURGE(table, key)                                                                                    \
-  Statement {                                                                                                         \
-    "deleting from " table, "DELETE FROM enfilade." table " WHERE ctid = ANY (ARRAY(SELECT ctid FROM enfilade." table \
-                            " WHERE site_id = $1 AND " key " = $2 LIMIT $3))"                                         \
-  }
-// First what retention deletes, then what only the session's deletion does, in an order that foreign keys permit.
-constexpr std::array kRecordTables = {ENFILADE_PURGE("session_record_blobs", "session_id"),
-                                      ENFILADE_PURGE("session_records", "session_id")};
-constexpr std::array kMappingTables = {
-    ENFILADE_PURGE("door_verdicts", "session_id"),       ENFILADE_PURGE("session_tracks", "session_id"),
-    ENFILADE_PURGE("trajectory_points", "session_id"),   ENFILADE_PURGE("slam_closures", "session_id"),
-    ENFILADE_PURGE("slam_nodes", "session_id"),          ENFILADE_PURGE("slam_submaps", "session_id"),
-    ENFILADE_PURGE("mapping_checkpoints", "session_id"), ENFILADE_PURGE("session_leases", "session_id"),
-};
-
 constexpr Statement kCollectBlobs{
     "collecting blobs",
     "DELETE FROM enfilade.blobs WHERE ctid = ANY (ARRAY("
@@ -84,8 +64,8 @@ struct PurgeKind {
   const Statement& find;  // in a site
   bool with_mapping;
 };
-constexpr PurgeKind kDeleted{kListDeleted, kFindDeleted, true};
-constexpr PurgeKind kExpired{kListExpired, kFindExpired, false};
+const PurgeKind kDeleted{kListDeleted, postgres::kFindSessionToPurge, true};
+const PurgeKind kExpired{kListExpired, kFindExpired, false};
 
 absl::StatusOr<std::vector<SiteId>> ListSites(postgres::Pool& pool, const CallContext& context, const Statement& list) {
   ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, list, Params()));
@@ -100,21 +80,8 @@ constexpr Statement kFindExpiredUndo{"looking for rearrangements past their rete
 constexpr Statement kMarkUndoPurged{"closing the rearrangement",
                                     "UPDATE enfilade.rearrangements SET undo_expired = true, undo_purged = $3"
                                     " WHERE site_id = $1 AND rearrangement_id = $2"};
-constexpr std::array kUndoTables = {ENFILADE_PURGE("rearrangement_images", "rearrangement_id"),
-                                    ENFILADE_PURGE("rearrangement_blobs", "rearrangement_id")};
-
-// Deletes up to `limit` rows that belong to what `key` names, one table after the other.
-absl::StatusOr<std::int64_t> DeleteRows(Transaction& transaction, const std::vector<const Statement*>& deletions,
-                                        const std::pair<std::string, std::string>& key, std::int64_t limit) {
-  std::int64_t deleted = 0;
-  for (const Statement* deletion : deletions) {
-    if (deleted >= limit) break;
-    ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                              transaction.Execute(*deletion, Params(key.first, key.second, limit - deleted)));
-    deleted += result.affected();
-  }
-  return deleted;
-}
+constexpr std::array kUndoTables = {ENFILADE_DELETE_PORTION("rearrangement_images", "rearrangement_id = $2", "$3"),
+                                    ENFILADE_DELETE_PORTION("rearrangement_blobs", "rearrangement_id = $2", "$3")};
 
 // Deletes up to `limit` rows of one session; unset if there is none to purge.
 absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const CallContext& context,
@@ -125,14 +92,8 @@ absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const
   Row row(found, 0);
   const std::string session(row.Text());
   ENFILADE_RETURN_IF_ERROR(row.status());
-  std::vector<const Statement*> deletions;
-  for (const Statement& deletion : kRecordTables) deletions.push_back(&deletion);
-  if (kind.with_mapping) {
-    for (const Statement& deletion : kMappingTables) deletions.push_back(&deletion);
-  }
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted,
-                            DeleteRows(transaction, deletions, {site.value(), session}, limit));
-  if (deleted < limit) transaction.Queue(kMarkPurged, Params(site, session));
+                            postgres::PurgeSession(transaction, site, session, kind.with_mapping, limit));
   ENFILADE_RETURN_IF_ERROR(transaction.Commit());
   return deleted;
 }
@@ -148,10 +109,13 @@ absl::StatusOr<std::optional<std::int64_t>> PurgeOneUndo(postgres::Pool& pool, c
   const std::string site(row.Text());
   const std::string rearrangement(row.Text());
   ENFILADE_RETURN_IF_ERROR(row.status());
-  std::vector<const Statement*> deletions;
-  for (const Statement& deletion : kUndoTables) deletions.push_back(&deletion);
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t deleted,
-                            DeleteRows(transaction, deletions, {site, rearrangement}, limit));
+  std::int64_t deleted = 0;
+  for (const Statement& deletion : kUndoTables) {
+    if (deleted >= limit) break;
+    ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                              transaction.Execute(deletion, Params(site, rearrangement, limit - deleted)));
+    deleted += result.affected();
+  }
   transaction.Queue(kMarkUndoPurged, Params(site, rearrangement, deleted < limit));
   ENFILADE_RETURN_IF_ERROR(transaction.Commit());
   return deleted;

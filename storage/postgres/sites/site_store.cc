@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/sites/site_store.h"
 
-#include <array>
+#include <utility>
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
-#include "storage/postgres/graph/graph_versions.h"
 
 namespace enfilade::storage {
 namespace {
@@ -16,7 +15,8 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-#define ENFILADE_SITE_COLUMNS "site_id, display_name, raw_retention_s, etag, create_time, update_time"
+#define ENFILADE_SITE_COLUMNS \
+  "site_id, display_name, raw_retention_s, etag, create_time, update_time, delete_time, delete_actor, deleted_rows"
 
 constexpr Statement kInsertSite{"creating the site",
                                 "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s, request_id)"
@@ -27,52 +27,23 @@ constexpr Statement kSelectSite{"reading the site",
                                 "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE site_id = $1"};
 constexpr Statement kListSites{"listing sites", "SELECT " ENFILADE_SITE_COLUMNS
                                                 " FROM enfilade.sites WHERE site_id > $1 ORDER BY site_id LIMIT $2"};
-constexpr Statement kUpdateSite{"updating the site",
-                                "UPDATE enfilade.sites SET display_name = $3, raw_retention_s = $4,"
-                                " etag = nextval('enfilade.etags'), update_time = now()"
-                                " WHERE site_id = $1 AND etag = $2 RETURNING " ENFILADE_SITE_COLUMNS};
-constexpr Statement kLockSite{"locking the site", "SELECT etag FROM enfilade.sites WHERE site_id = $1 FOR UPDATE"};
+constexpr Statement kUpdateSite{
+    "updating the site",
+    "UPDATE enfilade.sites SET display_name = $3, raw_retention_s = $4,"
+    " etag = nextval('enfilade.etags'), update_time = now()"
+    " WHERE site_id = $1 AND etag = $2 AND delete_time IS NULL RETURNING " ENFILADE_SITE_COLUMNS};
+// Waits for those who are adding to the site, and makes others wait.
+constexpr Statement kLockSite{"locking the site",
+                              "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE site_id = $1 FOR UPDATE"};
 constexpr Statement kCountContent{
     "looking for what belongs to the site",
     "SELECT (SELECT count(*) FROM enfilade.maps WHERE site_id = $1 AND redirect_map_id IS NULL),"
     " (SELECT count(*) FROM enfilade.robots WHERE site_id = $1),"
     " (SELECT count(*) FROM enfilade.sessions WHERE site_id = $1 AND delete_time IS NULL)"};
-// Blocks writers of records, which lock nothing but their session's row.
-constexpr Statement kLockSessionsOfSite{
-    "locking the site's sessions",
-    "SELECT session_id FROM enfilade.sessions WHERE site_id = $1 ORDER BY session_id FOR UPDATE"};
-// In an order that foreign keys permit.
-constexpr std::array kDeletes = {
-    Statement{"deleting the blobs of rearrangements", "DELETE FROM enfilade.rearrangement_blobs WHERE site_id = $1"},
-    Statement{"deleting rearrangements", "DELETE FROM enfilade.rearrangements WHERE site_id = $1"},
-    Statement{"deleting the site's lease", "DELETE FROM enfilade.site_leases WHERE site_id = $1"},
-    Statement{"deleting door verdicts", "DELETE FROM enfilade.door_verdicts WHERE site_id = $1"},
-    Statement{"deleting robots' poses", "DELETE FROM enfilade.robot_poses WHERE site_id = $1"},
-    Statement{"deleting control points", "DELETE FROM enfilade.control_points WHERE site_id = $1"},
-    Statement{"deleting link points", "DELETE FROM enfilade.link_points WHERE site_id = $1"},
-    Statement{"deleting what is gone from the graph", "DELETE FROM enfilade.graph_removals WHERE site_id = $1"},
-    Statement{"deleting the graph's maps", "DELETE FROM enfilade.graph_maps WHERE site_id = $1"},
-    Statement{"deleting maps' poses", "DELETE FROM enfilade.map_poses WHERE site_id = $1"},
-    Statement{"deleting the graph's versions", "DELETE FROM enfilade.graph_versions WHERE site_id = $1"},
-    Statement{"deleting the graph", "DELETE FROM enfilade.site_graphs WHERE site_id = $1"},
-    Statement{"deleting tracks", "DELETE FROM enfilade.session_tracks WHERE site_id = $1"},
-    Statement{"deleting trajectories", "DELETE FROM enfilade.trajectory_points WHERE site_id = $1"},
-    Statement{"deleting closures", "DELETE FROM enfilade.slam_closures WHERE site_id = $1"},
-    Statement{"deleting nodes", "DELETE FROM enfilade.slam_nodes WHERE site_id = $1"},
-    Statement{"deleting submaps", "DELETE FROM enfilade.slam_submaps WHERE site_id = $1"},
-    Statement{"deleting checkpoints", "DELETE FROM enfilade.mapping_checkpoints WHERE site_id = $1"},
-    Statement{"deleting leases", "DELETE FROM enfilade.session_leases WHERE site_id = $1"},
-    Statement{"deleting layers", "DELETE FROM enfilade.map_layers WHERE site_id = $1"},
-    Statement{"deleting tiles", "DELETE FROM enfilade.map_revision_tiles WHERE site_id = $1"},
-    Statement{"deleting revisions", "DELETE FROM enfilade.map_revisions WHERE site_id = $1"},
-    Statement{"deleting records' blobs", "DELETE FROM enfilade.session_record_blobs WHERE site_id = $1"},
-    Statement{"deleting records", "DELETE FROM enfilade.session_records WHERE site_id = $1"},
-    Statement{"deleting sessions", "DELETE FROM enfilade.sessions WHERE site_id = $1"},
-    Statement{"deleting maps", "DELETE FROM enfilade.maps WHERE site_id = $1"},
-    Statement{"deleting robots", "DELETE FROM enfilade.robots WHERE site_id = $1"},
-    Statement{"deleting blobs", "DELETE FROM enfilade.blobs WHERE site_id = $1"},
-    Statement{"deleting the site", "DELETE FROM enfilade.sites WHERE site_id = $1"},
-};
+constexpr Statement kMarkSiteDeleted{"deleting the site",
+                                     "UPDATE enfilade.sites SET delete_time = now(), delete_actor = $2,"
+                                     " etag = nextval('enfilade.etags'), update_time = now() WHERE site_id = $1"
+                                     " RETURNING " ENFILADE_SITE_COLUMNS};
 
 Site ReadSite(Row& row) {
   Site site;
@@ -82,7 +53,31 @@ Site ReadSite(Row& row) {
   site.etag = row.Int64();
   site.create_time = row.Time();
   site.update_time = row.Time();
+  const std::optional<TimeNs> delete_time = row.OptionalTime();
+  std::string actor(row.OptionalText().value_or(""));
+  const std::int64_t deleted_rows = row.Int64();
+  if (delete_time) site.deletion = Site::Deletion{*delete_time, std::move(actor), deleted_rows};
   return site;
+}
+
+absl::Status IsBeingDeleted(const Site& site) { return FailedPrecondition("{} is being deleted", NameOf(site.id)); }
+
+// The site that an earlier creation has made, if that is the same as this one.
+absl::StatusOr<Site> InUse(absl::StatusOr<Site> site) {
+  if (site.ok() && site->deletion) return IsBeingDeleted(*site);
+  return site;
+}
+
+// `content`: the answer of kCountContent.
+absl::Status CheckEmpty(const SiteId& site, const postgres::Result& content) {
+  Row row(content, 0);
+  const std::int64_t maps = row.Int64();
+  const std::int64_t robots = row.Int64();
+  const std::int64_t sessions = row.Int64();
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  if (maps + robots + sessions == 0) return absl::OkStatus();
+  return FailedPrecondition("{} still has {} maps, {} robots and {} sessions: delete them first, or use force",
+                            NameOf(site), maps, robots, sessions);
 }
 
 std::optional<std::int64_t> RetentionSeconds(const Site& site) {
@@ -102,7 +97,11 @@ absl::StatusOr<Site> SiteStore::Create(const CallContext& context, const Site& s
   if (!request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
                               storage::postgres::ExecuteAlone(pool_, context, kFindSiteRequest, Params(request_id)));
-    if (earlier.rows() > 0) return storage::postgres::ReadOne(earlier, ReadSite, NameOf(site.id));
+    if (earlier.rows() > 0) return InUse(storage::postgres::ReadOne(earlier, ReadSite, NameOf(site.id)));
+  }
+  const absl::StatusOr<Site> other = Get(context, site.id);
+  if (other.ok() && other->deletion) {
+    return FailedPrecondition("{} is being deleted: its id can be used again when it is gone", NameOf(site.id));
   }
   return AlreadyExists("{} exists already", NameOf(site.id));
 }
@@ -125,32 +124,23 @@ absl::StatusOr<Site> SiteStore::Update(const CallContext& context, const Site& s
       pool_, context, kUpdateSite, Params(site.id, site.etag, site.display_name, RetentionSeconds(site)));
   if (!updated.ok()) return WithContext(updated.status(), NameOf(site.id));
   if (updated->rows() > 0) return storage::postgres::ReadOne(*updated, ReadSite, NameOf(site.id));
-  ENFILADE_RETURN_IF_ERROR(Get(context, site.id).status());
+  ENFILADE_RETURN_IF_ERROR(InUse(Get(context, site.id)).status());
   return postgres::StaleEtag(NameOf(site.id));
 }
 
-absl::Status SiteStore::Delete(const CallContext& context, const SiteId& site, std::int64_t etag, bool force) const {
+absl::StatusOr<Site> SiteStore::Delete(const CallContext& context, const SiteId& site, std::int64_t etag,
+                                       bool force) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  postgres::QueueGraphLock(transaction, site);
   transaction.Queue(kLockSite, Params(site));
   transaction.Queue(kCountContent, Params(site));
   ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Flush());
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored_etag,
-                            storage::postgres::ReadOne(
-                                found[1], [](Row& row) { return row.Int64(); }, NameOf(site)));
-  if (etag != 0 && etag != stored_etag) return postgres::StaleEtag(NameOf(site));
-  Row content(found[2], 0);
-  const std::int64_t maps = content.Int64();
-  const std::int64_t robots = content.Int64();
-  const std::int64_t sessions = content.Int64();
-  ENFILADE_RETURN_IF_ERROR(content.status());
-  if (!force && maps + robots + sessions > 0) {
-    return FailedPrecondition("{} still has {} maps, {} robots and {} sessions: delete them first, or use force",
-                              NameOf(site), maps, robots, sessions);
-  }
-  transaction.Queue(kLockSessionsOfSite, Params(site));
-  for (const Statement& statement : kDeletes) transaction.Queue(statement, Params(site));
-  return WithContext(transaction.Commit(), NameOf(site));
+  ENFILADE_ASSIGN_OR_RETURN(Site stored, storage::postgres::ReadOne(found[0], ReadSite, NameOf(site)));
+  if (stored.deletion) return stored;
+  if (etag != 0 && etag != stored.etag) return postgres::StaleEtag(NameOf(site));
+  if (!force) ENFILADE_RETURN_IF_ERROR(CheckEmpty(site, found[1]));
+  transaction.Queue(kMarkSiteDeleted, Params(site, context.actor));
+  ENFILADE_ASSIGN_OR_RETURN(const auto marked, transaction.FlushAndCommit());
+  return storage::postgres::ReadOne(marked[0], ReadSite, NameOf(site));
 }
 
 }  // namespace enfilade::storage

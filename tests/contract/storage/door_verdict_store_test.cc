@@ -283,7 +283,7 @@ TEST_F(DoorVerdictStoreTest, SitesAndSessionsTakeTheirVerdictsAlong) {
   DriveThroughADoor();
   MarkMapped();
   ASSERT_OK(verdicts_.Commit(Soon(), Lease(), Through()));
-  ASSERT_OK(sites_.Delete(Soon(), site_, 0, /*force=*/true));
+  DeleteSite(site_);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM door_verdicts"), "0");
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM site_leases"), "0");
 }

@@ -53,7 +53,7 @@ TEST_F(RearrangementRowsTest, RefusalsChangeNoRow) {
 TEST_F(RearrangementRowsTest, DeletingTheSiteDeletesItsRearrangements) {
   ASSERT_OK(store_.Apply(Soon(), lease_, Merge()));
   ASSERT_OK(maps_.Delete(Soon(), site_, map_, 0, true));
-  ASSERT_OK(sites_.Delete(Soon(), site_, 0, true));
+  DeleteSite(site_);
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM rearrangements"), "0");
 }
 

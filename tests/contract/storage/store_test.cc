@@ -22,4 +22,14 @@ absl::StatusOr<storage::AppendResult> StoreTest::Append(const SessionId& session
   return records_.Append(Soon(), {site_, session, records, blobs});
 }
 
+void StoreTest::DeleteSite(const SiteId& site) {
+  using Progress = storage::SiteDeletion::Progress;
+  const storage::SiteDeletion deletion(*pool_);
+  ASSERT_OK(sites_.Delete(Soon(), site, 0, true));
+  for (Progress progress = Progress::kMore; progress == Progress::kMore;) {
+    ASSERT_OK_AND_ASSIGN(const auto portion, deletion.DeletePortion(Soon(), site, 1000));
+    progress = portion.progress;
+  }
+}
+
 }  // namespace enfilade::testing

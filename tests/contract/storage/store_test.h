@@ -15,6 +15,7 @@
 #include "storage/postgres/sessions/session_store.h"
 #include "storage/sites/audit_store.h"
 #include "storage/sites/robot_store.h"
+#include "storage/sites/site_deletion.h"
 #include "storage/sites/site_store.h"
 #include "tests/contract/storage/store_values.h"
 #include "tests/support/database.h"
@@ -31,6 +32,8 @@ class StoreTest : public DatabaseTest {
   SessionId NewSession(const std::string& id, bool mapped = true);
   absl::StatusOr<storage::AppendResult> Append(const SessionId& session, const std::vector<sensor::Record>& records,
                                                const std::vector<storage::BlobView>& blobs = {});
+  // Deletes a site with everything that belongs to it.
+  void DeleteSite(const SiteId& site);
 
   const SiteId site_{"campus"};
   const RobotId robot_{"r1"};
