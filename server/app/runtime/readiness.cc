@@ -17,6 +17,7 @@ Readiness::State StateFrom(const absl::StatusOr<storage::SchemaState>& schema) {
   }
   switch (schema->position) {
     case storage::SchemaState::Position::kAtHead:
+    case storage::SchemaState::Position::kAhead:
       return {true, "", *schema, {}};
     case storage::SchemaState::Position::kEmpty:
       return {false, "the database has no schema: run deploy/database/migrate up", *schema, {}};
@@ -26,9 +27,11 @@ Readiness::State StateFrom(const absl::StatusOr<storage::SchemaState>& schema) {
                           schema->deployed, schema->expected),
               *schema,
               {}};
-    case storage::SchemaState::Position::kAhead:
+    case storage::SchemaState::Position::kTooNew:
       return {false,
-              fmt::format("the database is at {}, which this program does not know: use a newer one", schema->deployed),
+              fmt::format("the database is at {}: its change {} needs a program that knows {}, this one is for {}: use "
+                          "a newer one",
+                          schema->deployed, schema->breaking, schema->required, schema->expected),
               *schema,
               {}};
   }

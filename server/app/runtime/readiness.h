@@ -14,8 +14,8 @@
 
 namespace enfilade::server {
 
-// Whether this server can accept work: the database answers, and its schema is the one that this program was built for.
-// Checked periodically. Thread-safe.
+// Whether this server can accept work: the database answers, and its schema is the one that this program was built for
+// or a newer one that allows it. Checked periodically. Thread-safe.
 class Readiness {
  public:
   struct State {

@@ -73,8 +73,9 @@ TEST(Readiness, TheReasonSaysWhatToDo) {
       {storage::SchemaState{Position::kEmpty, "", "new"}, HasSubstr("deploy/database/migrate up")},
       {storage::SchemaState{Position::kBehind, "old", "new"},
        AllOf(HasSubstr("is at old"), HasSubstr("needs new"), HasSubstr("deploy/database/migrate up"))},
-      {storage::SchemaState{Position::kAhead, "newer", "new"},
-       AllOf(HasSubstr("is at newer"), HasSubstr("use a newer one"))},
+      {storage::SchemaState{Position::kTooNew, "newest", "new", "newer", "newer_too"},
+       AllOf(HasSubstr("is at newest"), HasSubstr("change newer "), HasSubstr("knows newer_too"), HasSubstr("for new:"),
+             HasSubstr("use a newer one"))},
   };
   for (const Case& one : cases) {
     Database database;
@@ -84,6 +85,14 @@ TEST(Readiness, TheReasonSaysWhatToDo) {
     EXPECT_THAT(readiness.state().reason, one.reason);
     EXPECT_THAT(database.changes(), ElementsAre(false)) << "the first state is reported";
   }
+}
+
+TEST(Readiness, ServesANewerSchemaThatAllowsIt) {
+  Database database;
+  database.Set(storage::SchemaState{Position::kAhead, "newer", "new"});
+  const Readiness readiness(database.check(), database.on_change(), kNever);
+  EXPECT_TRUE(readiness.state().ready);
+  EXPECT_EQ(readiness.state().schema.deployed, "newer");
 }
 
 TEST(Readiness, ReportsTheFirstStateAndThenOnlyChanges) {
