@@ -23,13 +23,14 @@ struct AuditEntry {
   TimeNs time = 0;
   std::string actor;  // CallContext::actor of the call that changed it
   AuditAction action = AuditAction::kCreated;
-  std::string resource;  // maps/{map}, linkPoints/{link_point}, linkPoints/{link_point}/anchors/{map}, ...
-  std::string before;    // the row as JSON; empty if it was created
-  std::string after;     // empty if it was deleted
+  // robots/{robot}, maps/{map}, linkPoints/{link_point}/anchors/{map}, ...; empty: the site itself
+  std::string resource;
+  std::string before;  // the row as JSON; empty if it was created
+  std::string after;   // empty if it was deleted
 };
 
-// Who changed which map or link point when; the database writes it in the transaction of the change. Thread-safe;
-// errors common to all stores: see SiteStore.
+// Who changed a site, its robots, sessions, maps, imports or link points, and when. The database writes it in the
+// transaction of the change. It outlives what it tells of. Thread-safe; errors common to all stores: see SiteStore.
 class AuditStore {
  public:
   explicit AuditStore(postgres::Pool& pool) : pool_(pool) {}

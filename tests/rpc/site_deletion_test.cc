@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "storage/postgres/driver/transaction.h"
 #include "tests/rpc/server_test.h"
@@ -80,6 +82,14 @@ TEST_F(SiteDeletionRpcTest, ASiteThatIsBeingDeletedCanOnlyBeReadUntilItIsGone) {
     EXPECT_STATUS(CreateSite().status(), absl::StatusCode::kFailedPrecondition, HasSubstr("is being deleted"));
   }
   ASSERT_TRUE(Eventually([&] { return absl::IsNotFound(GetSite().status()); }));
+  v1::ListAuditEntriesRequest audit;
+  audit.set_parent("sites/s");
+  ASSERT_OK_AND_ASSIGN(const v1::ListAuditEntriesResponse trail, Call(&v1::SiteService::Stub::ListAuditEntries, audit));
+  EXPECT_TRUE(std::any_of(trail.entries().begin(), trail.entries().end(), [](const v1::AuditEntry& entry) {
+    return entry.resource() == "sites/s" && entry.action() == v1::AuditEntry::ACTION_DELETED;
+  }));
+  audit.set_parent("sites/nowhere");
+  EXPECT_CODE(Call(&v1::SiteService::Stub::ListAuditEntries, audit), absl::StatusCode::kNotFound);
   ASSERT_OK_AND_ASSIGN(const v1::CreateSiteResponse again, CreateSite());
   EXPECT_FALSE(again.site().has_deletion());
   v1::ListMapsRequest maps;

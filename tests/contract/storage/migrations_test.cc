@@ -29,6 +29,9 @@ std::vector<std::string> Objects(const TestDatabase& database) {
       " UNION ALL SELECT indexdef FROM pg_indexes WHERE schemaname = 'enfilade'"
       " UNION ALL SELECT 'sequence ' || sequence_name FROM information_schema.sequences"
       "   WHERE sequence_schema = 'enfilade'"
+      " UNION ALL SELECT pg_get_functiondef(oid) FROM pg_proc WHERE pronamespace = to_regnamespace('enfilade')"
+      " UNION ALL SELECT pg_get_triggerdef(t.oid) FROM pg_trigger t JOIN pg_class c ON c.oid = t.tgrelid"
+      "   WHERE NOT t.tgisinternal AND c.relnamespace = to_regnamespace('enfilade')"
       " UNION ALL SELECT 'schema ' || nspname FROM pg_namespace WHERE nspname = 'enfilade' ORDER BY 1");
 }
 
