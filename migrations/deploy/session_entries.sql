@@ -1,5 +1,13 @@
 -- SPDX-License-Identifier: Apache-2.0
 -- How a session's robot entered its map, and the doors that it reports.
+
+-- For the few door reports among a session's many records.
+SET lock_timeout = 0;
+DROP INDEX CONCURRENTLY IF EXISTS enfilade.session_records_doors_idx;
+CREATE INDEX CONCURRENTLY session_records_doors_idx ON enfilade.session_records (site_id, session_id, sequence)
+  WHERE kind = 6;
+RESET lock_timeout;
+
 BEGIN;
 
 ALTER TABLE enfilade.sessions
@@ -10,6 +18,17 @@ ALTER TABLE enfilade.sessions
   ADD COLUMN initial_odom_y double precision,
   ADD COLUMN initial_odom_yaw double precision,
   ADD COLUMN door_reports bigint NOT NULL DEFAULT 0,
+  DROP CONSTRAINT sessions_count_check;
+
+-- Poses from before have no covariance: 1 m and 15 deg.
+UPDATE enfilade.sessions SET initial_covariance = ARRAY[1, 0, 0, 0, 1, 0, 0, 0, 0.07]::double precision[]
+  WHERE initial_x IS NOT NULL;
+-- Reverting counts door reports as withheld.
+UPDATE enfilade.sessions s SET door_reports = d.count, withheld = s.withheld - d.count
+  FROM (SELECT site_id, session_id, count(*) AS count FROM enfilade.session_records WHERE kind = 6 GROUP BY 1, 2) d
+  WHERE s.site_id = d.site_id AND s.session_id = d.session_id;
+
+ALTER TABLE enfilade.sessions
   ADD FOREIGN KEY (site_id, previous_session_id) REFERENCES enfilade.sessions,
   ADD CONSTRAINT sessions_initial_covariance_check CHECK (
     (initial_covariance IS NULL) = (initial_x IS NULL) AND cardinality(initial_covariance) = 9),
@@ -18,7 +37,6 @@ ALTER TABLE enfilade.sessions
     AND initial_odom_x > '-Infinity' AND initial_odom_x < 'Infinity'
     AND initial_odom_y > '-Infinity' AND initial_odom_y < 'Infinity'
     AND initial_odom_yaw > '-Infinity' AND initial_odom_yaw < 'Infinity'),
-  DROP CONSTRAINT sessions_count_check,
   ADD CONSTRAINT sessions_count_check CHECK (
     laser_scans >= 0 AND odometry >= 0 AND images >= 0 AND point_clouds >= 0 AND withheld >= 0 AND door_reports >= 0
     AND payload_bytes >= 0
@@ -27,7 +45,5 @@ ALTER TABLE enfilade.sessions
 
 CREATE INDEX sessions_previous_idx ON enfilade.sessions (site_id, previous_session_id)
   WHERE previous_session_id IS NOT NULL;
--- For the few door reports among a session's many records.
-CREATE INDEX session_records_doors_idx ON enfilade.session_records (site_id, session_id, sequence) WHERE kind = 6;
 
 COMMIT;

@@ -28,9 +28,9 @@ ALTER TABLE enfilade.maps
   DROP COLUMN redirect_yaw;
 
 -- The rest of a session that was cut stays a session. Its counts take in the records that it skips.
+ALTER TABLE enfilade.sessions DROP CONSTRAINT sessions_count_check;
 UPDATE enfilade.sessions SET laser_scans = laser_scans + skipped_records WHERE skipped_records > 0;
 ALTER TABLE enfilade.sessions
-  DROP CONSTRAINT sessions_count_check,
   DROP COLUMN cut_from_session_id,
   DROP COLUMN recorded_sequence,
   DROP COLUMN skipped_records,

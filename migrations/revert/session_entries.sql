@@ -2,8 +2,10 @@
 BEGIN;
 
 DROP INDEX enfilade.session_records_doors_idx;
+ALTER TABLE enfilade.sessions DROP CONSTRAINT sessions_count_check;
+-- The door reports stay in the log. They count as withheld, so that the counts still cover it.
+UPDATE enfilade.sessions SET withheld = withheld + door_reports WHERE door_reports > 0;
 ALTER TABLE enfilade.sessions
-  DROP CONSTRAINT sessions_count_check,
   DROP COLUMN previous_session_id,
   DROP COLUMN initial_covariance,
   DROP COLUMN initial_odom_x,
