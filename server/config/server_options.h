@@ -66,8 +66,8 @@ struct ServerOptions {
   closure::DoorClosureOptions closure;
 
   struct Survey {
-    // The largest share of the time that a site is surveyed, to make each room one map (docs/survey.md), 0 to 1. 0:
-    // sites are not surveyed.
+    // The largest share of a processor for surveys, which make each room one map (docs/survey.md), 0 to 1. 0: sites are
+    // not surveyed.
     double share = 0.25;
     // Memory for what the last surveys have mapped, so that the next one goes on from there, bytes.
     std::int64_t cache_bytes = 512LL << 20;

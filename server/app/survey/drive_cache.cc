@@ -4,18 +4,16 @@
 #include <iterator>
 #include <utility>
 
+#include "core/base/status_macros.h"
+
 namespace enfilade::server {
 
 absl::StatusOr<const MappedDrive*> DriveCache::Get(const std::string& id,
                                                    const std::function<absl::Status(CachedDrive&)>& update) {
-  const auto entry = drives_.try_emplace(id).first;
-  CachedDrive& drive = entry->second.drive;
-  if (absl::Status status = update(drive); !status.ok()) {
-    drives_.erase(entry);  // it may contain a part of what is new
-    return status;
-  }
-  entry->second.used = true;
-  return &drive.mapped;
+  Entry& entry = drives_[id];
+  entry.used = true;
+  ENFILADE_RETURN_IF_ERROR(update(entry.drive));
+  return &entry.drive.mapped;
 }
 
 void DriveCache::DropUnused() {

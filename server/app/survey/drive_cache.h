@@ -23,8 +23,7 @@ struct CachedDrive {
 // applied, the site is surveyed again and again from the same records and some new ones. Not thread-safe.
 class DriveCache {
  public:
-  // The drive `id` after `update` has mapped what is new of it. If that fails, the drive is forgotten. Valid until
-  // DropUnused.
+  // The drive `id` after `update` has mapped what is new of it. Valid until DropUnused.
   absl::StatusOr<const MappedDrive*> Get(const std::string& id,
                                          const std::function<absl::Status(CachedDrive&)>& update);
 

@@ -52,8 +52,8 @@ Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
 class LevelMapper {
  public:
   LevelMapper(const SurveyStores& stores, const SurveyMappingOptions& options, const SiteGraph& graph,
-              const SiteId& site, const SurveyRun& run)
-      : stores_(stores), options_(options), graph_(graph), site_(site), run_(run) {}
+              const SiteId& site, const SurveyRun& run, bool continue_drives)
+      : stores_(stores), options_(options), graph_(graph), site_(site), run_(run), continue_drives_(continue_drives) {}
 
   absl::StatusOr<MappedLevel> Run(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
@@ -91,7 +91,7 @@ class LevelMapper {
     const std::string id = ids_before_ + (by_scans ? "?" : "") + BeginningOf(stored, environment);
     const std::string records = KeyOf(stored, environment);
     const auto update = [&](CachedDrive& cached) -> absl::Status {
-      const bool may_continue = run_.continue_drives || cached.before == mapped_before_;
+      const bool may_continue = continue_drives_ || cached.before == mapped_before_;
       if (may_continue && cached.records == records) return absl::OkStatus();
       std::size_t known = 0;
       if (may_continue && cached.growing) known = CountSessionsOf(cached.records, stored, environment);
@@ -103,8 +103,9 @@ class LevelMapper {
         cached.before = mapped_before_;
         if (start || !by_scans) cached.growing.emplace(options_.pairing, slam, ExistingMapOf(start));
       }
+      if (cached.growing) ENFILADE_RETURN_IF_ERROR(Extend(stored, known, cached));
       cached.records = records;
-      return cached.growing ? Extend(stored, known, cached) : absl::OkStatus();
+      return absl::OkStatus();
     };
     ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped, run_.cache.Get(id, update));
     if (mapped->grid.cells.empty()) return !by_scans;
@@ -152,13 +153,16 @@ class LevelMapper {
 
   // The sessions from the `known`th on are new.
   absl::Status Extend(const StoredDrive& stored, std::size_t known, CachedDrive& cached) const {
-    for (std::size_t i = known; i < stored.size(); ++i) {
-      ENFILADE_RETURN_IF_ERROR(ReadRecords(*stored[i], [&](sensor::Record record) {
-        cached.growing->Add(std::move(record));
-        return absl::OkStatus();
-      }));
-    }
-    ENFILADE_ASSIGN_OR_RETURN(cached.mapped, cached.growing->Map());
+    const auto feed = [&](const std::function<void(sensor::Record)>& add) -> absl::Status {
+      for (std::size_t i = known; i < stored.size(); ++i) {
+        ENFILADE_RETURN_IF_ERROR(ReadRecords(*stored[i], [&](sensor::Record record) {
+          add(std::move(record));
+          return absl::OkStatus();
+        }));
+      }
+      return absl::OkStatus();
+    };
+    ENFILADE_ASSIGN_OR_RETURN(cached.mapped, cached.growing->Extend(feed));
     return absl::OkStatus();
   }
 
@@ -296,6 +300,7 @@ class LevelMapper {
   const SiteGraph& graph_;
   const SiteId& site_;
   const SurveyRun& run_;
+  const bool continue_drives_;
   std::string ids_before_;     // of the level and the drives so far
   std::string mapped_before_;  // their records
   MappedLevel level_;
@@ -316,9 +321,10 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
     if (session.map && session.state == storage::SessionState::kMapped) survey.sessions.push_back(session.id);
     if (IsMapped(session) && maps.contains(*session.map)) levels.insert(maps.at(*session.map).level);
   }
+  const bool continue_drives = run.continue_drives || std::any_of(sessions.begin(), sessions.end(), IsUnderWay);
   for (const int level : levels) {
-    ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped,
-                              LevelMapper(stores, options, graph, site, run).Run(level, sessions, maps));
+    ENFILADE_ASSIGN_OR_RETURN(
+        MappedLevel mapped, LevelMapper(stores, options, graph, site, run, continue_drives).Run(level, sessions, maps));
     if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
   }
   run.cache.DropUnused();

@@ -54,7 +54,7 @@ struct SurveyRun {
   // Of drives that it has only what is new is mapped; afterwards it has those of this survey.
   DriveCache& cache;
   // A drive begins in the map of those before it. If these have gone on since, it is mapped again in what they are now,
-  // or else continued in what they were, which is faster.
+  // or else continued in what they were, which is faster. It is always continued while a robot is recording.
   bool continue_drives = false;
   // Asked between portions; its error ends the survey.
   const std::function<absl::Status()>& proceed;

@@ -94,27 +94,31 @@ void SiteSurveyor::Run() {
 bool SiteSurveyor::SurveyPending() {
   const auto pending = stores_.surveys.FindPending(SurveyorContext(), kSitesAtOnce);
   if (!pending.ok()) return false;  // readiness reports an unreachable database
-  bool worked = false;
-  for (const SiteId& site : *pending) {
-    if (stop_.is_set()) return false;
-    const Clock::time_point begin = Clock::now();
-    Pace& pace = paces_[site];
-    if (pace.due > begin) continue;
-    const absl::Status status = Survey(site);
-    caches_.Trim();
-    const auto rest = std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_));
-    pace.due = Clock::now() + (status.ok() ? rest : std::max<Clock::duration>(rest, kRetry));
-    pace.failures = status.ok() ? 0 : pace.failures + 1;
-    if (!status.ok() && !stop_.is_set()) {
-      // That robots have changed the graph meanwhile is usual, unless it goes on.
-      const bool usual =
-          (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && pace.failures % kUsualFailures != 0;
-      spdlog::log(usual ? spdlog::level::debug : spdlog::level::warn, "the survey of site {}: {}; will retry",
-                  site.value(), status.ToString());
-    }
-    worked = worked || status.ok();
+  const Clock::time_point begin = Clock::now();
+  const auto site = std::find_if(pending->begin(), pending->end(), [&](const SiteId& one) {
+    const auto failing = failing_.find(one);
+    return failing == failing_.end() || failing->second.retry <= begin;
+  });
+  if (site == pending->end()) return false;
+  const absl::Status status = Survey(*site);
+  caches_.Trim();
+  if (status.ok()) {
+    failing_.erase(*site);
+  } else if (!stop_.is_set()) {
+    CountFailure(*site, status);
   }
-  return worked;
+  stop_.WaitFor(std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_)));
+  return true;
+}
+
+void SiteSurveyor::CountFailure(const SiteId& site, const absl::Status& status) {
+  Failing& failing = failing_[site];
+  failing.retry = Clock::now() + kRetry;
+  // That robots have changed the graph meanwhile is usual, unless it goes on.
+  const bool usual =
+      (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && ++failing.times % kUsualFailures != 0;
+  spdlog::log(usual ? spdlog::level::debug : spdlog::level::warn, "the survey of site {}: {}; will retry", site.value(),
+              status.ToString());
 }
 
 absl::Status SiteSurveyor::Survey(const SiteId& site) {

@@ -22,13 +22,13 @@
 namespace enfilade::server {
 
 struct SurveyLoad {
-  double share = 0.25;           // the largest share of the time that a site is surveyed, above 0 and up to 1
+  double share = 0.25;           // the largest share of the time that it surveys, above 0 and up to 1
   std::int64_t cache_bytes = 0;  // for what the last surveys have mapped; the last site's is kept even if it is larger
 };
 
 // Surveys sites whose sessions are mapped, and rearranges their maps until each is one room (core/survey). One thread;
-// it looks at a site again only after a multiple of the time that the last survey took, so that a busy site costs a
-// bounded share of a processor. Idempotent: a survey of a site that is arranged already changes nothing.
+// it rests for a multiple of the time that a survey took, so that surveys cost a bounded share of a processor however
+// many sites there are. Idempotent: a survey of a site that is arranged already changes nothing.
 class SiteSurveyor {
  public:
   struct Stores {
@@ -51,8 +51,9 @@ class SiteSurveyor {
   using Clock = std::chrono::steady_clock;
 
   void Run();
-  // False if there was nothing to do.
+  // The site that has waited longest. False if there was nothing to do.
   bool SurveyPending();
+  void CountFailure(const SiteId& site, const absl::Status& status);
   // Until nothing more changes.
   absl::Status Survey(const SiteId& site);
   // False if maps were rearranged: survey again.
@@ -70,11 +71,11 @@ class SiteSurveyor {
   const std::string owner_;
   StopSignal stop_;
   SiteCaches caches_;  // the worker's only
-  struct Pace {
-    Clock::time_point due;  // not again before
-    int failures = 0;       // in a row
+  struct Failing {
+    Clock::time_point retry;  // not again before
+    int times = 0;            // in a row
   };
-  std::map<SiteId, Pace> paces_;  // of sites that were surveyed; the worker's only
+  std::map<SiteId, Failing> failing_;  // the worker's only
   std::thread worker_;
 };
 

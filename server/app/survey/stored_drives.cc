@@ -36,6 +36,10 @@ bool IsMapped(const storage::Session& session) {
   return session.map && session.state == storage::SessionState::kMapped;
 }
 
+bool IsUnderWay(const storage::Session& session) {
+  return session.state == storage::SessionState::kRecording || session.state == storage::SessionState::kFinished;
+}
+
 std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
   std::map<SessionId, const storage::Session*> here;

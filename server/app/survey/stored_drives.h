@@ -19,6 +19,9 @@ using StoredDrive = std::vector<const storage::Session*>;
 // It is in a map, and all its records are mapped.
 bool IsMapped(const storage::Session& session);
 
+// Its robot is recording, or not all of its records are mapped yet.
+bool IsUnderWay(const storage::Session& session);
+
 // The drives of one level, as far as they are mapped and retention has kept their records, in the order of their first
 // sessions in `sessions`. The pieces of a session that was cut are one drive, however old they are. Of two sessions
 // that follow the same one, the first continues its drive and the other begins one.

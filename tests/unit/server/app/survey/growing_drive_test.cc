@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/survey/growing_drive.h"
 
+#include <algorithm>
+#include <functional>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -27,34 +31,35 @@ void ExpectEqual(const MappedDrive& a, const MappedDrive& b) {
   }
 }
 
+GrowingDrive::Feed FeedOf(std::span<const sensor::Record> records) {
+  return [records](const std::function<void(sensor::Record)>& add) {
+    for (const sensor::Record& record : records) add(record);
+    return absl::OkStatus();
+  };
+}
+
 // Asking for the map in between must not change what comes out in the end.
 void ExpectSameAsAtOnce(const std::optional<slam::ExistingMap>& existing) {
   const DrawnMap room = localization::UniqueRoom();
   const std::vector<sensor::Record> log = RecordDrive(room, Round());
   slam::SlamOptions slam;
   slam.submap.max_keyframes = 8;  // several submaps
-  GrowingDrive whole({}, slam, existing);
-  for (const sensor::Record& record : log) whole.Add(record);
-  const absl::StatusOr<MappedDrive> expected = whole.Map();
+  const absl::StatusOr<MappedDrive> expected = GrowingDrive({}, slam, existing).Extend(FeedOf(log));
   ASSERT_OK(expected);
   ASSERT_GT(expected->trajectory.size(), 50U);
 
   GrowingDrive parts({}, slam, existing);
   std::size_t before = 0;
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    if (i % (log.size() / 5) == 7) {
-      const absl::StatusOr<MappedDrive> part = parts.Map();
-      ASSERT_OK(part);
-      EXPECT_GE(part->trajectory.size(), before);
-      before = part->trajectory.size();
-    }
-    parts.Add(log[i]);
+  const std::size_t size = log.size() / 5 + 1;
+  absl::StatusOr<MappedDrive> grown = MappedDrive{};
+  for (std::size_t i = 0; i < log.size(); i += size) {
+    grown = parts.Extend(FeedOf(std::span(log).subspan(i, std::min(size, log.size() - i))));
+    ASSERT_OK(grown);
+    EXPECT_GT(grown->trajectory.size(), before);
+    before = grown->trajectory.size();
   }
-  EXPECT_GT(before, 0U);
-  const absl::StatusOr<MappedDrive> grown = parts.Map();
-  ASSERT_OK(grown);
   ExpectEqual(*grown, *expected);
-  const absl::StatusOr<MappedDrive> again = parts.Map();
+  const absl::StatusOr<MappedDrive> again = parts.Extend(FeedOf({}));
   ASSERT_OK(again);
   ExpectEqual(*again, *expected);
 }
@@ -68,11 +73,27 @@ TEST(GrowingDrive, GrowsInAnExistingMap) {
 }
 
 TEST(GrowingDrive, WithoutRecordsHasNoMap) {
-  GrowingDrive drive({}, {}, std::nullopt);
-  const absl::StatusOr<MappedDrive> mapped = drive.Map();
+  const absl::StatusOr<MappedDrive> mapped = GrowingDrive({}, {}, std::nullopt).Extend(FeedOf({}));
   ASSERT_OK(mapped);
   EXPECT_TRUE(mapped->grid.cells.empty());
   EXPECT_TRUE(mapped->trajectory.empty());
+}
+
+TEST(GrowingDrive, IsAsBeforeIfRecordsCannotBeRead) {
+  const std::vector<sensor::Record> log = RecordDrive(localization::UniqueRoom(), Round());
+  GrowingDrive drive({}, {}, std::nullopt);
+  const auto half = std::span(log).first(log.size() / 2);
+  ASSERT_OK(drive.Extend(FeedOf(half)));
+  const auto interrupted = [&](const std::function<void(sensor::Record)>& add) {
+    FeedOf(std::span(log).subspan(log.size() / 2, 20))(add).IgnoreError();
+    return absl::AbortedError("stop");
+  };
+  EXPECT_CODE(drive.Extend(interrupted), absl::StatusCode::kAborted);
+  const absl::StatusOr<MappedDrive> whole = drive.Extend(FeedOf(std::span(log).subspan(log.size() / 2)));
+  ASSERT_OK(whole);
+  const absl::StatusOr<MappedDrive> expected = GrowingDrive({}, {}, std::nullopt).Extend(FeedOf(log));
+  ASSERT_OK(expected);
+  ExpectEqual(*whole, *expected);
 }
 
 }  // namespace
