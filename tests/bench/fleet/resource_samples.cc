@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/fleet/resource_samples.h"
+
+#include <libpq-fe.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+#include "tests/support/process.h"
+
+namespace enfilade::bench {
+namespace {
+
+// Of a process: its parent and the processor time that it has used, s. Zeros: there is no such process.
+struct ProcessTimes {
+  pid_t parent = 0;
+  double cpu_s = 0.0;
+};
+
+ProcessTimes TimesOf(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  const std::string stat{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t name_end = stat.rfind(')');  // a name may have spaces
+  if (name_end == std::string::npos) return {};
+  std::istringstream fields(stat.substr(name_end + 2));
+  std::vector<std::string> values{std::istream_iterator<std::string>(fields), {}};
+  if (values.size() < 13) return {};
+  const double ticks = static_cast<double>(std::stoll(values[11]) + std::stoll(values[12]));
+  return {std::stoi(values[1]), ticks / static_cast<double>(sysconf(_SC_CLK_TCK))};
+}
+
+double CpuOfTree(pid_t root) {
+  double total = TimesOf(root).cpu_s;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (!std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; })) continue;
+    const ProcessTimes times = TimesOf(std::stoi(name));
+    if (times.parent == root) total += times.cpu_s;
+  }
+  return total;
+}
+
+int OpenFiles(pid_t pid) {
+  std::error_code error;
+  const std::filesystem::directory_iterator files("/proc/" + std::to_string(pid) + "/fd", error);
+  return error ? 0 : static_cast<int>(std::distance(begin(files), end(files)));
+}
+
+constexpr char kSample[] =
+    "SELECT (SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid()),"
+    " pg_database_size(current_database()), coalesce(sum(behind), 0), count(*)"
+    " FROM (SELECT s.acknowledged_sequence - coalesce(c.mapped_sequence, 0) AS behind FROM enfilade.sessions s"
+    "   LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)"
+    "   WHERE s.map_id IS NOT NULL AND s.state IN (1, 2)) b WHERE behind > 0";
+constexpr char kLargest[] =
+    "SELECT relname, pg_total_relation_size(relid) FROM pg_stat_user_tables ORDER BY 2 DESC, 1 LIMIT ";
+
+}  // namespace
+
+void ResourceSampler::Disconnect::operator()(pg_conn* connection) const { PQfinish(connection); }
+
+ResourceSampler::ResourceSampler(pid_t server, pid_t database, const std::string& database_url,
+                                 std::chrono::duration<double> every)
+    : server_(server),
+      database_(database),
+      start_(std::chrono::steady_clock::now()),
+      connection_(PQconnectdb(database_url.c_str())) {
+  if (PQstatus(connection_.get()) != CONNECTION_OK) throw std::runtime_error(PQerrorMessage(connection_.get()));
+  worker_ = std::thread([this, every] {
+    auto due = start_;
+    while (true) {
+      samples_.push_back(Take());
+      due += std::chrono::duration_cast<std::chrono::steady_clock::duration>(every);
+      MutexLock lock(mutex_);
+      while (!stop_ && changed_.WaitUntil(mutex_, due)) {
+      }
+      if (stop_) return;
+    }
+  });
+}
+
+ResourceSampler::~ResourceSampler() { Stop(); }
+
+std::vector<ResourceSample> ResourceSampler::Stop() {
+  {
+    MutexLock lock(mutex_);
+    stop_ = true;
+    changed_.NotifyAll();
+  }
+  if (worker_.joinable()) worker_.join();
+  return samples_;
+}
+
+ResourceSample ResourceSampler::Take() {
+  ResourceSample sample;
+  sample.at = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  sample.server_bytes = testing::ResidentBytes(server_);
+  sample.server_files = OpenFiles(server_);
+  sample.server_cpu_s = TimesOf(server_).cpu_s;
+  sample.database_cpu_s = CpuOfTree(database_);
+  const std::vector<std::string> row = Query(kSample).at(0);
+  sample.connections = std::stoi(row[0]);
+  sample.database_bytes = std::stoll(row[1]);
+  sample.backlog_records = std::stoll(row[2]);
+  sample.backlog_sessions = std::stoll(row[3]);
+  return sample;
+}
+
+std::vector<std::pair<std::string, std::int64_t>> ResourceSampler::LargestTables(int count) {
+  std::vector<std::pair<std::string, std::int64_t>> tables;
+  for (const auto& row : Query(kLargest + std::to_string(count))) tables.emplace_back(row[0], std::stoll(row[1]));
+  return tables;
+}
+
+std::vector<std::vector<std::string>> ResourceSampler::Query(const std::string& sql) {
+  const std::unique_ptr<PGresult, void (*)(PGresult*)> result(PQexec(connection_.get(), sql.c_str()), PQclear);
+  if (PQresultStatus(result.get()) != PGRES_TUPLES_OK) throw std::runtime_error(PQerrorMessage(connection_.get()));
+  std::vector<std::vector<std::string>> rows(static_cast<std::size_t>(PQntuples(result.get())));
+  for (int i = 0; i < PQntuples(result.get()); ++i) {
+    for (int k = 0; k < PQnfields(result.get()); ++k) {
+      rows[static_cast<std::size_t>(i)].emplace_back(PQgetvalue(result.get(), i, k));
+    }
+  }
+  return rows;
+}
+
+nlohmann::json ToJson(const ResourceSample& sample) {
+  return {{"at_s", sample.at},
+          {"server_mib", static_cast<double>(sample.server_bytes) / (1 << 20)},
+          {"server_files", sample.server_files},
+          {"server_cpu_s", sample.server_cpu_s},
+          {"database_cpu_s", sample.database_cpu_s},
+          {"connections", sample.connections},
+          {"database_mib", static_cast<double>(sample.database_bytes) / (1 << 20)},
+          {"backlog_records", sample.backlog_records},
+          {"backlog_sessions", sample.backlog_sessions}};
+}
+
+}  // namespace enfilade::bench
