@@ -6,6 +6,7 @@
 
 #include "core/base/environment.h"
 #include "core/base/error.h"
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
 #include "proto/convert/geometry.h"
@@ -16,6 +17,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kMaxNameCharacters = 200;
+constexpr std::size_t kMaxRequestIdBytes = 128;
 
 // The number of code points of UTF-8, which protobuf has checked; npos if `text` contains a NUL.
 std::size_t CountCharacters(const std::string& text) {
@@ -193,6 +195,13 @@ absl::StatusOr<std::string> IdOrNew(const char* field, const std::string& reques
   if (IsValidResourceId(requested)) return requested;
   return InvalidArgument("{} is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\", not \"-\" first or last", field,
                          requested.substr(0, 100));
+}
+
+absl::StatusOr<storage::RequestId> MakeRequestId(const std::string& id, const std::string& request) {
+  if (id.size() <= kMaxRequestIdBytes && id.find('\0') == std::string::npos)
+    return storage::RequestId(id, Sha256(request));
+  return InvalidArgument("request_id has {} bytes: expected a UUID, or another text of at most {} bytes without NUL",
+                         id.size(), kMaxRequestIdBytes);
 }
 
 absl::Status CheckMask(const google::protobuf::FieldMask& mask, std::initializer_list<const char*> editable) {

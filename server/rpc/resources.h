@@ -15,6 +15,7 @@
 #include "proto/convert/names.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/revision_store.h"
+#include "storage/request_id.h"
 #include "storage/sessions/session_store.h"
 #include "storage/sites/robot_store.h"
 #include "storage/sites/site_store.h"
@@ -40,6 +41,14 @@ absl::StatusOr<std::int64_t> ParseEtag(const std::string& etag);
 
 // The requested id, or a new one if it is empty. INVALID_ARGUMENT naming `field` if it is not a valid id.
 absl::StatusOr<std::string> IdOrNew(const char* field, const std::string& requested);
+
+// Of a creation: its request id with the digest of the whole request. INVALID_ARGUMENT if `id` is not a valid one.
+absl::StatusOr<storage::RequestId> MakeRequestId(const std::string& id, const std::string& request);
+template <typename Request>
+absl::StatusOr<storage::RequestId> RequestIdOf(const Request& request) {
+  if (request.request_id().empty()) return storage::RequestId();
+  return MakeRequestId(request.request_id(), request.SerializeAsString());
+}
 
 // INVALID_ARGUMENT if a path of `mask` is not one of the editable fields.
 absl::Status CheckMask(const google::protobuf::FieldMask& mask, std::initializer_list<const char*> editable);

@@ -18,6 +18,7 @@
 #include "core/sensor/record.h"
 #include "storage/call_context.h"
 #include "storage/maps/map_store.h"
+#include "storage/request_id.h"
 
 namespace enfilade::storage {
 
@@ -123,7 +124,7 @@ class LinkPointStore : public LinkPointReader {
   // the link point is redundant (CheckNotRedundant), naming the other one; INVALID_ARGUMENT naming the anchor that
   // is not finite, has an invalid covariance, or repeats a map. `request_id` as in SiteStore.
   virtual absl::StatusOr<StoredLinkPoint> Create(const CallContext& context, const StoredLinkPoint& link_point,
-                                                 const std::string& request_id) const = 0;
+                                                 const RequestId& request_id) const = 0;
   // Promotes a candidate to a link point. ABORTED on a stale etag; NOT_FOUND; ALREADY_EXISTS if it has an anchor in
   // that map, or becomes redundant without `force`.
   virtual absl::StatusOr<StoredLinkPoint> AddAnchor(const CallContext& context, const SiteId& site,

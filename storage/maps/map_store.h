@@ -12,6 +12,7 @@
 #include "core/base/ids.h"
 #include "core/base/time.h"
 #include "storage/call_context.h"
+#include "storage/request_id.h"
 
 namespace enfilade::storage {
 // The numbers of these enums are in the database: never reuse one.
@@ -69,8 +70,7 @@ class MapStore : public MapReader {
  public:
   // ALREADY_EXISTS naming whether the id or the display name is taken; NOT_FOUND if the site does not exist;
   // INVALID_ARGUMENT if the outline is not a simple polygon. `request_id` as in SiteStore.
-  virtual absl::StatusOr<Map> Create(const CallContext& context, const Map& map,
-                                     const std::string& request_id) const = 0;
+  virtual absl::StatusOr<Map> Create(const CallContext& context, const Map& map, const RequestId& request_id) const = 0;
   // Writes display name, level, environment, profile and outline. ABORTED on a stale `map.etag`; NOT_FOUND;
   // ALREADY_EXISTS if the display name is taken; INVALID_ARGUMENT as in Create. A new revision keeps the etag.
   virtual absl::StatusOr<Map> Update(const CallContext& context, const Map& map) const = 0;

@@ -12,6 +12,7 @@
 #include "core/base/time.h"
 #include "core/sensor/session_entry.h"
 #include "storage/call_context.h"
+#include "storage/request_id.h"
 
 namespace enfilade::storage {
 // The numbers are in the database: never reuse one.
@@ -89,7 +90,7 @@ class SessionStore {
   // ALREADY_EXISTS if the id is taken, also by a deleted session; INVALID_ARGUMENT if the entry pose's covariance is
   // invalid. `request_id` as in SiteStore.
   virtual absl::StatusOr<Session> Create(const CallContext& context, const Session& session,
-                                         const std::string& request_id) const = 0;
+                                         const RequestId& request_id) const = 0;
   // NOT_FOUND, also for deleted sessions.
   virtual absl::StatusOr<Session> Get(const CallContext& context, const SiteId& site,
                                       const SessionId& session) const = 0;

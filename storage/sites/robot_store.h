@@ -10,6 +10,7 @@
 #include "core/base/ids.h"
 #include "core/base/time.h"
 #include "storage/call_context.h"
+#include "storage/request_id.h"
 
 namespace enfilade::storage {
 namespace postgres {
@@ -32,7 +33,7 @@ class RobotStore {
   explicit RobotStore(postgres::Pool& pool) : pool_(pool) {}
 
   // ALREADY_EXISTS; NOT_FOUND if the site does not exist. `request_id` as in SiteStore.
-  absl::StatusOr<Robot> Create(const CallContext& context, const Robot& robot, const std::string& request_id) const;
+  absl::StatusOr<Robot> Create(const CallContext& context, const Robot& robot, const RequestId& request_id) const;
   absl::StatusOr<Robot> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const;
   absl::StatusOr<std::vector<Robot>> List(const CallContext& context, const SiteId& site,
                                           const PageRequest& page) const;

@@ -12,6 +12,7 @@
 #include "core/base/ids.h"
 #include "core/base/time.h"
 #include "storage/call_context.h"
+#include "storage/request_id.h"
 
 namespace enfilade::storage {
 namespace postgres {
@@ -50,7 +51,7 @@ class SiteStore {
 
   // ALREADY_EXISTS if the id is taken; FAILED_PRECONDITION if the site that has it is being deleted. If an earlier call
   // with the same `request_id` (AIP-155; empty: none) has created a site, returns that site and creates nothing.
-  absl::StatusOr<Site> Create(const CallContext& context, const Site& site, const std::string& request_id) const;
+  absl::StatusOr<Site> Create(const CallContext& context, const Site& site, const RequestId& request_id) const;
   // NOT_FOUND.
   absl::StatusOr<Site> Get(const CallContext& context, const SiteId& site) const;
   // By id.

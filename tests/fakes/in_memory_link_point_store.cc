@@ -88,14 +88,17 @@ bool Matches(const SiteRows& site, const storage::LinkPointQuery& query, const s
 
 absl::StatusOr<storage::StoredLinkPoint> InMemoryLinkPointStore::Create(const storage::CallContext& context,
                                                                         const storage::StoredLinkPoint& link_point,
-                                                                        const std::string& request_id) const {
+                                                                        const storage::RequestId& request_id) const {
   ENFILADE_RETURN_IF_ERROR(storage::ValidateLinkPoint(link_point));
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_ASSIGN_OR_RETURN(SiteRows* const site, access.GetSite(link_point.site));
   auto& rows = site->graph.link_points;
   for (const auto& [id, row] : rows) {
-    if (!request_id.empty() && row.request_id == request_id) return row.link_point;
+    if (!request_id.empty() && row.request_id.value == request_id.value) {
+      ENFILADE_RETURN_IF_ERROR(storage::CheckSameRequest(storage::IsSameRequest(row.request_id, request_id)));
+      return row.link_point;
+    }
   }
   if (rows.contains(link_point.point.id)) {
     return AlreadyExists("{} exists already", NameOf(link_point.site, link_point.point.id));

@@ -86,13 +86,16 @@ void Write(storage::Map& stored, const storage::Map& map) {
 }  // namespace
 
 absl::StatusOr<storage::Map> InMemoryMapStore::Create(const storage::CallContext& context, const storage::Map& map,
-                                                      const std::string& request_id) const {
+                                                      const storage::RequestId& request_id) const {
   ENFILADE_RETURN_IF_ERROR(Validate(map));
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_ASSIGN_OR_RETURN(SiteRows* const site, access.GetSite(map.site));
   for (const auto& [id, row] : site->maps) {
-    if (!request_id.empty() && row.request_id == request_id) return row.map;
+    if (!request_id.empty() && row.request_id.value == request_id.value) {
+      ENFILADE_RETURN_IF_ERROR(storage::CheckSameRequest(storage::IsSameRequest(row.request_id, request_id)));
+      return row.map;
+    }
   }
   if (site->maps.contains(map.id)) return AlreadyExists("{} exists already", NameOf(map.site, map.id));
   ENFILADE_RETURN_IF_ERROR(CheckName(*site, map));

@@ -57,7 +57,7 @@ void DeleteSession(SessionRow& row) {
 
 absl::StatusOr<storage::Session> InMemorySessionStore::Create(const storage::CallContext& context,
                                                               const storage::Session& session,
-                                                              const std::string& request_id) const {
+                                                              const storage::RequestId& request_id) const {
   if (session.entry.T_map_robot) {
     ENFILADE_RETURN_IF_ERROR(
         WithContext(ValidateMeasuredCovariance(session.entry.T_map_robot->covariance), "entry.pose_map_robot"));
@@ -66,8 +66,11 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Create(const storage::Cal
   ENFILADE_ASSIGN_OR_RETURN(SiteRows* const site, access.GetSite(session.site));
   bool taken = site->sessions.contains(session.id);
   for (const auto& [id, row] : site->sessions) {
-    if (request_id.empty() || row.request_id != request_id) continue;
-    if (!row.deleted) return WithProgress(row);
+    if (request_id.empty() || row.request_id.value != request_id.value) continue;
+    if (!row.deleted) {
+      ENFILADE_RETURN_IF_ERROR(storage::CheckSameRequest(storage::IsSameRequest(row.request_id, request_id)));
+      return WithProgress(row);
+    }
     taken = true;
   }
   if (taken) {

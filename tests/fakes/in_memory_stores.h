@@ -24,7 +24,7 @@ class InMemoryMapStore final : public storage::MapStore {
   explicit InMemoryMapStore(InMemoryDatabase& database) : database_(database) {}
 
   absl::StatusOr<storage::Map> Create(const storage::CallContext& context, const storage::Map& map,
-                                      const std::string& request_id) const override;
+                                      const storage::RequestId& request_id) const override;
   absl::StatusOr<storage::Map> Get(const storage::CallContext& context, const SiteId& site,
                                    const MapId& map) const override;
   absl::StatusOr<storage::Map> GetByDisplayName(const storage::CallContext& context, const SiteId& site,
@@ -44,7 +44,7 @@ class InMemorySessionStore final : public storage::SessionStore {
   explicit InMemorySessionStore(InMemoryDatabase& database) : database_(database) {}
 
   absl::StatusOr<storage::Session> Create(const storage::CallContext& context, const storage::Session& session,
-                                          const std::string& request_id) const override;
+                                          const storage::RequestId& request_id) const override;
   absl::StatusOr<storage::Session> Get(const storage::CallContext& context, const SiteId& site,
                                        const SessionId& session) const override;
   absl::StatusOr<std::vector<storage::Session>> List(
@@ -146,7 +146,7 @@ class InMemoryLinkPointStore final : public storage::LinkPointStore {
 
   absl::StatusOr<storage::StoredLinkPoint> Create(const storage::CallContext& context,
                                                   const storage::StoredLinkPoint& link_point,
-                                                  const std::string& request_id) const override;
+                                                  const storage::RequestId& request_id) const override;
   absl::StatusOr<storage::StoredLinkPoint> AddAnchor(const storage::CallContext& context, const SiteId& site,
                                                      const storage::NewAnchor& added) const override;
   absl::StatusOr<storage::StoredLinkPoint> Get(const storage::CallContext& context, const SiteId& site,

@@ -39,7 +39,7 @@ struct RecordRow {
 
 struct SessionRow {
   storage::Session session;  // without the progress of its mapping
-  std::string request_id;
+  storage::RequestId request_id;
   bool deleted = false;
   std::map<std::int64_t, RecordRow> records;
   LeaseRow lease;
@@ -61,7 +61,7 @@ struct LayerRow {
 
 struct MapRow {
   storage::Map map;
-  std::string request_id;
+  storage::RequestId request_id;
   std::vector<RevisionRow> revisions;  // number 1, 2, ...
   std::vector<LayerRow> layers;        // from the bottom
   std::optional<rearrange::MapRedirect> redirect;
@@ -74,7 +74,7 @@ struct GraphMapRow {
 
 struct LinkPointRow {
   storage::StoredLinkPoint link_point;  // graph_version: when it last changed
-  std::string request_id;
+  storage::RequestId request_id;
   std::vector<storage::Evidence> evidence;
 };
 

@@ -69,7 +69,7 @@ void Follow(SiteRows& site, const SessionId& from, const SessionId& to) {
 
 SessionRow RestOf(const SessionRow& whole, const rearrange::SessionCut& cut) {
   SessionRow rest = whole;
-  rest.request_id.clear();
+  rest.request_id = {};
   rest.lease = {};
   rest.session.id = cut.rest;
   rest.session.entry = {};

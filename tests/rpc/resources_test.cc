@@ -41,6 +41,18 @@ TEST_F(ResourcesTest, CreatingIsSafeToRepeatWithTheSameRequestId) {
   EXPECT_CODE(CreateMap("Hall"), absl::StatusCode::kAlreadyExists);
 }
 
+TEST_F(ResourcesTest, ARequestIdIsShortAndForOneRequest) {
+  ASSERT_OK(CreateMap("Hall", "request"));
+  EXPECT_STATUS(CreateMap("Lab", "request"), absl::StatusCode::kInvalidArgument, HasSubstr("request_id"));
+  EXPECT_OK(CreateMap("Lab", std::string(128, 'x')));
+  EXPECT_STATUS(CreateMap("Yard", std::string(129, 'x')), absl::StatusCode::kInvalidArgument, HasSubstr("request_id"));
+  v1::CreateRobotRequest robot;
+  robot.set_parent("sites/s");
+  robot.mutable_robot()->set_display_name("Robot 2");
+  robot.set_request_id(std::string(100'000, 'x'));
+  EXPECT_CODE(Call(&v1::RobotService::Stub::CreateRobot, robot), absl::StatusCode::kInvalidArgument);
+}
+
 TEST_F(ResourcesTest, UpdatesOnlyWhatTheMaskNamesAndOnlyWithTheLatestEtag) {
   v1::UpdateMapRequest request;
   request.mutable_map()->set_name("sites/s/maps/m");

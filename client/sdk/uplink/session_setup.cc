@@ -80,9 +80,14 @@ absl::StatusOr<v1::Session> EnsureSession(const Connection& connection, const Sp
     ENFILADE_RETURN_IF_ERROR(CreateRobot(connection, session));
     created = Create(connection, session, map);
   }
-  if (!absl::IsAlreadyExists(created.status())) return created;
-  // Created by a request of another spool. It may still be this robot's session if its disk was replaced.
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Session found, GetSession(connection, session.site, session.id));
+  const bool asked_otherwise = absl::IsInvalidArgument(created.status());
+  if (!absl::IsAlreadyExists(created.status()) && !asked_otherwise) return created;
+  // Created by a request of another spool. It may still be this robot's session if its disk was replaced. Or it was
+  // created by this spool when its map had another name, before that was merged into another map.
+  const absl::StatusOr<v1::Session> stored = GetSession(connection, session.site, session.id);
+  if (asked_otherwise && absl::IsNotFound(stored.status())) return created;
+  ENFILADE_RETURN_IF_ERROR(stored.status());
+  const v1::Session& found = *stored;
   if (found.robot() == convert::NameOf(convert::RobotName{session.site, session.robot}) && found.map() == map)
     return found;
   return AlreadyExists("session \"{}\" exists: {} records it into \"{}\"; choose another id", found.name(),

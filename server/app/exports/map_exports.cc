@@ -2,11 +2,9 @@
 #include "server/app/exports/map_exports.h"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -22,21 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kDirectoryPrefix[] = "enfilade-exports-";
-
-// Removes the folders of servers that were killed.
-void RemoveAbandoned(const fs::path& parent) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(parent, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind(kDirectoryPrefix, 0) != 0) continue;
-    pid_t owner = 0;
-    const char* begin = name.data() + sizeof(kDirectoryPrefix) - 1;
-    const auto parsed = std::from_chars(begin, name.data() + name.size(), owner);
-    if (parsed.ptr != name.data() + name.size() || owner <= 0) continue;
-    if (owner == getpid() || (kill(owner, 0) != 0 && errno == ESRCH)) fs::remove_all(entry.path(), error);
-  }
-}
+constexpr char kDirectoryPrefix[] = "enfilade-cache-";
 
 absl::Status WithDiskHint(const absl::Status& status) {
   if (!absl::IsResourceExhausted(status)) return status;
@@ -69,24 +53,21 @@ absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptio
   std::error_code error;
   const fs::path parent =
       options.cache_directory.empty() ? fs::temp_directory_path(error) : fs::path(options.cache_directory);
-  if (!error) RemoveAbandoned(parent);
-  const fs::path directory = parent / (kDirectoryPrefix + std::to_string(getpid()));
-  if (!error) fs::create_directories(directory, error);
+  if (!error) fs::create_directories(parent, error);
   if (error) {
-    return FailedPrecondition("transfers.cache_directory: cannot create {}: {}", directory.string(), error.message());
+    return FailedPrecondition("transfers.cache_directory: cannot create {}: {}", parent.string(), error.message());
   }
-  fs::permissions(directory, fs::perms::owner_all, error);
-  return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, directory));
+  LockedDirectory::RemoveAbandoned(parent, kDirectoryPrefix);
+  auto directory = LockedDirectory::Create(parent, kDirectoryPrefix);
+  if (!directory.ok()) return WithContext(directory.status(), "transfers.cache_directory");
+  return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, *std::move(directory)));
 }
 
 MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
-                       const storage::RevisionStore& revisions, fs::path directory)
+                       const storage::RevisionStore& revisions, LockedDirectory directory)
     : options_(options), maps_(maps), revisions_(revisions), directory_(std::move(directory)) {}
 
-MapExports::~MapExports() {
-  std::error_code ignored;
-  fs::remove_all(directory_, ignored);
-}
+MapExports::~MapExports() = default;
 
 absl::StatusOr<ExportedMap> MapExports::Get(const storage::CallContext& context, const convert::RevisionName& name,
                                             grid::MapFileFormat format) {
@@ -143,7 +124,7 @@ absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext&
 }
 
 absl::Status MapExports::Add(const grid::MapFile& file, Entry& entry) {
-  const fs::path path = directory_ / std::to_string(next_file_++);
+  const fs::path path = directory_.path() / std::to_string(next_file_++);
   entry.paths.push_back(path);
   ENFILADE_RETURN_IF_ERROR(WithDiskHint(io::WriteFile(path, file.bytes)));
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);

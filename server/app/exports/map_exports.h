@@ -15,6 +15,7 @@
 #include "core/base/mutex.h"
 #include "core/grid/files/map_files.h"
 #include "proto/convert/names.h"
+#include "server/app/exports/locked_directory.h"
 #include "server/config/server_options.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/revision_store.h"
@@ -72,7 +73,7 @@ class MapExports {
   };
 
   MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
-             const storage::RevisionStore& revisions, std::filesystem::path directory);
+             const storage::RevisionStore& revisions, LockedDirectory directory);
   // Moves the entry to the front; the result has `revision`, which may be another one with the same content.
   std::optional<ExportedMap> Find(const std::string& key, const storage::MapRevision& revision);
   absl::StatusOr<Entry> Render(const storage::CallContext& context, const storage::MapRevision& revision,
@@ -84,7 +85,7 @@ class MapExports {
   const ServerOptions::Transfers options_;
   const storage::MapReader& maps_;
   const storage::RevisionStore& revisions_;
-  const std::filesystem::path directory_;
+  const LockedDirectory directory_;
 
   Mutex render_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   Mutex mutex_;

@@ -27,7 +27,7 @@ Result GraphEditor::Changed(const SiteId& site, Result result) {
 }
 
 absl::StatusOr<storage::Map> GraphEditor::CreateMap(const storage::CallContext& context, const storage::Map& map,
-                                                    const std::string& request_id) {
+                                                    const storage::RequestId& request_id) {
   return Changed(map.site, stores_.maps.Create(context, map, request_id));
 }
 
@@ -42,7 +42,7 @@ absl::Status GraphEditor::DeleteMap(const storage::CallContext& context, const S
 
 absl::StatusOr<storage::StoredLinkPoint> GraphEditor::CreateLinkPoint(const storage::CallContext& context,
                                                                       const storage::StoredLinkPoint& link_point,
-                                                                      const std::string& request_id) {
+                                                                      const storage::RequestId& request_id) {
   return Changed(link_point.site, stores_.link_points.Create(context, link_point, request_id));
 }
 

@@ -30,14 +30,14 @@ class GraphEditor {
   GraphEditor(const Stores& stores, SiteGraphs& graphs) : stores_(stores), graphs_(graphs) {}
 
   absl::StatusOr<storage::Map> CreateMap(const storage::CallContext& context, const storage::Map& map,
-                                         const std::string& request_id);
+                                         const storage::RequestId& request_id);
   absl::StatusOr<storage::Map> UpdateMap(const storage::CallContext& context, const storage::Map& map);
   absl::Status DeleteMap(const storage::CallContext& context, const SiteId& site, const MapId& map, std::int64_t etag,
                          bool force);
 
   absl::StatusOr<storage::StoredLinkPoint> CreateLinkPoint(const storage::CallContext& context,
                                                            const storage::StoredLinkPoint& link_point,
-                                                           const std::string& request_id);
+                                                           const storage::RequestId& request_id);
   absl::StatusOr<storage::StoredLinkPoint> AddAnchor(const storage::CallContext& context, const SiteId& site,
                                                      const storage::NewAnchor& added);
   absl::StatusOr<storage::StoredLinkPoint> UpdateLinkPoint(const storage::CallContext& context,

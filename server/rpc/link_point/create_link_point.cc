@@ -16,8 +16,9 @@ absl::StatusOr<v1::CreateLinkPointResponse> CreateLinkPoint(const Services& serv
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("link_point_id", request.link_point_id()));
   link_point.point.id = LinkPointId(std::move(id));
   link_point.forced = request.force();
+  ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint created,
-                            services.graph_editor.CreateLinkPoint(call.context(), link_point, request.request_id()));
+                            services.graph_editor.CreateLinkPoint(call.context(), link_point, request_id));
   *response.mutable_link_point() = ToProto(created);
   return response;
 }

@@ -13,8 +13,9 @@ absl::StatusOr<v1::CreateMapResponse> CreateMap(const Services& services, const 
   ENFILADE_ASSIGN_OR_RETURN(map.site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("map_id", request.map_id()));
   map.id = MapId(std::move(id));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map created,
-                            services.graph_editor.CreateMap(call.context(), map, request.request_id()));
+                            services.graph_editor.CreateMap(call.context(), map, request_id));
   *response.mutable_map() = ToProto(created);
   return response;
 }

@@ -13,8 +13,8 @@ absl::StatusOr<v1::CreateRobotResponse> CreateRobot(const Services& services, co
   ENFILADE_ASSIGN_OR_RETURN(robot.site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("robot_id", request.robot_id()));
   robot.id = RobotId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot created,
-                            services.robots.Create(call.context(), robot, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Robot created, services.robots.Create(call.context(), robot, request_id));
   *response.mutable_robot() = ToProto(created);
   return response;
 }

@@ -68,8 +68,9 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services
   }
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("session_id", request.session_id()));
   session.id = SessionId(std::move(id));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Session created,
-                            services.sessions.Create(call.context(), session, request.request_id()));
+                            services.sessions.Create(call.context(), session, request_id));
   *response.mutable_session() = ToProto(created);
   return response;
 }

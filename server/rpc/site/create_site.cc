@@ -12,8 +12,8 @@ absl::StatusOr<v1::CreateSiteResponse> CreateSite(const Services& services, cons
   ENFILADE_ASSIGN_OR_RETURN(storage::Site site, FromProto(request.site()));
   ENFILADE_ASSIGN_OR_RETURN(std::string id, IdOrNew("site_id", request.site_id()));
   site.id = SiteId(std::move(id));
-  ENFILADE_ASSIGN_OR_RETURN(const storage::Site created,
-                            services.sites.Create(call.context(), site, request.request_id()));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Site created, services.sites.Create(call.context(), site, request_id));
   *response.mutable_site() = ToProto(created);
   return response;
 }

@@ -19,8 +19,8 @@ namespace {
 constexpr Statement kInsertLinkPoint{
     "creating the link point",
     "INSERT INTO enfilade.link_points (site_id, link_point_id, kind, tag, direction_map_id,"
-    " difficulty, environment, state, valid_until, forced, changed_version, request_id)"
-    " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)"};
+    " difficulty, environment, state, valid_until, forced, changed_version, request_id,"
+    " request_sha256) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)"};
 constexpr Statement kUpdateLinkPoint{"updating the link point",
                                      "UPDATE enfilade.link_points SET kind = $4, tag = $5, direction_map_id = $6,"
                                      " difficulty = $7, environment = $8, state = $9, valid_until = $10, forced = $11,"
@@ -162,8 +162,7 @@ absl::Status FlushAndPlace(Transaction& transaction, const StoredLinkPoint& link
 
 }  // namespace
 
-absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point,
-                             const std::string& request_id) {
+absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point, const RequestId& request_id) {
   ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(link_point));
   const SiteId& site = link_point.site;
   StoredLinkPoint created = link_point;
@@ -180,7 +179,7 @@ absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
                                              DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(created),
                                              static_cast<std::int16_t>(point.state), ValidUntilOf(point),
-                                             created.forced, version, NullIfEmpty(request_id)));
+                                             created.forced, version, IdOrNull(request_id), DigestOrNull(request_id)));
   QueueAnchors(transaction, site, point.id, point.anchors);
   return FlushAndPlace(transaction, created, version);
 }

@@ -15,8 +15,7 @@ namespace enfilade::storage::postgres {
 // redundant is decided here (CheckNotRedundant); the triggers of migrations/deploy/link_points.sql are a last line of
 // defence.
 
-absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point,
-                             const std::string& request_id);
+absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point, const RequestId& request_id);
 absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& link_point);
 absl::Status InsertAnchor(Transaction& transaction, const SiteId& site, const NewAnchor& added);
 absl::Status SetSuspended(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag,

@@ -19,7 +19,7 @@ constexpr Statement kSelectLinkPoint{
     "reading the link point", "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
                               " WHERE p.site_id = $1 AND p.link_point_id = $2 ORDER BY a.ordinal"};
 constexpr Statement kFindLinkPointRequest{"looking for an earlier request",
-                                          "SELECT link_point_id FROM enfilade.link_points"
+                                          "SELECT link_point_id" ENFILADE_SAME_REQUEST("$3") " FROM enfilade.link_points"
                                           " WHERE site_id = $1 AND request_id = $2"};
 // Commits, and returns the link point.
 absl::StatusOr<StoredLinkPoint> CommitAndRead(Transaction& transaction, const SiteId& site, const LinkPointId& id) {
@@ -30,12 +30,15 @@ absl::StatusOr<StoredLinkPoint> CommitAndRead(Transaction& transaction, const Si
 
 // What an earlier call with this request id has created. Locks the site's graph: no other call can create it now.
 absl::StatusOr<std::optional<StoredLinkPoint>> FindCreated(Transaction& transaction, const SiteId& site,
-                                                           const std::string& request_id) {
+                                                           const RequestId& request_id) {
   QueueGraphLock(transaction, site);
-  ENFILADE_ASSIGN_OR_RETURN(const auto earlier, transaction.Execute(kFindLinkPointRequest, Params(site, request_id)));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto earlier,
+      transaction.Execute(kFindLinkPointRequest, Params(site, request_id.value, DigestOrNull(request_id))));
   if (earlier.rows() == 0) return std::nullopt;
   Row row(earlier, 0);
   const LinkPointId id{std::string(row.Text())};
+  ENFILADE_RETURN_IF_ERROR(CheckSameRequest(row.Bool()));
   ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kSelectLinkPoint, Params(site, id)));
   ENFILADE_ASSIGN_OR_RETURN(StoredLinkPoint created, ReadLinkPoint(stored, site, id));
   return std::optional<StoredLinkPoint>(std::move(created));
@@ -44,7 +47,7 @@ absl::StatusOr<std::optional<StoredLinkPoint>> FindCreated(Transaction& transact
 }  // namespace
 
 absl::StatusOr<StoredLinkPoint> LinkPointStore::Create(const CallContext& context, const StoredLinkPoint& link_point,
-                                                       const std::string& request_id) const {
+                                                       const RequestId& request_id) const {
   ENFILADE_RETURN_IF_ERROR(ValidateLinkPoint(link_point));
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   if (!request_id.empty()) {

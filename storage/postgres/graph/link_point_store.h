@@ -11,7 +11,7 @@ class LinkPointStore final : public storage::LinkPointStore {
   explicit LinkPointStore(Pool& pool) : pool_(pool) {}
 
   absl::StatusOr<StoredLinkPoint> Create(const CallContext& context, const StoredLinkPoint& link_point,
-                                         const std::string& request_id) const override;
+                                         const RequestId& request_id) const override;
   absl::StatusOr<StoredLinkPoint> AddAnchor(const CallContext& context, const SiteId& site,
                                             const NewAnchor& added) const override;
   absl::StatusOr<StoredLinkPoint> Get(const CallContext& context, const SiteId& site,

@@ -17,11 +17,11 @@ namespace {
 
 constexpr Statement kInsertMap{
     "creating the map",
-    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile, outline, request_id)"
-    " VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8) RETURNING " ENFILADE_MAP_COLUMNS};
+    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile, outline, request_id,"
+    " request_sha256) VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8, $9) RETURNING " ENFILADE_MAP_COLUMNS};
 constexpr Statement kFindMapRequest{"looking for an earlier request",
-                                    "SELECT " ENFILADE_MAP_COLUMNS
-                                    " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
+                                    "SELECT " ENFILADE_MAP_COLUMNS ENFILADE_SAME_REQUEST(
+                                        "$3") " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
 constexpr Statement kSelectMap{"reading the map", "SELECT " ENFILADE_MAP_COLUMNS
                                                   " FROM enfilade.maps WHERE site_id = $1 AND map_id ="
                                                   "   (SELECT r.map_id FROM enfilade.resolve_map($1, $2) r)"};
@@ -165,20 +165,24 @@ absl::Status TakeFromGraph(Transaction& transaction, const SiteId& site, const M
 
 }  // namespace
 
-absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map, const std::string& request_id) const {
+absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map, const RequestId& request_id) const {
   ENFILADE_RETURN_IF_ERROR(ValidateOutline(map));
   const std::string outline = EncodePolygon(map.outline);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   QueueGraphLock(transaction, map.site);
   transaction.Queue(kInsertMap, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
                                        static_cast<std::int16_t>(map.environment), map.slam_profile,
-                                       BytesOrNull(outline), NullIfEmpty(request_id)));
+                                       BytesOrNull(outline), IdOrNull(request_id), DigestOrNull(request_id)));
   const auto inserted = transaction.FlushAndCommit();
   if (inserted.ok()) return ReadMap(inserted->back(), NameOf(map.site, map.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindMapRequest, Params(map.site, request_id)));
-    if (earlier.rows() > 0) return ReadMap(earlier, NameOf(map.site, map.id));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const auto earlier,
+        ExecuteAlone(pool_, context, kFindMapRequest, Params(map.site, request_id.value, DigestOrNull(request_id))));
+    if (earlier.rows() > 0) {
+      ENFILADE_ASSIGN_OR_RETURN(MapRow row, ReadRequested(earlier, ReadMapRow, NameOf(map.site, map.id)));
+      return Decode(std::move(row));
+    }
   }
   return Explain(inserted.status(), map);
 }

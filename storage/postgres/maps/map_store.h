@@ -10,7 +10,7 @@ class MapStore final : public storage::MapStore {
  public:
   explicit MapStore(Pool& pool) : pool_(pool) {}
 
-  absl::StatusOr<Map> Create(const CallContext& context, const Map& map, const std::string& request_id) const override;
+  absl::StatusOr<Map> Create(const CallContext& context, const Map& map, const RequestId& request_id) const override;
   absl::StatusOr<Map> Get(const CallContext& context, const SiteId& site, const MapId& map) const override;
   absl::StatusOr<Map> GetByDisplayName(const CallContext& context, const SiteId& site,
                                        const std::string& display_name) const override;

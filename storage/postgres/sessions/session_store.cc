@@ -14,11 +14,12 @@ namespace {
 constexpr Statement kInsertSession{"creating the session",
                                    "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id,"
                                    " previous_session_id, initial_x, initial_y, initial_yaw, initial_covariance,"
-                                   " initial_odom_x, initial_odom_y, initial_odom_yaw)"
-                                   " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)"};
-constexpr Statement kFindSessionRequest{"looking for an earlier request",
-                                        "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
-                                        " WHERE s.site_id = $1 AND s.request_id = $2 AND s.delete_time IS NULL"};
+                                   " initial_odom_x, initial_odom_y, initial_odom_yaw, request_sha256)"
+                                   " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)"};
+constexpr Statement kFindSessionRequest{
+    "looking for an earlier request",
+    "SELECT " ENFILADE_SESSION_COLUMNS ENFILADE_SAME_REQUEST(
+        "$3") " FROM " ENFILADE_SESSION_TABLES " WHERE s.site_id = $1 AND s.request_id = $2 AND s.delete_time IS NULL"};
 constexpr Statement kSelectSession{"reading the session",
                                    "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
                                    " WHERE s.site_id = $1 AND s.session_id = $2 AND s.delete_time IS NULL"};
@@ -61,7 +62,7 @@ absl::Status Explain(const absl::Status& status, const Session& session) {
 }  // namespace
 
 absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const Session& session,
-                                             const std::string& request_id) const {
+                                             const RequestId& request_id) const {
   const sensor::SessionEntry& entry = session.entry;
   if (entry.T_map_robot) {
     ENFILADE_RETURN_IF_ERROR(
@@ -69,15 +70,16 @@ absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const S
   }
   const PoseColumns initial(entry.T_map_robot);
   const PoseColumns odom(entry.T_odom_robot);
-  const auto inserted =
-      ExecuteAlone(pool_, context, kInsertSession,
-                   Params(session.site, session.id, session.robot, session.map, NullIfEmpty(request_id), entry.previous,
-                          initial.x, initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw));
+  const auto inserted = ExecuteAlone(
+      pool_, context, kInsertSession,
+      Params(session.site, session.id, session.robot, session.map, IdOrNull(request_id), entry.previous, initial.x,
+             initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw, DigestOrNull(request_id)));
   if (inserted.ok()) return Get(context, session.site, session.id);
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              ExecuteAlone(pool_, context, kFindSessionRequest, Params(session.site, request_id)));
-    if (earlier.rows() > 0) return ReadOne(earlier, ReadSession, NameOf(session.site, session.id));
+                              ExecuteAlone(pool_, context, kFindSessionRequest,
+                                           Params(session.site, request_id.value, DigestOrNull(request_id))));
+    if (earlier.rows() > 0) return ReadRequested(earlier, ReadSession, NameOf(session.site, session.id));
   }
   return Explain(inserted.status(), session);
 }

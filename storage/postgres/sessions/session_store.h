@@ -11,7 +11,7 @@ class SessionStore final : public storage::SessionStore {
   explicit SessionStore(Pool& pool) : pool_(pool) {}
 
   absl::StatusOr<Session> Create(const CallContext& context, const Session& session,
-                                 const std::string& request_id) const override;
+                                 const RequestId& request_id) const override;
   absl::StatusOr<Session> Get(const CallContext& context, const SiteId& site, const SessionId& session) const override;
   absl::StatusOr<std::vector<Session>> List(const CallContext& context, const SiteId& site, const SessionFilter& filter,
                                             int limit, const std::optional<SessionPosition>& after) const override;

@@ -14,12 +14,13 @@ using postgres::Statement;
 
 #define ENFILADE_ROBOT_COLUMNS "site_id, robot_id, display_name, etag, create_time, update_time"
 
-constexpr Statement kInsertRobot{"creating the robot",
-                                 "INSERT INTO enfilade.robots (site_id, robot_id, display_name, request_id)"
-                                 " VALUES ($1, $2, $3, $4) RETURNING " ENFILADE_ROBOT_COLUMNS};
+constexpr Statement kInsertRobot{
+    "creating the robot",
+    "INSERT INTO enfilade.robots (site_id, robot_id, display_name, request_id, request_sha256)"
+    " VALUES ($1, $2, $3, $4, $5) RETURNING " ENFILADE_ROBOT_COLUMNS};
 constexpr Statement kFindRobotRequest{"looking for an earlier request",
-                                      "SELECT " ENFILADE_ROBOT_COLUMNS
-                                      " FROM enfilade.robots WHERE site_id = $1 AND request_id = $2"};
+                                      "SELECT " ENFILADE_ROBOT_COLUMNS ENFILADE_SAME_REQUEST(
+                                          "$3") " FROM enfilade.robots WHERE site_id = $1 AND request_id = $2"};
 constexpr Statement kSelectRobot{
     "reading the robot", "SELECT " ENFILADE_ROBOT_COLUMNS " FROM enfilade.robots WHERE site_id = $1 AND robot_id = $2"};
 constexpr Statement kListRobots{"listing robots", "SELECT " ENFILADE_ROBOT_COLUMNS
@@ -54,15 +55,18 @@ absl::Status Explain(const absl::Status& status, const Robot& robot) {
 }  // namespace
 
 absl::StatusOr<Robot> RobotStore::Create(const CallContext& context, const Robot& robot,
-                                         const std::string& request_id) const {
-  const auto inserted = storage::postgres::ExecuteAlone(
-      pool_, context, kInsertRobot,
-      Params(robot.site, robot.id, robot.display_name, postgres::NullIfEmpty(request_id)));
+                                         const RequestId& request_id) const {
+  const auto inserted =
+      storage::postgres::ExecuteAlone(pool_, context, kInsertRobot,
+                                      Params(robot.site, robot.id, robot.display_name, postgres::IdOrNull(request_id),
+                                             postgres::DigestOrNull(request_id)));
   if (inserted.ok()) return storage::postgres::ReadOne(*inserted, ReadRobot, NameOf(robot.site, robot.id));
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, storage::postgres::ExecuteAlone(pool_, context, kFindRobotRequest,
-                                                                                  Params(robot.site, request_id)));
-    if (earlier.rows() > 0) return storage::postgres::ReadOne(earlier, ReadRobot, NameOf(robot.site, robot.id));
+    ENFILADE_ASSIGN_OR_RETURN(
+        const auto earlier,
+        storage::postgres::ExecuteAlone(pool_, context, kFindRobotRequest,
+                                        Params(robot.site, request_id.value, postgres::DigestOrNull(request_id))));
+    if (earlier.rows() > 0) return storage::postgres::ReadRequested(earlier, ReadRobot, NameOf(robot.site, robot.id));
   }
   return Explain(inserted.status(), robot);
 }

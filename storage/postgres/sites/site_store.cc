@@ -19,10 +19,11 @@ using postgres::Transaction;
   "site_id, display_name, raw_retention_s, etag, create_time, update_time, delete_time, delete_actor, deleted_rows"
 
 constexpr Statement kInsertSite{"creating the site",
-                                "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s, request_id)"
-                                " VALUES ($1, $2, $3, $4) RETURNING " ENFILADE_SITE_COLUMNS};
-constexpr Statement kFindSiteRequest{"looking for an earlier request",
-                                     "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE request_id = $1"};
+                                "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s, request_id,"
+                                " request_sha256) VALUES ($1, $2, $3, $4, $5) RETURNING " ENFILADE_SITE_COLUMNS};
+constexpr Statement kFindSiteRequest{
+    "looking for an earlier request",
+    "SELECT " ENFILADE_SITE_COLUMNS ENFILADE_SAME_REQUEST("$2") " FROM enfilade.sites WHERE request_id = $1"};
 constexpr Statement kSelectSite{"reading the site",
                                 "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE site_id = $1"};
 constexpr Statement kListSites{"listing sites", "SELECT " ENFILADE_SITE_COLUMNS
@@ -88,16 +89,18 @@ std::optional<std::int64_t> RetentionSeconds(const Site& site) {
 }  // namespace
 
 absl::StatusOr<Site> SiteStore::Create(const CallContext& context, const Site& site,
-                                       const std::string& request_id) const {
-  const auto inserted = storage::postgres::ExecuteAlone(
-      pool_, context, kInsertSite,
-      Params(site.id, site.display_name, RetentionSeconds(site), postgres::NullIfEmpty(request_id)));
+                                       const RequestId& request_id) const {
+  const auto inserted =
+      storage::postgres::ExecuteAlone(pool_, context, kInsertSite,
+                                      Params(site.id, site.display_name, RetentionSeconds(site),
+                                             postgres::IdOrNull(request_id), postgres::DigestOrNull(request_id)));
   if (inserted.ok()) return storage::postgres::ReadOne(*inserted, ReadSite, NameOf(site.id));
   if (!absl::IsAlreadyExists(inserted.status())) return WithContext(inserted.status(), NameOf(site.id));
   if (!request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
-                              storage::postgres::ExecuteAlone(pool_, context, kFindSiteRequest, Params(request_id)));
-    if (earlier.rows() > 0) return InUse(storage::postgres::ReadOne(earlier, ReadSite, NameOf(site.id)));
+    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, storage::postgres::ExecuteAlone(
+                                                      pool_, context, kFindSiteRequest,
+                                                      Params(request_id.value, postgres::DigestOrNull(request_id))));
+    if (earlier.rows() > 0) return InUse(storage::postgres::ReadRequested(earlier, ReadSite, NameOf(site.id)));
   }
   const absl::StatusOr<Site> other = Get(context, site.id);
   if (other.ok() && other->deletion) {

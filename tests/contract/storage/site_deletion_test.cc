@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/sites/site_deletion.h"
 
+#include <thread>
+
 #include "storage/postgres/graph/site_lease_store.h"
 #include "tests/contract/storage/store_test.h"
+#include "tests/support/eventually.h"
 
 namespace enfilade::testing {
 namespace {
@@ -145,6 +148,21 @@ TEST_F(SiteDeletionTest, ASecondProcessLeavesAPortionToTheFirst) {
   ASSERT_OK(first.Execute({"test", "SELECT FROM enfilade.sites WHERE site_id = 'campus' FOR NO KEY UPDATE"},
                           storage::postgres::Params()));
   EXPECT_EQ(DeletePortion(10).progress, Progress::kTaken);
+}
+
+// As everybody else does. Otherwise this ends with a deadlock.
+TEST_F(SiteDeletionTest, LocksLeasesBeforeSessions) {
+  Fill();
+  ASSERT_OK(mapping_.Acquire(Soon(), "worker", std::chrono::seconds(60)));
+  ASSERT_OK_AND_ASSIGN(auto step, storage::postgres::Transaction::Begin(*pool_, Soon()));
+  const storage::postgres::Params none;
+  ASSERT_OK(step.Execute({"test", "SELECT FROM enfilade.session_leases WHERE site_id = 'campus' FOR UPDATE"}, none));
+  std::thread deletion([this] { DeleteSite(site_); });
+  EXPECT_TRUE(Eventually([&] { return database_.SqlValue("SELECT count(*) FROM pg_locks WHERE NOT granted") != "0"; }));
+  EXPECT_OK(step.Execute({"test", "SELECT FROM enfilade.sessions WHERE site_id = 'campus' FOR UPDATE"}, none));
+  EXPECT_OK(step.Commit());
+  deletion.join();
+  EXPECT_THAT(TablesWithRows(), IsEmpty());
 }
 
 // A writer that had begun before may store a row behind the step that deletes its kind.

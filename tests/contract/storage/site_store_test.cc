@@ -59,6 +59,19 @@ TEST_F(SiteStoreTest, CreatesOncePerRequestId) {
   EXPECT_CODE(sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), ""), absl::StatusCode::kAlreadyExists);
 }
 
+TEST_F(SiteStoreTest, ARequestIdThatWasUsedForSomethingElseIsRefused) {
+  const storage::RequestId request("request", std::string(32, 'a'));
+  const storage::RequestId other("request", std::string(32, 'b'));
+  ASSERT_OK_AND_ASSIGN(const storage::Site first, sites_.Create(Soon(), MakeSite(SiteId("s1"), "x"), request));
+  ASSERT_OK_AND_ASSIGN(const storage::Site again, sites_.Create(Soon(), MakeSite(SiteId("s2"), "x"), request));
+  EXPECT_EQ(again.id, first.id);
+  EXPECT_STATUS(sites_.Create(Soon(), MakeSite(SiteId("s2"), "y"), other), absl::StatusCode::kInvalidArgument,
+                HasSubstr("request_id"));
+  EXPECT_CODE(robots_.Create(Soon(), MakeRobot(site_, RobotId("a"), "A"), request).status(), absl::StatusCode::kOk);
+  EXPECT_CODE(robots_.Create(Soon(), MakeRobot(site_, RobotId("b"), "B"), other).status(),
+              absl::StatusCode::kInvalidArgument);
+}
+
 TEST_F(SiteStoreTest, ListsInPages) {
   for (const char* id : {"b", "a", "d", "c"}) ASSERT_OK(sites_.Create(Soon(), MakeSite(SiteId(id), "x"), ""));
   EXPECT_THAT(ListIds({2, ""}), ElementsAre("a", "b"));

@@ -377,5 +377,14 @@ TEST_F(LinkPointStoreTest, PagesOfEverySizeListEachOnce) {
   }
 }
 
+TEST_F(LinkPointStoreTest, ARequestIdThatWasUsedForSomethingElseIsRefused) {
+  const storage::RequestId request("request", std::string(32, 'a'));
+  const storage::RequestId other("request", std::string(32, 'b'));
+  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "r1", {MakeAnchor("hall", 40, 0)}), request));
+  EXPECT_OK(link_points_.Create(Soon(), MakeLinkPoint(site_, "r2", {MakeAnchor("hall", 40, 0)}), request));
+  EXPECT_CODE(link_points_.Create(Soon(), MakeLinkPoint(site_, "r3", {MakeAnchor("hall", 60, 0)}), other).status(),
+              absl::StatusCode::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace enfilade::testing

@@ -178,5 +178,14 @@ TEST_F(MapStoreTest, ANewLevelChangesTheMapsLinkPoints) {
   EXPECT_EQ(changes.link_points[0].point.graph_version, version + 2);
 }
 
+TEST_F(MapStoreTest, ARequestIdThatWasUsedForSomethingElseIsRefused) {
+  const storage::RequestId request("request", std::string(32, 'a'));
+  const storage::RequestId other("request", std::string(32, 'b'));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("r1"), "R 1"), request));
+  EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("r2"), "R 1"), request));
+  EXPECT_CODE(maps_.Create(Soon(), MakeMap(site_, MapId("r3"), "R 3"), other).status(),
+              absl::StatusCode::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace enfilade::testing

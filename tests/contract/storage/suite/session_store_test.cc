@@ -195,5 +195,14 @@ TEST_F(SessionStoreTest, ARequestIdBelongsToItsSite) {
               absl::StatusCode::kAlreadyExists);
 }
 
+TEST_F(SessionStoreTest, ARequestIdThatWasUsedForSomethingElseIsRefused) {
+  const storage::RequestId request("request", std::string(32, 'a'));
+  const storage::RequestId other("request", std::string(32, 'b'));
+  ASSERT_OK(sessions_.Create(Soon(), MakeSession(site_, SessionId("r1"), robot_, map_), request));
+  EXPECT_OK(sessions_.Create(Soon(), MakeSession(site_, SessionId("r2"), robot_, map_), request));
+  EXPECT_CODE(sessions_.Create(Soon(), MakeSession(site_, SessionId("r3"), robot_, map_), other).status(),
+              absl::StatusCode::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace enfilade::testing

@@ -2,8 +2,6 @@
 #include "server/app/exports/map_exports.h"
 
 #include <gmock/gmock.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -22,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 std::string ReadAll(const ExportedFile& file) {
   std::string bytes(static_cast<std::size_t>(file.size), '\0');
@@ -61,9 +60,19 @@ class MapExportsTest : public ::testing::Test {
                                      grid::MapFileFormat format = grid::MapFileFormat::kPgm) {
     return exports_->Get(Soon(), {site_, MapId(map), revision}, format);
   }
-  fs::path OwnFolder() const { return directory_.path() / ("enfilade-exports-" + std::to_string(getpid())); }
+  std::vector<fs::path> OwnFolders() const {
+    std::vector<fs::path> folders;
+    for (const auto& entry : fs::directory_iterator(directory_.path())) {
+      if (entry.path().filename().string().starts_with("enfilade-cache-")) folders.push_back(entry.path());
+    }
+    return folders;
+  }
   std::size_t CountFiles() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(OwnFolder()), fs::directory_iterator()));
+    std::size_t files = 0;
+    for (const fs::path& folder : OwnFolders()) {
+      files += static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+    }
+    return files;
   }
 
   const SiteId site_{"campus"};
@@ -174,7 +183,7 @@ TEST_F(MapExportsTest, AFailedExportLeavesNoFiles) {
   Start();
   Import("hall", 100);
   // The second file of the export cannot be written.
-  fs::create_directory(OwnFolder() / "1");
+  fs::create_directory(OwnFolders().at(0) / "1");
   EXPECT_FALSE(Export("hall").ok());
   EXPECT_EQ(CountFiles(), 1U) << "the folder that was in the way";
   EXPECT_OK(Export("hall")) << "the next one";
@@ -206,23 +215,32 @@ TEST_F(MapExportsTest, ConcurrentDownloadsShareOneRendering) {
 }
 
 TEST_F(MapExportsTest, RemovesItsFolderAndThoseOfKilledServers) {
-  const pid_t child = fork();
-  if (child == 0) _exit(0);
-  ASSERT_EQ(waitpid(child, nullptr, 0), child);
-  const fs::path killed = directory_.path() / ("enfilade-exports-" + std::to_string(child));
-  const fs::path running = directory_.path() / ("enfilade-exports-" + std::to_string(getppid()));
-  const fs::path strange = directory_.path() / "enfilade-exports-of-somebody";
-  for (const fs::path& folder : {killed, running, strange}) {
+  const fs::path killed = directory_.path() / "enfilade-cache-killed";
+  const fs::path other = directory_.path() / "somebody-elses";
+  for (const fs::path& folder : {killed, other}) {
     fs::create_directories(folder);
     std::ofstream(folder / "0") << "a file";
   }
   Start();
   EXPECT_FALSE(fs::exists(killed));
-  EXPECT_TRUE(fs::exists(running / "0"));
-  EXPECT_TRUE(fs::exists(strange / "0"));
-  EXPECT_TRUE(fs::exists(OwnFolder()));
+  EXPECT_TRUE(fs::exists(other / "0"));
+  EXPECT_EQ(OwnFolders().size(), 1U);
   exports_.reset();
-  EXPECT_FALSE(fs::exists(OwnFolder()));
+  EXPECT_THAT(OwnFolders(), IsEmpty());
+}
+
+// As in containers, whose processes often have the same id and do not see one another.
+TEST_F(MapExportsTest, ServersWithOneProcessIdKeepTheirFolders) {
+  Import("hall", 100);
+  Start();
+  ASSERT_OK_AND_ASSIGN(const ExportedMap before, Export("hall"));
+  const auto first = std::move(exports_);
+  Start();
+  EXPECT_EQ(OwnFolders().size(), 2U);
+  EXPECT_EQ(CountFiles(), before.files.size());
+  exports_.reset();
+  EXPECT_EQ(OwnFolders().size(), 1U);
+  EXPECT_EQ(CountFiles(), before.files.size());
 }
 
 TEST_F(MapExportsTest, AFolderThatCannotBeCreatedIsNamed) {

@@ -119,7 +119,7 @@ class LossyMapStore final : public storage::MapStore {
   explicit LossyMapStore(const storage::MapStore& store) : store_(store) {}
 
   absl::StatusOr<storage::Map> Create(const storage::CallContext& context, const storage::Map& map,
-                                      const std::string& request_id) const override {
+                                      const storage::RequestId& request_id) const override {
     EXPECT_OK(store_.Create(context, map, request_id));
     return absl::UnavailableError("the connection was lost during the commit");
   }
