@@ -80,10 +80,30 @@ class ApiOf : public Service {
       return absl::OkStatus();
     };
   }
-  // A handler that opens a stream.
-  template <typename Request, typename Stream>
-  auto BindStream(absl::StatusOr<Stream> (*open)(const Services&, const Call&, const Request&)) const {
+  // A handler that gives what a watch checks.
+  template <typename Request, typename Response>
+  auto BindWatch(absl::StatusOr<Watch<Response>> (*open)(const Services&, const Call&, const Request&)) const {
     return [this, open](const Call& call, const Request& request) { return open(services_, call, request); };
+  }
+  // A handler that opens a stream, at once or later.
+  template <typename Request, typename Response>
+  auto BindStream(absl::StatusOr<MessageSource<Response>> (*open)(const Services&, const Call&, const Request&)) const {
+    return [this, open](const Call& call, const Request& request, Opened<Response> opened) {
+      opened(open(services_, call, request));
+    };
+  }
+  template <typename Request, typename Response>
+  auto BindStream(void (*open)(const Services&, const Call&, const Request&, Opened<Response>)) const {
+    return [this, open](const Call& call, const Request& request, Opened<Response> opened) {
+      open(services_, call, request, std::move(opened));
+    };
+  }
+  // For RPCs that need the graph of their site: no thread of the executor waits until it has been read.
+  BeforeCall ReadGraph() const {
+    return [this](const Call& call, std::function<void(const absl::Status&)> next) {
+      if (call.site().empty()) return next(absl::OkStatus());  // the handler says what is wrong
+      services_.graphs.Prepare(SiteId(call.site()), std::move(next));
+    };
   }
 
   const Services& services_;
@@ -97,26 +117,38 @@ class ApiOf : public Service {
                                 v1::Rpc##Response* response) override {                                \
     return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc));                       \
   }
-// Its Try##Rpc() may answer immediately, without the executor.
-#define ENFILADE_UNARY_OR_NOW(Rpc)                                                                          \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,      \
-                                v1::Rpc##Response* response) override {                                     \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), BindNow(server::Try##Rpc)); \
+// It needs the graph of its site.
+#define ENFILADE_UNARY_ON_GRAPH(Rpc)                                                                   \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
+                                v1::Rpc##Response* response) override {                                \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), ReadGraph());          \
+  }
+// The same, and its Try##Rpc() may answer immediately, without the executor.
+#define ENFILADE_UNARY_ON_GRAPH_OR_NOW(Rpc)                                                                \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,     \
+                                v1::Rpc##Response* response) override {                                    \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), BindNow(server::Try##Rpc), \
+                    ReadGraph());                                                                          \
   }
 #define ENFILADE_SERVER_STREAM(Rpc)                                                                    \
   grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,               \
                                                    const v1::Rpc##Request* request) override {         \
     return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc)); \
   }
+#define ENFILADE_SERVER_STREAM_ON_GRAPH(Rpc)                                                                        \
+  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,                            \
+                                                   const v1::Rpc##Request* request) override {                      \
+    return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc), ReadGraph()); \
+  }
 #define ENFILADE_RAW_SERVER_STREAM(Rpc)                                                                  \
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Rpc(grpc::CallbackServerContext* context,                  \
                                                   const grpc::ByteBuffer* request) override {            \
     return RunRawServerStream<v1::Rpc##Request>(Enter(#Rpc, context), request, BindStream(server::Rpc)); \
   }
-#define ENFILADE_WATCH(Rpc)                                                                     \
-  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,        \
-                                                   const v1::Rpc##Request* request) override {  \
-    return RunWatch<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc)); \
+#define ENFILADE_WATCH(Rpc)                                                                    \
+  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,       \
+                                                   const v1::Rpc##Request* request) override { \
+    return RunWatch<v1::Rpc##Response>(Enter(#Rpc, context), request, BindWatch(server::Rpc)); \
   }
 #define ENFILADE_CLIENT_STREAM(Rpc)                                                                                 \
   grpc::ServerReadReactor<v1::Rpc##Request>* Rpc(grpc::CallbackServerContext* context, v1::Rpc##Response* response) \
@@ -210,23 +242,23 @@ class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
  public:
   using ApiOf::ApiOf;
 
-  ENFILADE_UNARY(GetGraph)
+  ENFILADE_UNARY_ON_GRAPH(GetGraph)
   ENFILADE_UNARY(ListGraphVersions)
-  ENFILADE_UNARY(OptimizeGraph)
-  ENFILADE_UNARY_OR_NOW(GetGlobalPose)
+  ENFILADE_UNARY_ON_GRAPH(OptimizeGraph)
+  ENFILADE_UNARY_ON_GRAPH_OR_NOW(GetGlobalPose)
   ENFILADE_WATCH(WatchGlobalPoses)
-  ENFILADE_UNARY(TransformPoses)
-  ENFILADE_UNARY(FindRoutes)
-  ENFILADE_SERVER_STREAM(ExportGraph)
-  ENFILADE_UNARY(SetGeoreference)
-  ENFILADE_UNARY(GetGeoreference)
+  ENFILADE_UNARY_ON_GRAPH(TransformPoses)
+  ENFILADE_UNARY_ON_GRAPH(FindRoutes)
+  ENFILADE_SERVER_STREAM_ON_GRAPH(ExportGraph)
+  ENFILADE_UNARY_ON_GRAPH(SetGeoreference)
+  ENFILADE_UNARY_ON_GRAPH(GetGeoreference)
 };
 
 class LocalizationApi final : public ApiOf<v1::LocalizationService::CallbackService> {
  public:
   using ApiOf::ApiOf;
 
-  ENFILADE_UNARY(LocalizeRobot)
+  ENFILADE_UNARY_ON_GRAPH(LocalizeRobot)
 };
 
 class IngestApi final : public ApiOf<v1::IngestService::CallbackService> {
@@ -249,8 +281,10 @@ class ServerApi final : public ApiOf<v1::ServerService::CallbackService> {
 };
 
 #undef ENFILADE_UNARY
-#undef ENFILADE_UNARY_OR_NOW
+#undef ENFILADE_UNARY_ON_GRAPH
+#undef ENFILADE_UNARY_ON_GRAPH_OR_NOW
 #undef ENFILADE_SERVER_STREAM
+#undef ENFILADE_SERVER_STREAM_ON_GRAPH
 #undef ENFILADE_RAW_SERVER_STREAM
 #undef ENFILADE_WATCH
 #undef ENFILADE_CLIENT_STREAM

@@ -1,47 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/graph/site_graphs.h"
 
-#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "server/app/graph/site_graph_reader.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kKeptVersions = 8;
+// Sites whose graphs are read at the same time.
+constexpr int kReaders = 3;
+// Continuations that wait for graphs, of all sites.
+constexpr std::size_t kMaxWaiting = 1000;
 constexpr auto kListenTimeout = std::chrono::milliseconds(500);
 constexpr auto kReadTimeout = std::chrono::seconds(30);
 constexpr auto kConnectTimeout = std::chrono::seconds(5);
 constexpr auto kReconnectInterval = std::chrono::seconds(1);
 
-}  // namespace
+// Lets a thread wait for a read.
+class AwaitedRead {
+ public:
+  void Set(const SiteGraphs::Result& result) {
+    MutexLock lock(mutex_);
+    result_ = result;
+    changed_.NotifyAll();
+  }
+  SiteGraphs::Result Await(const storage::CallContext& context) {
+    const std::stop_callback on_cancel(context.cancellation, [this] {
+      MutexLock lock(mutex_);
+      changed_.NotifyAll();
+    });
+    MutexLock lock(mutex_);
+    while (!result_.has_value()) {
+      if (context.cancellation.stop_requested()) return absl::CancelledError("the caller no longer waits");
+      if (changed_.WaitUntil(mutex_, context.deadline) || result_.has_value()) continue;
+      return absl::DeadlineExceededError("the deadline passed while the graph was read");
+    }
+    return *result_;
+  }
 
-// What has to be applied to a snapshot at an earlier version.
-struct SiteGraphs::Update {
-  storage::GraphChanges changes;
-  std::int64_t solution_version = 0;  // of the last optimisation, at most changes.version; 0: none since
+ private:
+  Mutex mutex_;
+  CondVar changed_;
+  std::optional<SiteGraphs::Result> result_ ABSL_GUARDED_BY(mutex_);
 };
 
-SiteGraphs::SiteGraphs(const storage::GraphStore& store, ChangedSites& changed) : store_(store), changed_(changed) {
+}  // namespace
+
+SiteGraphs::SiteGraphs(const storage::GraphStore& store, ChangedSites& changed)
+    : store_(store), changed_(changed), readers_(kReaders, kMaxWaiting) {
   listener_ = std::thread([this] { Listen(); });
 }
 
 SiteGraphs::~SiteGraphs() {
   Stop();
+  abandoned_.request_stop();
   listener_.join();
+  readers_.Stop();
 }
 
 void SiteGraphs::Stop() { stop_.Set(); }
-
-std::shared_ptr<SiteGraphs::Entry> SiteGraphs::FindOrMake(const SiteId& site) {
-  MutexLock lock(mutex_);
-  std::shared_ptr<Entry>& entry = entries_[site];
-  if (entry == nullptr) entry = std::make_shared<Entry>();
-  return entry;
-}
 
 std::shared_ptr<const SiteGraph> SiteGraphs::FindCurrent(const SiteId& site) const {
   MutexLock lock(mutex_);
@@ -51,103 +74,100 @@ std::shared_ptr<const SiteGraph> SiteGraphs::FindCurrent(const SiteId& site) con
   return entry.changes_read >= entry.changes_needed ? entry.current : nullptr;
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Get(const storage::CallContext& context,
-                                                                 const SiteId& site) {
+SiteGraphs::Result SiteGraphs::Get(const storage::CallContext& context, const SiteId& site) {
   if (std::shared_ptr<const SiteGraph> current = FindCurrent(site)) return current;
-  return BringUpToDate(context, site);
+  const auto read = std::make_shared<AwaitedRead>();
+  ReadFor(site, [read](const Result& result) { read->Set(result); });
+  return read->Await(context);
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::BringUpToDate(const storage::CallContext& context,
-                                                                           const SiteId& site) {
-  const std::shared_ptr<Entry> entry = FindOrMake(site);
-  MutexLock reading(entry->reading);
-  std::shared_ptr<const SiteGraph> old;
-  std::uint64_t changes = 0;
+void SiteGraphs::Prepare(const SiteId& site, std::function<void(const absl::Status&)> then) {
+  if (FindCurrent(site) != nullptr) return then(absl::OkStatus());
+  if (++waiting_ > kMaxWaiting) {
+    --waiting_;
+    return then(ResourceExhausted("too many calls wait for graphs that are being read: try again later"));
+  }
+  ReadFor(site, [this, then = std::move(then)](const Result& result) {
+    --waiting_;
+    then(result.status());
+  });
+}
+
+void SiteGraphs::ReadFor(const SiteId& site, Waiter waiter) {
+  std::shared_ptr<Entry> entry;
   {
     MutexLock lock(mutex_);
+    std::shared_ptr<Entry>& found = entries_[site];
+    if (found == nullptr) found = std::make_shared<Entry>();
+    entry = found;
+    entry->waiters.push_back(std::move(waiter));
+    if (std::exchange(entry->reading, true)) return;
+  }
+  readers_.PostNext([this, site, entry] { BringUpToDate(site, entry); });
+}
+
+// Those who come while it reads wait for the next read, which often finds that nothing has changed: what they must see
+// may be newer than what has been read.
+void SiteGraphs::BringUpToDate(const SiteId& site, const std::shared_ptr<Entry>& entry) {
+  std::vector<Waiter> waiters;
+  std::shared_ptr<const SiteGraph> old;
+  std::uint64_t changes = 0;
+  bool known = false;
+  {
+    MutexLock lock(mutex_);
+    waiters = std::exchange(entry->waiters, {});
     old = entry->current;
     changes = entry->changes;
-    // Another thread has read the changes while this one waited.
-    if (listening_ && entry->changes_read == changes) return old;
+    known = listening_ && old != nullptr && entry->changes_read == changes;
   }
-  absl::StatusOr<std::shared_ptr<const SiteGraph>> read = Read(context, site, old);
+  Result read = old;
+  if (!known) {
+    storage::CallContext context = storage::CallContext::WithTimeout(kReadTimeout);
+    context.cancellation = abandoned_.get_token();
+    read = ReadSiteGraph(store_, context, site, old);
+    Keep(site, *entry, changes, read);
+  }
+  for (const Waiter& waiter : waiters) waiter(read);
+  {
+    MutexLock lock(mutex_);
+    entry->reading = !entry->waiters.empty();
+    if (!entry->reading) return;
+  }
+  readers_.PostNext([this, site, entry] { BringUpToDate(site, entry); });
+}
+
+void SiteGraphs::Keep(const SiteId& site, Entry& entry, std::uint64_t changes, const Result& read) {
   {
     MutexLock lock(mutex_);
     if (!read.ok()) {
-      if (absl::IsNotFound(read.status())) entries_.erase(site);
-      return read.status();
+      const auto found = entries_.find(site);
+      if (absl::IsNotFound(read.status()) && found != entries_.end() && found->second.get() == &entry) {
+        entries_.erase(found);
+      }
+      return;
     }
-    entry->changes_read = changes;
-    if (*read == old) return read;
-    entry->current = *read;
-    entry->recent.push_front(*read);
-    if (entry->recent.size() > kKeptVersions) entry->recent.pop_back();
+    entry.changes_read = changes;
+    if (*read == entry.current) return;
+    entry.current = *read;
+    entry.recent.push_front(*read);
+    if (entry.recent.size() > kKeptVersions) entry.recent.pop_back();
   }
   changed_.Add(site);
-  return read;
 }
 
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::GetVersion(const storage::CallContext& context,
-                                                                        const SiteId& site, std::int64_t version) {
+SiteGraphs::Result SiteGraphs::GetVersion(const storage::CallContext& context, const SiteId& site,
+                                          std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(std::shared_ptr<const SiteGraph> current, Get(context, site));
   if (version == 0 || version == current->graph().version()) return current;
-  const std::shared_ptr<Entry> entry = FindOrMake(site);
   MutexLock lock(mutex_);
-  for (const std::shared_ptr<const SiteGraph>& kept : entry->recent) {
-    if (kept->graph().version() == version) return kept;
-  }
-  return NotFound("the graph of site {} is at version {}; version {} is not one of the last {} that this server keeps",
-                  site.value(), current->graph().version(), version, entry->recent.size());
-}
-
-// The store reads the changes and the last optimisation separately. If an optimisation is committed in between, its
-// poses belong to a later version than the changes, which are then read again.
-absl::StatusOr<SiteGraphs::Update> SiteGraphs::ReadUpdate(const storage::CallContext& context, const SiteId& site,
-                                                          std::int64_t since, std::int64_t known_solution) const {
-  Update update;
-  do {
-    ENFILADE_ASSIGN_OR_RETURN(update.changes, store_.ReadChanges(context, site, since));
-    const bool unchanged = since != 0 && update.changes.version == since;
-    if (unchanged) return update;
-    // Optimisations up to `since` have been considered before.
-    const std::int64_t considered = update.changes.complete ? 0 : std::max(known_solution, since);
-    ENFILADE_ASSIGN_OR_RETURN(update.solution_version, store_.FindLastOptimization(context, site, considered));
-  } while (update.solution_version > update.changes.version);
-  return update;
-}
-
-absl::StatusOr<std::shared_ptr<const SiteGraph>> SiteGraphs::Read(const storage::CallContext& context,
-                                                                  const SiteId& site,
-                                                                  const std::shared_ptr<const SiteGraph>& old) const {
-  const std::int64_t since = old == nullptr ? 0 : old->graph().version();
-  ENFILADE_ASSIGN_OR_RETURN(const Update update,
-                            ReadUpdate(context, site, since, old == nullptr ? 0 : old->solution_version));
-  const storage::GraphChanges& changes = update.changes;
-  if (old != nullptr && changes.version == since) return old;
-  graph::SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
-  const bool complete = changes.complete || old == nullptr;
-  std::int64_t solution_version = complete ? 0 : old->solution_version;
-  if (update.solution_version > 0) {
-    const auto poses = store_.GetMapPoses(context, site, update.solution_version);
-    if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
-    if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, update.solution_version, changes.root);
-    if (snapshot_changes.solution != nullptr) solution_version = update.solution_version;
-  }
-  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot,
-                            graph::Apply(complete ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
-  auto graph = std::make_shared<SiteGraph>(std::move(snapshot));
-  const graph::SolvedGraph* solution = graph->graph().solution();
-  graph->solution_version = solution != nullptr && solution->root == graph->graph().root() ? solution_version : 0;
-  ENFILADE_ASSIGN_OR_RETURN(graph->control_points, store_.GetControlPoints(context, site));
-  if (!graph->control_points.empty()) {
-    auto fit = FitControlPoints(graph->poses, graph->control_points);
-    if (fit.ok()) {
-      graph->georeference = *std::move(fit);
-    } else {
-      spdlog::warn("site {}: no georeference: {}", site.value(), fit.status().ToString());
+  const auto entry = entries_.find(site);
+  if (entry != entries_.end()) {
+    for (const std::shared_ptr<const SiteGraph>& kept : entry->second->recent) {
+      if (kept->graph().version() == version) return kept;
     }
   }
-  return std::shared_ptr<const SiteGraph>(std::move(graph));
+  return NotFound("the graph of site {} is at version {}; version {} is not one of the last {} that this server keeps",
+                  site.value(), current->graph().version(), version, kKeptVersions);
 }
 
 void SiteGraphs::MarkChanged(const SiteId& site) {
@@ -207,10 +227,11 @@ void SiteGraphs::OnGraphChanged(const storage::GraphListener::Change& change) {
     }
   }
   // Sites without readers are read as well: their graphs must be optimised.
-  const auto read = BringUpToDate(storage::CallContext::WithTimeout(kReadTimeout), change.site);
-  if (read.ok() || absl::IsNotFound(read.status())) return;
-  spdlog::warn("cannot read the graph of {}: {}", change.site.value(), read.status().ToString());
-  MarkChanged(change.site);  // the next Get tries again
+  ReadFor(change.site, [this, site = change.site](const Result& read) {
+    if (read.ok() || absl::IsNotFound(read.status())) return;
+    spdlog::warn("cannot read the graph of {}: {}", site.value(), read.status().ToString());
+    MarkChanged(site);  // the next Get tries again
+  });
 }
 
 }  // namespace enfilade::server

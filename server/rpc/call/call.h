@@ -109,4 +109,8 @@ class Call {
   std::string site_;
 };
 
+// What a call waits for before its turn on the executor, such as a read that many calls share: calls next(status) once,
+// from any thread, and does not wait itself. With an error the call ends. Null: nothing.
+using BeforeCall = std::function<void(const Call& call, std::function<void(const absl::Status&)> next)>;
+
 }  // namespace enfilade::server

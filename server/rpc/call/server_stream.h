@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -26,24 +27,27 @@ namespace enfilade::server {
 template <typename Response>
 using MessageSource = std::function<absl::StatusOr<bool>(Response& message)>;
 
+// Takes the source of a stream, or the reason why there is none, from the thread that opens the stream or, later, from
+// another one of the executor.
+template <typename Response>
+using Opened = std::function<void(absl::StatusOr<MessageSource<Response>> source)>;
+
 // The body of every server-streaming RPC. Sends what a source makes: while messages are on their way the executor makes
 // the next ones, at most `kAhead`. So a slow client costs that many messages of memory and no thread, and a fast one
 // hardly ever waits for a thread to wake.
 template <typename Response>
 class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
  public:
-  // `open` runs on the executor.
-  ServerStreamReactor(const CallEntry& entry, std::string site,
-                      std::function<absl::StatusOr<MessageSource<Response>>(const Call&)> open)
+  // open(call, opened) runs on the executor.
+  ServerStreamReactor(const CallEntry& entry, std::string site, std::function<void(const Call&, Opened<Response>)> open,
+                      const BeforeCall& before)
       : call_(BeginCall(entry)), open_(std::move(open)) {
     call_.set_site(std::move(site));
-    call_.Run([this](const absl::Status& admitted, const storage::CallContext&) {
-      absl::Status status = admitted;
-      if (status.ok()) status = Open();
-      if (status.ok()) return Make();
-      MutexLock lock(mutex_);
-      End(status);
-    });
+    if (before) {
+      before(call_, [this](const absl::Status& ready) { ready.ok() ? Open() : OnOpened(ready); });
+    } else {
+      Open();
+    }
   }
 
   void OnWriteDone(bool ok) override {
@@ -70,16 +74,26 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
  private:
   static constexpr std::uint64_t kAhead = 4;
 
-  absl::Status Open() {
-    absl::StatusOr<MessageSource<Response>> source = open_(call_);
-    if (!source.ok()) return source.status();
-    source_ = *std::move(source);
-    return absl::OkStatus();
+  void Open() {
+    call_.Run([this](const absl::Status& admitted, const storage::CallContext&) {
+      if (!admitted.ok()) return OnOpened(admitted);
+      open_(call_, [this](absl::StatusOr<MessageSource<Response>> source) { OnOpened(std::move(source)); });
+    });
   }
 
-  // Fills the ring. `making_` says that a thread is here: only it touches the source and the message `made_`.
+  void OnOpened(absl::StatusOr<MessageSource<Response>> source) {
+    if (source.ok()) {
+      source_ = *std::move(source);
+      return Make();
+    }
+    MutexLock lock(mutex_);
+    End(source.status());
+  }
+
+  // Fills the ring. `making_` says that a thread is here: only it touches the source and the message `made_`. A client
+  // that reads as fast as messages are made gets them in turns, between which other calls have theirs.
   void Make() {
-    while (true) {
+    for (std::uint64_t i = 0; i < kAhead; ++i) {
       Response* message = nullptr;
       {
         MutexLock lock(mutex_);
@@ -99,6 +113,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
       ++made_;
       Advance();
     }
+    call_.Continue([this] { Make(); });
   }
 
   // No further message: the stream's end, or an error.
@@ -134,7 +149,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   }
 
   Call call_;
-  const std::function<absl::StatusOr<MessageSource<Response>>(const Call&)> open_;
+  const std::function<void(const Call&, Opened<Response>)> open_;
   MessageSource<Response> source_;
   std::array<Response, kAhead> ring_;
 
@@ -149,27 +164,29 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   absl::Status status_ ABSL_GUARDED_BY(mutex_);
 };
 
-// open(call, request) gives the source of the stream or the reason why there is none.
+// open(call, request, opened) opens the stream, at once or later: see Opened.
 template <typename Response, typename Request, typename Open>
-grpc::ServerWriteReactor<Response>* RunServerStream(const CallEntry& entry, const Request* request, Open open) {
-  return new ServerStreamReactor<Response>(entry, SiteOf(*request),
-                                           [request, open](const Call& call) { return open(call, *request); });
+grpc::ServerWriteReactor<Response>* RunServerStream(const CallEntry& entry, const Request* request, Open open,
+                                                    const BeforeCall& before = nullptr) {
+  const auto open_with_request = [request, open](const Call& call, Opened<Response> opened) {
+    open(call, *request, std::move(opened));
+  };
+  return new ServerStreamReactor<Response>(entry, SiteOf(*request), open_with_request, before);
 }
 
 // The same for an RPC that makes its messages in the form in which they travel.
 template <typename Request, typename Open>
 grpc::ServerWriteReactor<grpc::ByteBuffer>* RunRawServerStream(const CallEntry& entry,
                                                                const grpc::ByteBuffer* encoded_request, Open open) {
-  using Source = absl::StatusOr<MessageSource<grpc::ByteBuffer>>;
   grpc::ByteBuffer bytes = *encoded_request;
-  Request request;
-  const grpc::Status decoded = grpc::SerializationTraits<Request>::Deserialize(&bytes, &request);
-  std::string site = decoded.ok() ? SiteOf(request) : "";
-  return new ServerStreamReactor<grpc::ByteBuffer>(
-      entry, std::move(site), [request = std::move(request), decoded, open](const Call& call) -> Source {
-        if (decoded.ok()) return open(call, request);
-        return InvalidArgument("the request cannot be decoded: {}", decoded.error_message());
-      });
+  const auto request = std::make_shared<Request>();
+  const grpc::Status decoded = grpc::SerializationTraits<Request>::Deserialize(&bytes, request.get());
+  std::string site = decoded.ok() ? SiteOf(*request) : "";
+  const auto open_decoded = [request, decoded, open](const Call& call, Opened<grpc::ByteBuffer> opened) {
+    if (decoded.ok()) return open(call, *request, std::move(opened));
+    opened(InvalidArgument("the request cannot be decoded: {}", decoded.error_message()));
+  };
+  return new ServerStreamReactor<grpc::ByteBuffer>(entry, std::move(site), open_decoded, nullptr);
 }
 
 }  // namespace enfilade::server

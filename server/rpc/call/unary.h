@@ -21,14 +21,13 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
     call_.set_site(SiteOf(*request_));
   }
 
-  // try_now(request, response), which must not wait, may give the answer without the executor.
+  // try_now(request, response), which must not wait, may give the answer without the executor. `before` may be null.
   template <typename TryNow>
-  void Start(TryNow try_now) {
+  void Start(TryNow try_now, const BeforeCall& before) {
     if (const absl::Status status = call_.CheckSite(); !status.ok()) return End(status);
     if (const std::optional<absl::Status> status = try_now(*request_, *response_)) return End(*status);
-    call_.Run([this](const absl::Status& admitted, const storage::CallContext&) {
-      End(admitted.ok() ? handle_(call_, *request_, *response_) : admitted);
-    });
+    if (!before) return Run();
+    before(call_, [this](const absl::Status& ready) { ready.ok() ? Run() : End(ready); });
   }
 
   void OnCancel() override { call_.Cancel(); }
@@ -37,6 +36,12 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   bool InternalInlineable() override { return true; }
 
  private:
+  void Run() {
+    call_.Run([this](const absl::Status& admitted, const storage::CallContext&) {
+      End(admitted.ok() ? handle_(call_, *request_, *response_) : admitted);
+    });
+  }
+
   void End(const absl::Status& status) {
     call_.Finish(status);
     this->Finish(ToGrpcStatus(status));
@@ -50,16 +55,18 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
 
 template <typename Request, typename Response, typename Handle, typename TryNow>
 grpc::ServerUnaryReactor* RunUnary(const CallEntry& entry, const Request* request, Response* response, Handle handle,
-                                   TryNow try_now) {
+                                   TryNow try_now, const BeforeCall& before = nullptr) {
   auto* reactor = new UnaryReactor<Request, Response, Handle>(entry, request, response, std::move(handle));
-  reactor->Start(std::move(try_now));
+  reactor->Start(std::move(try_now), before);
   return reactor;
 }
 
 template <typename Request, typename Response, typename Handle>
-grpc::ServerUnaryReactor* RunUnary(const CallEntry& entry, const Request* request, Response* response, Handle handle) {
-  return RunUnary(entry, request, response, std::move(handle),
-                  [](const Request&, Response&) { return std::optional<absl::Status>(); });
+grpc::ServerUnaryReactor* RunUnary(const CallEntry& entry, const Request* request, Response* response, Handle handle,
+                                   const BeforeCall& before = nullptr) {
+  return RunUnary(
+      entry, request, response, std::move(handle),
+      [](const Request&, Response&) { return std::optional<absl::Status>(); }, before);
 }
 
 }  // namespace enfilade::server

@@ -65,16 +65,21 @@ class GraphService final : public v1::GraphService::CallbackService {
 
   grpc::ServerUnaryReactor* GetGraph(grpc::CallbackServerContext* context, const v1::GetGraphRequest* request,
                                      v1::GetGraphResponse* response) override {
-    return RunUnary(CallEntry{environment_, "GetGraph", *context}, request, response, get,
-                    [this](const v1::GetGraphRequest&, v1::GetGraphResponse& now) -> std::optional<absl::Status> {
-                      if (version_at_hand == 0) return std::nullopt;
-                      now.mutable_graph()->set_graph_version(version_at_hand);
-                      return absl::OkStatus();
-                    });
+    return RunUnary(
+        CallEntry{environment_, "GetGraph", *context}, request, response, get,
+        [this](const v1::GetGraphRequest&, v1::GetGraphResponse& now) -> std::optional<absl::Status> {
+          if (version_at_hand == 0) return std::nullopt;
+          now.mutable_graph()->set_graph_version(version_at_hand);
+          return absl::OkStatus();
+        },
+        before);
   }
   grpc::ServerWriteReactor<v1::ExportGraphResponse>* ExportGraph(grpc::CallbackServerContext* context,
                                                                  const v1::ExportGraphRequest* request) override {
-    return RunServerStream<v1::ExportGraphResponse>(CallEntry{environment_, "ExportGraph", *context}, request, open);
+    const auto open_now = [this](const Call& call, const v1::ExportGraphRequest& given,
+                                 Opened<v1::ExportGraphResponse> opened) { opened(open(call, given)); };
+    return RunServerStream<v1::ExportGraphResponse>(CallEntry{environment_, "ExportGraph", *context}, request, open_now,
+                                                    before);
   }
   grpc::ServerWriteReactor<v1::WatchGlobalPosesResponse>* WatchGlobalPoses(
       grpc::CallbackServerContext* context, const v1::WatchGlobalPosesRequest* request) override {
@@ -82,6 +87,7 @@ class GraphService final : public v1::GraphService::CallbackService {
                                                   watch);
   }
 
+  BeforeCall before;  // of GetGraph and ExportGraph
   server::GetGraph get;
   std::atomic<std::int64_t> version_at_hand = 0;
   server::ExportGraph open;
@@ -97,7 +103,12 @@ class MapService final : public v1::MapService::WithRawCallbackMethod_ExportMap<
 
   grpc::ServerWriteReactor<grpc::ByteBuffer>* ExportMap(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request) override {
-    return RunRawServerStream<v1::ExportMapRequest>(CallEntry{environment_, "ExportMap", *context}, request, open);
+    return RunRawServerStream<v1::ExportMapRequest>(
+        CallEntry{environment_, "ExportMap", *context}, request,
+        [this](const Call& call, const v1::ExportMapRequest& given, Opened<grpc::ByteBuffer> opened) {
+          if (open_later) return open_later(call, given, std::move(opened));
+          opened(open(call, given));
+        });
   }
   grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(grpc::CallbackServerContext* context,
                                                            v1::ImportMapResponse* response) override {
@@ -106,6 +117,7 @@ class MapService final : public v1::MapService::WithRawCallbackMethod_ExportMap<
   }
 
   server::ExportMap open;
+  std::function<void(const Call&, const v1::ExportMapRequest&, Opened<grpc::ByteBuffer>)> open_later;  // instead
   Taken taken;
 
  private:

@@ -168,6 +168,90 @@ TEST_F(ShapesTest, ACancelledServerStreamLetsItsEndlessSourceGo) {
   EXPECT_EQ(destroyed->get_future().wait_for(seconds(30)), std::future_status::ready);
 }
 
+// The executor has one thread.
+TEST_F(ShapesTest, CallsThatWaitBeforeTheirTurnHoldNoThread) {
+  std::vector<std::function<void(const absl::Status&)>> waiting;
+  std::mutex mutex;
+  const auto count = [&] {
+    const std::lock_guard lock(mutex);
+    return waiting.size();
+  };
+  graph_.before = [&](const Call&, std::function<void(const absl::Status&)> next) {
+    const std::lock_guard lock(mutex);
+    waiting.push_back(std::move(next));
+  };
+  graph_.get = [](const Call&, const v1::GetGraphRequest&, v1::GetGraphResponse&) { return absl::OkStatus(); };
+  map_.open = [](const Call&, const v1::ExportMapRequest&) {
+    return MessageSource<grpc::ByteBuffer>([](grpc::ByteBuffer&) { return absl::StatusOr<bool>(false); });
+  };
+  std::vector<std::thread> callers;
+  std::atomic<int> refused{0};
+  for (int i = 0; i < 6; ++i) {
+    callers.emplace_back([&] {
+      grpc::ClientContext client;
+      v1::GetGraphResponse response;
+      if (graph_stub_->GetGraph(&client, {}, &response).error_message() == "cannot be read") ++refused;
+    });
+  }
+  ASSERT_TRUE(Await([&] { return count() == 6; }));
+  grpc::ClientContext client;
+  const auto stream = map_stub_->ExportMap(&client, {});
+  v1::ExportMapResponse message;
+  EXPECT_FALSE(stream->Read(&message));
+  EXPECT_TRUE(stream->Finish().ok()) << "another call has its turn";
+  for (std::size_t i = 0; i < 6; ++i) waiting[i](i < 2 ? absl::UnavailableError("cannot be read") : absl::OkStatus());
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(refused, 2);
+}
+
+TEST_F(ShapesTest, AStreamThatIsOpenedLaterHoldsNoThreadMeanwhile) {
+  std::promise<std::function<void()>> open_now;
+  map_.open_later = [&](const Call& call, const v1::ExportMapRequest&, Opened<grpc::ByteBuffer> opened) {
+    open_now.set_value([&call, opened = std::move(opened)] {
+      call.Continue([opened] { opened(absl::NotFoundError("no such map")); });
+    });
+  };
+  graph_.get = [](const Call&, const v1::GetGraphRequest&, v1::GetGraphResponse&) { return absl::OkStatus(); };
+  grpc::ClientContext client;
+  const auto stream = map_stub_->ExportMap(&client, {});
+  const auto open = open_now.get_future().get();
+  grpc::ClientContext other;
+  v1::GetGraphResponse response;
+  EXPECT_TRUE(graph_stub_->GetGraph(&other, {}, &response).ok());
+  open();
+  v1::ExportMapResponse message;
+  EXPECT_FALSE(stream->Read(&message));
+  EXPECT_EQ(stream->Finish().error_message(), "no such map");
+}
+
+// The executor has one thread, and the client reads as fast as it can.
+TEST_F(ShapesTest, AnEndlessStreamLeavesOtherCallsTheirTurn) {
+  graph_.open = [](const Call&, const v1::ExportGraphRequest&) {
+    return MessageSource<v1::ExportGraphResponse>([](v1::ExportGraphResponse& message) -> absl::StatusOr<bool> {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // sending is faster than making
+      message.mutable_chunk()->set_data("x");
+      return true;
+    });
+  };
+  graph_.get = [](const Call&, const v1::GetGraphRequest&, v1::GetGraphResponse&) { return absl::OkStatus(); };
+  grpc::ClientContext endless;
+  const auto stream = graph_stub_->ExportGraph(&endless, {});
+  std::thread reader([&] {
+    v1::ExportGraphResponse message;
+    while (stream->Read(&message)) {
+    }
+  });
+  for (int i = 0; i < 10; ++i) {
+    grpc::ClientContext client;
+    client.set_deadline(std::chrono::system_clock::now() + seconds(20));
+    v1::GetGraphResponse response;
+    EXPECT_TRUE(graph_stub_->GetGraph(&client, {}, &response).ok());
+  }
+  endless.TryCancel();
+  reader.join();
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+}
+
 TEST_F(ShapesTest, RawServerStreamsDecodeTheRequestAndRefuseWhatIsNone) {
   map_.open = [](const Call& call, const v1::ExportMapRequest& request) {
     return MessageSource<grpc::ByteBuffer>([text = call.site() + "|" + request.name(),

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/graph/site_graph_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "spdlog/spdlog.h"
+
+namespace enfilade::server {
+namespace {
+
+// What has to be applied to a snapshot at an earlier version.
+struct GraphUpdate {
+  storage::GraphChanges changes;
+  std::int64_t solution_version = 0;  // of the last optimisation, at most changes.version; 0: none since
+};
+
+// The store reads the changes and the last optimisation separately. If an optimisation is committed in between, its
+// poses belong to a later version than the changes, which are then read again.
+absl::StatusOr<GraphUpdate> ReadUpdate(const storage::GraphStore& store, const storage::CallContext& context,
+                                       const SiteId& site, const SiteGraph* old) {
+  const std::int64_t since = old == nullptr ? 0 : old->graph().version();
+  const std::int64_t known_solution = old == nullptr ? 0 : old->solution_version;
+  GraphUpdate update;
+  do {
+    ENFILADE_ASSIGN_OR_RETURN(update.changes, store.ReadChanges(context, site, since));
+    const bool unchanged = since != 0 && update.changes.version == since;
+    if (unchanged) return update;
+    // Optimisations up to `since` have been considered before.
+    const std::int64_t considered = update.changes.complete ? 0 : std::max(known_solution, since);
+    ENFILADE_ASSIGN_OR_RETURN(update.solution_version, store.FindLastOptimization(context, site, considered));
+  } while (update.solution_version > update.changes.version);
+  return update;
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const SiteGraph>> ReadSiteGraph(const storage::GraphStore& store,
+                                                               const storage::CallContext& context, const SiteId& site,
+                                                               const std::shared_ptr<const SiteGraph>& old) {
+  ENFILADE_ASSIGN_OR_RETURN(const GraphUpdate update, ReadUpdate(store, context, site, old.get()));
+  const storage::GraphChanges& changes = update.changes;
+  if (old != nullptr && changes.version == old->graph().version()) return old;
+  graph::SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
+  const bool complete = changes.complete || old == nullptr;
+  std::int64_t solution_version = complete ? 0 : old->solution_version;
+  if (update.solution_version > 0) {
+    const auto poses = store.GetMapPoses(context, site, update.solution_version);
+    if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
+    if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, update.solution_version, changes.root);
+    if (snapshot_changes.solution != nullptr) solution_version = update.solution_version;
+  }
+  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot,
+                            graph::Apply(complete ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
+  auto graph = std::make_shared<SiteGraph>(std::move(snapshot));
+  const graph::SolvedGraph* solution = graph->graph().solution();
+  graph->solution_version = solution != nullptr && solution->root == graph->graph().root() ? solution_version : 0;
+  ENFILADE_ASSIGN_OR_RETURN(graph->control_points, store.GetControlPoints(context, site));
+  if (!graph->control_points.empty()) {
+    auto fit = FitControlPoints(graph->poses, graph->control_points);
+    if (fit.ok()) {
+      graph->georeference = *std::move(fit);
+    } else {
+      spdlog::warn("site {}: no georeference: {}", site.value(), fit.status().ToString());
+    }
+  }
+  return std::shared_ptr<const SiteGraph>(std::move(graph));
+}
+
+}  // namespace enfilade::server
