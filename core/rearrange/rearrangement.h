@@ -44,8 +44,8 @@ struct MapRedirect {
   friend bool operator==(const MapRedirect&, const MapRedirect&) = default;
 };
 
-// A map that begins. Its display name is `name_prefix` and the smallest free number. Its place in the world is that of
-// the sessions that move into it.
+// A map that begins. Its display name is `name_prefix` and a free number, the one before which is taken. Its place in
+// the world is that of the sessions that move into it.
 struct MapSeed {
   MapId id = {};
   std::string name_prefix = {};

@@ -31,13 +31,19 @@ struct PendingDoors {
   friend bool operator==(const PendingDoors&, const PendingDoors&) = default;
 };
 
+// What is not to be looked for now.
+struct PostponedDoors {
+  std::vector<PendingDoors> sessions = {};
+  std::vector<SiteId> sites = {};
+};
+
 struct StoredDoorReport {
   std::int64_t sequence = 0;
   sensor::DoorReport report;
   bool judged = false;
 };
 
-// A map that starts at a door. Its display name is `name_prefix` and the smallest free number.
+// A map that starts at a door. Its display name is `name_prefix` and a free number, the one before which is taken.
 struct NewMap {
   MapId id;
   std::string name_prefix;
@@ -72,8 +78,9 @@ class DoorVerdictStore {
   explicit DoorVerdictStore(postgres::Pool& pool) : pool_(pool) {}
 
   // Of all sites: sessions that are finished and mapped (or failed) with reports that are not judged, and those with a
-  // passage that a session waits for. The longest waiting first.
-  absl::StatusOr<std::vector<PendingDoors>> FindPending(const CallContext& context, int limit) const;
+  // passage that a session waits for. The longest waiting of each site first, then each site's second, and so on.
+  absl::StatusOr<std::vector<PendingDoors>> FindPending(const CallContext& context, int limit,
+                                                        const PostponedDoors& postponed = {}) const;
   // In the order of the log. DATA_LOSS if a report does not decode.
   absl::StatusOr<std::vector<StoredDoorReport>> ReadReports(const CallContext& context, const SiteId& site,
                                                             const SessionId& session) const;

@@ -15,13 +15,21 @@ namespace enfilade::testing {
 namespace {
 
 // The smallest free number behind the prefix.
+// As storage/postgres/maps/numbered_map.h.
 std::string FreeName(const SiteRows& site, const std::string& prefix) {
-  for (int number = 1;; ++number) {
-    std::string name = fmt::format("{} {}", prefix, number);
-    const bool taken = std::any_of(site.maps.begin(), site.maps.end(),
-                                   [&](const auto& entry) { return entry.second.map.display_name == name; });
-    if (!taken) return name;
+  const auto name = [&](std::int64_t number) { return fmt::format("{} {}", prefix, number); };
+  const auto is_taken = [&](std::int64_t number) {
+    return std::any_of(site.maps.begin(), site.maps.end(),
+                       [&](const auto& entry) { return entry.second.map.display_name == name(number); });
+  };
+  std::int64_t taken = 0;
+  std::int64_t free = 1;
+  for (; is_taken(free); free *= 2) taken = free;
+  while (free - taken > 1) {
+    const std::int64_t middle = (taken + free) / 2;
+    (is_taken(middle) ? taken : free) = middle;
   }
+  return name(free);
 }
 
 // In the place in the world that the sessions which move there give it.

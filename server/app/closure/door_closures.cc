@@ -28,7 +28,10 @@ constexpr int kPendingAtOnce = 32;
 // The graph may change while a report is judged: people edit it.
 constexpr int kJudgingAttempts = 10;
 
-std::string KeyOf(const storage::PendingDoors& pending) { return pending.site.value() + "/" + pending.session.value(); }
+// What is known of a session that has not been pending for so long is forgotten.
+constexpr auto kForgetAfter = std::chrono::hours(1);
+
+std::pair<SiteId, SessionId> KeyOf(const storage::PendingDoors& pending) { return {pending.site, pending.session}; }
 
 }  // namespace
 
@@ -55,8 +58,7 @@ void DoorClosures::Stop() {
 
 void DoorClosures::Run() {
   while (!stop_.is_set()) {
-    site_busy_ = false;
-    if (!JudgePending()) wake_.WaitFor(site_busy_ ? kBusyPoll : kJudgingPoll);
+    if (!JudgePending()) wake_.WaitFor(busy_until_.empty() ? kJudgingPoll : kBusyPoll);
   }
 }
 
@@ -73,9 +75,16 @@ void DoorClosures::Postpone(const storage::PendingDoors& pending) {
   delay.until = now + kEarlyPoll;
 }
 
-bool DoorClosures::IsDue(const storage::PendingDoors& pending) {
-  const auto found = delays_.find(KeyOf(pending));
-  return found == delays_.end() || found->second.until <= std::chrono::steady_clock::now();
+storage::PostponedDoors DoorClosures::NotDue() {
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(delays_, [now](const auto& delay) { return delay.second.until + kForgetAfter < now; });
+  std::erase_if(busy_until_, [now](const auto& site) { return site.second <= now; });
+  storage::PostponedDoors postponed;
+  for (const auto& [key, delay] : delays_) {
+    if (delay.until > now) postponed.sessions.push_back({key.first, key.second});
+  }
+  for (const auto& [site, until] : busy_until_) postponed.sites.push_back(site);
+  return postponed;
 }
 
 void DoorClosures::RetryLater(const storage::PendingDoors& pending, const absl::Status& status) {
@@ -86,15 +95,15 @@ void DoorClosures::RetryLater(const storage::PendingDoors& pending, const absl::
 }
 
 bool DoorClosures::JudgePending() {
-  const auto pending = stores_.verdicts.FindPending(JudgingLease::Context(), kPendingAtOnce);
+  const auto pending = stores_.verdicts.FindPending(JudgingLease::Context(), kPendingAtOnce, NotDue());
   if (!pending.ok()) return false;  // readiness reports an unreachable database
   bool worked = false;
   for (const storage::PendingDoors& next : *pending) {
     if (stop_.is_set()) return false;
-    if (!IsDue(next)) continue;
+    if (busy_until_.contains(next.site)) continue;
     const auto lease = stores_.leases.Acquire(JudgingLease::Context(), next.site, owner_, JudgingLease::kTime);
     if (!lease.ok() || !*lease) {  // another process judges this site
-      site_busy_ = true;
+      busy_until_[next.site] = std::chrono::steady_clock::now() + kBusyPoll;
       continue;
     }
     const absl::StatusOr<bool> settled = Settle(JudgingLease(stores_.leases, **lease, stop_), next.session);
@@ -108,7 +117,7 @@ bool DoorClosures::JudgePending() {
       Postpone(next);
     }
   }
-  return worked;
+  return worked || pending->size() == kPendingAtOnce;  // what was tried is postponed now, and others may wait
 }
 
 absl::StatusOr<bool> DoorClosures::Settle(const JudgingLease& lease, const SessionId& id) {

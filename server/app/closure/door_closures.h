@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "core/closure/closure_options.h"
@@ -43,7 +44,8 @@ class DoorClosures {
   absl::StatusOr<bool> SettleReport(const JudgingLease& lease, const storage::Session& session,
                                     const storage::StoredDoorReport& report);
   absl::Status SettleWaiting(const JudgingLease& lease, const SessionId& previous);
-  bool IsDue(const storage::PendingDoors& pending);
+  // What is not due yet. Forgets sessions that have not been pending for long.
+  storage::PostponedDoors NotDue();
   void RetryLater(const storage::PendingDoors& pending, const absl::Status& status);
   void Postpone(const storage::PendingDoors& pending);
   // Since it was first too early for a verdict; 0 if it was not.
@@ -64,8 +66,9 @@ class DoorClosures {
     std::chrono::steady_clock::time_point until;
     std::optional<std::chrono::steady_clock::time_point> waiting_since;  // first too early for a verdict
   };
-  std::map<std::string, Delay> delays_;  // by "site/session"
-  bool site_busy_ = false;               // the worker's only, too: another process judges a site
+  std::map<std::pair<SiteId, SessionId>, Delay> delays_;
+  // Sites that another process judges are tried again after a moment. Of the worker's thread, too.
+  std::map<SiteId, std::chrono::steady_clock::time_point> busy_until_;
   std::thread worker_;
 };
 

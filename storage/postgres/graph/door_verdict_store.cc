@@ -10,6 +10,7 @@
 #include "storage/postgres/graph/link_point_changes.h"
 #include "storage/postgres/graph/link_point_evidence.h"
 #include "storage/postgres/graph/site_locks.h"
+#include "storage/postgres/maps/numbered_map.h"
 #include "storage/postgres/sessions/session_row.h"
 
 namespace enfilade::storage {
@@ -29,13 +30,17 @@ static_assert(kDoorReport == 6);  // of the index session_records_doors_idx
 constexpr Statement kFindPending{
     "looking for doors to judge",
     "SELECT site_id, session_id FROM ("
-    "  SELECT site_id, session_id, finish_time FROM enfilade.sessions WHERE door_reports > 0 AND NOT doors_judged"
-    "    AND state IN (3, 4) AND finish_time IS NOT NULL AND delete_time IS NULL"
-    "  UNION SELECT p.site_id, p.session_id, p.finish_time FROM enfilade.sessions n JOIN enfilade.sessions p"
-    "    ON p.site_id = n.site_id AND p.session_id = n.previous_session_id"
-    "    WHERE n.previous_session_id IS NOT NULL AND n.map_id IS NULL AND n.delete_time IS NULL"
-    "    AND (p.delete_time IS NOT NULL OR (p.state IN (3, 4) AND p.finish_time IS NOT NULL))) w"
-    " ORDER BY finish_time NULLS FIRST, site_id, session_id LIMIT $1"};
+    "  SELECT w.*, row_number() OVER (PARTITION BY site_id ORDER BY finish_time NULLS FIRST, session_id) AS turn FROM ("
+    "    SELECT site_id, session_id, finish_time FROM enfilade.sessions WHERE door_reports > 0 AND NOT doors_judged"
+    "      AND state IN (3, 4) AND finish_time IS NOT NULL AND delete_time IS NULL"
+    "    UNION SELECT p.site_id, p.session_id, p.finish_time FROM enfilade.sessions n JOIN enfilade.sessions p"
+    "      ON p.site_id = n.site_id AND p.session_id = n.previous_session_id"
+    "      WHERE n.previous_session_id IS NOT NULL AND n.map_id IS NULL AND n.delete_time IS NULL"
+    "      AND (p.delete_time IS NOT NULL OR (p.state IN (3, 4) AND p.finish_time IS NOT NULL))) w"
+    "  WHERE NOT EXISTS (SELECT FROM unnest($2::text[], $3::text[]) AS d (site_id, session_id)"
+    "    WHERE d.site_id = w.site_id AND d.session_id = w.session_id)"
+    "  AND NOT w.site_id = ANY ($4::text[])) ranked"
+    " ORDER BY turn, site_id, session_id LIMIT $1"};
 constexpr Statement kReadReports{"reading door reports",
                                  "SELECT r.sequence, r.payload, v.sequence IS NOT NULL FROM enfilade.session_records r"
                                  " LEFT JOIN enfilade.door_verdicts v USING (site_id, session_id, sequence)"
@@ -47,13 +52,6 @@ constexpr Statement kListWaiting{"looking for sessions that wait",
 constexpr Statement kIsJudged{
     "looking for the verdict",
     "SELECT true FROM enfilade.door_verdicts WHERE site_id = $1 AND session_id = $2 AND sequence = $3"};
-// The graph is locked: no other transaction can take the same number.
-constexpr Statement kInsertMapBehind{
-    "making the map",
-    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile)"
-    " SELECT $1, $2, $3 || ' ' || min(n), $4, $5, $6"
-    " FROM generate_series(1, (SELECT count(*) + 1 FROM enfilade.maps WHERE site_id = $1)) AS n"
-    " WHERE NOT EXISTS (SELECT FROM enfilade.maps WHERE site_id = $1 AND display_name = $3 || ' ' || n)"};
 constexpr Statement kEnter{
     "giving the next session its map",
     "UPDATE enfilade.sessions SET map_id = $3, initial_x = $4, initial_y = $5, initial_yaw = $6,"
@@ -80,12 +78,6 @@ constexpr Statement kListComparisons{
     " clouds_agree, chi2, accepted, reason FROM enfilade.door_comparisons WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 ORDER BY sequence, ordinal"};
 
-// The graph's version is raised by a trigger.
-void QueueMap(Transaction& transaction, const SiteId& site, const NewMap& map) {
-  transaction.Queue(kInsertMapBehind, Params(site, map.id, map.name_prefix, std::int32_t{map.level},
-                                             static_cast<std::int16_t>(map.environment), map.slam_profile));
-}
-
 absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, const DoorChange& change) {
   for (const LinkPointId& candidate : change.consumed) {
     ENFILADE_RETURN_IF_ERROR(postgres::RemoveLinkPoint(transaction, site, candidate, 0));
@@ -105,9 +97,17 @@ void QueueEntry(Transaction& transaction, const SiteId& site, const EnteredMap& 
 
 }  // namespace
 
-absl::StatusOr<std::vector<PendingDoors>> DoorVerdictStore::FindPending(const CallContext& context, int limit) const {
+absl::StatusOr<std::vector<PendingDoors>> DoorVerdictStore::FindPending(const CallContext& context, int limit,
+                                                                        const PostponedDoors& postponed) const {
+  std::vector<std::string_view> sites, sessions, whole_sites;
+  for (const PendingDoors& doors : postponed.sessions) {
+    sites.push_back(doors.site.value());
+    sessions.push_back(doors.session.value());
+  }
+  for (const SiteId& site : postponed.sites) whole_sites.push_back(site.value());
   ENFILADE_ASSIGN_OR_RETURN(const auto result,
-                            storage::postgres::ExecuteAlone(pool_, context, kFindPending, Params(std::int64_t{limit})));
+                            storage::postgres::ExecuteAlone(pool_, context, kFindPending,
+                                                            Params(std::int64_t{limit}, sites, sessions, whole_sites)));
   return storage::postgres::ReadRows(result, [](Row& row) {
     PendingDoors pending;
     pending.site = SiteId(std::string(row.Text()));
@@ -154,7 +154,7 @@ absl::Status DoorVerdictStore::Commit(const CallContext& context, const SiteLeas
   if (judged.rows() > 0) return absl::OkStatus();
   ENFILADE_RETURN_IF_ERROR(postgres::LockGraphAt(transaction, site, verdict.graph_version));
   ENFILADE_RETURN_IF_ERROR(postgres::LockSiteLease(transaction, lease));
-  if (change.new_map) QueueMap(transaction, site, *change.new_map);
+  if (change.new_map) postgres::QueueNumberedMap(transaction, site, *change.new_map);
   ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(transaction, site, change));
   postgres::QueueEvidence(transaction, site, change.evidence);
   postgres::QueueVerdict(transaction, site, verdict);
@@ -170,7 +170,7 @@ absl::Status DoorVerdictStore::Enter(const CallContext& context, const SiteLease
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   postgres::QueueGraphLock(transaction, lease.site);
   ENFILADE_RETURN_IF_ERROR(postgres::LockSiteLease(transaction, lease));
-  if (entered.new_map) QueueMap(transaction, lease.site, *entered.new_map);
+  if (entered.new_map) postgres::QueueNumberedMap(transaction, lease.site, *entered.new_map);
   QueueEntry(transaction, lease.site, entered);
   const absl::Status committed = transaction.Commit();
   if (postgres::SqlStateOf(committed) == "23503") return NotFound("{} does not exist", NameOf(lease.site, entered.map));

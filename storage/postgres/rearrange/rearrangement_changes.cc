@@ -14,19 +14,13 @@
 #include "storage/postgres/graph/link_point_rows.h"
 #include "storage/postgres/graph/placement.h"
 #include "storage/postgres/maps/layer_rows.h"
+#include "storage/postgres/maps/numbered_map.h"
 #include "storage/postgres/maps/revision_rows.h"
 #include "storage/postgres/rearrange/rearrangement_rows.h"
 
 namespace enfilade::storage::postgres {
 namespace {
 
-// The graph is locked: no other transaction can take the same number.
-constexpr Statement kInsertNewMap{
-    "making the map",
-    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile)"
-    " SELECT $1, $2, $3 || ' ' || min(n), $4, $5, $6"
-    " FROM generate_series(1, (SELECT count(*) + 1 FROM enfilade.maps WHERE site_id = $1)) AS n"
-    " WHERE NOT EXISTS (SELECT FROM enfilade.maps WHERE site_id = $1 AND display_name = $3 || ' ' || n)"};
 constexpr Statement kSelectSourcePlaces{
     "reading the places of the maps that are left",
     "SELECT DISTINCT ON (p.target) p.target, g.x, g.y, g.yaw, g.covariance, p.x, p.y, p.yaw"
@@ -117,10 +111,7 @@ constexpr Statement kRecordRemovals{
 absl::Status AddMaps(Transaction& transaction, const SiteId& site, const RearrangementChange& change,
                      std::int64_t version) {
   if (change.rearrangement.new_maps.empty()) return absl::OkStatus();
-  for (const rearrange::MapSeed& map : change.rearrangement.new_maps) {
-    transaction.Queue(kInsertNewMap, Params(site, map.id, map.name_prefix, std::int32_t{map.level},
-                                            static_cast<std::int16_t>(map.environment), map.slam_profile));
-  }
+  for (const rearrange::MapSeed& map : change.rearrangement.new_maps) QueueNumberedMap(transaction, site, map);
   ENFILADE_ASSIGN_OR_RETURN(const Result places, transaction.Execute(kSelectSourcePlaces, Params(site, change.id)));
   std::vector<MapPose> poses;
   for (int i = 0; i < places.rows(); ++i) {

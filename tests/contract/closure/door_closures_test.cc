@@ -149,6 +149,37 @@ TEST_F(DoorClosuresTest, APassageAtWhichNothingWasMappedIsJoinedByOdometry) {
   EXPECT_EQ(Value("SELECT count(*) FROM link_points"), "1");
 }
 
+// Reports of one site that cannot be read, more than are looked at together, and older than those of another site.
+TEST_F(DoorClosuresTest, ASiteWhoseReportsCannotBeJudgedHoldsUpNoOther) {
+  workers_.reset();
+  database_.Sql(
+      "SET session_replication_role = replica;"
+      "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, state, acknowledged_sequence,"
+      " highest_sequence, door_reports, create_time, finish_time)"
+      " SELECT 'campus', 'stuck-' || i, 'r1', 'hall', 3, 1, 1, 1, now() - interval '1 day', now() - interval '1 day'"
+      " FROM generate_series(1, 40) i;"
+      "INSERT INTO enfilade.session_records (site_id, session_id, sequence, time_ns, kind, payload)"
+      " SELECT 'campus', 'stuck-' || i, 1, 9, 6, '\\x00' FROM generate_series(1, 40) i");
+  const SiteId other("other");
+  ASSERT_OK(sites_.Create(Soon(), MakeSite(other, "Other"), ""));
+  storage::Robot robot;
+  robot.site = other;
+  robot.id = robot_;
+  robot.display_name = "Robot";
+  ASSERT_OK(robots_.Create(Soon(), robot, ""));
+  ASSERT_OK(maps_.Create(Soon(), MakeMap(other, MapId("yard"), "Yard"), ""));
+  const storage::Session first = MakeSession(other, SessionId("first"), robot_, MapId("yard"));
+  ASSERT_OK(sessions_.Create(Soon(), first, ""));
+  ASSERT_OK(sessions_.Finish(Soon(), other, first.id, 0));
+  storage::Session next = MakeSession(other, SessionId("next"), robot_, std::nullopt);
+  next.entry.previous = first.id;
+  ASSERT_OK(sessions_.Create(Soon(), next, ""));
+  Restart();
+  const auto entered = [&] { return sessions_.Get(Soon(), other, next.id)->map.has_value(); };
+  for (int i = 0; i < 300 * kSlowdown && !entered(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(entered()) << "no passage was reported: it is in a new map";
+}
+
 TEST_F(DoorClosuresTest, WorkersThatEndInBetweenLeaveNothingHalfDone) {
   const std::vector<SessionId> sessions = SendAll(DriveInTwoRooms());
   for (int i = 0; i < 8; ++i) {

@@ -2,16 +2,19 @@
 #include "storage/graph/door_verdict_store.h"
 
 #include <chrono>
+#include <cstdio>
 
 #include "core/base/environment.h"
 #include "storage/maps/feature_store.h"
 #include "storage/postgres/graph/site_lease_store.h"
+#include "storage/postgres/maps/numbered_map.h"
 #include "tests/contract/storage/store_test.h"
 #include "tests/support/pose_matchers.h"
 
 namespace enfilade::testing {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -93,6 +96,58 @@ TEST_F(DoorVerdictStoreTest, SessionsAreJudgedWhenTheyAreFinishedAndMapped) {
   EXPECT_EQ(reports[1].report.kind, sensor::DoorReport::Kind::kPassage);
   EXPECT_FALSE(reports[1].judged);
   EXPECT_THAT(*verdicts_.ListWaiting(Soon(), site_, first_), ElementsAre(second_));
+}
+
+// Many of one site are pending for longer than the only one of another.
+TEST_F(DoorVerdictStoreTest, SitesTakeTurnsHoweverManyOfOneArePending) {
+  DriveThroughADoor();
+  MarkMapped();
+  const SiteId other("other");
+  ASSERT_OK(sites_.Create(Soon(), MakeSite(other, "Other"), ""));
+  database_.Sql(
+      "SET session_replication_role = replica;"
+      "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, state, error, acknowledged_sequence,"
+      " highest_sequence, door_reports, create_time, finish_time)"
+      " SELECT 'other', 'old-' || to_char(i, 'FM00'), 'r', 4, 'failed', 1, 1, 1, now() - interval '1 day',"
+      " now() - interval '1 day' + i * interval '1 s' FROM generate_series(1, 40) i");
+  ASSERT_OK_AND_ASSIGN(const auto two, verdicts_.FindPending(Soon(), 2));
+  EXPECT_THAT(two, ElementsAre(storage::PendingDoors{site_, first_}, storage::PendingDoors{other, SessionId("old-01")}))
+      << "the first of each site";
+  storage::PostponedDoors postponed;
+  postponed.sessions = {{other, SessionId("old-01")}, {site_, SessionId("old-02")}, {other, SessionId("old-03")}};
+  ASSERT_OK_AND_ASSIGN(const auto four, verdicts_.FindPending(Soon(), 4, postponed));
+  EXPECT_THAT(four, ElementsAre(storage::PendingDoors{site_, first_}, storage::PendingDoors{other, SessionId("old-02")},
+                                storage::PendingDoors{other, SessionId("old-04")},
+                                storage::PendingDoors{other, SessionId("old-05")}));
+  postponed.sites = {other};
+  ASSERT_OK_AND_ASSIGN(const auto one, verdicts_.FindPending(Soon(), 50, postponed));
+  EXPECT_THAT(one, ElementsAre(storage::PendingDoors{site_, first_}));
+}
+
+// The maps have the numbers 1 to 20,000 but for some that were removed.
+TEST_F(DoorVerdictStoreTest, ANewMapsNameIsFoundInFewSteps) {
+  database_.Sql(
+      "SET session_replication_role = replica;"
+      "INSERT INTO enfilade.maps (site_id, map_id, display_name, environment)"
+      " SELECT 'campus', 'map-' || i, 'Map ' || i, 1 FROM generate_series(1, 20000) i WHERE i NOT IN (7, 15000);"
+      "ANALYZE enfilade.maps");
+  const std::vector<std::string> plan = database_.Sql(
+      "SET plan_cache_mode = force_generic_plan; PREPARE s (text, text, text, int, smallint, text) AS " +
+      std::string(storage::postgres::kInsertNumberedMap.sql) +
+      "; EXPLAIN (ANALYZE, FORMAT TEXT, TIMING OFF) EXECUTE s ('campus', 'new', 'Map', 0, 1::smallint, '')");
+  double rows = 0;  // that all steps of the plan gave, every time
+  for (const std::string& line : plan) {
+    double given = 0;
+    double loops = 0;
+    const auto actual = line.find("(actual rows=");
+    if (actual == std::string::npos) continue;
+    ASSERT_EQ(std::sscanf(line.c_str() + actual, "(actual rows=%lf loops=%lf)", &given, &loops), 2) << line;
+    rows += given * loops;
+  }
+  EXPECT_GT(rows, 30) << "the plan was read";
+  EXPECT_LT(rows, 500) << ::testing::PrintToString(plan);
+  EXPECT_THAT(plan, Not(Contains(HasSubstr("Seq Scan on maps"))));
+  EXPECT_EQ(database_.SqlValue("SELECT display_name FROM enfilade.maps WHERE map_id = 'new'"), "Map 20001");
 }
 
 TEST_F(DoorVerdictStoreTest, AVerdictIsStoredWithAllThatFollowsFromIt) {
@@ -270,7 +325,7 @@ TEST_F(DoorVerdictStoreTest, ASessionAfterADeletedOneIsNotForgotten) {
   EXPECT_CODE(verdicts_.Enter(Soon(), storage::SiteLease{site_, "me", 99}, again), absl::StatusCode::kAborted);
 }
 
-TEST_F(DoorVerdictStoreTest, NewMapsTakeTheLeastNumberThatIsFree) {
+TEST_F(DoorVerdictStoreTest, NewMapsTakeANumberThatIsFree) {
   DriveThroughADoor();
   MarkMapped();
   ASSERT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("a"), "Map 1"), ""));
