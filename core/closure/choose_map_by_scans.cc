@@ -16,7 +16,7 @@ namespace {
 const graph::LinkPoint* FindPlaceOfDoor(const DoorKnowledge& knowledge, const MapId& there,
                                         const PoseWithCovariance& T_there_door) {
   const graph::LinkPoint* found = nullptr;
-  for (const graph::LinkPoint* link_point : knowledge.graph->ListLinkPoints()) {
+  for (const graph::LinkPoint* link_point : knowledge.graph->ListLinkPointsIn(there)) {
     const graph::Anchor* anchor = link_point->FindAnchor(there);
     if (anchor == nullptr || link_point->use == graph::LinkPointUse::kSuspended) continue;
     if (link_point->is_candidate() && knowledge.redundant.contains(link_point->id)) continue;

@@ -28,7 +28,7 @@ DoorJudgement NotJudged(const DoorKnowledge& knowledge, std::string reason) {
 
 DoorJudgement JudgeCandidate(const DoorKnowledge& knowledge) {
   const std::vector<KnownPlace> known =
-      FindSighted(knowledge.graph->ListLinkPoints(), knowledge.map->id, *knowledge.T_map_door, knowledge.options);
+      FindSighted(knowledge.graph->ListLinkPointsIn(knowledge.map->id), knowledge.map->id, *knowledge.T_map_door, knowledge.options);
   if (!known.empty()) {
     return {.action = KeepKnownCandidate{known.front().link_point->id}, .reason = known.front().reason};
   }

@@ -70,7 +70,7 @@ DoorJudgement EnterKnownMap(const DoorKnowledge& knowledge, const Destination& t
   DoorJudgement judgement;
   if (is_door && !to.link_point->is_candidate() && to.link_point->FindAnchor(here) != nullptr) {
     judgement = {.action = RecogniseLinkPoint{to.link_point->id, Entered(to)}, .reason = to.reason};
-  } else if (const graph::LinkPoint* other = FindRedundant(knowledge.graph->ListLinkPoints(), joined)) {
+  } else if (const graph::LinkPoint* other = FindRedundant(knowledge.graph->ListLinkPointsIn(here), joined)) {
     if (is_door && to.link_point->is_candidate()) used_up.push_back(to.link_point->id);
     judgement = {.action = RecogniseLinkPoint{other->id, Entered(to)},
                  .reason = to.reason + "; a link point joins the maps at that place already"};

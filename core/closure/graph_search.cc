@@ -60,7 +60,7 @@ bool MayBeEntered(const DoorKnowledge& knowledge, const graph::LinkPoint& link_p
 PassedDoor FindPassedDoor(const DoorKnowledge& knowledge) {
   PassedDoor passed;
   for (KnownPlace& known :
-       FindPassed(knowledge.graph->ListLinkPoints(), knowledge.map->id, *knowledge.T_map_door, knowledge.options)) {
+       FindPassed(knowledge.graph->ListLinkPointsIn(knowledge.map->id), knowledge.map->id, *knowledge.T_map_door, knowledge.options)) {
     const graph::LinkPoint& link_point = *known.link_point;
     if (link_point.is_candidate()) {
       passed.sightings.push_back(link_point.id);

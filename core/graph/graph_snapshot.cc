@@ -65,6 +65,17 @@ std::vector<const LinkPoint*> GraphSnapshot::ListLinkPoints() const {
   return List<LinkPoint>(link_points_, [](const LinkPointNode& node) { return node.link_point.get(); });
 }
 
+std::vector<const LinkPoint*> GraphSnapshot::ListLinkPointsIn(const MapId& map) const {
+  std::vector<const LinkPoint*> found;
+  const int slot = map_index_.Find(map);
+  if (slot < 0) return found;
+  for (const int link_point : maps_[Index(slot)].link_points) {
+    found.push_back(link_points_[Index(link_point)].link_point.get());
+  }
+  std::sort(found.begin(), found.end(), [](const LinkPoint* a, const LinkPoint* b) { return a->id < b->id; });
+  return found;
+}
+
 void GraphSnapshot::Upsert(const MapInGraph& map) {
   int slot = map_index_.Find(map.id);
   if (slot < 0) {

@@ -87,6 +87,9 @@ class GraphSnapshot {
   // Sorted by id.
   std::vector<const MapInGraph*> ListMaps() const;
   std::vector<const LinkPoint*> ListLinkPoints() const;
+  // Those with an anchor in the map, candidates and unused ones included, sorted by id. Empty if there is no such map.
+  // The cost does not depend on the size of the graph.
+  std::vector<const LinkPoint*> ListLinkPointsIn(const MapId& map) const;
 
   // -1 if absent.
   int MapSlot(const MapId& id) const { return map_index_.Find(id); }

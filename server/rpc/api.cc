@@ -80,6 +80,11 @@ class ApiOf : public Service {
       return absl::OkStatus();
     };
   }
+  template <typename Request, typename Response>
+  auto BindNow(std::optional<absl::Status> (*try_now)(const Services&, const Request&, Response&)) const {
+    return
+        [this, try_now](const Request& request, Response& response) { return try_now(services_, request, response); };
+  }
   // A handler that gives what a watch checks.
   template <typename Request, typename Response>
   auto BindWatch(absl::StatusOr<Watch<Response>> (*open)(const Services&, const Call&, const Request&)) const {
@@ -215,7 +220,7 @@ class LinkPointApi final : public ApiOf<v1::LinkPointService::CallbackService> {
   ENFILADE_UNARY(DeleteLinkPoint)
   ENFILADE_UNARY(SuspendLinkPoint)
   ENFILADE_UNARY(ResumeLinkPoint)
-  ENFILADE_UNARY(FindLinkPoints)
+  ENFILADE_UNARY_ON_GRAPH_OR_NOW(FindLinkPoints)
   ENFILADE_CLIENT_STREAM(AttachEvidence)
 
  private:

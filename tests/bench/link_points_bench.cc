@@ -29,6 +29,7 @@ using Clock = std::chrono::steady_clock;
 using testing::RunCommand;
 
 constexpr double kRadius = 20.0;  // m
+constexpr std::chrono::seconds kSettleTimeout{300};
 // Of the square campus, m: ten of 100,000 link points lie within a circle of 20 m.
 const double kSide = std::sqrt(100'000 * M_PI * kRadius * kRadius / 10);
 
@@ -69,6 +70,30 @@ std::string Run(const std::vector<std::string>& command) {
   return std::move(result.output);
 }
 
+template <typename Service, typename Request, typename Response>
+Response Must(const enfilade::client::Connection& connection,
+              grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
+              const Request& request) {
+  auto response = connection.Call(method, request);
+  if (!response.ok()) throw std::runtime_error(response.status().ToString());
+  return *std::move(response);
+}
+
+// Until the server has solved the graph and has it in memory, as it has any site that is in use.
+void Settle(BenchSystem& system) {
+  const enfilade::client::Connection connection{system.server().address(), kSettleTimeout};
+  v1::OptimizeGraphRequest optimize;
+  optimize.set_site("sites/bench");
+  const std::int64_t version = Must(connection, &v1::GraphService::Stub::OptimizeGraph, optimize).graph_version();
+  v1::FindLinkPointsRequest find;
+  find.set_parent("sites/bench");
+  find.set_radius_m(kRadius);
+  find.mutable_point_world();
+  while (Must(connection, &v1::LinkPointService::Stub::FindLinkPoints, find).graph_version() < version) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
 void Populate(BenchSystem& system) {
   const std::string file = (system.directory() / "populate.sql").string();
   std::ofstream(file) << kPopulate;
@@ -76,6 +101,7 @@ void Populate(BenchSystem& system) {
   system.server().Kill();
   Run({"psql", system.database_url(), "-Xqv", "ON_ERROR_STOP=1", "-v", fmt::format("side={}", kSide), "-f", file});
   system.server().StartAndWait();
+  Settle(system);
 }
 
 // The statement of the server, its parameters as pgbench's variables.
@@ -219,15 +245,6 @@ nlohmann::json Measure(BenchSystem& system, const std::string& script, int clien
           {"ratio_max", Percentile(ratios, 1.0)},
           {"p50_ms", Percentile(latencies, 0.5)},
           {"p99_ms", Percentile(latencies, 0.99)}};
-}
-
-template <typename Service, typename Request, typename Response>
-Response Must(const enfilade::client::Connection& connection,
-              grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
-              const Request& request) {
-  auto response = connection.Call(method, request);
-  if (!response.ok()) throw std::runtime_error(response.status().ToString());
-  return *std::move(response);
 }
 
 // A link point is moved, then a pose is asked for at the other end of the campus, some 200 link points away.

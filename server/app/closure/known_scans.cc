@@ -105,7 +105,7 @@ absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const KnownScansScope
 
 std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) {
   std::vector<Pose2> doors;
-  for (const graph::LinkPoint* link_point : graph.ListLinkPoints()) {
+  for (const graph::LinkPoint* link_point : graph.ListLinkPointsIn(map)) {
     const graph::Anchor* anchor = link_point->FindAnchor(map);
     if (anchor != nullptr && !link_point->is_candidate()) doors.push_back(anchor->T_map_place);
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 
 namespace enfilade::server {
@@ -32,20 +33,14 @@ absl::Status PlanAroundPose(const LinkPointSearch& search, const PoseWithCovaria
   return absl::OkStatus();
 }
 
-// The place of the search's map. Reads nothing for a search that is in no map.
-absl::StatusOr<std::optional<PoseWithCovariance>> FindMap(const LinkPointSearchStores& stores,
-                                                          const storage::CallContext& context, const SiteId& site,
+// The place of the search's map; none for a search that is in no map.
+absl::StatusOr<std::optional<PoseWithCovariance>> FindMap(const SiteId& site, const SiteGraph& graph,
                                                           const LinkPointSearch& search) {
-  std::optional<PoseWithCovariance> T_world_map;
   const auto* pose = std::get_if<PoseInMap>(&search.around);
-  if (pose == nullptr) return T_world_map;
-  ENFILADE_ASSIGN_OR_RETURN(const auto places, stores.graph.GetPlaces(context, site, {pose->map}));
-  if (places.empty()) {
-    ENFILADE_RETURN_IF_ERROR(stores.maps.Get(context, site, pose->map).status());
-  } else {
-    T_world_map = places.front().T_world_map;
-  }
-  return T_world_map;
+  if (pose == nullptr) return std::optional<PoseWithCovariance>();
+  const int slot = graph.graph().MapSlot(pose->map);
+  if (slot < 0) return NotFound("{} does not exist", NameOf(site, pose->map));
+  return graph.placed.PlaceOfMap(slot);
 }
 
 }  // namespace
@@ -90,32 +85,29 @@ std::optional<FoundLinkPoint::Offset> OffsetFrom(const std::optional<PoseWithCov
                                   .value_or(std::numeric_limits<double>::infinity())};
 }
 
-absl::StatusOr<LinkPointSearchResult> SearchLinkPoints(const LinkPointSearchStores& stores,
-                                                       const storage::CallContext& context, const SiteId& site,
-                                                       const LinkPointSearch& search) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto T_world_map, FindMap(stores, context, site, search));
-  ENFILADE_ASSIGN_OR_RETURN(const LinkPointSearchPlan plan, PlanLinkPointSearch(search, T_world_map));
+absl::StatusOr<LinkPointSearchPlan> PlanLinkPointSearchIn(const SiteId& site, const SiteGraph& graph,
+                                                          const LinkPointSearch& search) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto T_world_map, FindMap(site, graph, search));
+  return PlanLinkPointSearch(search, T_world_map);
+}
+
+absl::StatusOr<LinkPointSearchResult> SearchLinkPoints(std::shared_ptr<const SiteGraph> graph,
+                                                       const LinkPointSearchPlan& plan) {
   LinkPointSearchResult result;
   result.T_world_center = plan.T_world_center;
   if (plan.query) {
-    ENFILADE_ASSIGN_OR_RETURN(storage::FoundLinkPoints placed, stores.link_points.Find(context, site, *plan.query));
-    result.graph_version = placed.graph_version;
+    ENFILADE_ASSIGN_OR_RETURN(const auto placed, graph->placed.Find(graph->graph(), *plan.query));
     if (const auto* circle = std::get_if<storage::LinkPointCircle>(&plan.query->area)) result.radius_m = circle->radius;
-    result.found.reserve(placed.link_points.size());
-    for (storage::StoredLinkPoint& link_point : placed.link_points) {
-      const auto offset = OffsetFrom(plan.T_world_center, link_point);
-      result.found.push_back({std::move(link_point), offset});
+    for (const storage::StoredLinkPoint* link_point : placed) {
+      result.found.push_back({link_point, OffsetFrom(plan.T_world_center, *link_point)});
     }
   }
   if (plan.with_unplaced) {
-    ENFILADE_ASSIGN_OR_RETURN(auto unplaced, stores.link_points.ListUnplaced(context, site, kMaxUnplaced));
-    for (storage::StoredLinkPoint& link_point : unplaced) {
-      result.found.push_back({std::move(link_point), std::nullopt});
+    for (const storage::StoredLinkPoint* link_point : graph->placed.ListUnplaced(kMaxUnplaced)) {
+      result.found.push_back({link_point, std::nullopt});
     }
   }
-  if (!plan.query) {
-    ENFILADE_ASSIGN_OR_RETURN(result.graph_version, stores.graph.GetVersion(context, site));
-  }
+  result.graph = std::move(graph);
   return result;
 }
 

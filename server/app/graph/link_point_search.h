@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -11,10 +12,8 @@
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
 #include "core/graph/search_radius.h"
-#include "storage/call_context.h"
-#include "storage/graph/graph_store.h"
+#include "server/app/graph/site_graph.h"
 #include "storage/graph/link_point_store.h"
-#include "storage/maps/map_store.h"
 
 namespace enfilade::server {
 
@@ -37,7 +36,7 @@ struct LinkPointSearch {
   bool with_unplaced = false;          // those without a place in the world, too
 };
 
-// What a search asks the store for.
+// What a search looks for in the graph.
 struct LinkPointSearchPlan {
   std::optional<storage::LinkPointQuery> query;      // unset: the pose's map has no place in the world
   std::optional<PoseWithCovariance> T_world_center;  // of a pose or circle
@@ -50,7 +49,7 @@ absl::StatusOr<LinkPointSearchPlan> PlanLinkPointSearch(const LinkPointSearch& s
                                                         const std::optional<PoseWithCovariance>& T_world_map);
 
 struct FoundLinkPoint {
-  storage::StoredLinkPoint link_point;
+  const storage::StoredLinkPoint* link_point = nullptr;
   // From the search's centre; unset if it has none or the link point has no place in the world.
   struct Offset {
     double distance_m = 0.0;
@@ -65,21 +64,18 @@ std::optional<FoundLinkPoint::Offset> OffsetFrom(const std::optional<PoseWithCov
                                                  const storage::StoredLinkPoint& link_point);
 
 struct LinkPointSearchResult {
-  std::vector<FoundLinkPoint> found;  // those with a place first, in the order of LinkPointReader::Find()
+  std::shared_ptr<const SiteGraph> graph;  // that was searched; it owns the link points
+  std::vector<FoundLinkPoint> found;       // those with a place first, in the order of LinkPointReader::Find()
   std::optional<PoseWithCovariance> T_world_center;
   std::optional<double> radius_m;  // of a search around something with a place
-  std::int64_t graph_version = 0;
 };
 
-struct LinkPointSearchStores {
-  const storage::LinkPointReader& link_points;
-  const storage::GraphReader& graph;
-  const storage::MapReader& maps;
-};
+// As PlanLinkPointSearch, with the map's place in the graph. NOT_FOUND if the site has no such map.
+absl::StatusOr<LinkPointSearchPlan> PlanLinkPointSearchIn(const SiteId& site, const SiteGraph& graph,
+                                                          const LinkPointSearch& search);
 
-// NOT_FOUND if there is no such site or map.
-absl::StatusOr<LinkPointSearchResult> SearchLinkPoints(const LinkPointSearchStores& stores,
-                                                       const storage::CallContext& context, const SiteId& site,
-                                                       const LinkPointSearch& search);
+// Answers from memory. INVALID_ARGUMENT as LinkPointReader::Find.
+absl::StatusOr<LinkPointSearchResult> SearchLinkPoints(std::shared_ptr<const SiteGraph> graph,
+                                                       const LinkPointSearchPlan& plan);
 
 }  // namespace enfilade::server

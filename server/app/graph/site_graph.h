@@ -4,22 +4,26 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "core/geo/georeference.h"
 #include "core/graph/global_pose.h"
 #include "core/graph/graph_snapshot.h"
+#include "server/app/graph/placed_link_points.h"
 #include "storage/graph/graph_store.h"
 
 namespace enfilade::server {
 
 // A site's graph at one version, with the values derived from it. Immutable and shared.
 struct SiteGraph {
-  explicit SiteGraph(graph::GraphSnapshot snapshot) : poses(std::move(snapshot)) {}
+  explicit SiteGraph(graph::GraphSnapshot snapshot, PlacedLinkPoints link_points = {})
+      : poses(std::move(snapshot)), placed(std::move(link_points)) {}
 
   const graph::GraphSnapshot& graph() const { return poses.graph(); }
 
   graph::WorldPoses poses;
+  PlacedLinkPoints placed;
   std::int64_t solution_version = 0;  // made by the last optimisation; 0: none, or none for this root
   std::vector<storage::ControlPoint> control_points;
   std::optional<geo::GeoreferenceFit> georeference;  // unset: too few control points, or they do not fit

@@ -51,9 +51,11 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> ReadSiteGraph(const storage::Gr
     if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, update.solution_version, changes.root);
     if (snapshot_changes.solution != nullptr) solution_version = update.solution_version;
   }
-  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot,
-                            graph::Apply(complete ? graph::GraphSnapshot() : old->graph(), snapshot_changes));
-  auto graph = std::make_shared<SiteGraph>(std::move(snapshot));
+  const SiteGraph none{graph::GraphSnapshot()};
+  const SiteGraph& before = complete ? none : *old;
+  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot, graph::Apply(before.graph(), snapshot_changes));
+  PlacedLinkPoints placed = before.placed.With(before.graph(), snapshot, changes);
+  auto graph = std::make_shared<SiteGraph>(std::move(snapshot), std::move(placed));
   const graph::SolvedGraph* solution = graph->graph().solution();
   graph->solution_version = solution != nullptr && solution->root == graph->graph().root() ? solution_version : 0;
   ENFILADE_ASSIGN_OR_RETURN(graph->control_points, store.GetControlPoints(context, site));

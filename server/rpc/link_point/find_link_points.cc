@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr int kMaxCount = 1000;
+constexpr double kLocalRadius = 100.0;  // m
 
 using Around = decltype(LinkPointSearch::around);
 
@@ -65,27 +68,61 @@ absl::StatusOr<LinkPointSearch> SearchOf(const SiteId& site, const v1::FindLinkP
 
 void Fill(const FoundLinkPoint& found, v1::FoundLinkPoint& out) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  server::ToProto(found.link_point, *out.mutable_link_point());
+  server::ToProto(*found.link_point, *out.mutable_link_point());
   const FoundLinkPoint::Offset offset = found.offset.value_or(FoundLinkPoint::Offset{kUnknown, kUnknown, kUnknown});
   out.set_distance_m(offset.distance_m);
   out.set_bearing_rad(offset.bearing_rad);
   out.set_mahalanobis_distance(offset.mahalanobis_distance);
 }
 
-}  // namespace
+struct GivenSearch {
+  SiteId site;
+  LinkPointSearch search;
+};
 
-absl::Status FindLinkPoints(const Services& services, const Call& call, const v1::FindLinkPointsRequest& request,
-                            v1::FindLinkPointsResponse& response) {
-  ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
-  ENFILADE_ASSIGN_OR_RETURN(const LinkPointSearch search, SearchOf(site, request));
-  ENFILADE_ASSIGN_OR_RETURN(
-      const LinkPointSearchResult result,
-      SearchLinkPoints({services.link_points, services.graph_store, services.maps}, call.context(), site, search));
+absl::StatusOr<GivenSearch> Parse(const v1::FindLinkPointsRequest& request) {
+  ENFILADE_ASSIGN_OR_RETURN(SiteId site, convert::ParseSiteName("parent", request.parent()));
+  ENFILADE_ASSIGN_OR_RETURN(LinkPointSearch search, SearchOf(site, request));
+  return GivenSearch{std::move(site), std::move(search)};
+}
+
+// Whether the search looks at the surroundings only, so that the thread that received the call may answer it.
+bool IsLocal(const LinkPointSearchPlan& plan) {
+  if (plan.with_unplaced || !plan.query || plan.query->candidate == true) return false;
+  const auto* circle = std::get_if<storage::LinkPointCircle>(&plan.query->area);
+  return circle != nullptr && circle->radius <= kLocalRadius;
+}
+
+absl::Status Answer(std::shared_ptr<const SiteGraph> graph, const LinkPointSearchPlan& plan,
+                    v1::FindLinkPointsResponse& response) {
+  ENFILADE_ASSIGN_OR_RETURN(const LinkPointSearchResult result, SearchLinkPoints(std::move(graph), plan));
   for (const FoundLinkPoint& found : result.found) Fill(found, *response.add_found());
   if (result.T_world_center) enfilade::convert::ToProto(*result.T_world_center, *response.mutable_pose_world());
   if (result.radius_m) response.set_radius_m(*result.radius_m);
-  response.set_graph_version(result.graph_version);
+  response.set_graph_version(result.graph->graph().version());
   return absl::OkStatus();
+}
+
+}  // namespace
+
+std::optional<absl::Status> TryFindLinkPoints(const Services& services, const v1::FindLinkPointsRequest& request,
+                                              v1::FindLinkPointsResponse& response) {
+  const absl::StatusOr<GivenSearch> given = Parse(request);
+  if (!given.ok()) return given.status();
+  auto graph = services.graphs.FindCurrent(given->site);
+  if (graph == nullptr) return std::nullopt;
+  const auto plan = PlanLinkPointSearchIn(given->site, *graph, given->search);
+  if (!plan.ok()) return plan.status();
+  if (!IsLocal(*plan)) return std::nullopt;
+  return Answer(std::move(graph), *plan, response);
+}
+
+absl::Status FindLinkPoints(const Services& services, const Call& call, const v1::FindLinkPointsRequest& request,
+                            v1::FindLinkPointsResponse& response) {
+  ENFILADE_ASSIGN_OR_RETURN(const GivenSearch given, Parse(request));
+  ENFILADE_ASSIGN_OR_RETURN(auto graph, services.graphs.Get(call.context(), given.site));
+  ENFILADE_ASSIGN_OR_RETURN(const LinkPointSearchPlan plan, PlanLinkPointSearchIn(given.site, *graph, given.search));
+  return Answer(std::move(graph), plan, response);
 }
 
 }  // namespace enfilade::server

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "enfilade/v1/link_point_service.pb.h"
 #include "server/app/services.h"
@@ -26,7 +29,10 @@ absl::StatusOr<v1::SuspendLinkPointResponse> SuspendLinkPoint(const Services& se
                                                               const v1::SuspendLinkPointRequest& request);
 absl::StatusOr<v1::ResumeLinkPointResponse> ResumeLinkPoint(const Services& services, const Call& call,
                                                             const v1::ResumeLinkPointRequest& request);
-// Answers into `response`, which lies in an arena (ArenaMessages).
+// Answer into `response`, which lies in an arena (ArenaMessages). TryFindLinkPoints answers searches of the
+// surroundings, if the graph is in memory.
+std::optional<absl::Status> TryFindLinkPoints(const Services& services, const v1::FindLinkPointsRequest& request,
+                                              v1::FindLinkPointsResponse& response);
 absl::Status FindLinkPoints(const Services& services, const Call& call, const v1::FindLinkPointsRequest& request,
                             v1::FindLinkPointsResponse& response);
 

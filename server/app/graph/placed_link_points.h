@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/graph/cow_vector.h"
+#include "core/graph/graph_snapshot.h"
+#include "core/graph/point_index.h"
+#include "storage/graph/graph_store.h"
+#include "storage/graph/link_point_store.h"
+
+namespace enfilade::server {
+
+// The link points of one version of a site's graph as they are stored, and their places and those of the maps in the
+// world. Searches in the world are answered from it, as LinkPointReader::Find and ListUnplaced do from the database.
+// Immutable, and cheap to copy and to change, like GraphSnapshot, whose slots it shares. Thread-safe.
+class PlacedLinkPoints {
+ public:
+  // What the store has changed since the version before; `after` is what graph::Apply made of the same changes and of
+  // `before`. The whole graph if changes.complete: then `before` is empty, and so is this.
+  PlacedLinkPoints With(const graph::GraphSnapshot& before, const graph::GraphSnapshot& after,
+                        const storage::GraphChanges& changes) const;
+
+  // T_world_map; unset: the map was never joined to the root map. `map`: a slot of the snapshot.
+  const std::optional<PoseWithCovariance>& PlaceOfMap(int map) const {
+    return map_places_[static_cast<std::size_t>(map)];
+  }
+
+  // In the order of LinkPointReader::Find. `graph` is the snapshot of this version. INVALID_ARGUMENT as there. The
+  // pointers are valid as long as this.
+  absl::StatusOr<std::vector<const storage::StoredLinkPoint*>> Find(const graph::GraphSnapshot& graph,
+                                                                    const storage::LinkPointQuery& query) const;
+  // Those without a place in the world, by id. Looks at all link points, unless all have a place.
+  std::vector<const storage::StoredLinkPoint*> ListUnplaced(int limit) const;
+
+ private:
+  const storage::StoredLinkPoint& Row(int slot) const { return *rows_[static_cast<std::size_t>(slot)]; }
+  void Set(int slot, std::shared_ptr<const storage::StoredLinkPoint> row, std::vector<graph::PointIndex::Point>& moved);
+
+  graph::CowVector<std::shared_ptr<const storage::StoredLinkPoint>> rows_;  // null: an empty slot
+  graph::CowVector<std::optional<PoseWithCovariance>> map_places_;
+  graph::PointIndex positions_;  // m, in the world, by slot
+  int unplaced_ = 0;
+};
+
+}  // namespace enfilade::server
