@@ -27,8 +27,8 @@ DoorJudgement NotJudged(const DoorKnowledge& knowledge, std::string reason) {
 }
 
 DoorJudgement JudgeCandidate(const DoorKnowledge& knowledge) {
-  const std::vector<KnownPlace> known =
-      FindSighted(knowledge.graph->ListLinkPointsIn(knowledge.map->id), knowledge.map->id, *knowledge.T_map_door, knowledge.options);
+  const std::vector<KnownPlace> known = FindSighted(knowledge.graph->ListLinkPointsIn(knowledge.map->id),
+                                                    knowledge.map->id, *knowledge.T_map_door, knowledge.options);
   if (!known.empty()) {
     return {.action = KeepKnownCandidate{known.front().link_point->id}, .reason = known.front().reason};
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -13,6 +14,8 @@
 
 namespace enfilade::closure {
 namespace {
+
+using graph::GraphSnapshot;
 
 graph::SearchRadiusOptions RadiusOptions(const DoorClosureOptions& options) {
   return {.base_m = options.search_base, .factor = options.search_factor};
@@ -55,12 +58,107 @@ bool MayBeEntered(const DoorKnowledge& knowledge, const graph::LinkPoint& link_p
                       [&](const PassedLinkPoint& one) { return one.place.link_point == &link_point; });
 }
 
+// T_world_map by the solution: of a map that it does not pose, from the posed map that is the fewest link points away.
+// Unset if there is none.
+std::optional<PoseWithCovariance> FindWorldPose(const GraphSnapshot& graph, int map) {
+  std::vector<std::pair<int, PoseWithCovariance>> queue = {{map, {}}};  // T_reached_map
+  std::set<int> reached = {map};
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    const auto [here, T_here_map] = queue[i];
+    const MapId& id = graph.map_node(here).map->id;
+    if (const PoseWithCovariance* T_world_here = graph.FindSolvedPose(id)) return Compose(*T_world_here, T_here_map);
+    for (const GraphSnapshot::Doorway& doorway : graph.map_node(here).doorways) {
+      const GraphSnapshot::LinkPointNode& node = graph.link_point_node(doorway.link_point);
+      for (const int there : node.maps) {
+        if (!reached.insert(there).second) continue;
+        const graph::Anchor& to = *node.link_point->FindAnchor(graph.map_node(there).map->id);
+        const graph::Anchor& from = *node.link_point->FindAnchor(id);
+        queue.emplace_back(there, Compose(graph::TransformAcross(to, from), T_here_map));
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+// What lies near the session's map by the poses of the graph's solution. Chains of link points say it more exactly, but
+// each of them costs a search. Variances of the solution add up to an upper bound of the transform's.
+class SolvedNeighbourhood {
+ public:
+  explicit SolvedNeighbourhood(const DoorKnowledge& knowledge)
+      : knowledge_(knowledge),
+        options_(RadiusOptions(knowledge.options)),
+        T_world_this_(FindWorldPose(*knowledge.graph, knowledge.graph->MapSlot(knowledge.map->id))) {}
+
+  // Whether the door may be within the search radius of the anchor. Yes, if the solution does not pose the map.
+  bool MayBeNear(const graph::Anchor& anchor) const {
+    const auto door = PoseIn(anchor.map, *knowledge_.T_map_door);
+    return !door || Distance(*door, anchor) <= graph::SearchRadius(door->covariance + anchor.covariance, options_);
+  }
+
+  // Whether the robot may be within the search radius of one of the map's link points. As MayBeNear.
+  bool MayBeNear(const GraphSnapshot::MapNode& node) const {
+    const auto robot = PoseIn(node.map->id, *knowledge_.T_map_robot);
+    if (!robot) return true;
+    const double radius = graph::SearchRadius(robot->covariance, options_);
+    return std::any_of(node.link_points.begin(), node.link_points.end(), [&](int link_point) {
+      const graph::LinkPoint& point = *knowledge_.graph->link_point_node(link_point).link_point;
+      return Distance(*robot, *point.FindAnchor(node.map->id)) <= radius;
+    });
+  }
+
+ private:
+  std::optional<PoseWithCovariance> PoseIn(const MapId& map, const PoseWithCovariance& T_this_pose) const {
+    const PoseWithCovariance* T_world_map = knowledge_.graph->FindSolvedPose(map);
+    if (!T_world_this_ || T_world_map == nullptr) return std::nullopt;
+    return Compose(Inverse(*T_world_map), Compose(*T_world_this_, T_this_pose));
+  }
+  static double Distance(const PoseWithCovariance& pose, const graph::Anchor& anchor) {
+    return (pose.pose.translation() - anchor.T_map_place.translation()).norm();
+  }
+
+  const DoorKnowledge& knowledge_;
+  const graph::SearchRadiusOptions options_;
+  const std::optional<PoseWithCovariance> T_world_this_;
+};
+
+// Link points that the search for places looks at, by id.
+std::vector<const graph::LinkPoint*> FindNear(const DoorKnowledge& knowledge) {
+  const GraphSnapshot& graph = *knowledge.graph;
+  const SolvedNeighbourhood neighbourhood(knowledge);
+  std::vector<const graph::LinkPoint*> near;
+  for (std::size_t slot = 0; slot < graph.link_point_slots(); ++slot) {
+    const graph::LinkPoint* link_point = graph.link_point_node(static_cast<int>(slot)).link_point.get();
+    if (link_point == nullptr) continue;
+    const auto& anchors = link_point->anchors;
+    if (std::any_of(anchors.begin(), anchors.end(),
+                    [&](const graph::Anchor& anchor) { return neighbourhood.MayBeNear(anchor); })) {
+      near.push_back(link_point);
+    }
+  }
+  std::sort(near.begin(), near.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
+  return near;
+}
+
+// Other maps on the entered level that the search for maps looks at, by id.
+std::vector<const graph::MapInGraph*> FindMapsNear(const DoorKnowledge& knowledge) {
+  const GraphSnapshot& graph = *knowledge.graph;
+  const SolvedNeighbourhood neighbourhood(knowledge);
+  std::vector<const graph::MapInGraph*> near;
+  for (std::size_t slot = 0; slot < graph.map_slots(); ++slot) {
+    const GraphSnapshot::MapNode& node = graph.map_node(static_cast<int>(slot));
+    if (node.map == nullptr || node.map->id == knowledge.map->id) continue;
+    if (node.map->level == knowledge.entered_level() && neighbourhood.MayBeNear(node)) near.push_back(node.map.get());
+  }
+  std::sort(near.begin(), near.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
+  return near;
+}
+
 }  // namespace
 
 PassedDoor FindPassedDoor(const DoorKnowledge& knowledge) {
   PassedDoor passed;
-  for (KnownPlace& known :
-       FindPassed(knowledge.graph->ListLinkPointsIn(knowledge.map->id), knowledge.map->id, *knowledge.T_map_door, knowledge.options)) {
+  for (KnownPlace& known : FindPassed(knowledge.graph->ListLinkPointsIn(knowledge.map->id), knowledge.map->id,
+                                      *knowledge.T_map_door, knowledge.options)) {
     const graph::LinkPoint& link_point = *known.link_point;
     if (link_point.is_candidate()) {
       passed.sightings.push_back(link_point.id);
@@ -93,7 +191,7 @@ absl::Status GraphSearch::Run(const SearchGraph& step, DoorKnowledge& knowledge)
   return absl::OkStatus();
 }
 
-absl::StatusOr<const graph::TransformsTo*> GraphSearch::TransformsToSessionMap(const DoorKnowledge& knowledge) {
+absl::StatusOr<graph::TransformsTo*> GraphSearch::TransformsToSessionMap(const DoorKnowledge& knowledge) {
   if (!transforms_) {
     ENFILADE_ASSIGN_OR_RETURN(auto transforms, graph::TransformsTo::Make(*knowledge.graph, knowledge.map->id));
     transforms_ = std::move(transforms);
@@ -104,10 +202,10 @@ absl::StatusOr<const graph::TransformsTo*> GraphSearch::TransformsToSessionMap(c
 // Within the search radius of the door, and all in maps that no link points lead to. The nearest first, max_compared at
 // most.
 absl::StatusOr<std::vector<ComparedPlace>> GraphSearch::FindPlaces(const DoorKnowledge& knowledge) {
-  ENFILADE_ASSIGN_OR_RETURN(const graph::TransformsTo* to_this, TransformsToSessionMap(knowledge));
+  ENFILADE_ASSIGN_OR_RETURN(graph::TransformsTo * to_this, TransformsToSessionMap(knowledge));
   std::map<MapId, std::optional<PoseWithCovariance>> transforms;  // T_other_this
   std::vector<ComparedPlace> places;
-  for (const graph::LinkPoint* link_point : knowledge.graph->ListLinkPoints()) {
+  for (const graph::LinkPoint* link_point : FindNear(knowledge)) {
     if (!MayBeEntered(knowledge, *link_point)) continue;
     for (const graph::Anchor& anchor : link_point->anchors) {
       if (anchor.map == knowledge.map->id || !IsOnEnteredLevel(knowledge, anchor.map)) continue;
@@ -140,11 +238,10 @@ absl::StatusOr<std::vector<ComparedPlace>> GraphSearch::FindPlaces(const DoorKno
 // With a link point within the search radius of the predicted pose. Maps that no link points lead to are left out:
 // scans alone do not tell one room from another.
 absl::StatusOr<std::vector<SearchedMap>> GraphSearch::FindMaps(const DoorKnowledge& knowledge) {
-  ENFILADE_ASSIGN_OR_RETURN(const graph::TransformsTo* to_this, TransformsToSessionMap(knowledge));
+  ENFILADE_ASSIGN_OR_RETURN(graph::TransformsTo * to_this, TransformsToSessionMap(knowledge));
   const graph::GraphSnapshot& graph = *knowledge.graph;
   std::vector<SearchedMap> maps;
-  for (const graph::MapInGraph* map : graph.ListMaps()) {
-    if (map->id == knowledge.map->id || map->level != knowledge.entered_level()) continue;
+  for (const graph::MapInGraph* map : FindMapsNear(knowledge)) {
     ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this->Find(map->id));
     if (!transform) continue;
     const PoseWithCovariance robot = Compose(transform->T_a_b, *knowledge.T_map_robot);

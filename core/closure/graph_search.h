@@ -21,7 +21,7 @@ class GraphSearch {
   absl::Status Run(const SearchGraph& step, DoorKnowledge& knowledge);
 
  private:
-  absl::StatusOr<const graph::TransformsTo*> TransformsToSessionMap(const DoorKnowledge& knowledge);
+  absl::StatusOr<graph::TransformsTo*> TransformsToSessionMap(const DoorKnowledge& knowledge);
   absl::StatusOr<std::vector<ComparedPlace>> FindPlaces(const DoorKnowledge& knowledge);
   absl::StatusOr<std::vector<SearchedMap>> FindMaps(const DoorKnowledge& knowledge);
 

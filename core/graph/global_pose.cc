@@ -11,6 +11,8 @@
 namespace enfilade::graph {
 namespace {
 
+constexpr int kSearchesEach = 8;  // before one search serves all
+
 absl::StatusOr<int> GetMapSlot(const GraphSnapshot& graph, const MapId& map) {
   const int slot = graph.MapSlot(map);
   if (slot < 0) return NotFound("the graph has no map {} at version {}", map.value(), graph.version());
@@ -121,9 +123,7 @@ absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& g
 }
 
 TransformsTo::TransformsTo(const GraphSnapshot& graph, int b, const PathOptions& options)
-    : graph_(&graph), options_(options), sources_({{.map = b, .cost = 0.0, .position = std::nullopt}}) {
-  labels_ = ShortestPaths(*graph_, sources_, options_);
-}
+    : graph_(&graph), options_(options), sources_({{.map = b, .cost = 0.0, .position = std::nullopt}}) {}
 
 absl::StatusOr<TransformsTo> TransformsTo::Make(const GraphSnapshot& graph, const MapId& b,
                                                 const PathOptions& options) {
@@ -131,9 +131,17 @@ absl::StatusOr<TransformsTo> TransformsTo::Make(const GraphSnapshot& graph, cons
   return TransformsTo(graph, slot, options);
 }
 
-absl::StatusOr<std::optional<MapTransform>> TransformsTo::Find(const MapId& a) const {
+absl::StatusOr<std::optional<MapTransform>> TransformsTo::Find(const MapId& a) {
   ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(*graph_, a));
-  std::optional<Path> path = BestPath(*graph_, sources_, labels_, {.map = slot, .position = std::nullopt}, options_);
+  const PathTarget target{.map = slot, .position = std::nullopt};
+  std::optional<Path> path;
+  if (searches_ < kSearchesEach) {
+    ++searches_;
+    path = ShortestPath(*graph_, sources_, target, options_);
+  } else {
+    if (labels_.empty()) labels_ = ShortestPaths(*graph_, sources_, options_);
+    path = BestPath(*graph_, sources_, labels_, target, options_);
+  }
   if (!path.has_value()) return std::optional<MapTransform>();
   // The search started at b; legs cost the same in both directions.
   std::reverse(path->maps.begin(), path->maps.end());

@@ -81,13 +81,14 @@ struct MapTransform {
 absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& graph, const MapId& a, const MapId& b,
                                                           const PathOptions& options = {});
 
-// FindTransform from any number of maps a to one map b, with one search for all of them.
+// FindTransform from any number of maps a to one map b. The first few take a search each, which ends at a; then one
+// search serves all. Not thread-safe.
 class TransformsTo {
  public:
   // `graph` must outlive the result. NOT_FOUND: no such map.
   static absl::StatusOr<TransformsTo> Make(const GraphSnapshot& graph, const MapId& b, const PathOptions& options = {});
 
-  absl::StatusOr<std::optional<MapTransform>> Find(const MapId& a) const;
+  absl::StatusOr<std::optional<MapTransform>> Find(const MapId& a);
 
  private:
   TransformsTo(const GraphSnapshot& graph, int b, const PathOptions& options);
@@ -95,7 +96,8 @@ class TransformsTo {
   const GraphSnapshot* graph_;
   PathOptions options_;
   std::vector<PathSource> sources_;
-  std::vector<PathLabel> labels_;
+  int searches_ = 0;
+  std::vector<PathLabel> labels_;  // of the search that serves all; empty: not made yet
 };
 
 // Transforms poses from map b to map a.

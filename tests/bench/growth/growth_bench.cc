@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints JSON: how long calls take as sites, and their number, grow (docs/benchmarks.md). usage: bench_growth [--quick] [MAPS...]
+// Prints JSON: how long calls take as sites, and their number, grow (docs/benchmarks.md). usage: bench_growth [--quick]
+// [MAPS...]
 #include <iostream>
 #include <stdexcept>
 
