@@ -9,7 +9,9 @@ SEEDS ?= 20
 CAMPUS ?= figure1
 # Further options of campus_seeds: --robots r1,r2 --laps 2 --verdicts ...
 OPTIONS ?=
-.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus
+# How long `make robustness` searches each decoder.
+MINUTES ?= 10
+.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -42,6 +44,10 @@ campus: configure ## measure automatic mapping of CAMPUS=figure1, random:1-9, ..
 bench: ## run the benchmarks; they write JSON to build/bench
 	@$(MAKE) build PACKAGES=analysis
 	@tests/bench/run $(BIN) build/bench
+
+robustness: ## fuzz every decoder of outside bytes for MINUTES=10 each; JSON in build/robustness
+	@$(MAKE) build PRESET=fuzz PACKAGES=fuzz
+	@tests/robustness/decoders build/fuzz/bin build/robustness --minutes $(MINUTES)
 
 asan: ## run the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@$(MAKE) test PRESET=asan
