@@ -9,8 +9,9 @@ SEEDS ?= 20
 CAMPUS ?= figure1
 # Further options of campus_seeds: --robots r1,r2 --laps 2 --verdicts ...
 OPTIONS ?=
-# How long `make robustness` searches each decoder.
+# `make robustness`: how long each decoder is searched, and how many malformed calls are made.
 MINUTES ?= 10
+CALLS ?= 100000
 .PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
 
 help: ## this list
@@ -45,8 +46,10 @@ bench: ## run the benchmarks; they write JSON to build/bench
 	@$(MAKE) build PACKAGES=analysis
 	@tests/bench/run $(BIN) build/bench
 
-robustness: ## fuzz every decoder of outside bytes for MINUTES=10 each; JSON in build/robustness
+robustness: ## fuzz decoders (MINUTES=10 each) and all RPCs (CALLS=100000); JSON and logs in build/robustness
+	@$(MAKE) build
 	@$(MAKE) build PRESET=fuzz PACKAGES=fuzz
+	@tests/robustness/rpcs $(BIN) build/robustness --calls $(CALLS)
 	@tests/robustness/decoders build/fuzz/bin build/robustness --minutes $(MINUTES)
 
 asan: ## run the tests under AddressSanitizer and UndefinedBehaviorSanitizer

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A private database cluster and a server, as processes of their own."""
+import os
+import subprocess
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+class System:
+    """Started on entering a `with` block, stopped on leaving it."""
+
+    def __init__(self, binaries, folder, settings):
+        self.binaries, self.folder, self.settings = binaries, folder, settings
+        self.address = f"unix:{folder}/server.sock"
+        self.log = folder / "server.log"
+        self.server = None
+
+    def __enter__(self):
+        self.folder.mkdir(parents=True, exist_ok=True)
+        url = self._deploy("database/cluster", "start", str(self.folder / "database")).strip()
+        try:
+            self._deploy("database/migrate", "up", url)
+            self._start_server(url)
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        if self.server and self.server.poll() is None:
+            self.server.terminate()
+            try:
+                self.server.wait(timeout=60)
+            except subprocess.TimeoutExpired:
+                self.server.kill()
+                self.server.wait()
+        self._deploy("database/cluster", "stop", str(self.folder / "database"))
+
+    @staticmethod
+    def _deploy(program, *arguments):
+        done = subprocess.run([ROOT / "deploy" / program, *arguments], capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise RuntimeError(f"{program} {' '.join(arguments)}:\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    def _start_server(self, url):
+        settings = {**self.settings, "listen.address": self.address, "metrics.address": "",
+                    "transfers.cache_directory": str(self.folder)}
+        command = [str(self.binaries / "enfilade-server")]
+        for key, value in settings.items():
+            command += ["--set", f"{key}={value}"]
+        with self.log.open("wb") as log:
+            self.server = subprocess.Popen(command, stdout=log, stderr=log,
+                                           env={**os.environ, "ENFILADE_SERVER_DATABASE_URL": url})
+        for _ in range(300):
+            if self.server.poll() is not None:
+                raise RuntimeError("the server did not start:\n" + self.log.read_text()[-2000:])
+            if self._status_ok():
+                return
+            time.sleep(0.1)
+        raise RuntimeError("the server is not ready:\n" + self.log.read_text()[-2000:])
+
+    def _status_ok(self):
+        return subprocess.run([self.binaries / "enfilade", "--server", self.address, "server", "status"],
+                              capture_output=True, check=False).returncode == 0
+
+    def tool(self, *arguments):
+        """Runs `enfilade ARGUMENTS`."""
+        command = [str(self.binaries / "enfilade"), "--quiet", "--server", self.address, *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise RuntimeError(f"{' '.join(arguments)}:\n{done.stdout}{done.stderr}")
+
+    def alive(self):
+        """Whether the server still runs and answers."""
+        return self.server.poll() is None and self._status_ok()
+
+    def memory_mib(self, field="VmRSS"):
+        """Of the server; VmHWM: its peak. 0 if it has ended."""
+        try:
+            for line in Path(f"/proc/{self.server.pid}/status").read_text().splitlines():
+                if line.startswith(field + ":"):
+                    return int(line.split()[1]) // 1024
+        except OSError:
+            pass
+        return 0

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Valid calls of every RPC on a site of their own, which becomes the deep state that malformed calls are made on."""
+import hashlib
+import math
+import random
+import struct
+import time
+import zlib
+
+import grpc
+
+START_S = 1_700_000_000
+BEAMS = 120
+INDOOR, DOOR, PGM, NAV2 = 1, 1, 1, 1
+COVARIANCE = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]
+WORLD = {"pose": {"x": 1.0, "y": 0.5, "yaw": 0.1}, "covariance": COVARIANCE}
+TIMEOUT_S = 60
+DONE_STATES = (3, 4)  # of a session: MAPPED, FAILED
+
+
+class TourError(Exception):
+    """A valid call failed."""
+
+
+def png(side=48):
+    """A grey image with some texture."""
+    rows = b"".join(b"\0" + bytes((x * y * 7 + x * 13) % 256 for x in range(side)) for y in range(side))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def cloud():
+    """Points as float32 x y z."""
+    return b"".join(struct.pack("<fff", i * 0.1, i * 0.05, 0.5) for i in range(60))
+
+
+def scan(step):
+    """What a robot that has driven `step` times 0.1 m through a rectangular hall with a niche sees."""
+    x, y = 2.0 + 0.1 * step, 2.5
+    ranges = []
+    for beam in range(BEAMS):
+        angle = 2 * math.pi * beam / BEAMS
+        c, s = math.cos(angle), math.sin(angle)
+        hits = [(w - x) / c for w in (0.0, 9.0) if abs(c) > 1e-9] + [(w - y) / s for w in (0.0, 6.0) if abs(s) > 1e-9]
+        distance = min(h for h in hits if h > 0)
+        ranges.append(distance + (0.7 if 20 < beam < 26 else 0.0))
+    return {"time": {"seconds": START_S + step}, "angle_increment_rad": 2 * math.pi / BEAMS, "range_min_m": 0.05,
+            "range_max_m": 30.0, "ranges_m": ranges}
+
+
+def odometry(step):
+    return {"time": {"seconds": START_S + step}, "pose_odom_robot": {"x": 0.1 * step}}
+
+
+def sha(data):
+    return hashlib.sha256(data).digest()
+
+
+def ref(data):
+    return {"sha256": sha(data), "size_bytes": len(data)}
+
+
+class Tour:
+    """One site with everything in it. `templates`: of each RPC the requests that succeeded, as lists of messages."""
+
+    def __init__(self, api, counts, site_id):
+        self.api, self.counts = api, counts
+        self.site = f"sites/{site_id}"
+        self.templates = {}
+
+    def ok(self, name, *requests, enough=64):
+        """Makes a call that must succeed; its responses."""
+        method = self.api.methods[name]
+        messages = [method.request(**request) for request in requests]
+        answer = self.api.call(method, [m.SerializeToString() for m in messages], timeout=TIMEOUT_S, enough=enough)
+        self.counts.add(name, answer)
+        if answer.code != grpc.StatusCode.OK:
+            raise TourError(f"{name} {messages[0]}: {answer.code.name} {answer.details}")
+        self.templates.setdefault(name, []).append(messages)
+        return [method.response.FromString(r) for r in answer.responses]
+
+    def one(self, name, *requests):
+        return self.ok(name, *requests)[0]
+
+    def whole(self, closures):
+        """Every RPC at least once."""
+        self.sites_and_robots()
+        self.maps()
+        first, second = self.drive("one"), self.drive("two")
+        self.blobs()
+        self.link_points()
+        self.await_mapped(first)
+        self.await_mapped(second)
+        self.sessions(first)
+        self.graph()
+        self.rearrange(second)
+        self.localize()
+        self.closures(closures)
+
+    def sites_and_robots(self):
+        site, site_id = self.site, self.site.split("/")[1]
+        self.ok("SiteService.CreateSite", {"site_id": site_id, "site": {"display_name": "Fuzzed"}, "request_id": site_id})
+        self.ok("SiteService.GetSite", {"name": site})
+        self.ok("SiteService.ListSites", {"page_size": 5})
+        self.ok("SiteService.UpdateSite", {"site": {"name": site, "display_name": "F"},
+                                           "update_mask": {"paths": ["display_name"]}})
+        self.ok("ServerService.GetServerStatus", {})
+        for robot in ("r", "spare"):
+            self.ok("RobotService.CreateRobot", {"parent": site, "robot_id": robot, "robot": {"display_name": robot}})
+        self.ok("RobotService.GetRobot", {"name": f"{site}/robots/r"})
+        self.ok("RobotService.ListRobots", {"parent": site})
+        self.ok("RobotService.DeleteRobot", {"name": f"{site}/robots/spare"})
+        self.ok("SiteService.ListAuditEntries", {"parent": site})
+        self.ok("SiteService.CreateSite", {"site_id": site_id + "-gone", "site": {"display_name": "Gone"}})
+        self.ok("SiteService.DeleteSite", {"name": site + "-gone"})
+
+    def maps(self):
+        site = self.site
+        for name in ("a", "b", "c", "spare"):
+            self.ok("MapService.CreateMap", {"parent": site, "map_id": name, "request_id": f"map-{name}",
+                                             "map": {"display_name": name, "environment": INDOOR}})
+        self.ok("MapService.GetMap", {"name": f"{site}/maps/a"})
+        self.ok("MapService.ListMaps", {"parent": site, "page_size": 2})
+        corners = [{"x": 0, "y": 0}, {"x": 9, "y": 0}, {"x": 9, "y": 6}]
+        self.ok("MapService.UpdateMap", {"map": {"name": f"{site}/maps/a", "outline": {"corners": corners}},
+                                         "update_mask": {"paths": ["outline"]}})
+        self.ok("MapService.DeleteMap", {"name": f"{site}/maps/spare"})
+        files = {"m.yaml": b"image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+                           b"free_thresh: 0.196\n",
+                 "m.pgm": b"P5\n40 30\n255\n" + bytes(254 if 0 < i % 40 < 39 else 0 for i in range(1200))}
+        entries = [{"name": n, "size_bytes": len(d), "sha256": sha(d)} for n, d in files.items()]
+        chunks = [{"chunk": {"file": i, "data": d}} for i, d in enumerate(files.values())]
+        imported = self.one("MapService.ImportMap", {"manifest": {"parent": f"{site}/maps/b", "dialect": NAV2,
+                                                                  "files": entries}}, *chunks)
+        self.ok("MapService.GetMapRevision", {"name": imported.revision.name})
+        self.ok("MapService.ListMapRevisions", {"parent": f"{site}/maps/b"})
+        self.ok("MapService.ExportMap", {"name": f"{site}/maps/b", "format": PGM})
+
+    def drive(self, session_id):
+        """A finished session in the map "a": the first records by single calls, the others by a stream."""
+        session = f"{self.site}/sessions/{session_id}"
+        self.ok("SessionService.CreateSession",
+                {"parent": self.site, "session_id": session_id, "request_id": session_id,
+                 "session": {"robot": f"{self.site}/robots/r", "map": f"{self.site}/maps/a",
+                             "entry": {"pose_map_robot": {"pose": {"x": 0}, "covariance": COVARIANCE}}}})
+        image, points = png(), cloud()
+        self.ok("IngestService.SubmitOdometry", {"session": session, "sequence": 1, "odometry": odometry(0)})
+        self.ok("IngestService.SubmitScan", {"session": session, "sequence": 2, "laser_scan": scan(0)})
+        self.ok("IngestService.SubmitImage", {"session": session, "sequence": 3, "data": image, "image":
+                                              {"time": {"seconds": START_S}, "camera": 1, "encoding": 1,
+                                               "content": ref(image)}})
+        self.ok("IngestService.SubmitPointCloud", {"session": session, "sequence": 4, "data": points, "point_cloud":
+                                                   {"time": {"seconds": START_S}, "encoding": 2,
+                                                    "content": ref(points)}})
+        records, payloads = [], [p for step in range(1, 13) for p in ({"odometry": odometry(step)},
+                                                                      {"laser_scan": scan(step)})]
+        payloads.append({"door_report": {"time": {"seconds": START_S + 13}, "kind": 1, "width_m": 0.9,
+                                         "door_time": {"seconds": START_S + 13}, "pose_odom_door": {"x": 1.2}}})
+        for sequence, payload in enumerate(payloads, 5):
+            records.append({"sequence": sequence, **payload})
+        report = {"map": f"{self.site}/maps/a", "pose_map_robot": WORLD, "time": {"seconds": START_S}}
+        blob = b"x" * 100 + session.encode()
+        self.ok("IngestService.StreamRecords", {"open": {"session": session}},
+                {"blob_chunk": {"blob": ref(blob), "data": blob}}, {"batch": {"records": records[:20]}},
+                {"pose_report": report}, {"batch": {"records": records[20:]}})
+        self.ok("SessionService.FinishSession", {"name": session, "last_sequence": len(records) + 4})
+        return session
+
+    def blobs(self):
+        self.ok("IngestService.DownloadBlob", {"parent": self.site, "sha256": sha(png())})
+
+    def link_points(self):
+        site = self.site
+
+        def anchor(name, x):
+            return {"map": f"{site}/maps/{name}", "pose_map_place": {"pose": {"x": x}, "covariance": COVARIANCE}}
+
+        for name, anchors in (("ab", [anchor("a", 5)]), ("bc", [anchor("b", 9), anchor("c", 1)]), ("spare", [anchor("c", 4)])):
+            self.ok("LinkPointService.CreateLinkPoint", {"parent": site, "link_point_id": name, "request_id": "l" + name,
+                                                         "link_point": {"kind": DOOR, "anchors": anchors}})
+        self.ok("LinkPointService.AddLinkPointAnchor", {"name": f"{site}/linkPoints/ab", "anchor": anchor("b", 0.5)})
+        self.ok("LinkPointService.GetLinkPoint", {"name": f"{site}/linkPoints/ab"})
+        self.ok("LinkPointService.ListLinkPoints", {"parent": site, "page_size": 1})
+        self.ok("LinkPointService.UpdateLinkPoint", {"link_point": {"name": f"{site}/linkPoints/ab", "tag": "t"},
+                                                     "update_mask": {"paths": ["tag"]}})
+        self.ok("LinkPointService.SuspendLinkPoint", {"name": f"{site}/linkPoints/bc"})
+        self.ok("LinkPointService.ResumeLinkPoint", {"name": f"{site}/linkPoints/bc"})
+        self.ok("LinkPointService.DeleteLinkPoint", {"name": f"{site}/linkPoints/spare"})
+        pose = {"map": f"{site}/maps/a", "pose_map_robot": WORLD}
+        for around in ({"pose_in_map": pose}, {"point_world": {"x": 1}}, {"pose_world": WORLD},
+                       {"polygon_world": {"corners": [{"x": -50, "y": -50}, {"x": 50, "y": -50}, {"x": 0, "y": 50}]}}):
+            self.ok("LinkPointService.FindLinkPoints", {"parent": site, **around})
+        image = png(32)
+        self.ok("LinkPointService.AttachEvidence",
+                {"manifest": {"parent": f"{site}/linkPoints/ab", "evidence":
+                              {"map": f"{site}/maps/a", "image": {"time": {"seconds": START_S}, "camera": 1,
+                                                                  "encoding": 1, "content": ref(image)}}}},
+                {"chunk": {"blob": ref(image), "data": image}})
+
+    def await_mapped(self, session):
+        for _ in range(600):
+            found = self.one("SessionService.GetSession", {"name": session}).session
+            if found.state in DONE_STATES:
+                return
+            time.sleep(0.1)
+        raise TourError(f"{session} is not mapped after a minute")
+
+    def sessions(self, session):
+        site = self.site
+        self.ok("SessionService.ListSessions", {"parent": site})
+        self.ok("SessionService.ExportTrajectory", {"name": session})
+        self.ok("SessionService.ListDoorVerdicts", {"parent": session})
+        self.ok("SessionService.CreateSession", {"parent": site, "session_id": "spare",
+                                                 "session": {"robot": f"{site}/robots/r", "map": f"{site}/maps/c"}})
+        self.ok("SessionService.DeleteSession", {"name": f"{site}/sessions/spare"})
+
+    def graph(self):
+        site, here = self.site, {"map": f"{self.site}/maps/a", "pose_map_robot": WORLD}
+        self.ok("GraphService.GetGraph", {"site": site})
+        self.ok("GraphService.ListGraphVersions", {"parent": site, "page_size": 3})
+        self.ok("GraphService.OptimizeGraph", {"site": site})
+        self.ok("GraphService.GetGlobalPose", {"map_pose": here})
+        self.ok("GraphService.GetGlobalPose", {"robot": f"{site}/robots/r"})
+        self.ok("GraphService.WatchGlobalPoses", {"parent": site, "rate_hz": 20}, enough=1)
+        self.ok("GraphService.TransformPoses", {"source_map": f"{site}/maps/a", "target_map": f"{site}/maps/c",
+                                                "poses": [WORLD]})
+        self.ok("GraphService.FindRoutes", {"start_map": f"{site}/maps/a", "pose_map_start": {"x": 1},
+                                            "goal_map": f"{site}/maps/c", "pose_map_goal": {"x": 2}, "max_routes": 3,
+                                            "with_geojson": True})
+        points = [{"map": f"{site}/maps/a", "x": x, "y": y, "latitude": 49 + y / 111_320, "longitude": 8 + x / 73_034}
+                  for x, y in ((0, 0), (30, 0), (0, 30))]
+        self.ok("GraphService.SetGeoreference", {"site": site, "georeference": {"control_points": points}})
+        self.ok("GraphService.GetGeoreference", {"site": site})
+        self.ok("GraphService.ExportGraph", {"site": site})
+
+    def rearrange(self, session):
+        site = self.site
+        merged = self.one("MapService.MergeMaps", {"name": f"{site}/maps/b", "merged_map": f"{site}/maps/c",
+                                                   "pose_name_merged": {"x": 8}})
+        self.ok("MapService.UndoRearrangement", {"name": merged.rearrangement.name})
+        self.ok("MapService.SplitMap", {"name": f"{site}/maps/a", "sessions": [session], "map_id": "split"})
+        self.ok("MapService.ListRearrangements", {"parent": site})
+
+    def localize(self):
+        self.ok("LocalizationService.LocalizeRobot", {"site": self.site, "scans": [{"scan": scan(3)}]})
+
+    def closures(self, session):
+        """Of a session elsewhere, which has some."""
+        found = self.one("SessionService.ListClosures", {"parent": session}).closures
+        if not found:
+            raise TourError(f"{session} has no closures")
+        name = random.Random(self.site).choice(found).name
+        self.ok("SessionService.SuspendClosure", {"name": name})
+        self.ok("SessionService.ResumeClosure", {"name": name})
+
+    def clear(self):
+        """Deletes the site, if it is still there."""
+        method = self.api.methods["SiteService.DeleteSite"]
+        request = method.request(name=self.site, force=True)
+        self.counts.add(method.name, self.api.call(method, [request.SerializeToString()], timeout=TIMEOUT_S))
