@@ -178,12 +178,13 @@ void AddEdges(const GraphSnapshot& graph, const GraphSnapshot::MapNode& node, Wr
 
 }  // namespace
 
-std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference) {
+std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference, bool with_edges) {
   const GraphSnapshot& graph = poses.graph();
   Writer writer(poses, georeference, graph.version());
   const std::vector<const MapInGraph*> maps = graph.ListMaps();
   for (const MapInGraph* map : maps) AddMap(*map, writer);
   for (const LinkPoint* link_point : graph.ListLinkPoints()) AddLinkPoint(poses, *link_point, writer);
+  if (!with_edges) return writer.Text();
   for (const MapInGraph* map : maps) AddEdges(graph, graph.map_node(graph.MapSlot(map->id)), writer);
   return writer.Text();
 }

@@ -17,7 +17,8 @@ namespace enfilade::graph {
 // the graph: one LineString for each pair of link points of a map. Features have the member "id":
 // "maps/<id>", "linkPoints/<id>", "maps/<map>/edges/<a>/<b>"; properties as in the API, positions' standard deviations
 // in metres.
-std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference = nullptr);
+std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference = nullptr,
+                           bool with_edges = true);
 
 // One LineString per leg of each route, with its map, length and the link point at its end. Legs in maps that are not
 // connected to the world have no geometry.

@@ -9,9 +9,11 @@
 
 namespace enfilade::client {
 
-absl::StatusOr<ExportedGraph> ExportGraph(const Connection& connection, const SiteId& site) {
+absl::StatusOr<ExportedGraph> ExportGraph(const Connection& connection, const SiteId& site,
+                                          const GraphContent& content) {
   v1::ExportGraphRequest request;
   request.set_site(NameOf(site));
+  request.set_without_edges(!content.with_edges);
   v1::GraphService::Stub stub(connection.channel());
   grpc::ClientContext context;
   connection.SetActor(context);

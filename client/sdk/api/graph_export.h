@@ -15,8 +15,13 @@ struct ExportedGraph {
   std::string geojson;  // RFC 7946
 };
 
+struct GraphContent {
+  bool with_edges = true;  // one for each two link points of a map
+};
+
 // The site's graph of maps and link points. Within the connection's deadline. The SHA-256 is checked. Errors as
 // GraphService.ExportGraph, and DATA_LOSS: damaged or incomplete.
-absl::StatusOr<ExportedGraph> ExportGraph(const Connection& connection, const SiteId& site);
+absl::StatusOr<ExportedGraph> ExportGraph(const Connection& connection, const SiteId& site,
+                                          const GraphContent& content = {});
 
 }  // namespace enfilade::client

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "client/sdk/api/graph.h"
 #include "client/sdk/api/paging.h"
 #include "client/sdk/api/trajectory.h"
 #include "core/base/error.h"
@@ -18,13 +19,6 @@ namespace enfilade::client {
 namespace {
 
 constexpr int kReads = 5;
-
-absl::StatusOr<v1::Graph> ReadGraph(const Connection& connection, const std::string& site) {
-  v1::GetGraphRequest request;
-  request.set_site(site);
-  ENFILADE_ASSIGN_OR_RETURN(v1::GetGraphResponse response, connection.Call(&v1::GraphService::Stub::GetGraph, request));
-  return std::move(*response.mutable_graph());
-}
 
 absl::StatusOr<std::vector<MappedPose>> ReadPoses(const Connection& connection, const std::string& session) {
   std::vector<MappedPose> poses;

@@ -11,7 +11,7 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kPollInterval = std::chrono::milliseconds(50);
+constexpr auto kLeasePollInterval = std::chrono::milliseconds(50);
 // A call that has been given up still gives its lease back.
 constexpr auto kReleaseTimeout = std::chrono::seconds(2);
 
@@ -24,12 +24,12 @@ absl::StatusOr<HeldSiteLease> HeldSiteLease::Await(const storage::SiteLeaseStore
   while (true) {
     ENFILADE_ASSIGN_OR_RETURN(auto lease, leases.Acquire(context, site, owner, ttl));
     if (lease) return HeldSiteLease(leases, context, *std::move(lease));
-    if (std::chrono::steady_clock::now() + kPollInterval >= context.deadline) {
+    if (std::chrono::steady_clock::now() + kLeasePollInterval >= context.deadline) {
       return Aborted("{} is being optimised, judged or rearranged by another process: try again", NameOf(site));
     }
     if (stop == nullptr) {
-      std::this_thread::sleep_for(kPollInterval);
-    } else if (stop->WaitFor(kPollInterval)) {
+      std::this_thread::sleep_for(kLeasePollInterval);
+    } else if (stop->WaitFor(kLeasePollInterval)) {
       return absl::UnavailableError("the server is shutting down: try again");
     }
   }

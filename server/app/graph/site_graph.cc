@@ -5,10 +5,29 @@
 #include <unordered_set>
 #include <utility>
 
+#include "absl/base/call_once.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 
 namespace enfilade::server {
+
+struct SiteGraph::SortedOnce {
+  absl::once_flag once;
+  Lists lists;
+};
+
+SiteGraph::SiteGraph(graph::GraphSnapshot snapshot, PlacedLinkPoints link_points)
+    : poses(std::move(snapshot)), placed(std::move(link_points)), lists_(std::make_unique<SortedOnce>()) {}
+SiteGraph::SiteGraph(SiteGraph&&) noexcept = default;
+SiteGraph::~SiteGraph() = default;
+
+const SiteGraph::Lists& SiteGraph::lists() const {
+  absl::call_once(lists_->once, [this] {
+    lists_->lists.maps = graph().ListMaps();
+    lists_->lists.link_points = graph().ListLinkPoints();
+  });
+  return lists_->lists;
+}
 
 graph::SnapshotChanges ToSnapshotChanges(const storage::GraphChanges& changes) {
   graph::SnapshotChanges out{.version = changes.version, .root = changes.root};

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/geo/georeference.h"
@@ -17,16 +17,29 @@ namespace enfilade::server {
 
 // A site's graph at one version, with the values derived from it. Immutable and shared.
 struct SiteGraph {
-  explicit SiteGraph(graph::GraphSnapshot snapshot, PlacedLinkPoints link_points = {})
-      : poses(std::move(snapshot)), placed(std::move(link_points)) {}
+  // All maps and link points, each by id.
+  struct Lists {
+    std::vector<const graph::MapInGraph*> maps;
+    std::vector<const graph::LinkPoint*> link_points;
+  };
+
+  explicit SiteGraph(graph::GraphSnapshot snapshot, PlacedLinkPoints link_points = {});
+  SiteGraph(SiteGraph&&) noexcept;
+  ~SiteGraph();
 
   const graph::GraphSnapshot& graph() const { return poses.graph(); }
+  // Sorted at the first call. Thread-safe.
+  const Lists& lists() const;
 
   graph::WorldPoses poses;
   PlacedLinkPoints placed;
   std::int64_t solution_version = 0;  // made by the last optimisation; 0: none, or none for this root
   std::vector<storage::ControlPoint> control_points;
   std::optional<geo::GeoreferenceFit> georeference;  // unset: too few control points, or they do not fit
+
+ private:
+  struct SortedOnce;
+  std::unique_ptr<SortedOnce> lists_;
 };
 
 // Converts changes from the store for graph::Apply.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/graph/site_graphs.h"
 
+#include <deque>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,9 @@ namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kKeptVersions = 8;
+// Beyond them, a version that is asked for by its number is kept for so long, among at most so many.
+constexpr auto kKeptInUse = std::chrono::seconds(60);
+constexpr std::size_t kMaxKeptInUse = 64;
 // Sites whose graphs are read at the same time.
 constexpr int kReaders = 3;
 // Continuations that wait for graphs, of all sites.
@@ -149,21 +153,32 @@ void SiteGraphs::Keep(const SiteId& site, Entry& entry, std::uint64_t changes, c
     entry.changes_read = changes;
     if (*read == entry.current) return;
     entry.current = *read;
-    entry.recent.push_front(*read);
-    if (entry.recent.size() > kKeptVersions) entry.recent.pop_back();
+    entry.recent.push_front({*read});
+    ForgetOldVersions(entry.recent);
   }
   changed_.Add(site);
+}
+
+void SiteGraphs::ForgetOldVersions(std::deque<KeptVersion>& recent) {
+  const auto since = std::chrono::steady_clock::now() - kKeptInUse;
+  std::size_t age = 0;
+  std::erase_if(recent, [&](const KeptVersion& kept) {
+    ++age;
+    return age > kMaxKeptInUse || (age > kKeptVersions && kept.asked_for < since);
+  });
 }
 
 SiteGraphs::Result SiteGraphs::GetVersion(const storage::CallContext& context, const SiteId& site,
                                           std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(std::shared_ptr<const SiteGraph> current, Get(context, site));
-  if (version == 0 || version == current->graph().version()) return current;
+  if (version == 0) return current;
   MutexLock lock(mutex_);
   const auto entry = entries_.find(site);
   if (entry != entries_.end()) {
-    for (const std::shared_ptr<const SiteGraph>& kept : entry->second->recent) {
-      if (kept->graph().version() == version) return kept;
+    for (KeptVersion& kept : entry->second->recent) {
+      if (kept.graph->graph().version() != version) continue;
+      kept.asked_for = std::chrono::steady_clock::now();
+      return kept.graph;
     }
   }
   return NotFound("the graph of site {} is at version {}; version {} is not one of the last {} that this server keeps",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -47,7 +48,8 @@ class SiteGraphs {
   // Never waits. Calls `then` when Get need not wait any more, in this thread or in one that reads, or with the error
   // of Get; RESOURCE_EXHAUSTED if too many wait already. `then` must not wait.
   void Prepare(const SiteId& site, std::function<void(const absl::Status&)> then);
-  // `version` 0: as Get. NOT_FOUND unless it is one of the last few versions that this process has read.
+  // `version` 0: as Get. NOT_FOUND unless it is one of the last few versions that this process has read, or of those
+  // before them that are asked for again and again, for example page by page.
   Result GetVersion(const storage::CallContext& context, const SiteId& site, std::int64_t version);
   // The caller has changed the site's graph: later calls of Get return a version with the change.
   void MarkChanged(const SiteId& site);
@@ -62,14 +64,18 @@ class SiteGraphs {
 
  private:
   using Waiter = std::function<void(const Result&)>;
+  struct KeptVersion {
+    std::shared_ptr<const SiteGraph> graph;
+    std::chrono::steady_clock::time_point asked_for = {};  // by its number, the last time
+  };
   struct Entry {
     std::shared_ptr<const SiteGraph> current;
-    std::deque<std::shared_ptr<const SiteGraph>> recent;  // most recent first
-    std::uint64_t changes = 1;                            // number of known changes
-    std::uint64_t changes_read = 0;                       // number of them that `current` includes
-    std::uint64_t changes_needed = 1;                     // number of them that an answer must include
-    bool reading = false;                                 // a thread reads changes, or will
-    std::vector<Waiter> waiters;                          // for the next read
+    std::deque<KeptVersion> recent;    // most recent first
+    std::uint64_t changes = 1;         // number of known changes
+    std::uint64_t changes_read = 0;    // number of them that `current` includes
+    std::uint64_t changes_needed = 1;  // number of them that an answer must include
+    bool reading = false;              // a thread reads changes, or will
+    std::vector<Waiter> waiters;       // for the next read
   };
 
   // Calls `waiter` with a graph that is read after this, or known to be current. One read serves all who wait for it.
@@ -78,6 +84,7 @@ class SiteGraphs {
   void BringUpToDate(const SiteId& site, const std::shared_ptr<Entry>& entry);
   // Makes what has been read current; it includes `changes` changes.
   void Keep(const SiteId& site, Entry& entry, std::uint64_t changes, const Result& read);
+  static void ForgetOldVersions(std::deque<KeptVersion>& recent);
   void Listen();
   // Until the connection is lost or Stop.
   void ProcessChanges(storage::GraphListener& listener);

@@ -5,15 +5,19 @@
 #include <memory>
 #include <string>
 
+#include "core/base/error.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/graph/geojson.h"
 #include "proto/convert/names.h"
+#include "server/app/graph/graph_page.h"
 
 namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kChunkBytes = 1 << 20;
+// The text is made as a whole: some 30 MB.
+constexpr std::size_t kMaxEdges = 100'000;
 
 }  // namespace
 
@@ -21,8 +25,12 @@ absl::StatusOr<MessageSource<v1::ExportGraphResponse>> ExportGraph(const Service
                                                                    const v1::ExportGraphRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("site", request.site()));
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), site));
+  if (const std::size_t edges = CountEdges(graph->graph()); edges > kMaxEdges && !request.without_edges()) {
+    return ResourceExhausted("the graph has {} edges, more than {}: set without_edges", edges, kMaxEdges);
+  }
   const auto text = std::make_shared<const std::string>(graph::GraphToGeoJson(
-      graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr));
+      graph->poses, graph->georeference.has_value() ? &graph->georeference->georeference : nullptr,
+      !request.without_edges()));
   const std::int64_t version = graph->graph().version();
   return [text, version, begun = false,
           offset = std::size_t{0}](v1::ExportGraphResponse& message) mutable -> absl::StatusOr<bool> {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/graph/messages.h"
 
+#include <limits>
+
 #include "core/graph/search_radius.h"
 #include "proto/convert/geometry.h"
 #include "proto/convert/names.h"
@@ -33,38 +35,31 @@ void FillLinkPoint(const SiteId& site, const SiteGraph& graph, const graph::Link
   out.set_joins(!link_point.is_candidate() && link_point.use == graph::LinkPointUse::kUsed);
 }
 
-void AddEdges(const SiteId& site, const graph::GraphSnapshot& graph, const MapId& map, v1::Graph& out) {
-  const auto& doorways = graph.map_node(graph.MapSlot(map)).doorways;
-  const auto name = [&](const graph::GraphSnapshot::Doorway& doorway) {
-    return LinkPointNameOf(site, graph.link_point_node(doorway.link_point).link_point->id);
-  };
-  for (std::size_t i = 0; i < doorways.size(); ++i) {
-    for (std::size_t j = i + 1; j < doorways.size(); ++j) {
-      v1::GraphEdge& edge = *out.add_edges();
-      edge.set_map(MapNameOf(site, map));
-      edge.set_link_point_a(name(doorways[i]));
-      edge.set_link_point_b(name(doorways[j]));
-      edge.set_length_m(std::hypot(doorways[j].x - doorways[i].x, doorways[j].y - doorways[i].y));
-    }
-  }
+void FillEdge(const SiteId& site, const GraphEdge& edge, v1::GraphEdge& out) {
+  out.set_map(MapNameOf(site, edge.map->id));
+  out.set_link_point_a(LinkPointNameOf(site, edge.a->id));
+  out.set_link_point_b(LinkPointNameOf(site, edge.b->id));
+  out.set_length_m(edge.length);
 }
 
 }  // namespace
 
-v1::Graph ToProto(const SiteId& site, const SiteGraph& graph) {
+v1::Graph ToProto(const SiteId& site, const SiteGraph& graph, const GraphPage& page) {
   v1::Graph out;
   out.set_site(NameOf(site));
   out.set_graph_version(graph.graph().version());
   if (!graph.graph().root().empty()) out.set_root_map(MapNameOf(site, graph.graph().root()));
   out.set_solution_version(graph.solution_version);
-  for (const graph::MapInGraph* map : graph.graph().ListMaps()) {
-    FillMap(site, graph, *map, *out.add_maps());
-    AddEdges(site, graph.graph(), map->id, out);
-  }
-  for (const graph::LinkPoint* link_point : graph.graph().ListLinkPoints()) {
+  for (const graph::MapInGraph* map : page.maps) FillMap(site, graph, *map, *out.add_maps());
+  for (const graph::LinkPoint* link_point : page.link_points) {
     FillLinkPoint(site, graph, *link_point, *out.add_link_points());
   }
+  for (const GraphEdge& edge : page.edges) FillEdge(site, edge, *out.add_edges());
   return out;
+}
+
+v1::Graph ToProto(const SiteId& site, const SiteGraph& graph) {
+  return ToProto(site, graph, ListPage(graph, {}, std::numeric_limits<std::size_t>::max(), /*with_edges=*/true));
 }
 
 v1::GraphVersion ToProto(const SiteId& site, const storage::GraphVersion& version) {

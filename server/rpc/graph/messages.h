@@ -4,6 +4,7 @@
 #include "core/graph/global_pose.h"
 #include "core/graph/paths/routes.h"
 #include "enfilade/v1/graph.pb.h"
+#include "server/app/graph/graph_page.h"
 #include "server/app/graph/site_graph.h"
 #include "storage/graph/graph_store.h"
 
@@ -11,6 +12,9 @@ namespace enfilade::server {
 
 // Values of the graph as the API's messages, resource names within `site`.
 
+// What all pages of a graph have, and the items of this one.
+v1::Graph ToProto(const SiteId& site, const SiteGraph& graph, const GraphPage& page);
+// The whole.
 v1::Graph ToProto(const SiteId& site, const SiteGraph& graph);
 v1::GraphVersion ToProto(const SiteId& site, const storage::GraphVersion& version);
 v1::PoseHop ToProto(const SiteId& site, const graph::PoseHop& hop);

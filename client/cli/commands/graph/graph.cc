@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "client/sdk/api/graph.h"
+
 #include <iostream>
 #include <memory>
 #include <string>
@@ -80,24 +82,23 @@ void PrintEdges(const v1::Graph& graph) {
   PrintTable(std::cout, {"THROUGH MAP", "FROM", "TO", "LENGTH M"}, rows);
 }
 
-absl::Status ShowGraph(const Globals& globals, std::int64_t version) {
-  v1::GetGraphRequest request;
-  request.set_site(SiteNameOf(globals));
-  request.set_graph_version(version);
-  ENFILADE_ASSIGN_OR_RETURN(const auto response,
-                            ConnectionOf(globals).Call(&v1::GraphService::Stub::GetGraph, request));
-  const v1::Graph& graph = response.graph();
+absl::Status ShowGraph(const Globals& globals, const client::GraphRead& read) {
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Graph graph, client::ReadGraph(ConnectionOf(globals), SiteNameOf(globals), read));
   if (globals.json) {
     PrintJson(std::cout, ToJson(graph));
     return absl::OkStatus();
   }
-  std::cout << fmt::format("graph version {}: {} maps, {} link points, {} edges; root {}\n\n", graph.graph_version(),
-                           graph.maps_size(), graph.link_points_size(), graph.edges_size(), IdOf(graph.root_map()));
+  std::cout << fmt::format("graph version {}: {} maps, {} link points{}; root {}\n\n", graph.graph_version(),
+                           graph.maps_size(), graph.link_points_size(),
+                           read.with_edges ? fmt::format(", {} edges", graph.edges_size()) : "",
+                           IdOf(graph.root_map()));
   PrintMaps(graph);
   std::cout << '\n';
   PrintLinkPoints(graph);
-  std::cout << '\n';
-  PrintEdges(graph);
+  if (read.with_edges) {
+    std::cout << '\n';
+    PrintEdges(graph);
+  }
   return absl::OkStatus();
 }
 
@@ -172,9 +173,9 @@ absl::Status RequestOptimization(const Globals& globals) {
   return absl::OkStatus();
 }
 
-absl::Status ExportGraph(const Globals& globals, const std::string& path) {
+absl::Status ExportGraph(const Globals& globals, const std::string& path, const client::GraphContent& content) {
   ENFILADE_ASSIGN_OR_RETURN(const client::ExportedGraph graph,
-                            client::ExportGraph(ConnectionOf(globals), SiteId(globals.site)));
+                            client::ExportGraph(ConnectionOf(globals), SiteId(globals.site), content));
   ENFILADE_RETURN_IF_ERROR(io::WriteFile(path, graph.geojson));
   if (globals.json) {
     PrintJson(std::cout, {{"file", path}, {"graph_version", graph.version}, {"bytes", graph.geojson.size()}});
@@ -190,10 +191,11 @@ absl::Status ExportGraph(const Globals& globals, const std::string& path) {
 void AddGraph(CLI::App& app, const Globals& globals) {
   CLI::App& graph = *app.add_subcommand("graph", "The graph of the site's maps; pose graphs in files");
   graph.require_subcommand(1);
-  const auto version = std::make_shared<std::int64_t>(0);
-  CLI::App* show = AddCommand(graph, "show", "Show the site's maps, link points and edges",
-                              [&globals, version] { return ShowGraph(globals, *version); });
-  show->add_option("--version", *version, "An earlier version that the server still has (default: the newest)");
+  const auto read = std::make_shared<client::GraphRead>();
+  CLI::App* show = AddCommand(graph, "show", "Show the site's maps and link points",
+                              [&globals, read] { return ShowGraph(globals, *read); });
+  show->add_option("--version", read->version, "An earlier version that the server still has (default: the newest)");
+  show->add_flag("--edges", read->with_edges, "Also the edges: one for each two link points of a map");
   show->footer("Example: enfilade --site campus graph show");
   const auto count = std::make_shared<int>(20);
   CLI::App* versions =
@@ -205,9 +207,12 @@ void AddGraph(CLI::App& app, const Globals& globals) {
     return RequestOptimization(globals);
   })->footer("Example: enfilade --site campus graph optimize");
   const auto path = std::make_shared<std::string>("graph.geojson");
+  const auto content = std::make_shared<client::GraphContent>();
   CLI::App* output = AddCommand(graph, "export", "Write the graph as GeoJSON",
-                                [&globals, path] { return ExportGraph(globals, *path); });
+                                [&globals, path, content] { return ExportGraph(globals, *path, *content); });
   output->add_option("-o,--output", *path, "The file")->capture_default_str();
+  output->add_flag("!--no-edges", content->with_edges,
+                   "Only maps and link points: maps with many doors have many edges");
   output->footer("Example: enfilade graph export -o campus.geojson");
   AddGraphPlot(graph, globals);
   AddGraphSolve(graph, globals);

@@ -12,6 +12,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
+#include "client/sdk/api/graph.h"
 #include "client/sdk/api/map_export.h"
 #include "client/sdk/api/paging.h"
 #include "core/base/error.h"
@@ -126,10 +127,8 @@ void AddPlace(const PoseWithCovariance& place, const std::string& id, int maps, 
 // The whole site in the world frame.
 absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& connection, const Globals& globals,
                                                  const GraphPlotCommandOptions& options, plot::Scene& scene) {
-  v1::GetGraphRequest request;
-  request.set_site(SiteNameOf(globals));
-  ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::GraphService::Stub::GetGraph, request));
-  const v1::Graph& graph = response.graph();
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Graph graph,
+                            client::ReadGraph(connection, SiteNameOf(globals), {.with_edges = true}));
   std::map<std::string, grid::Rgb> colors;  // of the maps drawn
   std::vector<PlottedMap> maps;
   for (int i = 0; i < graph.maps_size(); ++i) {

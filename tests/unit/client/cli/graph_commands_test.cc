@@ -29,13 +29,44 @@ class GraphCommandsTest : public ServerCommandsTest {
 
 TEST_F(GraphCommandsTest, ShowsMapsThatAreNotJoinedAndCandidates) {
   ASSERT_OK(Run({"graph", "show", "--version", "4"}, false));
-  EXPECT_THAT(printed_, HasSubstr("graph version 4: 3 maps, 1 link points, 0 edges; root -"));
+  EXPECT_THAT(printed_, HasSubstr("graph version 4: 3 maps, 1 link points; root -"));
   EXPECT_THAT(printed_, HasSubstr("8.000 0.000 0.0000  optimised"));
   EXPECT_THAT(printed_, HasSubstr("not joined"));
   EXPECT_THAT(printed_, HasSubstr("door        h     not joined     candidate"));
   ASSERT_OK(Run({"graph", "show"}));
   EXPECT_EQ(Printed()["graph_version"], 9);
   EXPECT_FALSE(Printed()["maps"][0].contains("pose_world_map"));
+}
+
+// The version of the first page is gone twice.
+TEST_F(GraphCommandsTest, ReadsTheGraphPageByPageAndBeginsAgain) {
+  int gone = 2;
+  server_.graph.get_graph = [&](const v1::GetGraphRequest& request, v1::GetGraphResponse& response) {
+    EXPECT_EQ(request.page_size(), 1000);
+    EXPECT_TRUE(request.with_edges());
+    v1::Graph& graph = *response.mutable_graph();
+    graph.set_graph_version(9);
+    graph.set_root_map("sites/s/maps/h");
+    if (request.page_token().empty()) {
+      graph.add_maps()->set_map("sites/s/maps/h");
+      response.set_next_page_token("links");
+    } else if (gone-- > 0) {
+      return grpc::Status(grpc::StatusCode::ABORTED, "gone");
+    } else if (request.page_token() == "links") {
+      graph.add_link_points()->set_link_point("sites/s/linkPoints/door");
+      response.set_next_page_token("edges");
+    } else {
+      graph.add_edges()->set_map("sites/s/maps/h");
+    }
+    return grpc::Status::OK;
+  };
+  ASSERT_OK(Run({"graph", "show", "--edges"}));
+  EXPECT_EQ(Printed()["maps"].size(), 1U);
+  EXPECT_EQ(Printed()["link_points"].size(), 1U);
+  EXPECT_EQ(Printed()["edges"].size(), 1U);
+  EXPECT_EQ(Printed()["root_map"], "sites/s/maps/h");
+  gone = 100;
+  EXPECT_CODE(Run({"graph", "show", "--edges"}), absl::StatusCode::kAborted);
 }
 
 TEST_F(GraphCommandsTest, VersionsNameCausesAndWhatOptimisationFound) {
