@@ -86,6 +86,14 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   EXPECT_EQ(status.schema_version(), status.expected_schema_version());
 }
 
+// An answer that quotes all of it would not fit into the response's metadata.
+TEST_F(CallConventionsTest, AnEnormousTextIsRefusedLikeAnyOther) {
+  v1::ListAuditEntriesRequest request;
+  request.set_parent("sites/s");
+  request.set_page_token(std::string(400'000, 'a'));
+  EXPECT_CODE(Call(&v1::SiteService::Stub::ListAuditEntries, request), absl::StatusCode::kInvalidArgument);
+}
+
 TEST_F(CallConventionsTest, StreamsAreToldToComeAgainWhenTheServerEnds) {
   const std::string session = CreateSession(false);
   TestStream stream(*connection_, session);

@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "server/rpc/call/request_id.h"
+#include "server/rpc/call/status.h"
 
 namespace enfilade::server {
 namespace {
@@ -79,9 +80,10 @@ void Call::Finish(const absl::Status& status) const {
   const spdlog::level::level_enum level = LevelOfFailure(status.code());
   if (status.ok() || !environment_.logger->should_log(level)) return;
   environment_.logger->log(
-      level, fmt::format("{} failed after {} ms: {} (request {}, peer {}, principal \"{}\", site \"{}\")", rpc_,
-                         std::chrono::duration_cast<std::chrono::milliseconds>(took).count(), status.ToString(),
-                         request_id_, peer_, principal_.name, site_));
+      level, fmt::format("{} failed after {} ms: {}: {} (request {}, peer {}, principal \"{}\", site \"{}\")", rpc_,
+                         std::chrono::duration_cast<std::chrono::milliseconds>(took).count(),
+                         absl::StatusCodeToString(status.code()), BoundedMessage(status), request_id_, peer_,
+                         principal_.name, site_));
 }
 
 }  // namespace enfilade::server

@@ -43,6 +43,14 @@ TEST_F(Logging, TextLinesHaveTimeLevelAndMessage) {
   EXPECT_THAT(lines, ElementsAre(MatchesRegex("20[0-9-]+T[0-9:.]+Z warning map hall is lost")));
 }
 
+// What callers send is part of messages.
+TEST_F(Logging, AMessageIsOneTextLineWhateverItHolds) {
+  const auto lines = Lines({.level = "info", .format = "text"},
+                           [] { spdlog::info("{}", std::string("a\nb\r\tc\0d\x1b[31m\x7f caf\xC3\xA9 \\", 22)); });
+  EXPECT_THAT(lines, ElementsAre(::testing::EndsWith(R"(info a\nb\r\tc\x00d\x1b[31m\x7f caf)"
+                                                     "\xC3\xA9 \\")));
+}
+
 TEST_F(Logging, EachJsonLineIsAnObjectWhateverTheMessageHolds) {
   const std::string messages[] = {"plain", "a \"quote\" and a \\", "two\nlines\tand a tab", "not UTF-8: \xff"};
   const auto lines = Lines({.level = "info", .format = "json"}, [&] {

@@ -43,6 +43,19 @@ TEST(ToGrpcStatus, CallsAnUnclassifiedErrorInternal) {
   EXPECT_EQ(status.error_message(), "what was that");
 }
 
+// Longer ones do not fit into the metadata of a response: the client would see another error, and other calls of its
+// connection, too.
+TEST(ToGrpcStatus, CutsAMessageThatQuotesTooMuch) {
+  std::string quoted;
+  for (int i = 0; i < 200'000; ++i) quoted += "\xC3\xA9";
+  const std::string message = ToGrpcStatus(absl::InvalidArgumentError("token " + quoted)).error_message();
+  EXPECT_LE(message.size(), 2100U);
+  EXPECT_EQ(message.substr(0, 8), "token \xC3\xA9");
+  EXPECT_EQ(message.substr(message.find('.')), "... (400006 bytes)");
+  EXPECT_EQ(message.find('.') % 2, 0U) << "a character is cut in two";
+  EXPECT_EQ(ToGrpcStatus(absl::InvalidArgumentError(std::string(2000, 'a'))).error_message(), std::string(2000, 'a'));
+}
+
 TEST(Principal, IsWhatTheCallerSaysAndBounded) {
   EXPECT_EQ(IdentifyPrincipal("ann").name, "ann");
   EXPECT_FALSE(IdentifyPrincipal("ann").authenticated);
