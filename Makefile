@@ -9,9 +9,10 @@ SEEDS ?= 20
 CAMPUS ?= figure1
 # Further options of campus_seeds: --robots r1,r2 --laps 2 --verdicts ...
 OPTIONS ?=
-# `make robustness`: how long each decoder is searched, and how many malformed calls are made.
+# `make robustness`: how long each decoder is searched, how many malformed calls are made, and how often is killed.
 MINUTES ?= 10
 CALLS ?= 100000
+KILLS ?= 1000
 .PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
 
 help: ## this list
@@ -46,10 +47,11 @@ bench: ## run the benchmarks; they write JSON to build/bench
 	@$(MAKE) build PACKAGES=analysis
 	@tests/bench/run $(BIN) build/bench
 
-robustness: ## fuzz decoders (MINUTES=10 each) and all RPCs (CALLS=100000); JSON and logs in build/robustness
+robustness: ## fuzz decoders (MINUTES=10 each) and all RPCs (CALLS=100000), kill -9 (KILLS=1000); JSON in build/robustness
 	@$(MAKE) build
 	@$(MAKE) build PRESET=fuzz PACKAGES=fuzz
 	@tests/robustness/rpcs $(BIN) build/robustness --calls $(CALLS)
+	@$(BIN)/kill_storm --kills $(KILLS) --json build/robustness/kills.json
 	@tests/robustness/decoders build/fuzz/bin build/robustness --minutes $(MINUTES)
 
 asan: ## run the tests under AddressSanitizer and UndefinedBehaviorSanitizer

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "tests/support/command.h"
+#include "tests/support/eventually.h"
 
 namespace enfilade::testing {
 namespace {
@@ -37,6 +38,8 @@ void WholeSystem::KillDatabase() {
   const pid_t postmaster = cluster_.pid();
   if (postmaster <= 1) throw std::runtime_error("no database is running");  // 0 would be this test's own group
   kill(postmaster, SIGKILL);
+  // Until it is gone, not only dying, PostgreSQL refuses to start again.
+  if (!Eventually([&] { return kill(postmaster, 0) != 0; })) throw std::runtime_error("the database does not die");
 }
 
 std::unique_ptr<ServerProcess> WholeSystem::AnotherServer(const std::string& name) const {

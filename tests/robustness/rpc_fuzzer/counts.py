@@ -6,6 +6,7 @@ import threading
 import grpc
 
 NEVER = (grpc.StatusCode.INTERNAL, grpc.StatusCode.UNKNOWN)
+TOO_LONG = "metadata size exceeds"  # gRPC's, of an answer whose message does not fit; it ends other calls, too
 KEPT = 50  # offences in the report
 
 
@@ -23,7 +24,7 @@ class Counts:
     def add(self, name, answer, requests=(), what="valid"):
         """An answer is an offence if its code is never right, or if it came too late."""
         offence = None
-        if answer.code in NEVER:
+        if answer.code in NEVER or TOO_LONG in answer.details:
             offence = answer.code.name
         elif answer.seconds > self.late_after:
             offence = "LATE"
