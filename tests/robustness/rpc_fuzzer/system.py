@@ -1,24 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """A private database cluster and a server, as processes of their own."""
 import os
+import shutil
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
+# Waits for the end of its input, which this process keeps open as long as it runs; then ends what is left.
+GUARD = """read -r _; [ -s "$1/server.pid" ] && kill -KILL "$(cat "$1/server.pid")" 2>/dev/null
+"$2" stop "$1/database" >/dev/null 2>&1; rm -rf "$1" """
 
 
 class System:
-    """Started on entering a `with` block, stopped on leaving it."""
+    """Started on entering a `with` block, stopped on leaving it, and also if this process is killed."""
 
-    def __init__(self, binaries, folder, settings):
-        self.binaries, self.folder, self.settings = binaries, folder, settings
-        self.address = f"unix:{folder}/server.sock"
-        self.log = folder / "server.log"
+    def __init__(self, binaries, settings):
+        self.binaries, self.settings = binaries, settings
+        self.folder = Path(tempfile.mkdtemp(prefix="enfilade-rpcs-"))
+        self.folder.chmod(0o755)  # the database's owner enters it
+        self.address = f"unix:{self.folder}/server.sock"
+        self.log = self.folder / "server.log"
         self.server = None
+        self.guard = subprocess.Popen(["sh", "-c", GUARD, "sh", self.folder, ROOT / "deploy/database/cluster"],
+                                      stdin=subprocess.PIPE, start_new_session=True)
 
     def __enter__(self):
-        self.folder.mkdir(parents=True, exist_ok=True)
         url = self._deploy("database/cluster", "start", str(self.folder / "database")).strip()
         try:
             self._deploy("database/migrate", "up", url)
@@ -36,7 +44,12 @@ class System:
             except subprocess.TimeoutExpired:
                 self.server.kill()
                 self.server.wait()
-        self._deploy("database/cluster", "stop", str(self.folder / "database"))
+        (self.folder / "server.pid").unlink(missing_ok=True)
+        self.guard.communicate()
+
+    def keep_log(self, file):
+        """Copies the server's log."""
+        shutil.copy(self.log, file)
 
     @staticmethod
     def _deploy(program, *arguments):
@@ -54,6 +67,7 @@ class System:
         with self.log.open("wb") as log:
             self.server = subprocess.Popen(command, stdout=log, stderr=log,
                                            env={**os.environ, "ENFILADE_SERVER_DATABASE_URL": url})
+        (self.folder / "server.pid").write_text(str(self.server.pid))
         for _ in range(300):
             if self.server.poll() is not None:
                 raise RuntimeError("the server did not start:\n" + self.log.read_text()[-2000:])
