@@ -35,6 +35,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr std::size_t kMaxQueuedCalls = 1000;
+constexpr int kBulkThreads = 3;
 constexpr auto kReadinessTimeout = std::chrono::seconds(3);
 
 storage::postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
@@ -73,21 +74,37 @@ class Server::Impl {
         SiteDeletions::Options{.is_ready = [this] { return readiness->state().ready; },
                                .forget = [this](const SiteId& site) { graphs.Forget(site); }},
         sites, site_deletion, *metrics);
-    services = std::make_unique<Services>(Services{options,       std::chrono::steady_clock::now(),
-                                                   executor,      *metrics,
-                                                   *readiness,    sites,
-                                                   robots,        maps,
-                                                   revisions,     sessions,
-                                                   records,       blobs,
-                                                   mappings,      closures,
-                                                   link_points,   graph_store,
-                                                   robot_poses,   audit,
-                                                   door_verdicts, rearrangement_store,
-                                                   ingest,        mapping,
-                                                   *exports,      graphs,
-                                                   graph_editor,  graph_optimizer,
-                                                   map_entries,   rearrangements,
-                                                   localization,  *site_deletions});
+    services = std::make_unique<Services>(Services{options,
+                                                   std::chrono::steady_clock::now(),
+                                                   executor,
+                                                   bulk,
+                                                   *metrics,
+                                                   *readiness,
+                                                   sites,
+                                                   robots,
+                                                   maps,
+                                                   revisions,
+                                                   sessions,
+                                                   records,
+                                                   blobs,
+                                                   mappings,
+                                                   closures,
+                                                   link_points,
+                                                   graph_store,
+                                                   robot_poses,
+                                                   audit,
+                                                   door_verdicts,
+                                                   rearrangement_store,
+                                                   ingest,
+                                                   mapping,
+                                                   *exports,
+                                                   graphs,
+                                                   graph_editor,
+                                                   graph_optimizer,
+                                                   map_entries,
+                                                   rearrangements,
+                                                   localization,
+                                                   *site_deletions});
     api = std::make_unique<Api>(*services);
     if (options.survey.share > 0.0) {
       survey::SurveyOptions survey_options;
@@ -164,6 +181,7 @@ class Server::Impl {
     grpc->Wait();
     grpc.reset();
     executor.Stop();  // an answered call may still be returning from its handler
+    bulk.Stop();
   }
 
   const ServerOptions options;
@@ -192,6 +210,7 @@ class Server::Impl {
   const storage::SiteDeletion site_deletion{*pool};
   WakeSignal doors_wake;
   Executor executor;
+  Executor bulk{kBulkThreads, kMaxQueuedCalls};
   Mapping mapping;
   Ingest ingest;
   ChangedSites changed_sites;

@@ -40,6 +40,7 @@ struct Services {
   const ServerOptions& options;
   std::chrono::steady_clock::time_point start_time;
   Executor& executor;
+  Executor& bulk;  // makes large answers
   Metrics& metrics;
   const Readiness& readiness;
 

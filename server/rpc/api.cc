@@ -104,11 +104,12 @@ class ApiOf : public Service {
     };
   }
   // For RPCs that need the graph of their site: no thread of the executor waits until it has been read.
-  BeforeCall ReadGraph() const {
-    return [this](const Call& call, std::function<void(const absl::Status&)> next) {
+  CallTurn OnGraph(bool bulk = false) const {
+    const auto read = [this](const Call& call, std::function<void(const absl::Status&)> next) {
       if (call.site().empty()) return next(absl::OkStatus());  // the handler says what is wrong
       services_.graphs.Prepare(SiteId(call.site()), std::move(next));
     };
+    return {.before = read, .bulk = bulk};
   }
 
   const Services& services_;
@@ -126,24 +127,30 @@ class ApiOf : public Service {
 #define ENFILADE_UNARY_ON_GRAPH(Rpc)                                                                   \
   grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
                                 v1::Rpc##Response* response) override {                                \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), ReadGraph());          \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), OnGraph());            \
   }
-// The same, and its Try##Rpc() may answer immediately, without the executor.
-#define ENFILADE_UNARY_ON_GRAPH_OR_NOW(Rpc)                                                                \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,     \
-                                v1::Rpc##Response* response) override {                                    \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), BindNow(server::Try##Rpc), \
-                    ReadGraph());                                                                          \
+// The same, with a large answer.
+#define ENFILADE_BULK_UNARY_ON_GRAPH(Rpc)                                                                \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,   \
+                                v1::Rpc##Response* response) override {                                  \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), OnGraph(/*bulk=*/true)); \
+  }
+// It needs the graph of its site, and its Try##Rpc() may answer immediately, without the executor.
+#define ENFILADE_UNARY_ON_GRAPH_OR_NOW(Rpc)                                                                            \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,                 \
+                                v1::Rpc##Response* response) override {                                                \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), BindNow(server::Try##Rpc), OnGraph()); \
   }
 #define ENFILADE_SERVER_STREAM(Rpc)                                                                    \
   grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,               \
                                                    const v1::Rpc##Request* request) override {         \
     return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc)); \
   }
-#define ENFILADE_SERVER_STREAM_ON_GRAPH(Rpc)                                                                        \
-  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,                            \
-                                                   const v1::Rpc##Request* request) override {                      \
-    return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc), ReadGraph()); \
+#define ENFILADE_SERVER_STREAM_ON_GRAPH(Rpc)                                                          \
+  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,              \
+                                                   const v1::Rpc##Request* request) override {        \
+    return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc), \
+                                              OnGraph(/*bulk=*/true));                                \
   }
 #define ENFILADE_RAW_SERVER_STREAM(Rpc)                                                                  \
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Rpc(grpc::CallbackServerContext* context,                  \
@@ -247,7 +254,7 @@ class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
  public:
   using ApiOf::ApiOf;
 
-  ENFILADE_UNARY_ON_GRAPH(GetGraph)
+  ENFILADE_BULK_UNARY_ON_GRAPH(GetGraph)
   ENFILADE_UNARY(ListGraphVersions)
   ENFILADE_UNARY_ON_GRAPH(OptimizeGraph)
   ENFILADE_UNARY_ON_GRAPH_OR_NOW(GetGlobalPose)
@@ -287,6 +294,7 @@ class ServerApi final : public ApiOf<v1::ServerService::CallbackService> {
 
 #undef ENFILADE_UNARY
 #undef ENFILADE_UNARY_ON_GRAPH
+#undef ENFILADE_BULK_UNARY_ON_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH_OR_NOW
 #undef ENFILADE_SERVER_STREAM
 #undef ENFILADE_SERVER_STREAM_ON_GRAPH
@@ -298,6 +306,7 @@ class ServerApi final : public ApiOf<v1::ServerService::CallbackService> {
 CallEnvironment EnvironmentOf(const Services& services) {
   const std::chrono::duration<double> timeout(services.options.database.default_deadline_s);
   return {.executor = services.executor,
+          .bulk = &services.bulk,
           .metrics = services.metrics,
           .logger = spdlog::default_logger(),
           .default_timeout = std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout),

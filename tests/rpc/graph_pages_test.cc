@@ -123,7 +123,7 @@ TEST_F(GraphPagesTest, ACorridorWithManyDoorsSendsEdgesOnRequestOnly) {
   AddRooms(2000, 2000);
   v1::GetGraphRequest whole;
   whole.set_site("sites/s");
-  EXPECT_CODE(Call(&Stub::GetGraph, whole), absl::StatusCode::kResourceExhausted);
+  EXPECT_STATUS(Call(&Stub::GetGraph, whole), absl::StatusCode::kResourceExhausted, HasSubstr("2001001 edges"));
   ASSERT_OK_AND_ASSIGN(const v1::Graph read, client::ReadGraph(*connection_, "sites/s"));
   EXPECT_EQ(read.link_points_size(), 2002);
   EXPECT_LT(read.ByteSizeLong(), std::size_t{2} << 20);

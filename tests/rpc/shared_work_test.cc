@@ -4,7 +4,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/sha256.h"
+#include "client/sdk/api/map_export.h"
+#include "client/sdk/api/map_import.h"
 #include "storage/postgres/driver/transaction.h"
 #include "tests/rpc/graph_fixture.h"
 
@@ -72,6 +73,39 @@ TEST_F(SharedWorkTest, CallsThatNeedAGraphThatIsBeingReadHoldNoThreads) {
     AwaitHeldUp("enfilade.graph_removals");
     ExpectQuickCallsAreAnswered();
     EXPECT_EQ(CountHeldUp("enfilade.graph_removals"), 1) << "one read for all";
+    EXPECT_EQ(answered, 0);
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(answered, kCallers);
+}
+
+TEST_F(SharedWorkTest, ExportsThatWaitForTheirFilesHoldNoThreads) {
+  constexpr storage::postgres::Statement kLock{"locking",
+                                               "LOCK TABLE enfilade.map_revision_tiles IN ACCESS EXCLUSIVE MODE"};
+  const std::string pixels(64 * 32, '\xFE');
+  ASSERT_OK(client::ImportMap(*connection_, "sites/s/maps/m", v1::MAP_DIALECT_UNSPECIFIED,
+                              {{{"hall.pgm", "P5\n64 32\n255\n" + pixels},
+                                {"hall.yaml",
+                                 "image: hall.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"
+                                 "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"}}}));
+  v1::ExportMapRequest request;
+  request.set_name("sites/s/maps/m");
+  request.set_format(v1::MAP_FORMAT_PGM);
+  std::atomic<int> answered{0};
+  std::vector<std::thread> callers;
+  {
+    const storage::postgres::Transaction lock = LockTable(kLock);
+    for (int i = 0; i < kCallers; ++i) {
+      callers.emplace_back([this, &request, &pixels, &answered] {
+        const auto map = client::DownloadMap(*connection_, request);
+        EXPECT_OK(map);
+        EXPECT_TRUE(map.ok() && map->files[0].bytes.ends_with(pixels));
+        ++answered;
+      });
+    }
+    AwaitHeldUp("enfilade.map_revision_tiles");
+    ExpectQuickCallsAreAnswered();
+    EXPECT_EQ(CountHeldUp("enfilade.map_revision_tiles"), 1) << "one rendering for all";
     EXPECT_EQ(answered, 0);
   }
   for (std::thread& caller : callers) caller.join();

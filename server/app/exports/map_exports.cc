@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <optional>
+#include <stop_token>
 #include <system_error>
 #include <utility>
 
@@ -21,6 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kDirectoryPrefix[] = "enfilade-cache-";
+constexpr std::size_t kMaxWaiting = 1000;
+// Cells beyond which a map is large: 16 Mpx are rendered in half a second.
+constexpr std::int64_t kLargeMap = 16 << 20;
+// Of rendering, which keeps a processor busy for seconds.
+constexpr int kNiceness = 10;
+constexpr auto kRenderTimeout = std::chrono::minutes(10);
 
 absl::Status WithDiskHint(const absl::Status& status) {
   if (!absl::IsResourceExhausted(status)) return status;
@@ -63,37 +71,135 @@ absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptio
   return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, *std::move(directory)));
 }
 
+struct MapExports::Rendering {
+  explicit Rendering(Subject given) : subject(std::move(given)) {}
+
+  // Called for each waiter that has cancelled.
+  void Leave() {
+    if (--wanted == 0) abandoned.request_stop();
+  }
+
+  const Subject subject;
+  std::atomic<int> wanted = 0;
+  std::stop_source abandoned;
+  std::vector<Waiter> waiters;  // guarded by MapExports::mutex_
+};
+
+struct MapExports::Waiter {
+  std::stop_token cancellation;
+  storage::MapRevision revision;  // may be another one with the same content
+  Done done;
+  std::unique_ptr<std::stop_callback<std::function<void()>>> on_cancel = nullptr;
+};
+
 MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
                        const storage::RevisionStore& revisions, LockedDirectory directory)
-    : options_(options), maps_(maps), revisions_(revisions), directory_(std::move(directory)) {}
+    : options_(options),
+      maps_(maps),
+      revisions_(revisions),
+      directory_(std::move(directory)),
+      renderer_(1, kMaxWaiting, kNiceness),
+      renderer_of_large_maps_(1, kMaxWaiting, kNiceness) {}
 
-MapExports::~MapExports() = default;
+MapExports::~MapExports() {
+  {
+    MutexLock lock(mutex_);
+    stopping_ = true;
+    for (const auto& [key, rendering] : renderings_) rendering->abandoned.request_stop();
+  }
+  renderer_.Stop();
+  renderer_of_large_maps_.Stop();
+}
 
-absl::StatusOr<ExportedMap> MapExports::Get(const storage::CallContext& context, const convert::RevisionName& name,
-                                            grid::MapFileFormat format) {
+absl::StatusOr<MapExports::Subject> MapExports::FindSubject(const storage::CallContext& context,
+                                                            const convert::RevisionName& name,
+                                                            grid::MapFileFormat format) const {
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map map, maps_.Get(context, name.site, name.map));
   if (name.revision == 0 && map.current_revision == 0) {
     return FailedPrecondition("map \"{}\" has no revision yet: map a session into it, or import one", map.display_name);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
-                            revisions_.Get(context, name.site, name.map, name.revision));
-  const std::string key = fmt::format("{}/{}/{}", ToHex(revision.content_sha256), static_cast<int>(format),
-                                      grid::SafeStem(map.display_name));
-  if (auto found = Find(key, revision)) return *std::move(found);
-  MutexLock render_lock(render_mutex_);
-  if (auto found = Find(key, revision)) return *std::move(found);  // another call has rendered it
-  ENFILADE_ASSIGN_OR_RETURN(Entry entry, Render(context, revision, map.display_name, format));
-  entry.key = key;
-  ExportedMap rendered = entry.map;
-  MutexLock lock(mutex_);
-  bytes_ += entry.bytes;
-  entries_.push_front(std::move(entry));
-  Evict();
-  return rendered;
+  Subject subject{.revision = {}, .display_name = map.display_name, .format = format, .key = {}};
+  ENFILADE_ASSIGN_OR_RETURN(subject.revision, revisions_.Get(context, name.site, name.map, name.revision));
+  subject.key = fmt::format("{}/{}/{}", ToHex(subject.revision.content_sha256), static_cast<int>(format),
+                            grid::SafeStem(map.display_name));
+  return subject;
+}
+
+void MapExports::Get(const storage::CallContext& context, const convert::RevisionName& name, grid::MapFileFormat format,
+                     Done done) {
+  const absl::StatusOr<Subject> subject = FindSubject(context, name, format);
+  if (!subject.ok()) return done(subject.status());
+  Wait(*subject, {.cancellation = context.cancellation, .revision = subject->revision, .done = std::move(done)});
+}
+
+void MapExports::Wait(const Subject& subject, Waiter waiter) {
+  std::shared_ptr<Rendering> rendering;
+  absl::StatusOr<ExportedMap> now = ResourceExhausted("too many exports are waiting: try again later");
+  bool begin = false;
+  {
+    MutexLock lock(mutex_);
+    if (auto found = Find(subject.key, waiter.revision)) {
+      now = *std::move(found);
+    } else if (stopping_) {
+      now = absl::CancelledError("the server is shutting down");
+    } else if (waiting_ < kMaxWaiting) {
+      ++waiting_;
+      std::shared_ptr<Rendering>& current = renderings_[subject.key];
+      begin = current == nullptr;
+      if (begin) current = std::make_shared<Rendering>(subject);
+      rendering = current;
+      ++rendering->wanted;
+      waiter.on_cancel = std::make_unique<std::stop_callback<std::function<void()>>>(
+          waiter.cancellation, [rendering] { rendering->Leave(); });
+      rendering->waiters.push_back(std::move(waiter));
+    }
+  }
+  if (rendering == nullptr) return waiter.done(std::move(now));
+  if (!begin) return;
+  const grid::GridGeometry& geometry = subject.revision.geometry;
+  const bool large = std::int64_t{geometry.width} * geometry.height > kLargeMap;
+  (large ? renderer_of_large_maps_ : renderer_).PostNext([this, rendering] { Run(rendering); });
+}
+
+void MapExports::Run(const std::shared_ptr<Rendering>& rendering) {
+  const Subject& subject = rendering->subject;
+  absl::StatusOr<Entry> entry = absl::CancelledError("nobody waits for the export");
+  if (!rendering->abandoned.stop_requested()) {
+    storage::CallContext context = storage::CallContext::WithTimeout(kRenderTimeout);
+    context.cancellation = rendering->abandoned.get_token();
+    entry = Render(context, subject.revision, subject.display_name, subject.format);
+  }
+  std::vector<Waiter> waiters;
+  absl::StatusOr<ExportedMap> rendered = absl::UnknownError("");
+  {
+    MutexLock lock(mutex_);
+    renderings_.erase(subject.key);
+    waiters.swap(rendering->waiters);
+    waiting_ -= waiters.size();
+    if (!entry.ok()) {
+      rendered = entry.status();
+    } else {
+      rendered = entry->map;
+      entry->key = subject.key;
+      bytes_ += entry->bytes;
+      entries_.push_front(*std::move(entry));
+      Evict();
+    }
+  }
+  for (Waiter& waiter : waiters) {
+    waiter.on_cancel.reset();
+    // It came after the others had gone.
+    const bool again = absl::IsCancelled(rendered.status()) && !waiter.cancellation.stop_requested();
+    if (again) {
+      Wait(subject, std::move(waiter));
+      continue;
+    }
+    if (rendered.ok()) rendered->revision = waiter.revision;
+    waiter.done(rendered);
+  }
 }
 
 std::optional<ExportedMap> MapExports::Find(const std::string& key, const storage::MapRevision& revision) {
-  MutexLock lock(mutex_);
   for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
     if (entry->key != key) continue;
     entries_.splice(entries_.begin(), entries_, entry);

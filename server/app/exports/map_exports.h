@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -16,6 +19,7 @@
 #include "core/grid/files/map_files.h"
 #include "proto/convert/names.h"
 #include "server/app/exports/locked_directory.h"
+#include "server/app/runtime/executor.h"
 #include "server/config/server_options.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/revision_store.h"
@@ -50,9 +54,12 @@ struct ExportedMap {
 };
 
 // Renders revisions as files and caches them on disk for the next download: rendering a large map takes longer than
-// sending it. Renders one revision at a time to bound the memory of concurrent requests. Thread-safe.
+// sending it. Two threads render, one of them large maps only and one the others, to bound the memory of concurrent
+// requests. However many want the same files, they are rendered once. Thread-safe.
 class MapExports {
  public:
+  using Done = std::function<void(absl::StatusOr<ExportedMap>)>;
+
   // FAILED_PRECONDITION naming the folder if it cannot be created. Removes the folders of killed servers.
   static absl::StatusOr<std::unique_ptr<MapExports>> Create(const ServerOptions::Transfers& options,
                                                             const storage::MapReader& maps,
@@ -60,11 +67,23 @@ class MapExports {
   // Removes the cache.
   ~MapExports();
 
-  // NOT_FOUND; FAILED_PRECONDITION if the map has no revision yet; RESOURCE_EXHAUSTED if the disk is full.
-  absl::StatusOr<ExportedMap> Get(const storage::CallContext& context, const convert::RevisionName& name,
-                                  grid::MapFileFormat format);
+  // Reads what is to be exported, and calls `done` with its files: in this thread if they are cached or there is an
+  // error, else in one that renders. `done` must not wait. Rendering takes as long as it takes, but ends when all who
+  // want it have cancelled. NOT_FOUND; FAILED_PRECONDITION if the map has no revision yet; RESOURCE_EXHAUSTED if the
+  // disk is full or too many wait.
+  void Get(const storage::CallContext& context, const convert::RevisionName& name, grid::MapFileFormat format,
+           Done done);
 
  private:
+  // What is exported, and the name under which it is cached.
+  struct Subject {
+    storage::MapRevision revision;
+    std::string display_name;
+    grid::MapFileFormat format = grid::MapFileFormat::kPgm;
+    std::string key;
+  };
+  struct Waiter;
+  struct Rendering;
   struct Entry {
     std::string key;
     ExportedMap map;
@@ -74,12 +93,16 @@ class MapExports {
 
   MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
              const storage::RevisionStore& revisions, LockedDirectory directory);
+  absl::StatusOr<Subject> FindSubject(const storage::CallContext& context, const convert::RevisionName& name,
+                                      grid::MapFileFormat format) const;
+  void Wait(const Subject& subject, Waiter waiter);
+  void Run(const std::shared_ptr<Rendering>& rendering);
   // Moves the entry to the front; the result has `revision`, which may be another one with the same content.
-  std::optional<ExportedMap> Find(const std::string& key, const storage::MapRevision& revision);
+  std::optional<ExportedMap> Find(const std::string& key, const storage::MapRevision& revision)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Entry> Render(const storage::CallContext& context, const storage::MapRevision& revision,
-                               const std::string& display_name, grid::MapFileFormat format)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(render_mutex_);
-  absl::Status Add(const grid::MapFile& file, Entry& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(render_mutex_);
+                               const std::string& display_name, grid::MapFileFormat format);
+  absl::Status Add(const grid::MapFile& file, Entry& entry);
   void Evict() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ServerOptions::Transfers options_;
@@ -87,11 +110,15 @@ class MapExports {
   const storage::RevisionStore& revisions_;
   const LockedDirectory directory_;
 
-  Mutex render_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
   Mutex mutex_;
   std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // most recently used first
   std::int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::int64_t next_file_ ABSL_GUARDED_BY(render_mutex_) = 0;
+  std::map<std::string, std::shared_ptr<Rendering>> renderings_ ABSL_GUARDED_BY(mutex_);  // by key
+  std::size_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  std::atomic<std::int64_t> next_file_ = 0;
+  Executor renderer_;
+  Executor renderer_of_large_maps_;
 };
 
 }  // namespace enfilade::server

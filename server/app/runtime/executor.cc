@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/runtime/executor.h"
 
+#include <sys/resource.h>
+
 #include <utility>
 
 namespace enfilade::server {
 
-Executor::Executor(int threads, std::size_t max_queued) : max_queued_(max_queued) {
+Executor::Executor(int threads, std::size_t max_queued, int niceness) : max_queued_(max_queued), niceness_(niceness) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
 }
 
@@ -40,6 +42,8 @@ void Executor::PostNext(std::function<void()> task) {
 }
 
 void Executor::Run() {
+  // On Linux of the calling thread only (setpriority(2), "C library/kernel differences").
+  if (niceness_ != 0) setpriority(PRIO_PROCESS, 0, niceness_);
   while (true) {
     std::function<void()> task;
     {

@@ -16,7 +16,8 @@ namespace enfilade::server {
 // is bounded: an overloaded server refuses work instead of growing. Thread-safe.
 class Executor {
  public:
-  Executor(int threads, std::size_t max_queued);
+  // `niceness`: of the threads, 0 to 19. For work that must leave the processors to others.
+  Executor(int threads, std::size_t max_queued, int niceness = 0);
   // Calls Stop.
   ~Executor();
   Executor(const Executor&) = delete;
@@ -34,6 +35,7 @@ class Executor {
   void Run();
 
   const std::size_t max_queued_;
+  const int niceness_;
   Mutex mutex_;
   CondVar changed_;
   std::deque<std::function<void()>> tasks_ ABSL_GUARDED_BY(mutex_);

@@ -22,6 +22,8 @@ namespace enfilade::server {
 // The part of the server that all calls use. Must outlive them.
 struct CallEnvironment {
   Executor& executor;
+  // Makes large answers: few threads, so that they leave processors to other calls. Null: `executor`.
+  Executor* bulk = nullptr;
   Metrics& metrics;
   std::shared_ptr<spdlog::logger> logger;
   // Of a call whose client set no deadline, and of each step of an open-ended stream.
@@ -76,8 +78,12 @@ class Call {
   // (FAILED_PRECONDITION) or, from this thread, because too many calls wait (RESOURCE_EXHAUSTED). Quotas belong here.
   template <typename Task>
   void Run(Task task) const {
-    const auto run = [this, task] { task(CheckAdmitted(context_), context_); };
-    if (!environment_.executor.Post(run)) task(TooManyCalls(), context_);
+    RunOn(environment_.executor, task);
+  }
+  // The same for making a large answer.
+  template <typename Task>
+  void RunBulk(Task task) const {
+    RunOn(bulk_executor(), task);
   }
   // The same with StepContext().
   template <typename Task>
@@ -89,10 +95,19 @@ class Call {
   // Queues the next step of a stream that has begun, however many calls wait.
   void Continue(std::function<void()> step) const { environment_.executor.PostNext(std::move(step)); }
 
+  // The same for making messages of a stream that the server sends.
+  void ContinueBulk(std::function<void()> step) const { bulk_executor().PostNext(std::move(step)); }
+
   // Counts the call, and logs it if it failed. Call it once, right before the client gets the status.
   void Finish(const absl::Status& status) const;
 
  private:
+  template <typename Task>
+  void RunOn(Executor& executor, Task task) const {
+    const auto run = [this, task] { task(CheckAdmitted(context_), context_); };
+    if (!executor.Post(run)) task(TooManyCalls(), context_);
+  }
+  Executor& bulk_executor() const { return environment_.bulk != nullptr ? *environment_.bulk : environment_.executor; }
   static absl::Status CheckAwaited(const storage::CallContext& context);
   absl::Status CheckAdmitted(const storage::CallContext& context) const;
   static absl::Status TooManyCalls();
@@ -112,5 +127,11 @@ class Call {
 // What a call waits for before its turn on the executor, such as a read that many calls share: calls next(status) once,
 // from any thread, and does not wait itself. With an error the call ends. Null: nothing.
 using BeforeCall = std::function<void(const Call& call, std::function<void(const absl::Status&)> next)>;
+
+// How a call gets its turn.
+struct CallTurn {
+  BeforeCall before = nullptr;
+  bool bulk = false;  // its answer is large
+};
 
 }  // namespace enfilade::server

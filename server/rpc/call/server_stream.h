@@ -40,11 +40,11 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
  public:
   // open(call, opened) runs on the executor.
   ServerStreamReactor(const CallEntry& entry, std::string site, std::function<void(const Call&, Opened<Response>)> open,
-                      const BeforeCall& before)
-      : call_(BeginCall(entry)), open_(std::move(open)) {
+                      const CallTurn& turn)
+      : call_(BeginCall(entry)), open_(std::move(open)), bulk_(turn.bulk) {
     call_.set_site(std::move(site));
-    if (before) {
-      before(call_, [this](const absl::Status& ready) { ready.ok() ? Open() : OnOpened(ready); });
+    if (turn.before) {
+      turn.before(call_, [this](const absl::Status& ready) { ready.ok() ? Open() : OnOpened(ready); });
     } else {
       Open();
     }
@@ -75,10 +75,11 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   static constexpr std::uint64_t kAhead = 4;
 
   void Open() {
-    call_.Run([this](const absl::Status& admitted, const storage::CallContext&) {
+    const auto open = [this](const absl::Status& admitted, const storage::CallContext&) {
       if (!admitted.ok()) return OnOpened(admitted);
       open_(call_, [this](absl::StatusOr<MessageSource<Response>> source) { OnOpened(std::move(source)); });
-    });
+    };
+    bulk_ ? call_.RunBulk(open) : call_.Run(open);
   }
 
   void OnOpened(absl::StatusOr<MessageSource<Response>> source) {
@@ -113,7 +114,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
       ++made_;
       Advance();
     }
-    call_.Continue([this] { Make(); });
+    call_.ContinueBulk([this] { Make(); });
   }
 
   // No further message: the stream's end, or an error.
@@ -134,7 +135,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
       writing_ = true;
       if (!making_ && !ended_) {
         making_ = true;
-        call_.Continue([this] { Make(); });
+        call_.ContinueBulk([this] { Make(); });
       }
       this->StartWrite(&ring_[sent_ % kAhead]);
     } else if (ended_) {
@@ -150,6 +151,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
 
   Call call_;
   const std::function<void(const Call&, Opened<Response>)> open_;
+  const bool bulk_;
   MessageSource<Response> source_;
   std::array<Response, kAhead> ring_;
 
@@ -167,11 +169,11 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
 // open(call, request, opened) opens the stream, at once or later: see Opened.
 template <typename Response, typename Request, typename Open>
 grpc::ServerWriteReactor<Response>* RunServerStream(const CallEntry& entry, const Request* request, Open open,
-                                                    const BeforeCall& before = nullptr) {
+                                                    const CallTurn& turn = {}) {
   const auto open_with_request = [request, open](const Call& call, Opened<Response> opened) {
     open(call, *request, std::move(opened));
   };
-  return new ServerStreamReactor<Response>(entry, SiteOf(*request), open_with_request, before);
+  return new ServerStreamReactor<Response>(entry, SiteOf(*request), open_with_request, turn);
 }
 
 // The same for an RPC that makes its messages in the form in which they travel.
@@ -186,7 +188,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* RunRawServerStream(const CallEntry& 
     if (decoded.ok()) return open(call, *request, std::move(opened));
     opened(InvalidArgument("the request cannot be decoded: {}", decoded.error_message()));
   };
-  return new ServerStreamReactor<grpc::ByteBuffer>(entry, std::move(site), open_decoded, nullptr);
+  return new ServerStreamReactor<grpc::ByteBuffer>(entry, std::move(site), open_decoded, CallTurn{});
 }
 
 }  // namespace enfilade::server

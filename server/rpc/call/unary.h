@@ -21,13 +21,14 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
     call_.set_site(SiteOf(*request_));
   }
 
-  // try_now(request, response), which must not wait, may give the answer without the executor. `before` may be null.
+  // try_now(request, response), which must not wait, may give the answer without the executor.
   template <typename TryNow>
-  void Start(TryNow try_now, const BeforeCall& before) {
+  void Start(TryNow try_now, const CallTurn& turn) {
     if (const absl::Status status = call_.CheckSite(); !status.ok()) return End(status);
     if (const std::optional<absl::Status> status = try_now(*request_, *response_)) return End(*status);
-    if (!before) return Run();
-    before(call_, [this](const absl::Status& ready) { ready.ok() ? Run() : End(ready); });
+    bulk_ = turn.bulk;
+    if (!turn.before) return Run();
+    turn.before(call_, [this](const absl::Status& ready) { ready.ok() ? Run() : End(ready); });
   }
 
   void OnCancel() override { call_.Cancel(); }
@@ -37,9 +38,10 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
 
  private:
   void Run() {
-    call_.Run([this](const absl::Status& admitted, const storage::CallContext&) {
+    const auto run = [this](const absl::Status& admitted, const storage::CallContext&) {
       End(admitted.ok() ? handle_(call_, *request_, *response_) : admitted);
-    });
+    };
+    bulk_ ? call_.RunBulk(run) : call_.Run(run);
   }
 
   void End(const absl::Status& status) {
@@ -51,22 +53,23 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   const Request* const request_;
   Response* const response_;
   const Handle handle_;
+  bool bulk_ = false;
 };
 
 template <typename Request, typename Response, typename Handle, typename TryNow>
 grpc::ServerUnaryReactor* RunUnary(const CallEntry& entry, const Request* request, Response* response, Handle handle,
-                                   TryNow try_now, const BeforeCall& before = nullptr) {
+                                   TryNow try_now, const CallTurn& turn = {}) {
   auto* reactor = new UnaryReactor<Request, Response, Handle>(entry, request, response, std::move(handle));
-  reactor->Start(std::move(try_now), before);
+  reactor->Start(std::move(try_now), turn);
   return reactor;
 }
 
 template <typename Request, typename Response, typename Handle>
 grpc::ServerUnaryReactor* RunUnary(const CallEntry& entry, const Request* request, Response* response, Handle handle,
-                                   const BeforeCall& before = nullptr) {
+                                   const CallTurn& turn = {}) {
   return RunUnary(
       entry, request, response, std::move(handle),
-      [](const Request&, Response&) { return std::optional<absl::Status>(); }, before);
+      [](const Request&, Response&) { return std::optional<absl::Status>(); }, turn);
 }
 
 }  // namespace enfilade::server

@@ -76,12 +76,19 @@ class ExportSource {
 
 }  // namespace
 
-absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const Call& call,
-                                                          const v1::ExportMapRequest& request) {
-  ENFILADE_ASSIGN_OR_RETURN(const convert::RevisionName name, convert::ParseMapOrRevisionName("name", request.name()));
-  ENFILADE_ASSIGN_OR_RETURN(const grid::MapFileFormat format, FormatOf(request.format()));
-  ENFILADE_ASSIGN_OR_RETURN(ExportedMap map, services.exports.Get(call.context(), name, format));
-  return MessageSource<grpc::ByteBuffer>(ExportSource(std::move(map)));
+void ExportMap(const Services& services, const Call& call, const v1::ExportMapRequest& request,
+               Opened<grpc::ByteBuffer> opened) {
+  const absl::StatusOr<convert::RevisionName> name = convert::ParseMapOrRevisionName("name", request.name());
+  if (!name.ok()) return opened(name.status());
+  const absl::StatusOr<grid::MapFileFormat> format = FormatOf(request.format());
+  if (!format.ok()) return opened(format.status());
+  services.exports.Get(call.context(), *name, *format,
+                       [&call, opened = std::move(opened)](absl::StatusOr<ExportedMap> map) {
+                         call.Continue([opened, map = std::move(map)] {
+                           if (!map.ok()) return opened(map.status());
+                           opened(MessageSource<grpc::ByteBuffer>(ExportSource(*map)));
+                         });
+                       });
 }
 
 }  // namespace enfilade::server

@@ -10,7 +10,7 @@
 namespace enfilade::server {
 
 // MapService.ExportMap, with its messages already encoded: see EncodeChunkMessage().
-absl::StatusOr<MessageSource<grpc::ByteBuffer>> ExportMap(const Services& services, const Call& call,
-                                                          const v1::ExportMapRequest& request);
+void ExportMap(const Services& services, const Call& call, const v1::ExportMapRequest& request,
+               Opened<grpc::ByteBuffer> opened);
 
 }  // namespace enfilade::server

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <thread>
 #include <vector>
 
@@ -58,7 +59,10 @@ class MapExportsTest : public ::testing::Test {
   }
   absl::StatusOr<ExportedMap> Export(const std::string& map, std::int64_t revision = 0,
                                      grid::MapFileFormat format = grid::MapFileFormat::kPgm) {
-    return exports_->Get(Soon(), {site_, MapId(map), revision}, format);
+    std::promise<absl::StatusOr<ExportedMap>> exported;
+    exports_->Get(Soon(), {site_, MapId(map), revision}, format,
+                  [&](absl::StatusOr<ExportedMap> given) { exported.set_value(std::move(given)); });
+    return exported.get_future().get();
   }
   std::vector<fs::path> OwnFolders() const {
     std::vector<fs::path> folders;

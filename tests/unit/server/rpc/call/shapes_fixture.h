@@ -72,14 +72,14 @@ class GraphService final : public v1::GraphService::CallbackService {
           now.mutable_graph()->set_graph_version(version_at_hand);
           return absl::OkStatus();
         },
-        before);
+        CallTurn{.before = before, .bulk = bulk});
   }
   grpc::ServerWriteReactor<v1::ExportGraphResponse>* ExportGraph(grpc::CallbackServerContext* context,
                                                                  const v1::ExportGraphRequest* request) override {
     const auto open_now = [this](const Call& call, const v1::ExportGraphRequest& given,
                                  Opened<v1::ExportGraphResponse> opened) { opened(open(call, given)); };
     return RunServerStream<v1::ExportGraphResponse>(CallEntry{environment_, "ExportGraph", *context}, request, open_now,
-                                                    before);
+                                                    {.before = before, .bulk = bulk});
   }
   grpc::ServerWriteReactor<v1::WatchGlobalPosesResponse>* WatchGlobalPoses(
       grpc::CallbackServerContext* context, const v1::WatchGlobalPosesRequest* request) override {
@@ -88,6 +88,7 @@ class GraphService final : public v1::GraphService::CallbackService {
   }
 
   BeforeCall before;  // of GetGraph and ExportGraph
+  bool bulk = false;  // of the same
   server::GetGraph get;
   std::atomic<std::int64_t> version_at_hand = 0;
   server::ExportGraph open;

@@ -204,6 +204,31 @@ TEST_F(ShapesTest, CallsThatWaitBeforeTheirTurnHoldNoThread) {
   EXPECT_EQ(refused, 2);
 }
 
+// The only thread of the executor is busy.
+TEST_F(ShapesTest, LargeAnswersAreMadeByThreadsOfTheirOwn) {
+  Executor bulk(1, 100);
+  environment_->bulk = &bulk;
+  graph_.bulk = true;
+  graph_.get = [](const Call&, const v1::GetGraphRequest&, v1::GetGraphResponse&) { return absl::OkStatus(); };
+  graph_.open = [](const Call&, const v1::ExportGraphRequest&) {
+    return MessageSource<v1::ExportGraphResponse>([](v1::ExportGraphResponse&) { return absl::StatusOr<bool>(false); });
+  };
+  std::promise<void> end;
+  ASSERT_TRUE(executor_.Post([&] { end.get_future().wait(); }));
+  grpc::ClientContext client;
+  client.set_deadline(std::chrono::system_clock::now() + seconds(20));
+  v1::GetGraphResponse response;
+  EXPECT_TRUE(graph_stub_->GetGraph(&client, {}, &response).ok());
+  grpc::ClientContext streaming;
+  streaming.set_deadline(std::chrono::system_clock::now() + seconds(20));
+  const auto stream = graph_stub_->ExportGraph(&streaming, {});
+  v1::ExportGraphResponse message;
+  EXPECT_FALSE(stream->Read(&message));
+  EXPECT_TRUE(stream->Finish().ok());
+  end.set_value();
+  EndServer();
+}
+
 TEST_F(ShapesTest, AStreamThatIsOpenedLaterHoldsNoThreadMeanwhile) {
   std::promise<std::function<void()>> open_now;
   map_.open_later = [&](const Call& call, const v1::ExportMapRequest&, Opened<grpc::ByteBuffer> opened) {
