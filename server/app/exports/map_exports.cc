@@ -35,23 +35,27 @@ absl::Status WithDiskHint(const absl::Status& status) {
   return ResourceExhausted("{}: free space, or set transfers.cache_directory", std::string(status.message()));
 }
 
-void RemoveFiles(const std::vector<fs::path>& paths) {
-  for (const fs::path& path : paths) unlink(path.c_str());
-}
-
 }  // namespace
 
-ReadOnlyFile::~ReadOnlyFile() { close(descriptor_); }
+RenderedFile::~RenderedFile() { unlink(path_.c_str()); }
 
-absl::Status ReadOnlyFile::Read(std::int64_t offset, std::size_t size, char* out) const {
+// Opens the file for each chunk (1 MiB), which is cheap beside sending it.
+absl::Status RenderedFile::Read(std::int64_t offset, std::size_t size, char* out) const {
+  const int descriptor = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return io::FileError(path_, "cannot be opened", errno);
+  ssize_t n = 0;
   while (size > 0) {
-    const ssize_t n = pread(descriptor_, out, size, offset);
+    n = pread(descriptor, out, size, offset);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return DataLoss("a rendered map file is {} bytes too short", size);
+    if (n <= 0) break;
     out += n;
     offset += n;
     size -= static_cast<std::size_t>(n);
   }
+  const int error = errno;
+  close(descriptor);
+  if (n < 0) return io::FileError(path_, "cannot be read", error);
+  if (size > 0) return DataLoss("a rendered map file is {} bytes too short", size);
   return absl::OkStatus();
 }
 
@@ -220,31 +224,22 @@ absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext&
                             grid::RenderFiles(raster, display_name, file_options));
   Entry entry;
   entry.map.revision = revision;
-  for (const grid::MapFile& file : files) {
-    const absl::Status status = Add(file, entry);
-    if (status.ok()) continue;
-    RemoveFiles(entry.paths);
-    return status;
-  }
+  for (const grid::MapFile& file : files) ENFILADE_RETURN_IF_ERROR(Add(file, entry));
   return entry;
 }
 
 absl::Status MapExports::Add(const grid::MapFile& file, Entry& entry) {
-  const fs::path path = directory_.path() / std::to_string(next_file_++);
-  entry.paths.push_back(path);
-  ENFILADE_RETURN_IF_ERROR(WithDiskHint(io::WriteFile(path, file.bytes)));
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return io::FileError(path, "cannot be opened", errno);
+  const auto content = std::make_shared<const RenderedFile>(directory_.path() / std::to_string(next_file_++));
+  ENFILADE_RETURN_IF_ERROR(WithDiskHint(io::WriteFile(content->path(), file.bytes)));
   const auto size = static_cast<std::int64_t>(file.bytes.size());
   entry.bytes += size;
-  entry.map.files.push_back({file.name, size, Sha256(file.bytes), std::make_shared<const ReadOnlyFile>(descriptor)});
+  entry.map.files.push_back({file.name, size, Sha256(file.bytes), content});
   return absl::OkStatus();
 }
 
 // Keeps the newest entry, however large it is.
 void MapExports::Evict() {
   while (bytes_ > options_.cache_bytes && entries_.size() > 1) {
-    RemoveFiles(entries_.back().paths);
     bytes_ -= entries_.back().bytes;
     entries_.pop_back();
   }

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -26,26 +27,30 @@
 
 namespace enfilade::server {
 
-// An open file. Readers are not affected when the file is unlinked. Thread-safe.
-class ReadOnlyFile {
+// A file of the cache, which is removed with the last reference to it. Not kept open: the number of files in the cache
+// has no limit, that of open files has one. Thread-safe.
+class RenderedFile {
  public:
-  explicit ReadOnlyFile(int descriptor) : descriptor_(descriptor) {}
-  ~ReadOnlyFile();
-  ReadOnlyFile(const ReadOnlyFile&) = delete;
-  ReadOnlyFile& operator=(const ReadOnlyFile&) = delete;
+  explicit RenderedFile(std::filesystem::path path) : path_(std::move(path)) {}
+  // Removes the file.
+  ~RenderedFile();
+  RenderedFile(const RenderedFile&) = delete;
+  RenderedFile& operator=(const RenderedFile&) = delete;
 
-  // Reads exactly `size` bytes from `offset` into `out`. DATA_LOSS if the file is too short.
+  const std::filesystem::path& path() const { return path_; }
+  // Reads exactly `size` bytes from `offset` into `out`. DATA_LOSS if the file is too short; NOT_FOUND if somebody else
+  // has removed it; other errors as io::FileError.
   absl::Status Read(std::int64_t offset, std::size_t size, char* out) const;
 
  private:
-  const int descriptor_;
+  const std::filesystem::path path_;
 };
 
 struct ExportedFile {
   std::string name;
   std::int64_t size = 0;
   std::string sha256;
-  std::shared_ptr<const ReadOnlyFile> content;
+  std::shared_ptr<const RenderedFile> content;
 };
 
 struct ExportedMap {
@@ -87,7 +92,6 @@ class MapExports {
   struct Entry {
     std::string key;
     ExportedMap map;
-    std::vector<std::filesystem::path> paths;
     std::int64_t bytes = 0;
   };
 

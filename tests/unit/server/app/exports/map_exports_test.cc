@@ -151,15 +151,16 @@ TEST_F(MapExportsTest, TheLeastRecentlyUsedExportsAreRemovedFromAFullCache) {
   Import("hall", 100);
   NewMap("room");
   Import("room", 50);
-  ASSERT_OK_AND_ASSIGN(const ExportedMap hall, Export("hall"));
+  ASSERT_OK_AND_ASSIGN(ExportedMap hall, Export("hall"));
   const std::string bytes = ReadAll(hall.files[0]);
   EXPECT_EQ(CountFiles(), 2U) << "the newest one stays, even if it is larger than the cache";
   ASSERT_OK(Export("room"));
-  EXPECT_EQ(CountFiles(), 2U);
-  EXPECT_EQ(ReadAll(hall.files[0]), bytes) << "a download goes on from a removed file";
+  EXPECT_EQ(ReadAll(hall.files[0]), bytes) << "a download goes on from a removed export";
   ASSERT_OK_AND_ASSIGN(const ExportedMap again, Export("hall"));
   EXPECT_NE(again.files[0].content, hall.files[0].content);
   EXPECT_EQ(ReadAll(again.files[0]), bytes);
+  hall = {};
+  EXPECT_EQ(CountFiles(), 2U) << "the files go with the last download";
 }
 
 TEST_F(MapExportsTest, UsingAnExportKeepsItInTheCache) {
@@ -181,6 +182,25 @@ TEST_F(MapExportsTest, UsingAnExportKeepsItInTheCache) {
   ASSERT_OK(Export("c"));
   ASSERT_OK_AND_ASSIGN(const ExportedMap kept, Export("hall"));
   EXPECT_EQ(kept.files[0].content, first.files[0].content);
+}
+
+TEST_F(MapExportsTest, TheCacheKeepsNoFileOpen) {
+  const auto count_open_files = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  Start();
+  Import("hall", 100);
+  ASSERT_OK(Export("hall"));
+  const auto before = count_open_files();
+  for (int i = 0; i < 50; ++i) {
+    const std::string map = "map" + std::to_string(i);
+    NewMap(map);
+    Import(map, static_cast<std::uint8_t>(i));
+    ASSERT_OK_AND_ASSIGN(const ExportedMap exported, Export(map));
+    EXPECT_EQ(Sha256(ReadAll(exported.files[0])), exported.files[0].sha256);
+  }
+  EXPECT_EQ(CountFiles(), 2U * 51U) << "all are in the cache";
+  EXPECT_EQ(count_open_files(), before);
 }
 
 TEST_F(MapExportsTest, AFailedExportLeavesNoFiles) {
@@ -206,7 +226,7 @@ TEST_F(MapExportsTest, ConcurrentDownloadsShareOneRendering) {
   Start();
   Import("hall", 100);
   std::vector<std::thread> threads;
-  std::vector<std::shared_ptr<const ReadOnlyFile>> contents(8);
+  std::vector<std::shared_ptr<const RenderedFile>> contents(8);
   for (auto& content : contents) {
     threads.emplace_back([this, &content] {
       const auto exported = Export("hall");
