@@ -33,6 +33,9 @@ absl::Status ValidateLinkPoint(const StoredLinkPoint& link_point) {
   return absl::OkStatus();
 }
 
+// Whether a point is in a polygon takes time for each corner.
+constexpr std::size_t kMaxPolygonCorners = 1000;
+
 absl::Status ValidateQuery(const LinkPointQuery& query) {
   if (const auto* circle = std::get_if<LinkPointCircle>(&query.area)) {
     if (!circle->center.allFinite()) return InvalidArgument("the center is not finite");
@@ -41,6 +44,9 @@ absl::Status ValidateQuery(const LinkPointQuery& query) {
   }
   const auto& polygon = std::get<std::vector<Eigen::Vector2d>>(query.area);
   if (polygon.size() < 3) return InvalidArgument("the polygon has {} corners: at least 3 are needed", polygon.size());
+  if (polygon.size() > kMaxPolygonCorners) {
+    return InvalidArgument("the polygon has {} corners: at most {} are allowed", polygon.size(), kMaxPolygonCorners);
+  }
   for (const Eigen::Vector2d& corner : polygon) {
     if (!corner.allFinite()) return InvalidArgument("the polygon has a corner that is not finite");
   }

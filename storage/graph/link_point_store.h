@@ -89,7 +89,7 @@ struct FoundLinkPoints {
 absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors);
 // INVALID_ARGUMENT: as ValidateAnchors, and a direction without an anchor.
 absl::Status ValidateLinkPoint(const StoredLinkPoint& link_point);
-// INVALID_ARGUMENT: an area that is not finite, a negative radius, fewer than three corners.
+// INVALID_ARGUMENT: an area that is not finite, a negative radius, fewer than three or more than 1,000 corners.
 absl::Status ValidateQuery(const LinkPointQuery& query);
 
 // Read access to link points. Thread-safe; errors common to all stores: see SiteStore.

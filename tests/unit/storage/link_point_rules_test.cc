@@ -200,5 +200,21 @@ TEST(ValidateQueryTest, RefusesAreasThatAreNone) {
   EXPECT_OK(ValidateQuery(polygon));
 }
 
+TEST(ValidateQueryTest, RefusesPolygonsOfMoreThanAThousandCorners) {
+  const auto circle_of = [](int corners) {
+    std::vector<Eigen::Vector2d> polygon;
+    for (int i = 0; i < corners; ++i) {
+      const double angle = 2.0 * M_PI * i / corners;
+      polygon.emplace_back(std::cos(angle), std::sin(angle));
+    }
+    LinkPointQuery query;
+    query.area = std::move(polygon);
+    return query;
+  };
+  EXPECT_OK(ValidateQuery(circle_of(1000)));
+  EXPECT_STATUS(ValidateQuery(circle_of(1001)), absl::StatusCode::kInvalidArgument,
+                HasSubstr("1001 corners: at most 1000 are allowed"));
+}
+
 }  // namespace
 }  // namespace enfilade::storage
