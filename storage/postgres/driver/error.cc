@@ -68,6 +68,13 @@ std::string WithoutLineEnd(const char* text) {
   return result;
 }
 
+// Constraints of a shard are named after those of the whole table: sessions_pkey_102041.
+std::string WithoutShard(std::string constraint) {
+  const std::size_t end = constraint.find_last_not_of("0123456789");
+  const bool has_shard = end != std::string::npos && end + 1 < constraint.size() && constraint[end] == '_';
+  return has_shard ? constraint.substr(0, end) : constraint;
+}
+
 // What the database or libpq says may name hosts, users and rows: it is for the log (ToString), not for callers.
 absl::Status WithDatabaseText(absl::Status status, const std::string& text) {
   status.SetPayload(kDatabaseTextPayload, absl::Cord(text));
@@ -85,7 +92,7 @@ absl::StatusCode CodeOfSqlState(std::string_view sqlstate) {
 
 absl::Status StatusFromResult(const pg_result* result, std::string_view what) {
   const std::string sqlstate = Field(result, PG_DIAG_SQLSTATE);
-  const std::string constraint = Field(result, PG_DIAG_CONSTRAINT_NAME);
+  const std::string constraint = WithoutShard(Field(result, PG_DIAG_CONSTRAINT_NAME));
   if (sqlstate.empty()) {  // made by libpq
     return WithDatabaseText(Unavailable("{}: the database does not answer", what),
                             WithoutLineEnd(PQresultErrorMessage(result)));

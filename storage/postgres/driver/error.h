@@ -28,6 +28,7 @@ absl::Status CannotConnect(const pg_conn* connection);
 
 // From an error made by the functions above; empty otherwise.
 std::string SqlStateOf(const absl::Status& status);
+// The constraint as the migrations name it, also if a shard of the table refused.
 std::string ConstraintOf(const absl::Status& status);
 std::string DatabaseTextOf(const absl::Status& status);
 

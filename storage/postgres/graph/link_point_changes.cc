@@ -8,6 +8,7 @@
 
 #include "core/base/resource_name.h"
 #include "storage/graph/link_point_rules.h"
+#include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/graph/link_point_rows.h"
@@ -24,7 +25,7 @@ constexpr Statement kInsertLinkPoint{
 constexpr Statement kUpdateLinkPoint{"updating the link point",
                                      "UPDATE enfilade.link_points SET kind = $4, tag = $5, direction_map_id = $6,"
                                      " difficulty = $7, environment = $8, state = $9, valid_until = $10, forced = $11,"
-                                     " changed_version = $12, etag = nextval('enfilade.etags'), update_time = now()"
+                                     " changed_version = $12, etag = $13, update_time = now()"
                                      " WHERE site_id = $1 AND link_point_id = $2 AND etag = $3 RETURNING etag"};
 constexpr Statement kDeleteLinkPoint{"deleting the link point",
                                      "DELETE FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = $2"
@@ -47,12 +48,12 @@ constexpr Statement kDropAnchors{"removing anchors",
                                  " WHERE site_id = $1 AND link_point_id = $2 AND NOT map_id = ANY ($3)"};
 // $3 = 0: any etag.
 constexpr Statement kTouch{"updating the link point",
-                           "UPDATE enfilade.link_points SET changed_version = $4, etag = nextval('enfilade.etags'),"
+                           "UPDATE enfilade.link_points SET changed_version = $4, etag = $6,"
                            " update_time = now(), forced = forced OR $5"
                            " WHERE site_id = $1 AND link_point_id = $2 AND $3 IN (0, etag) RETURNING etag"};
 constexpr Statement kSetUse{"changing the link point's use",
                             "UPDATE enfilade.link_points SET \"use\" = $5, changed_version = $4,"
-                            " etag = nextval('enfilade.etags'), update_time = now()"
+                            " etag = $6, update_time = now()"
                             " WHERE site_id = $1 AND link_point_id = $2 AND $3 IN (0, etag) RETURNING etag"};
 // The link point itself, and all that share two maps with it once it has anchors in the maps $3.
 constexpr Statement kSelectNearby{
@@ -197,10 +198,10 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   if (!applied.ok()) return WhyRefused(transaction, site, id, link_point.point.anchors, applied.status());
   const StoredLinkPoint& changed = *applied;
   const graph::LinkPoint& point = changed.point;
-  transaction.Queue(kUpdateLinkPoint,
-                    Params(site, id, changed.etag, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
-                           std::int32_t{point.difficulty}, EnvironmentOf(changed),
-                           static_cast<std::int16_t>(point.state), ValidUntilOf(point), changed.forced, version));
+  transaction.Queue(kUpdateLinkPoint, Params(site, id, changed.etag, static_cast<std::int16_t>(point.kind), point.tag,
+                                             DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(changed),
+                                             static_cast<std::int16_t>(point.state), ValidUntilOf(point),
+                                             changed.forced, version, NewEtag()));
   std::vector<std::string_view> maps;
   for (const graph::Anchor& anchor : point.anchors) maps.push_back(anchor.map.value());
   transaction.Queue(kDropAnchors, Params(site, id, maps));
@@ -216,7 +217,7 @@ absl::Status InsertAnchor(Transaction& transaction, const SiteId& site, const Ne
   ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearbyExisting(transaction, site, id, added.etag, {added.anchor}));
   const auto changed = ApplyAnchor(*nearby.stored, added, nearby.others);
   if (!changed.ok()) return WhyRefused(transaction, site, id, {added.anchor}, changed.status());
-  transaction.Queue(kTouch, Params(site, id, added.etag, version, added.force));
+  transaction.Queue(kTouch, Params(site, id, added.etag, version, added.force, NewEtag()));
   QueueAnchors(transaction, site, id, {added.anchor});
   return FlushAndPlace(transaction, *changed, version);
 }
@@ -227,7 +228,7 @@ absl::Status SetSuspended(Transaction& transaction, const SiteId& site, const Li
                             RaiseGraphVersion(transaction, site, GraphCause::kLinkPointChanged, ResourceOf(id)));
   ENFILADE_ASSIGN_OR_RETURN(const Nearby nearby, ReadNearbyExisting(transaction, site, id, etag, {}));
   ENFILADE_ASSIGN_OR_RETURN(const StoredLinkPoint changed, ApplySuspension(*nearby.stored, suspended, nearby.others));
-  transaction.Queue(kSetUse, Params(site, id, etag, version, static_cast<std::int16_t>(changed.point.use)));
+  transaction.Queue(kSetUse, Params(site, id, etag, version, static_cast<std::int16_t>(changed.point.use), NewEtag()));
   return FlushAndPlace(transaction, changed, version);
 }
 

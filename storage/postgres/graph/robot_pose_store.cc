@@ -15,7 +15,7 @@ constexpr Statement kReport{
     " received_ns) VALUES ($1, $2, $3, $4, ST_MakePointM($5, $6, $8::bigint / 1e9), $7, $9, $8, $10)"
     " ON CONFLICT (site_id, robot_id) DO UPDATE SET map_id = excluded.map_id, session_id = excluded.session_id,"
     " point = excluded.point, yaw = excluded.yaw, covariance = excluded.covariance, time_ns = excluded.time_ns,"
-    " received_ns = excluded.received_ns, version = nextval('enfilade.etags')"
+    " received_ns = excluded.received_ns, version = excluded.version"
     " WHERE least(p.time_ns, p.received_ns) < least(excluded.time_ns, excluded.received_ns)"
     " OR (p.time_ns = excluded.time_ns AND p.session_id IS NOT DISTINCT FROM excluded.session_id)"};
 #define ENFILADE_ROBOT_POSE_COLUMNS \

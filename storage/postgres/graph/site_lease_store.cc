@@ -12,13 +12,14 @@ constexpr Statement kTakeSiteLease{
     "INSERT INTO enfilade.site_leases AS l (site_id, owner, token, expires_at)"
     " VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond')"
     " ON CONFLICT (site_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
-    " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= clock_timestamp() RETURNING token"};
+    " expires_at = EXCLUDED.expires_at WHERE EXCLUDED.expires_at - l.expires_at >= $3 * interval '1 millisecond'"
+    " RETURNING token"};
 constexpr Statement kRenewSiteLease{"renewing the site's lease",
                                     "UPDATE enfilade.site_leases"
-                                    " SET expires_at = clock_timestamp() + $4 * interval '1 millisecond'"
+                                    " SET expires_at = now() + $4 * interval '1 millisecond'"
                                     " WHERE site_id = $1 AND owner = $2 AND token = $3"};
 constexpr Statement kReleaseSiteLease{"releasing the site's lease",
-                                      "UPDATE enfilade.site_leases SET owner = '', expires_at = clock_timestamp()"
+                                      "UPDATE enfilade.site_leases SET owner = '', expires_at = now()"
                                       " WHERE site_id = $1 AND owner = $2 AND token = $3"};
 
 }  // namespace

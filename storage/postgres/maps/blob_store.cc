@@ -13,8 +13,8 @@ namespace {
 // Writes an existing row only if its grace period has to be renewed.
 constexpr Statement kPutBlob{"storing a blob",
                              "INSERT INTO enfilade.blobs AS b (site_id, sha256, data) VALUES ($1, $2, $3)"
-                             " ON CONFLICT (site_id, sha256) DO UPDATE SET put_time = now()"
-                             " WHERE b.put_time < now() - interval '1 minute'"};
+                             " ON CONFLICT (site_id, sha256) DO UPDATE SET put_time = excluded.put_time"
+                             " WHERE excluded.put_time - b.put_time > interval '1 minute'"};
 constexpr Statement kSelectBlob{"reading the blob",
                                 "SELECT data FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2"};
 

@@ -22,7 +22,7 @@ constexpr Statement kUpsertLayer{
     " SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, $5 FROM enfilade.map_layers"
     " WHERE site_id = $1 AND map_id = $2"
     " ON CONFLICT (site_id, map_id, session_id) WHERE session_id IS NOT NULL DO UPDATE SET"
-    " revision = excluded.revision, raster_header = excluded.raster_header, version = nextval('enfilade.etags')"};
+    " revision = excluded.revision, raster_header = excluded.raster_header, version = excluded.version"};
 // Writes only what has changed.
 constexpr Statement kDeleteLayerTiles{
     "deleting the layer's tiles",

@@ -3,6 +3,7 @@
 
 #include "core/base/environment.h"
 #include "core/base/resource_name.h"
+#include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/driver/wkb.h"
 #include "storage/postgres/graph/graph_versions.h"
@@ -39,7 +40,7 @@ constexpr Statement kListMaps{"listing maps", "SELECT " ENFILADE_MAP_COLUMNS
 constexpr Statement kUpdateMap{"updating the map",
                                "UPDATE enfilade.maps SET display_name = $4, level = $5, environment = $6,"
                                " slam_profile = $7, outline = ST_GeomFromWKB($8, 0),"
-                               " etag = nextval('enfilade.etags'), update_time = now()"
+                               " etag = $9, update_time = now()"
                                " WHERE site_id = $1 AND map_id = $2 AND etag = $3 AND redirect_map_id IS NULL"
                                " RETURNING " ENFILADE_MAP_COLUMNS};
 constexpr Statement kFindSessions{
@@ -63,7 +64,7 @@ constexpr Statement kDeleteAnchors{"deleting the map's anchors",
                                    "DELETE FROM enfilade.link_point_anchors WHERE site_id = $1 AND map_id = $2"};
 constexpr Statement kLeaveMap{"changing the link points that are left",
                               "UPDATE enfilade.link_points SET changed_version = $3,"
-                              " direction_map_id = nullif(direction_map_id, $4), etag = nextval('enfilade.etags'),"
+                              " direction_map_id = nullif(direction_map_id, $4), etag = $5,"
                               " update_time = now() WHERE site_id = $1 AND link_point_id = ANY ($2)"};
 // Keeps the world frame: the oldest of the other maps with a pose in it becomes the root.
 constexpr Statement kLeaveRoot{
@@ -156,7 +157,7 @@ absl::Status TakeFromGraph(Transaction& transaction, const SiteId& site, const M
   const std::vector<std::string_view> orphan_ids(orphans.begin(), orphans.end());
   transaction.Queue(kDeleteOrphans, Params(site, orphan_ids));
   transaction.Queue(kDeleteAnchors, Params(site, map));
-  transaction.Queue(kLeaveMap, Params(site, ids, version, map));
+  transaction.Queue(kLeaveMap, Params(site, ids, version, map, NewEtag()));
   transaction.Queue(kLeaveRoot, Params(site, map));
   transaction.Queue(kPlaceRoot, Params(site));
   QueueRemoval(transaction, site, map);
@@ -214,9 +215,10 @@ absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map)
   ENFILADE_ASSIGN_OR_RETURN(
       const std::int64_t version,
       RaiseGraphVersion(transaction, map.site, GraphCause::kMapChanged, "maps/" + map.id.value()));
-  const auto updated = transaction.Execute(
-      kUpdateMap, Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
-                         static_cast<std::int16_t>(map.environment), map.slam_profile, BytesOrNull(outline)));
+  const auto updated =
+      transaction.Execute(kUpdateMap, Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
+                                             static_cast<std::int16_t>(map.environment), map.slam_profile,
+                                             BytesOrNull(outline), NewEtag()));
   if (!updated.ok()) return Explain(updated.status(), map);
   if (updated->rows() == 0) {
     ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kMapExists, Params(map.site, map.id)));

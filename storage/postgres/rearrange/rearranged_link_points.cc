@@ -29,7 +29,7 @@ constexpr Statement kPutLinkPoint{
     " changed_version) VALUES ($1, $2, $3, $4, $5, $6, $7, $8)"
     " ON CONFLICT (site_id, link_point_id) DO UPDATE SET kind = excluded.kind,"
     " direction_map_id = excluded.direction_map_id, position = NULL, yaw = NULL, world_covariance = NULL,"
-    " changed_version = excluded.changed_version, etag = nextval('enfilade.etags'), update_time = now()"};
+    " changed_version = excluded.changed_version, etag = excluded.etag, update_time = excluded.update_time"};
 constexpr Statement kPutNewAnchors{
     "storing the anchors",
     "INSERT INTO enfilade.link_point_anchors (site_id, link_point_id, map_id, ordinal, x, y, yaw, covariance)"

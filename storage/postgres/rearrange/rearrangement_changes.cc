@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/resource_name.h"
+#include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/link_point_changes.h"
@@ -75,7 +76,7 @@ constexpr Statement kMoveTracks{
   "UPDATE enfilade.robot_poses t SET map_id = p.target,"                                    \
   " point = ST_Affine(t.point, cos(p.yaw), -sin(p.yaw), sin(p.yaw), cos(p.yaw), p.x, p.y)," \
   " yaw = enfilade.wrap_angle(t.yaw + p.yaw),"                                              \
-  " covariance = enfilade.rotate_covariance(t.covariance, p.yaw), version = nextval('enfilade.etags')"
+  " covariance = enfilade.rotate_covariance(t.covariance, p.yaw), version = $3"
 constexpr Statement kMoveRobotPoses{"moving robots' poses",
                                     ENFILADE_MOVE_ROBOT_POSES ENFILADE_OF_SESSIONS " AND t.map_id = p.source"};
 constexpr Statement kRedirectRobotPoses{"moving robots' poses in maps that disappear",
@@ -133,9 +134,11 @@ absl::Status AddMaps(Transaction& transaction, const SiteId& site, const Rearran
 void QueueMoves(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id) {
   const Params key(site, id);
   for (const Statement* statement : {&kMoveVerdicts, &kRedirectVerdicts, &kMoveSessions, &kMoveSubmaps, &kMoveNodes,
-                                     &kMoveTracks, &kMoveRobotPoses, &kRedirectRobotPoses, &kRedirectControlPoints}) {
+                                     &kMoveTracks, &kRedirectControlPoints}) {
     transaction.Queue(*statement, key);
   }
+  transaction.Queue(kMoveRobotPoses, Params(site, id, NewEtag()));
+  transaction.Queue(kRedirectRobotPoses, Params(site, id, NewEtag()));
 }
 
 absl::Status ChangeRasters(Transaction& transaction, const SiteId& site, const RearrangementChange& change) {

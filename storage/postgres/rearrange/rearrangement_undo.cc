@@ -5,6 +5,7 @@
 
 #include "core/base/resource_name.h"
 #include "storage/graph/rearrangement_rules.h"
+#include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/rearrange/rearrangement_rows.h"
 #include "storage/postgres/rearrange/session_cuts.h"
@@ -96,7 +97,7 @@ constexpr Statement kRestoreLinkPoints{
     " WHERE r.site_id = $1 AND r.rearrangement_id = $2 AND r.relation = 'link_point' AND r.before IS NOT NULL"
     " ON CONFLICT (site_id, link_point_id) DO UPDATE SET kind = excluded.kind,"
     " direction_map_id = excluded.direction_map_id, position = NULL, yaw = NULL, world_covariance = NULL,"
-    " changed_version = excluded.changed_version, etag = nextval('enfilade.etags'), update_time = now()"};
+    " changed_version = excluded.changed_version, etag = excluded.etag, update_time = excluded.update_time"};
 constexpr Statement kRestoreAnchors{
     "restoring anchors",
     "INSERT INTO enfilade.link_point_anchors (site_id, link_point_id, map_id, ordinal, x, y, yaw, covariance)"
@@ -166,7 +167,7 @@ constexpr Statement kRestoreRobotPoses{
     "restoring robots' poses",
     "UPDATE enfilade.robot_poses p SET map_id = b.map_id, session_id = b.session_id, point = b.point, yaw = b.yaw, "
     "covariance = b.covariance,"
-    " version = nextval('enfilade.etags') FROM enfilade.rearrangement_images r,"
+    " version = $3 FROM enfilade.rearrangement_images r,"
     "   jsonb_populate_record(NULL::enfilade.robot_poses, r.before - 'point'"
     "     || jsonb_build_object('point', r.before ->> 'point')) b"
     " WHERE r.site_id = $1 AND r.rearrangement_id = $2 AND r.relation = 'robot_pose' AND p.site_id = $1"
@@ -178,7 +179,7 @@ constexpr Statement kReturnRobotPoses{
     " point = ST_Affine(t.point, cos(p.yaw), sin(p.yaw), -sin(p.yaw), cos(p.yaw),"
     "   -cos(p.yaw) * p.x - sin(p.yaw) * p.y, sin(p.yaw) * p.x - cos(p.yaw) * p.y),"
     " yaw = enfilade.wrap_angle(t.yaw - p.yaw), covariance = enfilade.rotate_covariance(t.covariance, -p.yaw),"
-    " version = nextval('enfilade.etags') FROM enfilade.rearrangement_parts p WHERE p.site_id = $1"
+    " version = $3 FROM enfilade.rearrangement_parts p WHERE p.site_id = $1"
     " AND p.rearrangement_id = $2 AND p.kind = 3 AND t.site_id = $1 AND t.map_id = p.target"
     " AND (t.session_id = p.subject OR p.target IN (SELECT subject FROM enfilade.rearrangement_parts"
     "   WHERE site_id = $1 AND rearrangement_id = $2 AND kind = 1))"};
@@ -298,11 +299,13 @@ absl::Status RestoreImages(Transaction& transaction, const SiteId& site, const r
   QueueUncuts(transaction, site, id);
   for (const Statement* statement :
        {&kRestoreAnchors, &kRestoreEvidence, &kRestoreSessions, &kRestoreCheckpoints, &kRestoreSubmaps, &kRestoreNodes,
-        &kRestoreTracks, &kRestoreVerdicts, &kRestoreControlPoints, &kRestoreRobotPoses, &kReturnRobotPoses,
-        &kDropLayersOf, &kRestoreLayers, &kRestoreLayerTiles, &kRestoreRevisions, &kRestoreRevisionTiles,
-        &kRestoreCurrentRevisions, &kRedirectNewMaps}) {
+        &kRestoreTracks, &kRestoreVerdicts, &kRestoreControlPoints, &kDropLayersOf, &kRestoreLayers,
+        &kRestoreLayerTiles, &kRestoreRevisions, &kRestoreRevisionTiles, &kRestoreCurrentRevisions,
+        &kRedirectNewMaps}) {
     transaction.Queue(*statement, key);
   }
+  transaction.Queue(kRestoreRobotPoses, Params(site, id, NewEtag()));
+  transaction.Queue(kReturnRobotPoses, Params(site, id, NewEtag()));
   transaction.Queue(kTakeNewMaps, with_version);
   ENFILADE_RETURN_IF_ERROR(PlaceLinkPointsOf(transaction, site, id, version));
   ENFILADE_ASSIGN_OR_RETURN(const Result wrong, transaction.Execute(kFindNotRestored, key));

@@ -30,7 +30,7 @@ constexpr Statement kRevokeLease{"revoking the lease",
                                  " (site_id, session_id, owner, token, expires_at)"
                                  " VALUES ($1, $2, '', 1, clock_timestamp())"
                                  " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = '', token = l.token + 1,"
-                                 " attempts = 0, expires_at = clock_timestamp()"};
+                                 " attempts = 0, expires_at = EXCLUDED.expires_at"};
 // What was cut cannot be solved again: its checkpoint belongs to the whole.
 constexpr Statement kFindCut{"looking for a cut",
                              "SELECT true FROM enfilade.sessions WHERE site_id = $1 AND session_id = $2"

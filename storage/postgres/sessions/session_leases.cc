@@ -25,7 +25,8 @@ constexpr Statement kTakeSessionLease{
     "INSERT INTO enfilade.session_leases AS l (site_id, session_id, owner, token, attempts, expires_at)"
     " VALUES ($1, $2, $3, 1, 1, clock_timestamp() + $4 * interval '1 millisecond')"
     " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
-    " attempts = l.attempts + 1, expires_at = EXCLUDED.expires_at WHERE l.expires_at <= clock_timestamp()"
+    " attempts = l.attempts + 1, expires_at = EXCLUDED.expires_at"
+    " WHERE EXCLUDED.expires_at - l.expires_at >= $4 * interval '1 millisecond'"
     " RETURNING token, attempts"};
 // A separate statement after the lease is taken: it sees a deletion that came in between.
 constexpr Statement kSelectLeasedSession{"reading the session",
@@ -33,11 +34,11 @@ constexpr Statement kSelectLeasedSession{"reading the session",
                                          " WHERE s.site_id = $1 AND s.session_id = $2 AND s.map_id IS NOT NULL"};
 constexpr Statement kRenewSessionLease{"renewing the lease",
                                        "UPDATE enfilade.session_leases"
-                                       " SET expires_at = clock_timestamp() + $5 * interval '1 millisecond'"
+                                       " SET expires_at = now() + $5 * interval '1 millisecond'"
                                        " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
 constexpr Statement kReleaseSessionLease{"releasing the lease",
                                          "UPDATE enfilade.session_leases"
-                                         " SET owner = '', attempts = 0, expires_at = clock_timestamp()"
+                                         " SET owner = '', attempts = 0, expires_at = now()"
                                          " WHERE site_id = $1 AND session_id = $2 AND owner = $3 AND token = $4"};
 
 // Blocks others from taking the lease and from deleting the session.

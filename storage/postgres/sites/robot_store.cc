@@ -2,6 +2,7 @@
 #include "storage/sites/robot_store.h"
 
 #include "core/base/resource_name.h"
+#include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
 
 namespace enfilade::storage {
@@ -27,7 +28,7 @@ constexpr Statement kListRobots{"listing robots", "SELECT " ENFILADE_ROBOT_COLUM
                                                   " FROM enfilade.robots WHERE site_id = $1 AND robot_id > $2"
                                                   " ORDER BY robot_id LIMIT $3"};
 constexpr Statement kUpdateRobot{"updating the robot",
-                                 "UPDATE enfilade.robots SET display_name = $4, etag = nextval('enfilade.etags'),"
+                                 "UPDATE enfilade.robots SET display_name = $4, etag = $5,"
                                  " update_time = now() WHERE site_id = $1 AND robot_id = $2 AND etag = $3"
                                  " RETURNING " ENFILADE_ROBOT_COLUMNS};
 constexpr Statement kDeleteRobot{
@@ -86,8 +87,8 @@ absl::StatusOr<std::vector<Robot>> RobotStore::List(const CallContext& context, 
 }
 
 absl::StatusOr<Robot> RobotStore::Update(const CallContext& context, const Robot& robot) const {
-  const auto updated = storage::postgres::ExecuteAlone(pool_, context, kUpdateRobot,
-                                                       Params(robot.site, robot.id, robot.etag, robot.display_name));
+  const auto updated = storage::postgres::ExecuteAlone(
+      pool_, context, kUpdateRobot, Params(robot.site, robot.id, robot.etag, robot.display_name, postgres::NewEtag()));
   if (!updated.ok()) return Explain(updated.status(), robot);
   if (updated->rows() > 0) return storage::postgres::ReadOne(*updated, ReadRobot, NameOf(robot.site, robot.id));
   ENFILADE_RETURN_IF_ERROR(Get(context, robot.site, robot.id).status());

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/resource_name.h"
+#include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
 
 namespace enfilade::storage {
@@ -31,7 +32,7 @@ constexpr Statement kListSites{"listing sites", "SELECT " ENFILADE_SITE_COLUMNS
 constexpr Statement kUpdateSite{
     "updating the site",
     "UPDATE enfilade.sites SET display_name = $3, raw_retention_s = $4,"
-    " etag = nextval('enfilade.etags'), update_time = now()"
+    " etag = $5, update_time = now()"
     " WHERE site_id = $1 AND etag = $2 AND delete_time IS NULL RETURNING " ENFILADE_SITE_COLUMNS};
 // Waits for those who are adding to the site, and makes others wait.
 constexpr Statement kLockSite{"locking the site",
@@ -43,7 +44,7 @@ constexpr Statement kCountContent{
     " (SELECT count(*) FROM enfilade.sessions WHERE site_id = $1 AND delete_time IS NULL)"};
 constexpr Statement kMarkSiteDeleted{"deleting the site",
                                      "UPDATE enfilade.sites SET delete_time = now(), delete_actor = $2,"
-                                     " etag = nextval('enfilade.etags'), update_time = now() WHERE site_id = $1"
+                                     " etag = $3, update_time = now() WHERE site_id = $1"
                                      " RETURNING " ENFILADE_SITE_COLUMNS};
 
 Site ReadSite(Row& row) {
@@ -124,7 +125,8 @@ absl::StatusOr<std::vector<Site>> SiteStore::List(const CallContext& context, co
 
 absl::StatusOr<Site> SiteStore::Update(const CallContext& context, const Site& site) const {
   const auto updated = storage::postgres::ExecuteAlone(
-      pool_, context, kUpdateSite, Params(site.id, site.etag, site.display_name, RetentionSeconds(site)));
+      pool_, context, kUpdateSite,
+      Params(site.id, site.etag, site.display_name, RetentionSeconds(site), postgres::NewEtag()));
   if (!updated.ok()) return WithContext(updated.status(), NameOf(site.id));
   if (updated->rows() > 0) return storage::postgres::ReadOne(*updated, ReadSite, NameOf(site.id));
   ENFILADE_RETURN_IF_ERROR(InUse(Get(context, site.id)).status());
@@ -141,7 +143,7 @@ absl::StatusOr<Site> SiteStore::Delete(const CallContext& context, const SiteId&
   if (stored.deletion) return stored;
   if (etag != 0 && etag != stored.etag) return postgres::StaleEtag(NameOf(site));
   if (!force) ENFILADE_RETURN_IF_ERROR(CheckEmpty(site, found[1]));
-  transaction.Queue(kMarkSiteDeleted, Params(site, context.actor));
+  transaction.Queue(kMarkSiteDeleted, Params(site, context.actor, postgres::NewEtag()));
   ENFILADE_ASSIGN_OR_RETURN(const auto marked, transaction.FlushAndCommit());
   return storage::postgres::ReadOne(marked[0], ReadSite, NameOf(site));
 }
