@@ -66,16 +66,27 @@ struct LinkPointPose {
   PoseWithCovariance T_world_place;
 };
 
-// The result of an optimisation. Maps and link points that are not listed keep their poses.
+// The result of an optimisation. Link points that are not listed keep their places.
 struct GraphSolution {
-  std::vector<MapPose> maps;
-  std::vector<LinkPointPose> link_points;
+  // Whether `maps` lists all maps that the solution poses. Otherwise it lists those whose poses have changed since the
+  // last optimisation, and `unposed` those that the solution poses no more.
+  bool complete = true;
+  std::vector<MapPose> maps = {};
+  std::vector<MapId> unposed = {};
+  std::vector<LinkPointPose> link_points = {};
   // All link points that the chi-square gate has switched off. Those that were switched off before and are not listed
   // are used again.
-  std::vector<LinkPointId> switched_off;
+  std::vector<LinkPointId> switched_off = {};
   double chi2_before = 0.0;
   double chi2_after = 0.0;
+  std::int64_t map_count = 0;  // that the solution poses
   std::int64_t residual_count = 0;
+};
+
+// The maps whose poses differ between two optimisations, by id.
+struct MapPoseChanges {
+  std::vector<MapPose> posed;
+  std::vector<MapId> unposed;
 };
 
 struct GraphVersion {
@@ -139,10 +150,10 @@ class GraphReader {
   // The last version after `since` that an optimisation made; 0 if there is none.
   virtual absl::StatusOr<std::int64_t> FindLastOptimization(const CallContext& context, const SiteId& site,
                                                             std::int64_t since) const = 0;
-  // The poses that an optimisation stored, by map. NOT_FOUND unless `version` is one of the last kKeptOptimizations
-  // optimisations.
-  virtual absl::StatusOr<std::vector<MapPose>> GetMapPoses(const CallContext& context, const SiteId& site,
-                                                           std::int64_t version) const = 0;
+  // What optimisation `version` poses differently than the earlier one `since`; 0: all that it poses. NOT_FOUND unless
+  // `version` is one of the last kKeptOptimizations optimisations and poses a map.
+  virtual absl::StatusOr<MapPoseChanges> GetMapPoses(const CallContext& context, const SiteId& site,
+                                                     std::int64_t version, std::int64_t since) const = 0;
   // The current poses of those of `maps` that have one; of all maps if `maps` is empty.
   virtual absl::StatusOr<std::vector<MapPose>> GetPlaces(const CallContext& context, const SiteId& site,
                                                          const std::vector<MapId>& maps) const = 0;

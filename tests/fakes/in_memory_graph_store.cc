@@ -56,24 +56,43 @@ void SwitchLinkPoints(GraphRows& graph, const std::vector<LinkPointId>& switched
   }
 }
 
-void ForgetOldPoses(GraphRows& graph) {
-  while (graph.map_poses.size() > storage::GraphStore::kKeptOptimizations) {
-    graph.map_poses.erase(graph.map_poses.begin());
+// The latest change of each map in versions after `since` up to `version`.
+std::map<MapId, std::optional<PoseWithCovariance>> PosesBetween(const GraphRows& graph, std::int64_t since,
+                                                                std::int64_t version) {
+  std::map<MapId, std::optional<PoseWithCovariance>> poses;
+  for (const auto& [changed, rows] : graph.map_poses) {
+    if (changed <= since || changed > version) continue;
+    for (const auto& [map, pose] : rows) poses[map] = pose;
   }
+  return poses;
+}
+
+// The last kKeptOptimizations, oldest first.
+std::vector<std::int64_t> KeptOptimizations(const GraphRows& graph) {
+  std::vector<std::int64_t> kept;
+  for (auto row = graph.versions.rbegin(); row != graph.versions.rend(); ++row) {
+    if (kept.size() == static_cast<std::size_t>(storage::GraphStore::kKeptOptimizations)) break;
+    if (row->second.cause == storage::GraphCause::kOptimized) kept.push_back(row->first);
+  }
+  std::reverse(kept.begin(), kept.end());
+  return kept;
 }
 
 std::int64_t Store(InMemoryDatabase::Access& access, const SiteId& site, const storage::GraphSolution& solution) {
   GraphRows& graph = access.FindSite(site)->graph;
   const std::int64_t version = access.RaiseVersion(site, storage::GraphCause::kOptimized, "");
-  std::vector<storage::MapPose>& poses = graph.map_poses[version];
+  const auto before = PosesBetween(graph, 0, version);
+  std::map<MapId, std::optional<PoseWithCovariance>>& poses = graph.map_poses[version];
   for (const storage::MapPose& pose : solution.maps) {
     const auto map = graph.maps.find(pose.map);
     if (map == graph.maps.end()) continue;
     map->second = {pose.T_world_map, version};
-    poses.push_back(pose);
+    poses[pose.map] = pose.T_world_map;
   }
-  std::sort(poses.begin(), poses.end(),
-            [](const storage::MapPose& a, const storage::MapPose& b) { return a.map < b.map; });
+  for (const MapId& map : solution.unposed) poses[map] = std::nullopt;
+  for (const auto& [map, pose] : before) {
+    if (solution.complete && pose && !poses.contains(map)) poses[map] = std::nullopt;
+  }
   for (const storage::LinkPointPose& pose : solution.link_points) {
     const auto row = graph.link_points.find(pose.link_point);
     if (row == graph.link_points.end()) continue;
@@ -82,8 +101,7 @@ std::int64_t Store(InMemoryDatabase::Access& access, const SiteId& site, const s
   }
   SwitchLinkPoints(graph, solution.switched_off, version);
   graph.versions.at(version).optimization = {solution.chi2_before, solution.chi2_after, solution.switched_off,
-                                             static_cast<std::int64_t>(solution.maps.size()), solution.residual_count};
-  ForgetOldPoses(graph);
+                                             solution.map_count, solution.residual_count};
   return version;
 }
 
@@ -158,16 +176,28 @@ absl::StatusOr<std::int64_t> InMemoryGraphStore::FindLastOptimization(const stor
   return 0;
 }
 
-absl::StatusOr<std::vector<storage::MapPose>> InMemoryGraphStore::GetMapPoses(const storage::CallContext& context,
-                                                                              const SiteId& site,
-                                                                              std::int64_t version) const {
+absl::StatusOr<storage::MapPoseChanges> InMemoryGraphStore::GetMapPoses(const storage::CallContext& context,
+                                                                        const SiteId& site, std::int64_t version,
+                                                                        std::int64_t since) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  storage::MapPoseChanges changes;
+  bool is_kept = false;
   if (const SiteRows* const rows = access.FindSite(site)) {
-    const auto poses = rows->graph.map_poses.find(version);
-    if (poses != rows->graph.map_poses.end() && !poses->second.empty()) return poses->second;
+    const std::vector<std::int64_t> kept = KeptOptimizations(rows->graph);
+    is_kept = std::find(kept.begin(), kept.end(), version) != kept.end();
+    for (const auto& [map, pose] : PosesBetween(rows->graph, since, version)) {
+      if (pose) {
+        changes.posed.push_back({map, *pose});
+      } else if (since != 0) {
+        changes.unposed.push_back(map);
+      }
+    }
   }
-  return NotFound("version {} of the graph of {} is not one of its last {} optimisations", version, NameOf(site),
-                  kKeptOptimizations);
+  if (!is_kept || (since == 0 && changes.posed.empty())) {
+    return NotFound("version {} of the graph of {} is not one of its last {} optimisations", version, NameOf(site),
+                    kKeptOptimizations);
+  }
+  return changes;
 }
 
 absl::StatusOr<std::vector<storage::MapPose>> InMemoryGraphStore::GetPlaces(const storage::CallContext& context,

@@ -192,8 +192,8 @@ class InMemoryGraphStore final : public storage::GraphStore {
                                                                   int limit) const override;
   absl::StatusOr<std::int64_t> FindLastOptimization(const storage::CallContext& context, const SiteId& site,
                                                     std::int64_t since) const override;
-  absl::StatusOr<std::vector<storage::MapPose>> GetMapPoses(const storage::CallContext& context, const SiteId& site,
-                                                            std::int64_t version) const override;
+  absl::StatusOr<storage::MapPoseChanges> GetMapPoses(const storage::CallContext& context, const SiteId& site,
+                                                      std::int64_t version, std::int64_t since) const override;
   absl::StatusOr<std::vector<storage::MapPose>> GetPlaces(const storage::CallContext& context, const SiteId& site,
                                                           const std::vector<MapId>& maps) const override;
   absl::StatusOr<std::int64_t> SetControlPoints(const storage::CallContext& context, const SiteId& site,

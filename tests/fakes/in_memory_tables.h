@@ -86,7 +86,8 @@ struct GraphRows {
   std::map<MapId, std::int64_t> removed_maps;  // and the version that removed them
   std::map<LinkPointId, std::int64_t> removed_link_points;
   std::map<std::int64_t, storage::GraphVersion> versions;
-  std::map<std::int64_t, std::vector<storage::MapPose>> map_poses;
+  // What each optimisation changed; unset: it no longer poses the map.
+  std::map<std::int64_t, std::map<MapId, std::optional<PoseWithCovariance>>> map_poses;
   std::vector<storage::ControlPoint> control_points;
 };
 

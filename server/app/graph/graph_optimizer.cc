@@ -70,18 +70,17 @@ bool IsSame(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solutio
 }
 
 // Includes the link points' places that follow from the new map poses.
-absl::StatusOr<storage::GraphSolution> StoredSolution(const graph::GraphSnapshot& graph,
-                                                      const graph::SolvedGraph& solution) {
+absl::StatusOr<storage::GraphSolution> StoredSolution(const SiteGraph& graph, const graph::SolvedGraph& solution) {
+  const graph::GraphSnapshot& unsolved = graph.graph();
   ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot solved,
-                            graph::Apply(graph, graph::ChangesOf(graph, solution, graph.version() + 1)));
-  return ToStored(graph::WorldPoses(std::move(solved)), solution);
+                            graph::Apply(unsolved, graph::ChangesOf(unsolved, solution, unsolved.version() + 1)));
+  return ToStored(graph, graph::WorldPoses(std::move(solved)), solution);
 }
 
 absl::StatusOr<std::int64_t> Store(const storage::GraphStore& store, const storage::CallContext& context,
-                                   const SiteId& site, const graph::GraphSnapshot& graph,
-                                   const graph::SolvedGraph& solution) {
+                                   const SiteId& site, const SiteGraph& graph, const graph::SolvedGraph& solution) {
   ENFILADE_ASSIGN_OR_RETURN(const storage::GraphSolution stored, StoredSolution(graph, solution));
-  return store.Apply(context, site, graph.version(), stored);
+  return store.Apply(context, site, graph.graph().version(), stored);
 }
 
 }  // namespace
@@ -109,7 +108,7 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::Call
   for (int attempt = 0; attempt < kOptimisticAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
     ENFILADE_ASSIGN_OR_RETURN(graph::SolvedGraph solution, graph::OptimizeGraph(graph->graph()));
-    const absl::StatusOr<std::int64_t> version = Store(store_, context, site, graph->graph(), solution);
+    const absl::StatusOr<std::int64_t> version = Store(store_, context, site, *graph, solution);
     graphs_.MarkChanged(site);
     if (version.ok()) return OptimizedGraph{*version, std::move(solution)};
     if (!absl::IsAborted(version.status())) return version.status();
@@ -121,11 +120,13 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveLocked(const storage::CallCo
   ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> known, graphs_.Get(context, site));
   OptimizedGraph optimized;
   const auto solve = [&](const storage::GraphChanges& changes) -> absl::StatusOr<storage::GraphSolution> {
-    ENFILADE_ASSIGN_OR_RETURN(
-        const graph::GraphSnapshot graph,
-        graph::Apply(changes.complete ? graph::GraphSnapshot() : known->graph(), ToSnapshotChanges(changes)));
-    ENFILADE_ASSIGN_OR_RETURN(optimized.solution, graph::OptimizeGraph(graph));
-    return StoredSolution(graph, optimized.solution);
+    const SiteGraph none{graph::GraphSnapshot()};
+    const SiteGraph& before = changes.complete ? none : *known;
+    ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot, graph::Apply(before.graph(), ToSnapshotChanges(changes)));
+    PlacedLinkPoints placed = before.placed.With(before.graph(), snapshot, changes);
+    SiteGraph graph(std::move(snapshot), std::move(placed));
+    ENFILADE_ASSIGN_OR_RETURN(optimized.solution, graph::OptimizeGraph(graph.graph()));
+    return StoredSolution(graph, optimized.solution);  // complete: others may have optimised since
   };
   ENFILADE_ASSIGN_OR_RETURN(optimized.version, store_.SolveHeld(context, site, known->graph().version(), solve));
   graphs_.MarkChanged(site);
@@ -176,7 +177,7 @@ absl::Status GraphOptimizer::OptimizeChanged(const storage::CallContext& context
                                              const SiteGraph& graph) {
   ENFILADE_ASSIGN_OR_RETURN(const graph::SolvedGraph solution, graph::OptimizeGraph(graph.graph()));
   if (IsSame(graph.graph(), solution)) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph.graph(), solution));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph, solution));
   spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off{}",
                site.value(), version, solution.map_poses.size(), solution.chi2_before, solution.chi2_after,
                solution.switched_off.size(), FirstNames(solution.switched_off));

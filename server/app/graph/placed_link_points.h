@@ -29,6 +29,9 @@ class PlacedLinkPoints {
     return map_places_[static_cast<std::size_t>(map)];
   }
 
+  // T_world_place of a link point, by its slot; unset: its maps have no place.
+  const std::optional<PoseWithCovariance>& PlaceOf(int link_point) const { return Row(link_point).T_world_place; }
+
   // In the order of LinkPointReader::Find. `graph` is the snapshot of this version. INVALID_ARGUMENT as there. The
   // pointers are valid as long as this.
   absl::StatusOr<std::vector<const storage::StoredLinkPoint*>> Find(const graph::GraphSnapshot& graph,

@@ -2,6 +2,7 @@
 #include "server/app/graph/site_graph.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_set>
 #include <utility>
 
@@ -10,6 +11,27 @@
 #include "core/base/status_macros.h"
 
 namespace enfilade::server {
+namespace {
+
+// Poses that differ by less are equal, m and rad.
+constexpr double kPoseTolerance = 1e-6;
+
+bool IsSame(const PoseWithCovariance& a, const PoseWithCovariance& b) {
+  const Pose2 d = Between(a.pose, b.pose);
+  if (d.translation().norm() > kPoseTolerance || std::abs(d.yaw) > kPoseTolerance) return false;
+  return a.covariance.isApprox(b.covariance, kPoseTolerance) || (a.covariance.isZero() && b.covariance.isZero());
+}
+
+bool IsSame(const std::optional<PoseWithCovariance>& a, const PoseWithCovariance& b) { return a && IsSame(*a, b); }
+
+// Whether the link point lies where it is stored: neither it nor its maps have changed since the last optimisation.
+bool IsPlaceKnown(const SiteGraph& before, const graph::GraphSnapshot::LinkPointNode& node,
+                  const std::unordered_set<int>& moved_maps) {
+  if (before.solution_version == 0 || node.link_point->graph_version > before.solution_version) return false;
+  return std::none_of(node.maps.begin(), node.maps.end(), [&](int map) { return moved_maps.contains(map); });
+}
+
+}  // namespace
 
 struct SiteGraph::SortedOnce {
   absl::once_flag once;
@@ -44,10 +66,13 @@ graph::SnapshotChanges ToSnapshotChanges(const storage::GraphChanges& changes) {
   return out;
 }
 
-std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storage::MapPose>& poses,
-                                                        std::int64_t version, const MapId& root) {
+std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const graph::SolvedGraph* old,
+                                                        const storage::MapPoseChanges& changes, std::int64_t version,
+                                                        const MapId& root) {
   graph::SolvedGraph solved{.graph_version = version, .root = root};
-  for (const storage::MapPose& pose : poses) solved.map_poses[pose.map] = pose.T_world_map;
+  if (old != nullptr) solved.map_poses = old->map_poses;
+  for (const MapId& map : changes.unposed) solved.map_poses.erase(map);
+  for (const storage::MapPose& pose : changes.posed) solved.map_poses[pose.map] = pose.T_world_map;
   const auto found = solved.map_poses.find(root);
   // Poses in the world frame of another root.
   if (found == solved.map_poses.end() || found->second.pose != Pose2{} || !found->second.covariance.isZero()) {
@@ -71,22 +96,46 @@ absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& p
   return geo::FitGeoreference(survey);
 }
 
-storage::GraphSolution ToStored(const graph::WorldPoses& solved, const graph::SolvedGraph& solution) {
+storage::GraphSolution ToStored(const SiteGraph& before, const graph::WorldPoses& solved,
+                                const graph::SolvedGraph& solution) {
   storage::GraphSolution out;
-  for (const auto& [map, T_world_map] : solution.map_poses) out.maps.push_back({map, T_world_map});
+  const graph::SolvedGraph* old = before.solution_version == 0 ? nullptr : before.graph().solution();
+  out.complete = old == nullptr;
+  std::unordered_set<int> moved;  // maps, by slot
+  for (const auto& [map, T_world_map] : solution.map_poses) {
+    const int slot = solved.graph().MapSlot(map);
+    if (slot < 0) continue;
+    const PoseWithCovariance* known = before.graph().FindSolvedPose(map);
+    if (known != nullptr && IsSame(*known, T_world_map) && IsSame(before.placed.PlaceOfMap(slot), T_world_map))
+      continue;
+    out.maps.push_back({map, T_world_map});
+    moved.insert(slot);
+  }
   std::sort(out.maps.begin(), out.maps.end(),
             [](const storage::MapPose& a, const storage::MapPose& b) { return a.map < b.map; });
-  for (const graph::LinkPoint* link_point : solved.graph().ListLinkPoints()) {
-    if (const auto T_world_place = graph::FindInWorld(solved, *link_point)) {
-      out.link_points.push_back({link_point->id, *T_world_place});
+  if (old != nullptr) {
+    for (const auto& [map, T_world_map] : old->map_poses) {
+      if (!solution.map_poses.contains(map)) out.unposed.push_back(map);
     }
-    if (link_point->is_candidate() || link_point->use != graph::LinkPointUse::kUsed) continue;
-    const auto anchors = static_cast<std::int64_t>(link_point->anchors.size());
+  }
+  for (std::size_t slot = 0; slot < solved.graph().link_point_slots(); ++slot) {
+    const auto& node = solved.graph().link_point_node(static_cast<int>(slot));
+    if (node.link_point == nullptr) continue;
+    const graph::LinkPoint& link_point = *node.link_point;
+    const auto place = IsPlaceKnown(before, node, moved) ? std::nullopt : graph::FindInWorld(solved, link_point);
+    if (place && !IsSame(before.placed.PlaceOf(static_cast<int>(slot)), *place)) {
+      out.link_points.push_back({link_point.id, *place});
+    }
+    if (link_point.is_candidate() || link_point.use != graph::LinkPointUse::kUsed) continue;
+    const auto anchors = static_cast<std::int64_t>(link_point.anchors.size());
     out.residual_count += anchors == 2 ? 1 : anchors;
   }
+  std::sort(out.link_points.begin(), out.link_points.end(),
+            [](const auto& a, const auto& b) { return a.link_point < b.link_point; });
   for (const graph::SwitchedOff& off : solution.switched_off) out.switched_off.push_back(off.link_point);
   out.chi2_before = solution.chi2_before;
   out.chi2_after = solution.chi2_after;
+  out.map_count = static_cast<std::int64_t>(solution.map_poses.size());
   return out;
 }
 

@@ -45,16 +45,20 @@ struct SiteGraph {
 // Converts changes from the store for graph::Apply.
 graph::SnapshotChanges ToSnapshotChanges(const storage::GraphChanges& changes);
 
-// Converts the map poses of optimisation `version` for graph::Apply. Null if they are for another root than `root`.
-std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const std::vector<storage::MapPose>& poses,
-                                                        std::int64_t version, const MapId& root);
+// Converts the map poses of optimisation `version` for graph::Apply: `old` with the changes since then, or, if null,
+// all poses. Null if they are for another root than `root`.
+std::shared_ptr<const graph::SolvedGraph> ToSolvedGraph(const graph::SolvedGraph* old,
+                                                        const storage::MapPoseChanges& changes, std::int64_t version,
+                                                        const MapId& root);
 
 // Fits a georeference to the control points. FAILED_PRECONDITION if a map is not joined to the root; otherwise as
 // geo::FitGeoreference.
 absl::StatusOr<geo::GeoreferenceFit> FitControlPoints(const graph::WorldPoses& poses,
                                                       const std::vector<storage::ControlPoint>& points);
 
-// Converts the result of an optimisation for the store.
-storage::GraphSolution ToStored(const graph::WorldPoses& solved, const graph::SolvedGraph& solution);
+// Converts the result of an optimisation of `before` for the store: the poses and places that it changes by more than
+// rounding. `solved` is before's graph with the solution.
+storage::GraphSolution ToStored(const SiteGraph& before, const graph::WorldPoses& solved,
+                                const graph::SolvedGraph& solution);
 
 }  // namespace enfilade::server

@@ -46,9 +46,13 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> ReadSiteGraph(const storage::Gr
   const bool complete = changes.complete || old == nullptr;
   std::int64_t solution_version = complete ? 0 : old->solution_version;
   if (update.solution_version > 0) {
-    const auto poses = store.GetMapPoses(context, site, update.solution_version);
+    const graph::SolvedGraph* known = complete || old->solution_version == 0 || old->graph().root() != changes.root
+                                          ? nullptr
+                                          : old->graph().solution();
+    const auto poses =
+        store.GetMapPoses(context, site, update.solution_version, known == nullptr ? 0 : old->solution_version);
     if (!poses.ok() && !absl::IsNotFound(poses.status())) return poses.status();
-    if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(*poses, update.solution_version, changes.root);
+    if (poses.ok()) snapshot_changes.solution = ToSolvedGraph(known, *poses, update.solution_version, changes.root);
     if (snapshot_changes.solution != nullptr) solution_version = update.solution_version;
   }
   const SiteGraph none{graph::GraphSnapshot()};

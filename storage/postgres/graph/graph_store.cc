@@ -25,10 +25,22 @@ constexpr Statement kStorePoses{"storing maps' poses",
                                 "INSERT INTO enfilade.map_poses (site_id, version, map_id, x, y, yaw, covariance)"
                                 " SELECT site_id, $2, map_id, x, y, yaw, covariance FROM enfilade.graph_maps"
                                 " WHERE site_id = $1 AND map_id = ANY ($3) AND x IS NOT NULL"};
+constexpr Statement kUnposeMaps{"storing which maps have no pose any more",
+                                "INSERT INTO enfilade.map_poses (site_id, version, map_id)"
+                                " SELECT $1, $2, map_id FROM unnest($3::text[]) AS u (map_id)"};
+constexpr Statement kUnposeOtherMaps{
+    "storing which maps have no pose any more",
+    "INSERT INTO enfilade.map_poses (site_id, version, map_id) SELECT $1, $2, map_id"
+    " FROM (SELECT DISTINCT ON (map_id) map_id, x FROM enfilade.map_poses WHERE site_id = $1 AND version < $2"
+    "   ORDER BY map_id, version DESC) last WHERE x IS NOT NULL AND map_id <> ALL ($3)"};
+// Of the maps that the oldest optimisation which is kept poses, what it replaced.
 constexpr Statement kForgetPoses{
     "deleting old poses",
-    "DELETE FROM enfilade.map_poses WHERE site_id = $1 AND version < (SELECT version FROM enfilade.graph_versions"
-    "   WHERE site_id = $1 AND cause = 7 ORDER BY version DESC OFFSET $2 LIMIT 1)"};
+    "WITH oldest AS (SELECT version FROM enfilade.graph_versions WHERE site_id = $1 AND cause = 7"
+    "   ORDER BY version DESC OFFSET $2 LIMIT 1)"
+    " DELETE FROM enfilade.map_poses p USING oldest o, enfilade.map_poses newer"
+    " WHERE newer.site_id = $1 AND newer.version = o.version"
+    "   AND p.site_id = $1 AND p.map_id = newer.map_id AND p.version < o.version"};
 constexpr Statement kListVersions{
     "listing the graph's versions",
     "SELECT version, cause, resource, actor, create_time, chi2_before, chi2_after, switched_off, map_count,"
@@ -37,9 +49,14 @@ constexpr Statement kListVersions{
 constexpr Statement kLastOptimization{
     "looking for the last optimisation",
     "SELECT coalesce(max(version), 0) FROM enfilade.graph_versions WHERE site_id = $1 AND version > $2 AND cause = $3"};
-constexpr Statement kSelectMapPoses{"reading maps' poses",
-                                    "SELECT map_id, x, y, yaw, covariance FROM enfilade.map_poses"
-                                    " WHERE site_id = $1 AND version = $2 ORDER BY map_id"};
+constexpr Statement kSelectMapPoses{
+    "reading maps' poses",
+    "SELECT DISTINCT ON (map_id) map_id, coalesce(x, 0), coalesce(y, 0), coalesce(yaw, 0), coalesce(covariance, '{}'),"
+    " x IS NOT NULL FROM enfilade.map_poses WHERE site_id = $1 AND version <= $2 AND version > $3"
+    " ORDER BY map_id, version DESC"};
+constexpr Statement kIsKept{"looking for an optimisation",
+                            "SELECT count(*) FROM (SELECT version FROM enfilade.graph_versions WHERE site_id = $1"
+                            "   AND cause = 7 ORDER BY version DESC LIMIT $3) kept WHERE version = $2"};
 constexpr Statement kSelectMapPlaces{"reading maps' places",
                                      "SELECT map_id, x, y, yaw, covariance FROM enfilade.graph_maps"
                                      " WHERE site_id = $1 AND (cardinality($2::text[]) = 0 OR map_id = ANY ($2))"
@@ -99,8 +116,15 @@ absl::StatusOr<std::int64_t> StoreAndCommit(Transaction& transaction, const Site
   for (const MapPose& pose : solution.maps) maps.push_back(pose.map.value());
   transaction.Queue(kUseLinkPoints, Params(site, raised, switched_off));
   transaction.Queue(kStoreResult, Params(site, raised, solution.chi2_before, solution.chi2_after, switched_off,
-                                         static_cast<std::int64_t>(maps.size()), solution.residual_count));
+                                         solution.map_count, solution.residual_count));
   transaction.Queue(kStorePoses, Params(site, raised, maps));
+  if (solution.complete) {
+    transaction.Queue(kUnposeOtherMaps, Params(site, raised, maps));
+  } else {
+    std::vector<std::string_view> unposed;
+    for (const MapId& map : solution.unposed) unposed.push_back(map.value());
+    transaction.Queue(kUnposeMaps, Params(site, raised, unposed));
+  }
   transaction.Queue(kForgetPoses, Params(site, std::int64_t{GraphStore::kKeptOptimizations - 1}));
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(site)));
   return raised;
@@ -155,14 +179,33 @@ absl::StatusOr<std::int64_t> GraphStore::FindLastOptimization(const CallContext&
       result, [](Row& row) { return row.Int64(); }, NameOf(site));
 }
 
-absl::StatusOr<std::vector<MapPose>> GraphStore::GetMapPoses(const CallContext& context, const SiteId& site,
-                                                             std::int64_t version) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectMapPoses, Params(site, version)));
-  if (result.rows() == 0) {
+absl::StatusOr<MapPoseChanges> GraphStore::GetMapPoses(const CallContext& context, const SiteId& site,
+                                                       std::int64_t version, std::int64_t since) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  transaction.Queue(kSelectMapPoses, Params(site, version, since));
+  // Afterwards: a version that is still kept has lost nothing.
+  transaction.Queue(kIsKept, Params(site, version, std::int64_t{kKeptOptimizations}));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t kept,
+                            ReadOne(
+                                results[1], [](Row& row) { return row.Int64(); }, NameOf(site)));
+  MapPoseChanges changes;
+  for (int i = 0; i < results[0].rows(); ++i) {
+    Row row(results[0], i);
+    MapPose pose = ReadMapPose(row);
+    const bool posed = row.Bool();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    if (posed) {
+      changes.posed.push_back(std::move(pose));
+    } else if (since != 0) {
+      changes.unposed.push_back(std::move(pose.map));
+    }
+  }
+  if (kept == 0 || (since == 0 && changes.posed.empty())) {
     return NotFound("version {} of the graph of {} is not one of its last {} optimisations", version, NameOf(site),
                     kKeptOptimizations);
   }
-  return ReadRows(result, ReadMapPose);
+  return changes;
 }
 
 absl::StatusOr<std::vector<MapPose>> GraphStore::GetPlaces(const CallContext& context, const SiteId& site,

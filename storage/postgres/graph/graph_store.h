@@ -22,8 +22,8 @@ class GraphStore final : public storage::GraphStore {
                                                          std::int64_t before, int limit) const override;
   absl::StatusOr<std::int64_t> FindLastOptimization(const CallContext& context, const SiteId& site,
                                                     std::int64_t since) const override;
-  absl::StatusOr<std::vector<MapPose>> GetMapPoses(const CallContext& context, const SiteId& site,
-                                                   std::int64_t version) const override;
+  absl::StatusOr<MapPoseChanges> GetMapPoses(const CallContext& context, const SiteId& site, std::int64_t version,
+                                             std::int64_t since) const override;
   absl::StatusOr<std::vector<MapPose>> GetPlaces(const CallContext& context, const SiteId& site,
                                                  const std::vector<MapId>& maps) const override;
   absl::StatusOr<std::int64_t> SetControlPoints(const CallContext& context, const SiteId& site,

@@ -12,7 +12,7 @@ constexpr Statement kTakeSiteLease{
     "INSERT INTO enfilade.site_leases AS l (site_id, owner, token, expires_at)"
     " VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond')"
     " ON CONFLICT (site_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
-    " expires_at = EXCLUDED.expires_at WHERE EXCLUDED.expires_at - l.expires_at >= $3 * interval '1 millisecond'"
+    " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= EXCLUDED.expires_at - $3 * interval '1 millisecond'"
     " RETURNING token"};
 constexpr Statement kRenewSiteLease{"renewing the site's lease",
                                     "UPDATE enfilade.site_leases"

@@ -26,7 +26,7 @@ constexpr Statement kTakeSessionLease{
     " VALUES ($1, $2, $3, 1, 1, clock_timestamp() + $4 * interval '1 millisecond')"
     " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
     " attempts = l.attempts + 1, expires_at = EXCLUDED.expires_at"
-    " WHERE EXCLUDED.expires_at - l.expires_at >= $4 * interval '1 millisecond'"
+    " WHERE l.expires_at <= EXCLUDED.expires_at - $4 * interval '1 millisecond'"
     " RETURNING token, attempts"};
 // A separate statement after the lease is taken: it sees a deletion that came in between.
 constexpr Statement kSelectLeasedSession{"reading the session",

@@ -36,7 +36,7 @@ class ShardTest : public StoreTest {
   ShardTest() {
     database_.Sql(
         "DO $$ DECLARE c record; BEGIN FOR c IN SELECT conrelid::regclass AS t, conname FROM pg_constraint"
-        " WHERE connamespace = 'enfilade'::regnamespace AND contype IN ('p', 'u', 'f', 'c') LOOP"
+        " WHERE connamespace = 'enfilade'::regnamespace AND conrelid <> 0 AND contype IN ('p', 'u', 'f', 'c') LOOP"
         " EXECUTE format('ALTER TABLE %s RENAME CONSTRAINT %I TO %I', c.t, c.conname, c.conname || '_102041');"
         " END LOOP; END $$");
   }

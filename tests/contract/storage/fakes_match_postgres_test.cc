@@ -193,7 +193,7 @@ TEST_P(FakesMatchPostgresTest, WhateverIsDoneToAGraph) {
           changed.etag = etag(backend);
           changed.forced = flag;
           changed.point.tag = fmt::format("step {}", step);
-          if (move) changed.point.anchors.front().T_map_place.x += 0.25;
+          if (move && !changed.point.anchors.empty()) changed.point.anchors.front().T_map_place.x += 0.25;
           if (!move && !anchors.empty()) changed.point.anchors = anchors;
           return Outcome(backend.link_points().Update(Soon(), changed));
         });
@@ -214,6 +214,8 @@ TEST_P(FakesMatchPostgresTest, WhateverIsDoneToAGraph) {
         solution.maps = {{map, {{1.0 * step, 2.0, 0.5}, Eigen::Matrix3d::Identity()}}};
         solution.link_points = {{id, {{2.0 * step, 1.0, 0.5}, Eigen::Matrix3d::Identity()}}};
         if (flag) solution.switched_off = {id, RandomLinkPoint()};
+        solution.complete = Chance(3);
+        if (!solution.complete && map != MapId("m2")) solution.unposed = {MapId("m2")};
         const std::int64_t stale = Chance(4) ? 1 : 0;
         twins_.Run("solve", [&](Backend& backend) {
           const std::int64_t version = *backend.graphs().GetVersion(Soon(), kSite) - stale;

@@ -128,10 +128,10 @@ TEST_F(GraphStoreTest, ASolutionIsStoredOnlyAtTheVersionThatItWasMadeFrom) {
   EXPECT_EQ(changes.link_points[1].T_world_place->pose, solution.link_points[0].T_world_place.pose);
   EXPECT_EQ(changes.link_points[1].T_world_place->covariance, solution.link_points[0].T_world_place.covariance);
 
-  ASSERT_OK_AND_ASSIGN(const auto poses, graph_.GetMapPoses(Soon(), site_, applied));
-  ASSERT_THAT(poses, SizeIs(1));
-  EXPECT_EQ(poses[0].T_world_map.pose, solution.maps[0].T_world_map.pose);
-  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, version), absl::StatusCode::kNotFound);
+  ASSERT_OK_AND_ASSIGN(const auto poses, graph_.GetMapPoses(Soon(), site_, applied, 0));
+  ASSERT_THAT(poses.posed, SizeIs(1));
+  EXPECT_EQ(poses.posed[0].T_world_map.pose, solution.maps[0].T_world_map.pose);
+  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, version, 0), absl::StatusCode::kNotFound);
   EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, version), applied);
   EXPECT_EQ(*graph_.FindLastOptimization(Soon(), site_, applied), 0);
   ASSERT_OK_AND_ASSIGN(const auto versions, graph_.ListVersions(Soon(), site_, 0, 2));
@@ -154,9 +154,51 @@ TEST_F(GraphStoreTest, KeepsThePosesOfTheLastOptimisationsOnly) {
   for (int i = 0; i <= storage::GraphStore::kKeptOptimizations; ++i) {
     ASSERT_OK_AND_ASSIGN(version, graph_.Apply(Soon(), site_, version, solution));
   }
-  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, first), absl::StatusCode::kNotFound);
-  EXPECT_OK(graph_.GetMapPoses(Soon(), site_, first + 1));
-  EXPECT_OK(graph_.GetMapPoses(Soon(), site_, version));
+  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, first, 0), absl::StatusCode::kNotFound);
+  EXPECT_OK(graph_.GetMapPoses(Soon(), site_, first + 1, 0));
+  EXPECT_OK(graph_.GetMapPoses(Soon(), site_, version, 0));
+}
+
+TEST_F(GraphStoreTest, ASolutionThatListsItsChangesKeepsTheOtherPoses) {
+  const auto pose = [](const char* map, double x) {
+    return storage::MapPose{MapId(map), {{x, 0, 0}, Eigen::Matrix3d::Identity()}};
+  };
+  const auto apply = [&](storage::GraphSolution solution) {
+    const auto applied = graph_.Apply(Soon(), site_, Read(0).version, solution);
+    EXPECT_OK(applied);
+    return applied.value_or(0);
+  };
+  const auto poses = [&](std::int64_t version, std::int64_t since) {
+    const auto changes = graph_.GetMapPoses(Soon(), site_, version, since);
+    EXPECT_OK(changes);
+    std::vector<std::string> text;
+    for (const storage::MapPose& one : changes->posed) {
+      text.push_back(one.map.value() + " " + std::to_string(static_cast<int>(one.T_world_map.pose.x)));
+    }
+    for (const MapId& map : changes->unposed) text.push_back("no " + map.value());
+    return text;
+  };
+  const std::int64_t first = apply({.maps = {pose("hall", 0), pose("lab", 1)}});
+  const std::int64_t second = apply({.complete = false, .maps = {pose("lab", 2)}});
+  const std::int64_t third = apply({.complete = false, .unposed = {MapId("hall")}});
+  const std::int64_t fourth = apply({.maps = {pose("hall", 4)}});
+  EXPECT_THAT(poses(first, 0), ElementsAre("hall 0", "lab 1"));
+  EXPECT_THAT(poses(second, 0), ElementsAre("hall 0", "lab 2"));
+  EXPECT_THAT(poses(second, first), ElementsAre("lab 2"));
+  EXPECT_THAT(poses(third, 0), ElementsAre("lab 2"));
+  EXPECT_THAT(poses(third, second), ElementsAre("no hall"));
+  EXPECT_THAT(poses(third, first), ElementsAre("lab 2", "no hall"));
+  EXPECT_THAT(poses(fourth, 0), ElementsAre("hall 4")) << "a complete one lists all that it poses";
+  EXPECT_THAT(poses(fourth, third), ElementsAre("hall 4", "no lab"));
+
+  // What a later change has replaced is forgotten, and nothing else.
+  std::int64_t version = fourth;
+  for (int i = 0; i < storage::GraphStore::kKeptOptimizations; ++i) {
+    version = apply({.complete = false, .maps = {pose("lab", 5 + i)}});
+  }
+  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, fourth, 0), absl::StatusCode::kNotFound);
+  EXPECT_THAT(poses(fourth + 1, 0), ElementsAre("hall 4", "lab 5"));
+  EXPECT_THAT(poses(version, 0), ElementsAre("hall 4", "lab 54"));
 }
 
 TEST_F(GraphStoreTest, ListenersHearOfEveryVersion) {
@@ -287,7 +329,7 @@ TEST_F(GraphStoreTest, ASolutionLeavesAloneWhatItDoesNotName) {
   EXPECT_EQ(changes.version, version);
   EXPECT_THAT(changes.maps, IsEmpty());
   EXPECT_THAT(changes.link_points, IsEmpty()) << "what a person has suspended stays so";
-  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, version), absl::StatusCode::kNotFound) << "no map of it is there";
+  EXPECT_CODE(graph_.GetMapPoses(Soon(), site_, version, 0), absl::StatusCode::kNotFound) << "no map of it is there";
 }
 
 TEST_F(GraphStoreTest, OnlyAGraphCanBeSolved) {

@@ -56,6 +56,29 @@ TEST_F(GraphOptimizerTest, StoresASolutionOnRequest) {
   EXPECT_TRUE(IsLeaseFree());
 }
 
+TEST_F(GraphOptimizerTest, ANewRoomWritesTheNewRoomOnly) {
+  StartAll();
+  ASSERT_OK(optimizer_->Optimize(Soon(), site_));
+  AddMap("d");
+  Join("cd", "c", "d", {5, 0, 0});
+  graphs_->MarkChanged(site_);
+  const std::int64_t before = Version();
+  ASSERT_OK_AND_ASSIGN(const OptimizedGraph optimized, optimizer_->Optimize(Soon(), site_));
+  EXPECT_EQ(optimized.solution.map_poses.size(), 4U);
+  ASSERT_OK_AND_ASSIGN(const storage::GraphChanges changes, stores_.graphs.ReadChanges(Soon(), site_, before));
+  std::vector<std::string> changed;
+  for (const storage::GraphMap& map : changes.maps) changed.push_back(map.id.value());
+  for (const storage::StoredLinkPoint& door : changes.link_points) changed.push_back(door.point.id.value());
+  EXPECT_THAT(changed, ::testing::IsSubsetOf({"d", "cd"})) << "all others have their poses to within rounding";
+  // Readers have the whole solution, by its changes or from the start.
+  EXPECT_EQ(Get()->graph().solution()->map_poses.size(), 4U);
+  ChangedSites unused;
+  SiteGraphs another(probe_, unused);
+  ASSERT_OK_AND_ASSIGN(const auto graph, another.Get(Soon(), site_));
+  EXPECT_EQ(graph->graph().solution()->map_poses.size(), 4U);
+  EXPECT_NEAR(WorldXOfC(*graph), WorldXOfC(*Get()), 1e-12);
+}
+
 TEST_F(GraphOptimizerTest, ARequestMakesAVersionEvenIfNothingHasChanged) {
   probe_.set_listening(Listening::kBroken);
   StartAll();

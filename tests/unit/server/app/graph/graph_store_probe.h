@@ -61,9 +61,9 @@ class GraphStoreProbe final : public storage::GraphStore {
                                                     std::int64_t since) const override {
     return store_.FindLastOptimization(context, site, since);
   }
-  absl::StatusOr<std::vector<storage::MapPose>> GetMapPoses(const storage::CallContext& context, const SiteId& site,
-                                                            std::int64_t version) const override {
-    return store_.GetMapPoses(context, site, version);
+  absl::StatusOr<storage::MapPoseChanges> GetMapPoses(const storage::CallContext& context, const SiteId& site,
+                                                      std::int64_t version, std::int64_t since) const override {
+    return store_.GetMapPoses(context, site, version, since);
   }
   absl::StatusOr<std::vector<storage::MapPose>> GetPlaces(const storage::CallContext& context, const SiteId& site,
                                                           const std::vector<MapId>& maps) const override {

@@ -51,15 +51,29 @@ TEST(ToSolvedGraph, RefusesPosesInAnotherRootsFrame) {
   const MapId b("b");
   const PoseWithCovariance origin{{}, Eigen::Matrix3d::Zero()};
   const PoseWithCovariance elsewhere{{1, 2, 3}, Eigen::Matrix3d::Identity()};
-  const auto solved = ToSolvedGraph({{a, origin}, {b, elsewhere}}, 5, a);
+  const auto solved = ToSolvedGraph(nullptr, {{{a, origin}, {b, elsewhere}}, {}}, 5, a);
   ASSERT_NE(solved, nullptr);
   EXPECT_EQ(solved->graph_version, 5);
   EXPECT_EQ(solved->root, a);
   EXPECT_EQ(solved->map_poses.at(b).pose, elsewhere.pose);
-  EXPECT_EQ(ToSolvedGraph({{a, origin}, {b, elsewhere}}, 5, b), nullptr) << "b is not at the origin";
-  EXPECT_EQ(ToSolvedGraph({{b, elsewhere}}, 5, a), nullptr) << "the root is not part of it";
-  EXPECT_EQ(ToSolvedGraph({{a, {{}, Eigen::Matrix3d::Identity()}}}, 5, a), nullptr) << "the root's pose is exact";
-  EXPECT_EQ(ToSolvedGraph({}, 5, a), nullptr);
+  EXPECT_EQ(ToSolvedGraph(nullptr, {{{a, origin}, {b, elsewhere}}, {}}, 5, b), nullptr) << "b is not at the origin";
+  EXPECT_EQ(ToSolvedGraph(nullptr, {{{b, elsewhere}}, {}}, 5, a), nullptr) << "the root is not part of it";
+  EXPECT_EQ(ToSolvedGraph(nullptr, {{{a, {{}, Eigen::Matrix3d::Identity()}}}, {}}, 5, a), nullptr)
+      << "the root's pose is exact";
+  EXPECT_EQ(ToSolvedGraph(nullptr, {}, 5, a), nullptr);
+}
+
+TEST(ToSolvedGraph, AppliesChangesToTheSolutionBefore) {
+  const PoseWithCovariance origin{{}, Eigen::Matrix3d::Zero()};
+  const PoseWithCovariance elsewhere{{1, 2, 3}, Eigen::Matrix3d::Identity()};
+  const MapId a("a"), b("b"), c("c");
+  const auto old = ToSolvedGraph(nullptr, {{{a, origin}, {b, elsewhere}}, {}}, 5, a);
+  const auto solved = ToSolvedGraph(old.get(), {{{c, elsewhere}}, {b}}, 6, a);
+  EXPECT_EQ(solved->graph_version, 6);
+  EXPECT_TRUE(solved->map_poses.contains(a));
+  EXPECT_FALSE(solved->map_poses.contains(b));
+  EXPECT_TRUE(solved->map_poses.contains(c));
+  EXPECT_TRUE(old->map_poses.contains(b)) << "readers of the one before keep it";
 }
 
 TEST(FitControlPoints, NamesTheMapThatIsNotJoinedToTheRoot) {
@@ -80,11 +94,14 @@ TEST(ToStored, CountsTheResidualsThatTheSolutionWasMadeFrom) {
   candidate.point.anchors.pop_back();
   storage::StoredLinkPoint suspended = MakeDoor(kCampus, "suspended", "a", "d", {2, 2, 0});
   suspended.point.use = graph::LinkPointUse::kSuspended;
-  const graph::GraphSnapshot graph =
-      Snapshot(Changes({candidate, MakeDoor(kCampus, "door", "a", "b", {5, 0, 0}), hall, suspended}));
+  const storage::GraphChanges changes =
+      Changes({candidate, MakeDoor(kCampus, "door", "a", "b", {5, 0, 0}), hall, suspended});
+  const graph::GraphSnapshot graph = Snapshot(changes);
+  const SiteGraph before(graph, PlacedLinkPoints().With({}, graph, changes));
   ASSERT_OK_AND_ASSIGN(graph::SolvedGraph solution, graph::OptimizeGraph(graph));
   solution.switched_off = {};
-  const storage::GraphSolution stored = ToStored(graph::WorldPoses(graph), solution);
+  ASSERT_OK_AND_ASSIGN(graph::GraphSnapshot solved, graph::Apply(graph, graph::ChangesOf(graph, solution, 9)));
+  const storage::GraphSolution stored = ToStored(before, graph::WorldPoses(solved), solution);
   EXPECT_EQ(stored.residual_count, 1 + 3) << "one of the door, one per anchor of the hall";
   std::vector<std::string> maps;
   for (const storage::MapPose& pose : stored.maps) maps.push_back(pose.map.value());

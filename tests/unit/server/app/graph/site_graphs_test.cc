@@ -25,8 +25,9 @@ class SiteGraphsTest : public AppGraphTest {
     EXPECT_OK(graph);
     const auto solution = graph::OptimizeGraph(*graph);
     EXPECT_OK(solution);
+    const SiteGraph before(*graph, PlacedLinkPoints().With({}, *graph, *changes));
     const auto version =
-        stores_.graphs.Apply(Soon(), site_, changes->version, ToStored(graph::WorldPoses(*graph), *solution));
+        stores_.graphs.Apply(Soon(), site_, changes->version, ToStored(before, graph::WorldPoses(*graph), *solution));
     EXPECT_OK(version);
     return version.value_or(0);
   }
