@@ -6,11 +6,10 @@
 #include <memory>
 #include <utility>
 
-#include "core/base/binary.h"
 #include "core/base/error.h"
-#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
+#include "core/graph/solve/extend_solution.h"
 #include "server/app/graph/held_site_lease.h"
 #include "spdlog/spdlog.h"
 
@@ -21,28 +20,11 @@ namespace {
 constexpr int kOptimisticAttempts = 3;
 // Changes come in bursts: a closure changes a link point and its evidence, and often causes the next closure.
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
+constexpr int kWorkers = 2;
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
 constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
 // Solutions that differ by less are equal, m and rad.
 constexpr double kPoseTolerance = 1e-6;
-
-// A digest of everything that an optimisation depends on.
-std::string DigestOf(const graph::GraphSnapshot& graph) {
-  std::string bytes;
-  BinaryWriter writer(bytes);
-  writer.PutString(graph.root().value());
-  for (const graph::LinkPoint* link_point : graph.ListLinkPoints()) {
-    if (link_point->is_candidate()) continue;
-    writer.PutString(link_point->id.value());
-    writer.Put(link_point->use == graph::LinkPointUse::kSuspended);
-    for (const graph::Anchor& anchor : link_point->anchors) {
-      writer.PutString(anchor.map.value());
-      for (const double value : {anchor.T_map_place.x, anchor.T_map_place.y, anchor.T_map_place.yaw}) writer.Put(value);
-      for (const double value : anchor.covariance.reshaped()) writer.Put(value);
-    }
-  }
-  return Sha256(bytes);
-}
 
 // ": a, b, ...": as many as fit into a line.
 std::string FirstNames(const std::vector<graph::SwitchedOff>& switched_off) {
@@ -88,12 +70,12 @@ absl::StatusOr<std::int64_t> Store(const storage::GraphStore& store, const stora
 GraphOptimizer::GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases,
                                SiteGraphs& graphs, ChangedSites& changed)
     : store_(store), leases_(leases), graphs_(graphs), changed_(changed), owner_(NewUuid() + "/graph") {
-  worker_ = std::thread([this] { Run(); });
+  for (int i = 0; i < kWorkers; ++i) workers_.emplace_back([this] { Run(); });
 }
 
 GraphOptimizer::~GraphOptimizer() {
   Stop();
-  worker_.join();
+  for (std::thread& worker : workers_) worker.join();
 }
 
 void GraphOptimizer::Stop() { stop_.Set(); }
@@ -135,47 +117,83 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveLocked(const storage::CallCo
 
 void GraphOptimizer::Run() {
   while (!stop_.WaitFor(kSettleTime)) {
-    for (const SiteId& site : changed_.Take()) {
+    {
+      MutexLock lock(mutex_);
+      waiting_.merge(changed_.Take());
+    }
+    while (const std::optional<SiteId> site = TakeWaiting()) {
       if (stop_.is_set()) return;
-      if (!TryToOptimize(site)) changed_.Add(site);
+      TryToOptimize(*site);
+      MutexLock lock(mutex_);
+      taken_.erase(*site);
     }
   }
 }
 
-bool GraphOptimizer::TryToOptimize(const SiteId& site) {
-  const auto now = std::chrono::steady_clock::now();
-  if (!backoff_.IsDue(site, now)) return false;
-  const absl::Status status = OptimizeIfDue(site);
-  if (absl::IsAborted(status)) return false;
-  if (status.ok() || absl::IsNotFound(status)) {
-    backoff_.Succeed(site);
-    return true;
+std::optional<SiteId> GraphOptimizer::TakeWaiting() {
+  MutexLock lock(mutex_);
+  for (auto site = waiting_.begin(); site != waiting_.end(); ++site) {
+    if (!taken_.insert(*site).second) continue;  // its next turn comes after this one
+    return std::move(waiting_.extract(site).value());
   }
+  return std::nullopt;
+}
+
+void GraphOptimizer::TryToOptimize(const SiteId& site) {
+  {
+    MutexLock lock(mutex_);
+    if (!backoff_.IsDue(site, std::chrono::steady_clock::now())) return changed_.Add(site);
+  }
+  const absl::Status status = OptimizeIfDue(site);
+  if (absl::IsAborted(status)) return changed_.Add(site);
+  MutexLock lock(mutex_);
+  if (status.ok() || absl::IsNotFound(status)) return backoff_.Succeed(site);
   const std::chrono::seconds wait = backoff_.Fail(site, std::chrono::steady_clock::now());
+  changed_.Add(site);
   spdlog::warn("cannot optimise the graph of {}; next attempt in {} s: {}", site.value(), wait.count(),
                status.ToString());
-  return false;
+}
+
+GraphOptimizer::Solved GraphOptimizer::LastSolved(const SiteId& site) {
+  MutexLock lock(mutex_);
+  const auto found = solved_.find(site);
+  return found == solved_.end() ? Solved{} : found->second;
 }
 
 absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   const storage::CallContext context = storage::CallContext::WithTimeout(kSolveTimeout);
-  ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
-  if (graph->graph().root().empty()) return absl::OkStatus();
-  std::string digest = DigestOf(graph->graph());
-  std::string& solved = solved_[site];
-  if (solved == digest) return absl::OkStatus();
+  const auto graph = graphs_.Get(context, site);
+  if (absl::IsNotFound(graph.status())) {
+    MutexLock lock(mutex_);
+    solved_.erase(site);
+  }
+  ENFILADE_RETURN_IF_ERROR(graph.status());
+  if ((*graph)->graph().root().empty()) return absl::OkStatus();
+  const Solved last = LastSolved(site);
+  std::optional<graph::SolvedGraph> solution;
+  if (last.graph != nullptr) solution = graph::ExtendSolution(last.graph->graph(), *last.solution, (*graph)->graph());
+  if (solution && solution->map_poses.size() == last.solution->map_poses.size()) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
   if (!lease) return Aborted("another process is optimising site {} or judging its doors", site.value());
-  absl::Status optimized = OptimizeChanged(context, site, *graph);
-  if (absl::IsAborted(optimized)) optimized = SolveAndStore(context, site).status();
+  absl::Status optimized;
+  if (!solution) {
+    absl::StatusOr<graph::SolvedGraph> solved = graph::OptimizeGraph((*graph)->graph());
+    optimized = solved.status();
+    if (solved.ok()) solution = *std::move(solved);
+  }
+  if (optimized.ok()) optimized = OptimizeChanged(context, site, **graph, *solution);
+  const bool edited = absl::IsAborted(optimized);
+  if (edited) optimized = SolveAndStore(context, site).status();
   (void)leases_.Release(context, *lease);
-  if (optimized.ok()) solved = std::move(digest);
+  if (optimized.ok() && !edited) {
+    MutexLock lock(mutex_);
+    solved_[site] = {*graph, std::make_shared<const graph::SolvedGraph>(*std::move(solution))};
+  }
   return optimized;
 }
 
 absl::Status GraphOptimizer::OptimizeChanged(const storage::CallContext& context, const SiteId& site,
-                                             const SiteGraph& graph) {
-  ENFILADE_ASSIGN_OR_RETURN(const graph::SolvedGraph solution, graph::OptimizeGraph(graph.graph()));
+                                             const SiteGraph& graph, const graph::SolvedGraph& solution) {
   if (IsSame(graph.graph(), solution)) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph, solution));
   spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off{}",
