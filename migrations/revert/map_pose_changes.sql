@@ -9,16 +9,18 @@ CREATE TEMP TABLE last_poses ON COMMIT DROP AS
   JOIN (SELECT site_id, max(version) AS version FROM enfilade.graph_versions WHERE cause = 7 GROUP BY site_id) v
     USING (site_id)
   WHERE p.x IS NOT NULL;
-TRUNCATE enfilade.map_poses;
-DROP INDEX enfilade.map_poses_of_map_idx;
+DROP TABLE enfilade.map_poses;
+CREATE TABLE enfilade.map_poses (
+  site_id    text COLLATE "C" NOT NULL,
+  version    bigint NOT NULL,
+  map_id     enfilade.resource_id NOT NULL,
+  x          double precision NOT NULL,
+  y          double precision NOT NULL,
+  yaw        double precision NOT NULL,
+  covariance double precision[] NOT NULL CHECK (cardinality(covariance) = 9),
+  PRIMARY KEY (site_id, version, map_id),
+  FOREIGN KEY (site_id, version) REFERENCES enfilade.graph_versions ON DELETE CASCADE
+);
 INSERT INTO enfilade.map_poses SELECT site_id, version, map_id, x, y, yaw, covariance FROM last_poses;
-ALTER TABLE enfilade.map_poses
-  DROP CONSTRAINT map_poses_whole,
-  ALTER x SET NOT NULL,
-  ALTER y SET NOT NULL,
-  ALTER yaw SET NOT NULL,
-  ALTER covariance SET NOT NULL,
-  ADD CONSTRAINT map_poses_site_id_version_fkey FOREIGN KEY (site_id, version) REFERENCES enfilade.graph_versions
-    ON DELETE CASCADE;
 
 COMMIT;
