@@ -105,9 +105,10 @@ storage::GraphSolution ToStored(const SiteGraph& before, const graph::WorldPoses
   for (const auto& [map, T_world_map] : solution.map_poses) {
     const int slot = solved.graph().MapSlot(map);
     if (slot < 0) continue;
-    const PoseWithCovariance* known = before.graph().FindSolvedPose(map);
-    if (known != nullptr && IsSame(*known, T_world_map) && IsSame(before.placed.PlaceOfMap(slot), T_world_map))
+    const PoseWithCovariance* known = old == nullptr ? nullptr : before.graph().FindSolvedPose(map);
+    if (known != nullptr && IsSame(*known, T_world_map) && IsSame(before.placed.PlaceOfMap(slot), T_world_map)) {
       continue;
+    }
     out.maps.push_back({map, T_world_map});
     moved.insert(slot);
   }
