@@ -178,6 +178,9 @@ class GraphStore : public GraphReader {
   // exist; INVALID_ARGUMENT if a coordinate is out of range.
   virtual absl::StatusOr<std::int64_t> SetControlPoints(const CallContext& context, const SiteId& site,
                                                         const std::vector<ControlPoint>& points) const = 0;
+  // Of those of `sites` that have maps; in any order.
+  virtual absl::StatusOr<std::vector<GraphListener::Change>> ListVersionsOf(const CallContext& context,
+                                                                            const std::vector<SiteId>& sites) const = 0;
   // Receives every version that is committed after this returns. UNAVAILABLE if the database cannot be reached. The
   // listener holds a connection until it is destroyed, which must be before the store is.
   virtual absl::StatusOr<std::unique_ptr<GraphListener>> Listen(const CallContext& context) const = 0;

@@ -245,6 +245,17 @@ absl::StatusOr<std::vector<storage::ControlPoint>> InMemoryGraphStore::GetContro
   return rows == nullptr ? std::vector<storage::ControlPoint>() : rows->graph.control_points;
 }
 
+absl::StatusOr<std::vector<storage::GraphListener::Change>> InMemoryGraphStore::ListVersionsOf(
+    const storage::CallContext& context, const std::vector<SiteId>& sites) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  std::vector<storage::GraphListener::Change> versions;
+  for (const SiteId& site : sites) {
+    const SiteRows* const rows = access.FindSite(site);
+    if (rows != nullptr && rows->graph.version > 0) versions.push_back({site, rows->graph.version});
+  }
+  return versions;
+}
+
 absl::StatusOr<std::unique_ptr<storage::GraphListener>> InMemoryGraphStore::Listen(
     const storage::CallContext& context) const {
   return database_.Listen(context);

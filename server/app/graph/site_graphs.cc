@@ -13,6 +13,8 @@
 namespace enfilade::server {
 namespace {
 
+using std::chrono::steady_clock;
+
 constexpr std::size_t kKeptVersions = 8;
 // Beyond them, a version that is asked for by its number is kept for so long, among at most so many.
 constexpr auto kKeptInUse = std::chrono::seconds(60);
@@ -24,6 +26,8 @@ constexpr std::size_t kMaxWaiting = 1000;
 constexpr auto kListenTimeout = std::chrono::milliseconds(500);
 constexpr auto kReadTimeout = std::chrono::seconds(30);
 constexpr auto kConnectTimeout = std::chrono::seconds(5);
+// Of versions that may have changed without a notification.
+constexpr auto kCheckInterval = std::chrono::seconds(1);
 constexpr auto kReconnectInterval = std::chrono::seconds(1);
 
 // Lets a thread wait for a read.
@@ -221,6 +225,7 @@ void SiteGraphs::Listen() {
 }
 
 void SiteGraphs::ProcessChanges(storage::GraphListener& listener) {
+  auto next_check = steady_clock::now() + kCheckInterval;
   while (!stop_.is_set()) {
     const auto changes = listener.Await(storage::CallContext::WithTimeout(kListenTimeout));
     if (!changes.ok()) {
@@ -228,7 +233,27 @@ void SiteGraphs::ProcessChanges(storage::GraphListener& listener) {
       return;
     }
     for (const storage::GraphListener::Change& change : *changes) OnGraphChanged(change);
+    if (steady_clock::now() < next_check) continue;
+    if (const absl::Status checked = CheckVersions(); !checked.ok()) {
+      spdlog::warn("cannot check the versions of graphs: {}", checked.ToString());
+    }
+    next_check = steady_clock::now() + kCheckInterval;
   }
+}
+
+absl::Status SiteGraphs::CheckVersions() {
+  std::vector<SiteId> sites;
+  {
+    MutexLock lock(mutex_);
+    for (const auto& [site, entry] : entries_) {
+      if (entry->current != nullptr) sites.push_back(site);
+    }
+  }
+  if (sites.empty()) return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(const auto versions,
+                            store_.ListVersionsOf(storage::CallContext::WithTimeout(kConnectTimeout), sites));
+  for (const storage::GraphListener::Change& version : versions) OnGraphChanged(version);
+  return absl::OkStatus();
 }
 
 void SiteGraphs::OnGraphChanged(const storage::GraphListener::Change& change) {

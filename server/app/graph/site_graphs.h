@@ -27,9 +27,9 @@
 namespace enfilade::server {
 
 // The sites' graphs, each cached from its first use. The store notifies a thread of changed graphs (GraphListener),
-// whose changes are then read; meanwhile readers get the version before and do not wait. While the store cannot notify,
-// every Get checks the database. A few threads read; however many callers need the same read, it is done once.
-// Thread-safe.
+// whose changes are then read; meanwhile readers get the version before and do not wait. Every second the thread looks
+// for changes whose notifications were lost. While the store cannot notify, every Get checks the database. A few
+// threads read; however many callers need the same read, it is done once. Thread-safe.
 class SiteGraphs {
  public:
   using Result = absl::StatusOr<std::shared_ptr<const SiteGraph>>;
@@ -89,6 +89,8 @@ class SiteGraphs {
   // Until the connection is lost or Stop.
   void ProcessChanges(storage::GraphListener& listener);
   void OnGraphChanged(const storage::GraphListener::Change& change);
+  // Finds changes of the cached sites whose notifications were lost, for example in a pooler of connections.
+  absl::Status CheckVersions();
   void MarkAllChanged();
 
   const storage::GraphStore& store_;

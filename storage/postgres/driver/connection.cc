@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include "core/base/error.h"
@@ -140,6 +142,23 @@ void Connection::Queue(const Statement& statement, const Params& params) {
                                      bound.lengths.data(), bound.formats.data(), 1);
   queue_.push_back({Step::kExecute, &statement});
   if (!sent) queue_status_ = Broken(LostConnection(connection_.get(), statement.what));
+}
+
+void Connection::QueueSetting(const char* name, const std::string& value) {
+  static constexpr Statement kSetLocal{"setting a parameter of the transaction", "SET LOCAL"};
+  if (queue_status_.ok()) queue_status_ = EnterPipeline();
+  if (!queue_status_.ok()) return;
+  const std::unique_ptr<char, decltype(&PQfreemem)> literal(
+      PQescapeLiteral(connection_.get(), value.data(), value.size()), &PQfreemem);
+  if (literal == nullptr) {
+    queue_status_ = InvalidArgument("{} is not valid UTF-8", name);
+    return;
+  }
+  const std::string sql = fmt::format("{} {} = {}", kSetLocal.sql, name, literal.get());
+  queue_.push_back({Step::kExecute, &kSetLocal});
+  if (!PQsendQueryParams(connection_.get(), sql.c_str(), 0, nullptr, nullptr, nullptr, nullptr, 1)) {
+    queue_status_ = Broken(LostConnection(connection_.get(), kSetLocal.what));
+  }
 }
 
 absl::StatusOr<std::vector<Result>> Connection::Flush(const CallContext& context) {

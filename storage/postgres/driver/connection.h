@@ -41,6 +41,9 @@ class Connection {
 
   // The flush returns the errors.
   void Queue(const Statement& statement, const Params& params);
+  // SET LOCAL: until the end of the transaction, which must have begun. Unlike set_config(), a sharded database carries
+  // it to the nodes that the transaction reaches. Invalid UTF-8 is an error of the flush.
+  void QueueSetting(const char* name, const std::string& value);
 
   // Sends what is queued and waits for all of it; the results come in the order of the queue. The error is that of the
   // first statement that failed; those after it were not executed.

@@ -16,8 +16,7 @@ constexpr Statement kBegin{"beginning a transaction", "BEGIN"};
 constexpr Statement kCommit{"committing", "COMMIT"};
 constexpr Statement kRollback{"rolling back", "ROLLBACK"};
 constexpr Statement kSetTimeout{"setting the statement timeout", "SELECT set_config('statement_timeout', $1, false)"};
-// The third argument makes it last for this transaction only.
-constexpr Statement kSetActor{"naming the actor", "SELECT set_config('enfilade.actor', $1, true)"};
+constexpr Statement kNotify{"announcing the change", "SELECT pg_notify($1, $2)"};
 constexpr std::chrono::seconds kRollbackTime{2};
 
 // The time that remains, rounded down by at most 5 %, so that calls of about the same deadline have the same timeout.
@@ -35,6 +34,15 @@ void QueueTimeout(Connection& connection, Connection::Deadline deadline) {
   if (connection.statement_timeout_ms() == timeout) return;
   connection.Queue(kSetTimeout, Params(std::to_string(timeout)));
   connection.set_statement_timeout_ms(timeout);
+}
+
+// For the setting of the actor, which lasts until the end of a transaction.
+absl::StatusOr<Result> ExecuteInTransaction(Pool& pool, const CallContext& context, const Statement& statement,
+                                            const Params& params) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  transaction.Queue(statement, params);
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, transaction.FlushAndCommit());
+  return std::move(results.back());
 }
 
 }  // namespace
@@ -57,7 +65,7 @@ Transaction::~Transaction() {
 void Transaction::QueueBegin() {
   lease_->Queue(kBegin, Params());
   QueueTimeout(*lease_, context_.deadline);
-  if (!context_.actor.empty()) lease_->Queue(kSetActor, Params(context_.actor));
+  if (!context_.actor.empty()) lease_->QueueSetting("enfilade.actor", context_.actor);
   open_ = true;
 }
 
@@ -65,6 +73,16 @@ void Transaction::Queue(const Statement& statement, const Params& params) {
   if (!open_) QueueBegin();
   lease_->Queue(statement, params);
   ++queued_;
+}
+
+void Transaction::QueueSetting(const char* name, const std::string& value) {
+  if (!open_) QueueBegin();
+  lease_->QueueSetting(name, value);
+  ++queued_;
+}
+
+void Transaction::NotifyAtCommit(const char* channel, std::string payload) {
+  notifications_.push_back({channel, std::move(payload)});
 }
 
 absl::StatusOr<std::vector<Result>> Transaction::Flush() {
@@ -96,19 +114,21 @@ absl::StatusOr<std::vector<Result>> Transaction::FlushAndCommit() {
   if (!open_) return std::vector<Result>();
   // PostgreSQL would answer the commit of a failed transaction by a rollback, without an error.
   if (failed_) return absl::InternalError("a failed transaction cannot be committed");
+  const std::size_t wanted = static_cast<std::size_t>(queued_);
+  for (const Notification& sent : notifications_) Queue(kNotify, Params(std::string_view(sent.channel), sent.payload));
   lease_->Queue(kCommit, Params());
   ++queued_;
   ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, Flush());
   open_ = false;
-  results.pop_back();
+  results.erase(results.begin() + static_cast<std::ptrdiff_t>(wanted), results.end());
   return results;
 }
 
 absl::StatusOr<Result> ExecuteAlone(Pool& pool, const CallContext& context, const Statement& statement,
                                     const Params& params) {
+  if (!context.actor.empty()) return ExecuteInTransaction(pool, context, statement, params);
   ENFILADE_ASSIGN_OR_RETURN(Pool::Lease lease, pool.Acquire(context));
   QueueTimeout(*lease, context.deadline);
-  if (!context.actor.empty()) lease->Queue(kSetActor, Params(context.actor));
   lease->Queue(statement, params);
   ENFILADE_ASSIGN_OR_RETURN(std::vector<Result> results, lease->Flush(context));
   return std::move(results.back());

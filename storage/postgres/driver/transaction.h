@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -26,6 +27,11 @@ class Transaction {
 
   // Executed with the next Flush, Execute, CopyIn or Commit, which returns its error.
   void Queue(const Statement& statement, const Params& params);
+  // As Connection::QueueSetting; its place in the queue has an empty result.
+  void QueueSetting(const char* name, const std::string& value);
+  // Sends the notification with the commit: its listeners hear of what is committed only. Not from a trigger, as a
+  // trigger of a sharded database runs, and notifies, on another node.
+  void NotifyAtCommit(const char* channel, std::string payload);
   // Executes the queue in one round trip and returns its rows in that order. After an error only the destructor may
   // follow.
   absl::StatusOr<std::vector<Result>> Flush();
@@ -38,6 +44,11 @@ class Transaction {
   absl::StatusOr<std::vector<Result>> FlushAndCommit();
 
  private:
+  struct Notification {
+    const char* channel;
+    std::string payload;
+  };
+
   Transaction(Pool::Lease lease, const CallContext& context);
   void QueueBegin();
 
@@ -45,6 +56,7 @@ class Transaction {
   CallContext context_;
   bool open_ = false;  // BEGIN was sent and neither COMMIT nor ROLLBACK
   bool failed_ = false;
+  std::vector<Notification> notifications_;
   int queued_ = 0;  // the caller's statements that wait for the flush
 };
 

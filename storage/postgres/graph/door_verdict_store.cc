@@ -162,6 +162,7 @@ absl::Status DoorVerdictStore::Commit(const CallContext& context, const SiteLeas
     QueueEntry(transaction, site,
                {verdict.session, std::nullopt, *verdict.entered_map, verdict.T_map_robot, verdict.T_odom_robot});
   }
+  if (change.new_map) ENFILADE_RETURN_IF_ERROR(postgres::NotifyOfPresentGraph(transaction, site));
   return WithContext(transaction.Commit(), NameOf(site, verdict.session));
 }
 
@@ -172,7 +173,9 @@ absl::Status DoorVerdictStore::Enter(const CallContext& context, const SiteLease
   ENFILADE_RETURN_IF_ERROR(postgres::LockSiteLease(transaction, lease));
   if (entered.new_map) postgres::QueueNumberedMap(transaction, lease.site, *entered.new_map);
   QueueEntry(transaction, lease.site, entered);
-  const absl::Status committed = transaction.Commit();
+  absl::Status committed;
+  if (entered.new_map) committed = postgres::NotifyOfPresentGraph(transaction, lease.site);
+  if (committed.ok()) committed = transaction.Commit();
   if (postgres::SqlStateOf(committed) == "23503") return NotFound("{} does not exist", NameOf(lease.site, entered.map));
   return WithContext(committed, NameOf(lease.site, entered.previous));
 }

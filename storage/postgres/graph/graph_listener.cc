@@ -7,11 +7,12 @@
 #include "core/base/status_macros.h"
 #include "storage/postgres/driver/connection.h"
 #include "storage/postgres/driver/params.h"
+#include "storage/postgres/graph/graph_versions.h"
 
 namespace enfilade::storage::postgres {
 namespace {
 
-constexpr Statement kListen{"listening for changes of graphs", "LISTEN enfilade_graph"};
+constexpr Statement kListen{"listening for changes of graphs", "LISTEN " ENFILADE_GRAPH_CHANNEL};
 
 }  // namespace
 

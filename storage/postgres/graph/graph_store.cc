@@ -12,6 +12,8 @@
 namespace enfilade::storage::postgres {
 namespace {
 
+constexpr Statement kSelectVersions{"reading the graphs' versions",
+                                    "SELECT site_id, graph_version FROM enfilade.site_graphs WHERE site_id = ANY ($1)"};
 constexpr Statement kUseLinkPoints{"switching link points",
                                    "UPDATE enfilade.link_points SET changed_version = $2,"
                                    " \"use\" = CASE WHEN link_point_id = ANY ($3) THEN 2 ELSE 1 END"
@@ -250,6 +252,18 @@ absl::StatusOr<std::vector<ControlPoint>> GraphStore::GetControlPoints(const Cal
     point.latitude = row.Double();
     point.longitude = row.Double();
     return point;
+  });
+}
+
+absl::StatusOr<std::vector<storage::GraphListener::Change>> GraphStore::ListVersionsOf(
+    const CallContext& context, const std::vector<SiteId>& sites) const {
+  std::vector<std::string_view> ids;
+  ids.reserve(sites.size());
+  for (const SiteId& site : sites) ids.push_back(site.value());
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectVersions, Params(ids)));
+  return ReadRows(result, [](Row& row) {
+    SiteId site{std::string(row.Text())};
+    return storage::GraphListener::Change{std::move(site), row.Int64()};
   });
 }
 

@@ -2,6 +2,7 @@
 #include "storage/postgres/graph/graph_versions.h"
 
 #include "core/base/resource_name.h"
+#include "fmt/format.h"
 #include "storage/postgres/driver/rows.h"
 
 namespace enfilade::storage::postgres {
@@ -24,6 +25,17 @@ constexpr std::int16_t kRemovedLinkPoint = 2;
 
 }  // namespace
 
+void NotifyOfGraph(Transaction& transaction, const SiteId& site, std::int64_t version) {
+  transaction.NotifyAtCommit(ENFILADE_GRAPH_CHANNEL, fmt::format("{} {}", site.value(), version));
+}
+
+absl::Status NotifyOfPresentGraph(Transaction& transaction, const SiteId& site) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result selected, transaction.Execute(kSelectGraphVersion, Params(site)));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, ReadGraphVersion(selected));
+  NotifyOfGraph(transaction, site, version);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::int64_t> ReadGraphVersion(const Result& result) {
   if (result.rows() == 0) return 0;
   return ReadOne(
@@ -42,8 +54,11 @@ absl::StatusOr<std::int64_t> RaiseGraphVersion(Transaction& transaction, const S
   const auto raised = transaction.Execute(kRaiseVersion, Params(site, static_cast<std::int16_t>(cause), resource));
   if (SqlStateOf(raised.status()) == "23503") return NotFound("{} does not exist", NameOf(site));
   ENFILADE_RETURN_IF_ERROR(raised.status());
-  return ReadOne(
-      *raised, [](Row& row) { return row.Int64(); }, NameOf(site));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            ReadOne(
+                                *raised, [](Row& row) { return row.Int64(); }, NameOf(site)));
+  NotifyOfGraph(transaction, site, version);
+  return version;
 }
 
 void QueueRemoval(Transaction& transaction, const SiteId& site, const MapId& map) {

@@ -13,6 +13,12 @@ namespace enfilade::storage::postgres {
 
 constexpr Statement kSelectGraphVersion{"reading the graph's version",
                                         "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1"};
+// Of the notifications of new versions: "SITE VERSION" (GraphListener).
+#define ENFILADE_GRAPH_CHANNEL "enfilade_graph"
+// Listeners hear of the version once the transaction has committed.
+void NotifyOfGraph(Transaction& transaction, const SiteId& site, std::int64_t version);
+// Executes the queue, and does the same for the version to which a trigger has raised the graph.
+absl::Status NotifyOfPresentGraph(Transaction& transaction, const SiteId& site);
 // 0 if the site has no maps.
 absl::StatusOr<std::int64_t> ReadGraphVersion(const Result& result);
 

@@ -174,8 +174,12 @@ absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map,
   transaction.Queue(kInsertMap, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
                                        static_cast<std::int16_t>(map.environment), map.slam_profile,
                                        BytesOrNull(outline), IdOrNull(request_id), DigestOrNull(request_id)));
-  const auto inserted = transaction.FlushAndCommit();
-  if (inserted.ok()) return ReadMap(inserted->back(), NameOf(map.site, map.id));
+  const auto inserted = transaction.Flush();
+  if (inserted.ok()) {
+    ENFILADE_RETURN_IF_ERROR(NotifyOfPresentGraph(transaction, map.site));
+    ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(map.site, map.id)));
+    return ReadMap(inserted->back(), NameOf(map.site, map.id));
+  }
   if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(
         const auto earlier,

@@ -26,7 +26,7 @@ inline constexpr Statement kInsertNumberedMap{
 
 // Makes a map (storage::NewMap, rearrange::MapSeed) whose display name is its prefix and a free number, the one before
 // which is taken: the smallest free one unless maps with smaller numbers have been removed. The graph's version is
-// raised by a trigger.
+// raised by a trigger: the caller notifies of it (NotifyOfPresentGraph).
 template <typename NewMap>
 void QueueNumberedMap(Transaction& transaction, const SiteId& site, const NewMap& map) {
   transaction.Queue(kInsertNumberedMap, Params(site, map.id, map.name_prefix, std::int32_t{map.level},

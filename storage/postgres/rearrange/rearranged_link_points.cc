@@ -54,7 +54,7 @@ constexpr Statement kPutEvidenceBack{
     "     AND a.map_id = w.target ORDER BY e.link_point_id, e.kind, w.target, w.rank)"
     " INSERT INTO enfilade.link_point_evidence"
     " (site_id, link_point_id, map_id, kind, ordinal, encoding, sha256, time_ns, x, y, yaw)"
-    " SELECT e.site_id, e.link_point_id, c.target, e.kind, e.ordinal, e.encoding, e.sha256, e.time_ns,"
+    " SELECT $1, e.link_point_id, c.target, e.kind, e.ordinal, e.encoding, e.sha256, e.time_ns,"
     "   c.x + cos(c.yaw) * e.x - sin(c.yaw) * e.y, c.y + sin(c.yaw) * e.x + cos(c.yaw) * e.y,"
     "   enfilade.wrap_angle(e.yaw + c.yaw)"
     " FROM e JOIN choice c ON c.link_point_id = e.link_point_id AND c.kind = e.kind AND c.source = e.map_id"};

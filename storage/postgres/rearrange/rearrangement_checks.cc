@@ -10,8 +10,6 @@
 namespace enfilade::storage::postgres {
 namespace {
 
-constexpr Statement kMarkRearranging{"announcing the rearrangement",
-                                     "SELECT set_config('enfilade.rearranging', $1, true)"};
 // FOR UPDATE: new sessions, which refer to the map, wait and then follow its redirect.
 constexpr Statement kLockMapsOf{
     "locking the maps",
@@ -117,7 +115,7 @@ absl::StatusOr<std::map<SessionId, SessionToRearrange>> ReadLockedSessions(const
 }  // namespace
 
 void QueueRearranging(Transaction& transaction, const rearrange::RearrangementId& id) {
-  transaction.Queue(kMarkRearranging, Params(id));
+  transaction.QueueSetting("enfilade.rearranging", id.value());
 }
 
 absl::Status LockAndCheck(Transaction& transaction, const SiteId& site, const RearrangementChange& change) {

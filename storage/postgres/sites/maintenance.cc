@@ -67,15 +67,19 @@ struct PurgeKind {
 const PurgeKind kDeleted{kListDeleted, postgres::kFindSessionToPurge, true};
 const PurgeKind kExpired{kListExpired, kFindExpired, false};
 
-absl::StatusOr<std::vector<SiteId>> ListSites(postgres::Pool& pool, const CallContext& context, const Statement& list) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, list, Params()));
+absl::StatusOr<std::vector<SiteId>> ListSites(postgres::Pool& pool, const CallContext& context, const Statement& list,
+                                              const Params& params = Params()) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, list, params));
   return ReadRows(result, [](Row& row) { return SiteId(std::string(row.Text())); });
 }
 
+constexpr Statement kListExpiredUndo{"looking for rearrangements past their retention",
+                                     "SELECT DISTINCT site_id FROM enfilade.rearrangements"
+                                     " WHERE NOT undo_purged AND create_time <= now() - $1 * interval '1 second'"};
 // Skips rearrangements that are being undone, or that another replica is purging. They are locked as Undo locks them.
 constexpr Statement kFindExpiredUndo{"looking for rearrangements past their retention",
-                                     "SELECT site_id, rearrangement_id FROM enfilade.rearrangements"
-                                     " WHERE NOT undo_purged AND create_time <= now() - $1 * interval '1 second'"
+                                     "SELECT rearrangement_id FROM enfilade.rearrangements WHERE site_id = $1"
+                                     " AND NOT undo_purged AND create_time <= now() - $2 * interval '1 second'"
                                      " ORDER BY create_time LIMIT 1 FOR UPDATE SKIP LOCKED"};
 constexpr Statement kMarkUndoPurged{"closing the rearrangement",
                                     "UPDATE enfilade.rearrangements SET undo_expired = true, undo_purged = $3"
@@ -100,13 +104,11 @@ absl::StatusOr<std::optional<std::int64_t>> PurgeOne(postgres::Pool& pool, const
 
 // Deletes up to `limit` rows of what undoing one rearrangement needs; unset if there is none to purge.
 absl::StatusOr<std::optional<std::int64_t>> PurgeOneUndo(postgres::Pool& pool, const CallContext& context,
-                                                         std::chrono::seconds kept, std::int64_t limit) {
+                                                         const SiteId& site, std::int64_t kept_s, std::int64_t limit) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto found,
-                            transaction.Execute(kFindExpiredUndo, Params(static_cast<std::int64_t>(kept.count()))));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, transaction.Execute(kFindExpiredUndo, Params(site, kept_s)));
   if (found.rows() == 0) return std::nullopt;
   Row row(found, 0);
-  const std::string site(row.Text());
   const std::string rearrangement(row.Text());
   ENFILADE_RETURN_IF_ERROR(row.status());
   std::int64_t deleted = 0;
@@ -133,13 +135,14 @@ absl::Status PurgeAll(std::int64_t limit, const PurgeNext& purge_next, std::int6
   return absl::OkStatus();
 }
 
-// The first error of a site, naming it, is returned once there is nothing left to do in the others.
-absl::StatusOr<std::int64_t> PurgeSites(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind,
-                                        std::int64_t limit, absl::Status error = {}) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool, context, kind.list_sites));
+// Deletes up to `limit` rows in all, site by site. The first error of a site, naming it, is returned once there is
+// nothing left to do in the others.
+using PurgeInSite = std::function<absl::StatusOr<std::optional<std::int64_t>>(const SiteId&, std::int64_t)>;
+absl::StatusOr<std::int64_t> PurgeSites(const std::vector<SiteId>& sites, std::int64_t limit, const PurgeInSite& purge,
+                                        absl::Status error = {}) {
   std::int64_t total = 0;
   for (const SiteId& site : sites) {
-    const auto purge_next = [&](std::int64_t rest) { return PurgeOne(pool, context, kind, site, rest); };
+    const auto purge_next = [&](std::int64_t rest) { return purge(site, rest); };
     error.Update(WithContext(PurgeAll(limit, purge_next, total), NameOf(site)));
     if (total >= limit) return total;
   }
@@ -147,10 +150,18 @@ absl::StatusOr<std::int64_t> PurgeSites(postgres::Pool& pool, const CallContext&
   return total;
 }
 
+absl::StatusOr<std::int64_t> PurgeSessions(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind,
+                                           std::int64_t limit, absl::Status error = {}) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool, context, kind.list_sites));
+  return PurgeSites(
+      sites, limit, [&](const SiteId& site, std::int64_t rest) { return PurgeOne(pool, context, kind, site, rest); },
+      std::move(error));
+}
+
 }  // namespace
 
 absl::StatusOr<std::int64_t> Maintenance::PurgeDeletedSessions(const CallContext& context, std::int64_t limit) const {
-  return PurgeSites(pool_, context, kDeleted, limit);
+  return PurgeSessions(pool_, context, kDeleted, limit);
 }
 
 absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const {
@@ -159,15 +170,17 @@ absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext
   for (const SiteId& site : sites) {
     error.Update(WithContext(ExecuteAlone(pool_, context, kMarkExpired, Params(site)).status(), NameOf(site)));
   }
-  return PurgeSites(pool_, context, kExpired, limit, error);
+  return PurgeSessions(pool_, context, kExpired, limit, error);
 }
 
 absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredUndo(const CallContext& context, std::chrono::seconds kept,
                                                             std::int64_t limit) const {
-  std::int64_t total = 0;
-  ENFILADE_RETURN_IF_ERROR(PurgeAll(
-      limit, [&](std::int64_t rest) { return PurgeOneUndo(pool_, context, kept, rest); }, total));
-  return total;
+  const auto kept_s = static_cast<std::int64_t>(kept.count());
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites,
+                            ListSites(pool_, context, kListExpiredUndo, Params(kept_s)));
+  return PurgeSites(sites, limit, [&](const SiteId& site, std::int64_t rest) {
+    return PurgeOneUndo(pool_, context, site, kept_s, rest);
+  });
 }
 
 absl::StatusOr<std::int64_t> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,

@@ -44,6 +44,8 @@ constexpr Statement kUnlinkSessions{"unlinking sessions",
                                     "UPDATE enfilade.sessions SET previous_session_id = NULL,"
                                     " cut_from_session_id = NULL WHERE site_id = $1 AND session_id = ANY ($2)"};
 constexpr Statement kDropSiteLease{"deleting the site's lease", "DELETE FROM enfilade.site_leases WHERE site_id = $1"};
+constexpr Statement kDropRequest{"deleting the site's request",
+                                 "DELETE FROM enfilade.site_requests WHERE site_id = $1"};
 constexpr Statement kDropSite{"deleting the site", "DELETE FROM enfilade.sites WHERE site_id = $1"};
 
 // The steps by their numbers, which are in the database: first sessions stop growing, then their rows go, then those of
@@ -121,6 +123,7 @@ absl::StatusOr<StepResult> RunStep(Transaction& transaction, const SiteId& site,
 // Everything else is gone.
 absl::StatusOr<SiteDeletion::Portion> DropSite(Transaction& transaction, const SiteId& site) {
   transaction.Queue(kDropSiteLease, Params(site));
+  transaction.Queue(kDropRequest, Params(site));
   transaction.Queue(kDropSite, Params(site));
   ENFILADE_RETURN_IF_ERROR(transaction.Commit());
   return SiteDeletion::Portion{SiteDeletion::Progress::kDone, 1};

@@ -22,9 +22,13 @@ using postgres::Transaction;
 constexpr Statement kInsertSite{"creating the site",
                                 "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s, request_id,"
                                 " request_sha256) VALUES ($1, $2, $3, $4, $5) RETURNING " ENFILADE_SITE_COLUMNS};
-constexpr Statement kFindSiteRequest{
-    "looking for an earlier request",
-    "SELECT " ENFILADE_SITE_COLUMNS ENFILADE_SAME_REQUEST("$2") " FROM enfilade.sites WHERE request_id = $1"};
+// Waits for a creation under way with the same request id.
+constexpr Statement kPutRequest{"storing the request",
+                                "INSERT INTO enfilade.site_requests (request_id, site_id) VALUES ($1, $2)"};
+constexpr Statement kFindRequest{"looking for an earlier request",
+                                 "SELECT site_id FROM enfilade.site_requests WHERE request_id = $1"};
+constexpr Statement kSelectRequestedSite{"reading the site", "SELECT " ENFILADE_SITE_COLUMNS ENFILADE_SAME_REQUEST(
+                                                                 "$2") " FROM enfilade.sites WHERE site_id = $1"};
 constexpr Statement kSelectSite{"reading the site",
                                 "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE site_id = $1"};
 constexpr Statement kListSites{"listing sites", "SELECT " ENFILADE_SITE_COLUMNS
@@ -70,6 +74,41 @@ absl::StatusOr<Site> InUse(absl::StatusOr<Site> site) {
   return site;
 }
 
+// The site that an earlier creation with this request id has made; unset if there was none.
+absl::StatusOr<std::optional<Site>> FindRequested(postgres::Pool& pool, const CallContext& context,
+                                                  const RequestId& request_id) {
+  if (request_id.empty()) return std::nullopt;
+  ENFILADE_ASSIGN_OR_RETURN(const auto request,
+                            ExecuteAlone(pool, context, kFindRequest, Params(postgres::IdOrNull(request_id))));
+  if (request.rows() == 0) return std::nullopt;
+  ENFILADE_ASSIGN_OR_RETURN(const std::string id,
+                            postgres::ReadOne(
+                                request, [](Row& row) { return std::string(row.Text()); }, "the request"));
+  ENFILADE_ASSIGN_OR_RETURN(const auto earlier, ExecuteAlone(pool, context, kSelectRequestedSite,
+                                                             Params(id, postgres::DigestOrNull(request_id))));
+  if (earlier.rows() == 0) return std::nullopt;
+  ENFILADE_ASSIGN_OR_RETURN(Site site, InUse(postgres::ReadRequested(earlier, ReadSite, NameOf(SiteId(id)))));
+  return site;
+}
+
+std::optional<std::int64_t> RetentionSeconds(const Site& site) {
+  if (!site.raw_retention) return std::nullopt;
+  return site.raw_retention->count();
+}
+
+// ALREADY_EXISTS if the site exists, or the request does.
+absl::StatusOr<Site> Insert(postgres::Pool& pool, const CallContext& context, const Site& site,
+                            const RequestId& request_id) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  if (!request_id.empty()) {
+    transaction.Queue(kPutRequest, Params(postgres::IdOrNull(request_id), site.id));
+  }
+  transaction.Queue(kInsertSite, Params(site.id, site.display_name, RetentionSeconds(site),
+                                        postgres::IdOrNull(request_id), postgres::DigestOrNull(request_id)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  return postgres::ReadOne(results.back(), ReadSite, NameOf(site.id));
+}
+
 // `content`: the answer of kCountContent.
 absl::Status CheckEmpty(const SiteId& site, const postgres::Result& content) {
   Row row(content, 0);
@@ -82,27 +121,15 @@ absl::Status CheckEmpty(const SiteId& site, const postgres::Result& content) {
                             NameOf(site), maps, robots, sessions);
 }
 
-std::optional<std::int64_t> RetentionSeconds(const Site& site) {
-  if (!site.raw_retention) return std::nullopt;
-  return site.raw_retention->count();
-}
-
 }  // namespace
 
 absl::StatusOr<Site> SiteStore::Create(const CallContext& context, const Site& site,
                                        const RequestId& request_id) const {
-  const auto inserted =
-      storage::postgres::ExecuteAlone(pool_, context, kInsertSite,
-                                      Params(site.id, site.display_name, RetentionSeconds(site),
-                                             postgres::IdOrNull(request_id), postgres::DigestOrNull(request_id)));
-  if (inserted.ok()) return storage::postgres::ReadOne(*inserted, ReadSite, NameOf(site.id));
+  const absl::StatusOr<Site> inserted = Insert(pool_, context, site, request_id);
+  if (inserted.ok()) return inserted;
   if (!absl::IsAlreadyExists(inserted.status())) return WithContext(inserted.status(), NameOf(site.id));
-  if (!request_id.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto earlier, storage::postgres::ExecuteAlone(
-                                                      pool_, context, kFindSiteRequest,
-                                                      Params(request_id.value, postgres::DigestOrNull(request_id))));
-    if (earlier.rows() > 0) return InUse(storage::postgres::ReadRequested(earlier, ReadSite, NameOf(site.id)));
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<Site> earlier, FindRequested(pool_, context, request_id));
+  if (earlier) return *earlier;
   const absl::StatusOr<Site> other = Get(context, site.id);
   if (other.ok() && other->deletion) {
     return FailedPrecondition("{} is being deleted: its id can be used again when it is gone", NameOf(site.id));

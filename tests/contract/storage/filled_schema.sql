@@ -26,6 +26,7 @@ CREATE FUNCTION pg_temp.identity() RETURNS jsonb LANGUAGE sql AS $$ SELECT '[1, 
 
 SELECT pg_temp.fill('sites', '{"display_name": "A", "raw_retention_s": 1000000000000}', until => 'retention_bound');
 SELECT pg_temp.fill('sites', '{"display_name": "A"}', 'retention_bound');
+SELECT pg_temp.fill('site_requests', '{"request_id": "r"}', 'site_requests');
 SELECT pg_temp.fill('sites', '{"site_id": "going", "display_name": "G"}', 'site_deletion');
 SELECT pg_temp.alter($$UPDATE enfilade.sites SET delete_time = now(), delete_actor = '' WHERE site_id = 'going'$$,
   'site_deletion');

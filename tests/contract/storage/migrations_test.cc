@@ -114,7 +114,7 @@ TEST(SchemaTest, EveryKeyBeginsWithTheSiteAndNoForeignKeyLeavesIt) {
                            " WHERE connamespace = 'enfilade'::regnamespace AND contype IN ('p', 'u')"
                            " AND pg_get_constraintdef(oid) NOT LIKE '%(site_id%'"
                            // The request that creates a site knows none yet.
-                           " AND conname NOT IN ('sites_request_id_key', 'schema_compatibility_pkey')"),
+                           " AND conname NOT IN ('site_requests_pkey', 'schema_compatibility_pkey')"),
               IsEmpty());
   EXPECT_THAT(database.Sql("SELECT conrelid::regclass || ': ' || pg_get_constraintdef(oid) FROM pg_constraint"
                            " WHERE connamespace = 'enfilade'::regnamespace AND contype = 'f'"

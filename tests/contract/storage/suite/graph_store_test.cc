@@ -201,19 +201,6 @@ TEST_F(GraphStoreTest, ASolutionThatListsItsChangesKeepsTheOtherPoses) {
   EXPECT_THAT(poses(version, 0), ElementsAre("hall 4", "lab 54"));
 }
 
-TEST_F(GraphStoreTest, ListenersHearOfEveryVersion) {
-  ASSERT_OK_AND_ASSIGN(const auto listener, graph_.Listen(Soon()));
-  ASSERT_OK_AND_ASSIGN(const auto nothing,
-                       listener->Await(storage::CallContext::WithTimeout(std::chrono::milliseconds(1))));
-  EXPECT_THAT(nothing, IsEmpty());
-  const std::int64_t version = Read(0).version;
-  Create("door", {MakeAnchor("hall", 1, 0)});
-  ASSERT_OK_AND_ASSIGN(const auto changes, listener->Await(Soon()));
-  ASSERT_THAT(changes, SizeIs(1));
-  EXPECT_EQ(changes[0].site, site_);
-  EXPECT_EQ(changes[0].version, version + 1);
-}
-
 TEST_F(GraphStoreTest, AReaderSeesOneVersionWhateverIsWrittenMeanwhile) {
   std::atomic<bool> done{false};
   std::thread writer([&] {
@@ -342,44 +329,6 @@ TEST_F(GraphStoreTest, OnlyAGraphCanBeSolved) {
     EXPECT_THAT(points, IsEmpty());
   }
   EXPECT_CODE(graph_.SetControlPoints(Soon(), SiteId("nowhere"), {}), absl::StatusCode::kNotFound);
-}
-
-TEST_F(GraphStoreTest, EveryListenerReceivesTheVersionsOfAllSitesSinceItListens) {
-  backend_->AddSite(SiteId("other"));
-  ASSERT_OK(maps_.Create(Soon(), MakeMap(SiteId("other"), map_, "Hall"), ""));
-  ASSERT_OK_AND_ASSIGN(const auto early, graph_.Listen(Soon()));
-  Create("a", {MakeAnchor("hall", 1, 0)});
-  ASSERT_OK_AND_ASSIGN(const auto late, graph_.Listen(Soon()));
-  ASSERT_OK(link_points_.Create(Soon(), MakeLinkPoint(SiteId("other"), "b", {MakeAnchor("hall", 1, 0)}), ""));
-  const auto versions = [&](storage::GraphListener& listener, std::size_t count) {
-    std::vector<std::string> received;
-    while (received.size() < count) {
-      const auto changes = listener.Await(Soon());
-      EXPECT_OK(changes);
-      if (!changes.ok() || changes->empty()) break;
-      for (const auto& change : *changes) received.push_back(fmt::format("{} {}", change.site.value(), change.version));
-    }
-    return received;
-  };
-  EXPECT_THAT(versions(*early, 2), ElementsAre("campus 3", "other 2"));
-  EXPECT_THAT(versions(*late, 1), ElementsAre("other 2"));
-  // A change that fails is none.
-  EXPECT_CODE(link_points_.Delete(Soon(), site_, LinkPointId("z"), 0), absl::StatusCode::kNotFound);
-  ASSERT_OK_AND_ASSIGN(const auto nothing,
-                       late->Await(storage::CallContext::WithTimeout(std::chrono::milliseconds(50))));
-  EXPECT_THAT(nothing, IsEmpty());
-}
-
-TEST_F(GraphStoreTest, AListenerWakesUpWhenSomethingChanges) {
-  ASSERT_OK_AND_ASSIGN(const auto listener, graph_.Listen(Soon()));
-  std::thread editor([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    Create("door", {MakeAnchor("hall", 1, 0)});
-  });
-  const auto changes = listener->Await(Soon());
-  editor.join();
-  ASSERT_OK(changes);
-  EXPECT_THAT(*changes, SizeIs(1));
 }
 
 }  // namespace

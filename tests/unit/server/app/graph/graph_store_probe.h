@@ -21,8 +21,9 @@ class GraphStoreProbe final : public storage::GraphStore {
   // Called after each read of changes or before each Apply, in the caller's thread. Null: nothing.
   void set_after_read(std::function<void()> hook) { Set(after_read_, std::move(hook)); }
   void set_before_apply(std::function<void()> hook) { Set(before_apply_, std::move(hook)); }
-  // kSilent: the connection stands, but reports nothing. kBroken: there is none.
-  enum class Listening { kWorking, kSilent, kBroken };
+  // kLossy: the connection stands, but loses notifications. kSilent: nothing tells of changes. kBroken: there is no
+  // connection.
+  enum class Listening { kWorking, kLossy, kSilent, kBroken };
   void set_listening(Listening listening) {
     MutexLock lock(mutex_);
     listening_ = listening;
@@ -77,6 +78,11 @@ class GraphStoreProbe final : public storage::GraphStore {
                                                                       const SiteId& site) const override {
     return store_.GetControlPoints(context, site);
   }
+  absl::StatusOr<std::vector<storage::GraphListener::Change>> ListVersionsOf(
+      const storage::CallContext& context, const std::vector<SiteId>& sites) const override {
+    if (Get(listening_) == Listening::kSilent) return std::vector<storage::GraphListener::Change>();
+    return store_.ListVersionsOf(context, sites);
+  }
   absl::StatusOr<std::unique_ptr<storage::GraphListener>> Listen(const storage::CallContext& context) const override {
     if (Get(listening_) == Listening::kBroken) return absl::UnavailableError("no connection");
     auto listener = store_.Listen(context);
@@ -95,7 +101,7 @@ class GraphStoreProbe final : public storage::GraphStore {
       auto changes = listener_->Await({.deadline = std::min(soon, context.deadline)});
       const Listening listening = probe_.Get(probe_.listening_);
       if (listening == Listening::kBroken) return absl::UnavailableError("the connection is lost");
-      if (listening == Listening::kSilent) return std::vector<Change>();
+      if (listening != Listening::kWorking) return std::vector<Change>();
       return changes;
     }
 

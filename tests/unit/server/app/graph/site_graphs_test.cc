@@ -88,6 +88,15 @@ TEST_F(SiteGraphsTest, AnEditIsInEveryLaterAnswerOfTheSameProcess) {
   graphs_->MarkChanged(SiteId("unknown"));  // no-op
 }
 
+TEST_F(SiteGraphsTest, AChangeWhoseNotificationWasLostIsFound) {
+  probe_.set_listening(Listening::kLossy);
+  StartListening();
+  const std::int64_t before = Get()->graph().version();
+  const std::int64_t after = MoveDoor(12);
+  ASSERT_GT(after, before);
+  while (Get()->graph().version() < after) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
 TEST_F(SiteGraphsTest, WithoutNotificationsEveryAnswerChecksTheStore) {
   probe_.set_listening(Listening::kBroken);
   Start();
