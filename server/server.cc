@@ -60,7 +60,8 @@ class Server::Impl {
         executor(options.listen.workers, kMaxQueuedCalls),
         mapping(options.mapping, slam, {mappings, records, sessions, blobs, revisions, robot_poses, maps}, *metrics,
                 [this] { doors_wake.Wake(); }),
-        ingest(options.ingest, records, blobs, *metrics, [this] { mapping.Wake(); }) {}
+        ingest(options.ingest, records, blobs, *metrics,
+               [this](const SiteId& site, const SessionId& session) { mapping.Wake(site, session); }) {}
 
   absl::Status Start() {
     ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));

@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/sessions/mapping_store.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 
 namespace enfilade::storage {
+
+bool IsToBeMapped(const Session& session, std::int64_t read_sequence) {
+  if (!session.map) return false;
+  if (session.state == SessionState::kFinished) return true;
+  return session.state == SessionState::kRecording &&
+         session.acknowledged_sequence > std::max(session.mapped_sequence, read_sequence);
+}
 
 absl::Status ValidateStep(const SessionLease& lease, const MappingProgress& progress, const MappingStep& step) {
   if (step.mapped_sequence < progress.mapped_sequence) {

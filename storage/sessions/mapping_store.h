@@ -27,6 +27,8 @@ struct SessionLease {
   SessionId session;
   std::string owner;
   std::int64_t token = 0;
+  TimeNs take_time = 0;                    // when it was taken, by the database's clock
+  std::int64_t acknowledged_sequence = 0;  // of the session, then
 };
 
 struct LeasedSession {
@@ -58,6 +60,16 @@ struct MappingProgress {
 // a session that may still get records.
 absl::Status ValidateStep(const SessionLease& lease, const MappingProgress& progress, const MappingStep& step);
 
+// Whether a session has acknowledged records after `read_sequence` that are not mapped, or is finished and has to be
+// closed.
+bool IsToBeMapped(const Session& session, std::int64_t read_sequence);
+
+// The sessions that wait to be mapped, those that are being mapped included.
+struct MappingBacklog {
+  std::int64_t sessions = 0;
+  double oldest_s = 0.0;  // for how long, at most, the record has waited that has waited longest; 0: none waits
+};
+
 // ABORTED: another holder has taken over.
 absl::Status LeaseLost(const SessionLease& lease);
 
@@ -79,14 +91,19 @@ class MappingStore {
   virtual ~MappingStore() = default;
 
   // A session of any site that nobody holds and that has records to map, or is finished and has to be closed: the one
-  // that has waited longest. Unset if there is none.
+  // that has waited longest for its turn. Unset if there is none. Costs the same however many sessions have nothing to
+  // map.
   virtual absl::StatusOr<std::optional<LeasedSession>> Acquire(const CallContext& context, const std::string& owner,
                                                                std::chrono::milliseconds ttl) const = 0;
   // Extends the lease to `ttl` from now. ABORTED if another holder has taken over or the session is deleted.
   virtual absl::Status Renew(const CallContext& context, const SessionLease& lease,
                              std::chrono::milliseconds ttl) const = 0;
-  // Makes the lease available, and begins the count of attempts anew. Releasing a lost lease is no error.
-  virtual absl::Status Release(const CallContext& context, const SessionLease& lease) const = 0;
+  // Makes the lease available, and begins the count of attempts anew. The holder has read all records up to
+  // `read_sequence`: if those are all, and the session is not finished, it is found again when more come; otherwise it
+  // waits for its next turn. Releasing a lost lease is no error.
+  virtual absl::Status Release(const CallContext& context, const SessionLease& lease,
+                               std::int64_t read_sequence) const = 0;
+  virtual absl::StatusOr<MappingBacklog> GetBacklog(const CallContext& context) const = 0;
 
   // Stores the delta's rows, the checkpoint, the revision and the session's final state in one transaction. Returns the
   // revision's number, 0 without one. ABORTED if the lease is lost: the worker must stop. ABORTED with AreLayersChanged

@@ -25,10 +25,11 @@ void InMemoryDatabase::EnterMap(const SiteId& site, const SessionId& session, co
                                 const PoseWithCovariance& T_map_robot) {
   const std::lock_guard lock(mutex_);
   SiteRows& rows = tables_.at(site);
-  storage::Session& entered = rows.sessions.at(session).session;
-  entered.map = map;
-  entered.entry.T_map_robot = T_map_robot;
-  FollowRedirect(rows, entered);
+  SessionRow& row = rows.sessions.at(session);
+  row.session.map = map;
+  row.session.entry.T_map_robot = T_map_robot;
+  FollowRedirect(rows, row.session);
+  QueueWork(row, std::chrono::steady_clock::now() + clock_offset_);
 }
 
 void InMemoryDatabase::ExpireRecords(const SiteId& site, const SessionId& session) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <tuple>
+#include <chrono>
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
@@ -25,18 +25,15 @@ bool IsOwner(const SessionRow* row, const storage::SessionLease& lease) {
   return row != nullptr && row->lease.owner == lease.owner;
 }
 
-bool HasWork(const SessionRow& row, std::chrono::steady_clock::time_point now) {
-  const storage::Session session = WithProgress(row);
-  if (row.deleted || !session.map) return false;
-  if (row.lease.token > 0 && row.lease.expires_at > now) return false;
-  if (session.state == storage::SessionState::kFinished) return true;
-  return session.state == storage::SessionState::kRecording && session.acknowledged_sequence > session.mapped_sequence;
+TimeNs ToTime(std::chrono::steady_clock::time_point time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+std::chrono::steady_clock::time_point FromTime(TimeNs time) {
+  return std::chrono::steady_clock::time_point(std::chrono::nanoseconds(time));
 }
 
-// The longest waiting first.
-std::tuple<std::chrono::steady_clock::time_point, TimeNs> WaitingSince(const SessionRow& row) {
-  const auto never = std::chrono::steady_clock::time_point::min();
-  return {row.lease.token == 0 ? never : row.lease.expires_at, row.session.create_time};
+bool IsHeld(const SessionRow& row, std::chrono::steady_clock::time_point now) {
+  return row.lease.token > 0 && row.lease.expires_at > now;
 }
 
 // The map with the delta; FAILED_PRECONDITION if a row refers to one that does not exist.
@@ -87,14 +84,21 @@ absl::StatusOr<std::optional<storage::LeasedSession>> InMemoryMappingStore::Acqu
   SessionRow* next = nullptr;
   for (auto& [site_id, site] : access.tables()) {
     for (auto& [id, row] : site.sessions) {
-      if (!HasWork(row, access.Now())) continue;
-      if (next == nullptr || WaitingSince(row) < WaitingSince(*next)) next = &row;
+      if (!row.work || IsHeld(row, access.Now())) continue;
+      if (!storage::IsToBeMapped(WithProgress(row), 0)) {
+        row.work.reset();
+      } else if (next == nullptr || row.work->turn_time < next->work->turn_time) {
+        next = &row;
+      }
     }
   }
   if (next == nullptr) return std::nullopt;
   next->lease = {owner, next->lease.token + 1, access.Now() + ttl, next->lease.attempts + 1};
   const storage::Session session = WithProgress(*next);
-  return storage::LeasedSession{{session.site, session.id, owner, next->lease.token}, session, next->lease.attempts};
+  return storage::LeasedSession{
+      {session.site, session.id, owner, next->lease.token, ToTime(access.Now()), session.acknowledged_sequence},
+      session,
+      next->lease.attempts};
 }
 
 absl::Status InMemoryMappingStore::Renew(const storage::CallContext& context, const storage::SessionLease& lease,
@@ -106,15 +110,39 @@ absl::Status InMemoryMappingStore::Renew(const storage::CallContext& context, co
   return absl::OkStatus();
 }
 
-absl::Status InMemoryMappingStore::Release(const storage::CallContext& context,
-                                           const storage::SessionLease& lease) const {
+absl::Status InMemoryMappingStore::Release(const storage::CallContext& context, const storage::SessionLease& lease,
+                                           std::int64_t read_sequence) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   SessionRow* const row = FindHeld(access, lease);
   if (!IsOwner(row, lease)) return absl::OkStatus();
   row->lease.owner.clear();
   row->lease.attempts = 0;
   row->lease.expires_at = access.Now();
+  const storage::Session session = WithProgress(*row);
+  if (!storage::IsToBeMapped(session, read_sequence)) {
+    row->work.reset();
+    return absl::OkStatus();
+  }
+  if (!row->work) row->work = WorkRow{access.Now(), {}};
+  row->work->turn_time = access.Now();
+  if (session.mapped_sequence >= lease.acknowledged_sequence) {
+    row->work->waiting_since = std::max(row->work->waiting_since, FromTime(lease.take_time));
+  }
   return absl::OkStatus();
+}
+
+absl::StatusOr<storage::MappingBacklog> InMemoryMappingStore::GetBacklog(const storage::CallContext& context) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  storage::MappingBacklog backlog;
+  for (const auto& [site_id, site] : access.tables()) {
+    for (const auto& [id, row] : site.sessions) {
+      if (!row.work) continue;
+      ++backlog.sessions;
+      const std::chrono::duration<double> waited = access.Now() - row.work->waiting_since;
+      backlog.oldest_s = std::max(backlog.oldest_s, waited.count());
+    }
+  }
+  return backlog;
 }
 
 absl::StatusOr<std::int64_t> InMemoryMappingStore::Commit(const storage::CallContext& context,

@@ -8,6 +8,7 @@
 #include "core/sensor/record_codec.h"
 #include "storage/sessions/session_growth.h"
 #include "tests/fakes/in_memory_stores.h"
+#include "tests/fakes/session_rows.h"
 
 namespace enfilade::testing {
 namespace {
@@ -106,7 +107,10 @@ absl::StatusOr<storage::AppendResult> AppendBatch(InMemoryDatabase::Access& acce
     growth.Add(*record, static_cast<std::int64_t>(payload.size()));
     row.records[record->sequence] = {sensor::KindOf(*record), sensor::TimeOf(*record), std::move(payload)};
   }
-  if (!fresh.empty()) Grow(row, growth);
+  if (!fresh.empty()) {
+    Grow(row, growth);
+    QueueWork(row, access.Now());
+  }
   const auto inserted = static_cast<std::int64_t>(fresh.size());
   return storage::AppendResult{AcknowledgedOf(row), inserted,
                                static_cast<std::int64_t>(batch.records.size()) - inserted};

@@ -41,6 +41,10 @@ storage::Session WithProgress(const SessionRow& row) {
   return session;
 }
 
+void QueueWork(SessionRow& row, std::chrono::steady_clock::time_point now) {
+  if (!row.work && storage::IsToBeMapped(WithProgress(row), 0)) row.work = WorkRow{now, now};
+}
+
 void FollowRedirect(const SiteRows& site, storage::Session& session) {
   if (!session.map) return;
   const rearrange::MapRedirect redirect = ResolveMap(site, *session.map);
@@ -138,6 +142,7 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Finish(const storage::Cal
     if (stored.state != storage::SessionState::kFailed) {
       stored.state = nothing_to_map ? storage::SessionState::kMapped : storage::SessionState::kFinished;
     }
+    QueueWork(*row, access.Now());
   }
   return WithProgress(*row);
 }

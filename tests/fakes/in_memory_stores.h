@@ -123,7 +123,9 @@ class InMemoryMappingStore final : public storage::MappingStore {
                                                                 std::chrono::milliseconds ttl) const override;
   absl::Status Renew(const storage::CallContext& context, const storage::SessionLease& lease,
                      std::chrono::milliseconds ttl) const override;
-  absl::Status Release(const storage::CallContext& context, const storage::SessionLease& lease) const override;
+  absl::Status Release(const storage::CallContext& context, const storage::SessionLease& lease,
+                       std::int64_t read_sequence) const override;
+  absl::StatusOr<storage::MappingBacklog> GetBacklog(const storage::CallContext& context) const override;
   absl::StatusOr<std::int64_t> Commit(const storage::CallContext& context, const storage::SessionLease& lease,
                                       const storage::MappingStep& step) const override;
   absl::StatusOr<std::optional<storage::StoredMapping>> Load(const storage::CallContext& context, const SiteId& site,

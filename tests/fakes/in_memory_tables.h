@@ -31,6 +31,12 @@ struct LeaseRow {
   std::int64_t attempts = 0;  // of mapping, since the last release
 };
 
+// Of a session that waits to be mapped.
+struct WorkRow {
+  std::chrono::steady_clock::time_point waiting_since;
+  std::chrono::steady_clock::time_point turn_time;
+};
+
 struct RecordRow {
   sensor::RecordKind kind = sensor::RecordKind::kWithheld;
   TimeNs time = 0;
@@ -43,6 +49,7 @@ struct SessionRow {
   bool deleted = false;
   std::map<std::int64_t, RecordRow> records;
   LeaseRow lease;
+  std::optional<WorkRow> work;
   std::optional<storage::StoredMapping> mapping;
   storage::MappingCounts counts;
   std::optional<SessionId> cut_from;              // of a rest: the session in which it was recorded

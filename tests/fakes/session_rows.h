@@ -7,6 +7,8 @@ namespace enfilade::testing {
 
 // The session with the progress of its mapping.
 storage::Session WithProgress(const SessionRow& row);
+// Lets the session wait for its turn, if there is something to map.
+void QueueWork(SessionRow& row, std::chrono::steady_clock::time_point now);
 // A session that is created in a map which was merged goes to the map that it leads to, in its frame.
 void FollowRedirect(const SiteRows& site, storage::Session& session);
 // What the session has mapped, in a frame in which that of its map has the pose `T_to_from`.

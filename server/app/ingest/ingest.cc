@@ -54,7 +54,7 @@ struct Ingest::Work {
 };
 
 Ingest::Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records,
-               const storage::BlobStore& blobs, Metrics& metrics, std::function<void()> on_stored)
+               const storage::BlobStore& blobs, Metrics& metrics, OnStored on_stored)
     : options_(options), records_(records), blobs_(blobs), metrics_(metrics), on_stored_(std::move(on_stored)) {
   for (int i = 0; i < options_.writers; ++i) writers_.emplace_back([this] { Run(); });
 }
@@ -195,12 +195,10 @@ void Ingest::WriteBatches(std::vector<Work>& work) {
   if (batches.empty()) return;
 
   const auto results = records_.AppendGroup(storage::CallContext::WithTimeout(kWriteTimeout), batches);
-  bool any_inserted = false;
   for (std::size_t i = 0; i < batches.size(); ++i) {
     origins[i].work->events[origins[i].event] = ReportResult(batches[i], results[i]);
-    any_inserted = any_inserted || (results[i].ok() && results[i]->inserted > 0);
+    if (results[i].ok() && results[i]->inserted > 0) on_stored_(batches[i].site, batches[i].session);
   }
-  if (any_inserted) on_stored_();
 }
 
 IngestEvent Ingest::ReportResult(const storage::RecordBatch& batch,

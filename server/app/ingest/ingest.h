@@ -62,9 +62,10 @@ class Ingest {
  public:
   class Stream;
 
-  // `on_stored` is called after every commit with new records, which are then ready to be mapped.
+  // Called after every commit for each session that got new records, which are then ready to be mapped.
+  using OnStored = std::function<void(const SiteId& site, const SessionId& session)>;
   Ingest(const ServerOptions::Ingest& options, const storage::RecordStore& records, const storage::BlobStore& blobs,
-         Metrics& metrics, std::function<void()> on_stored);
+         Metrics& metrics, OnStored on_stored);
   // All streams must be closed.
   ~Ingest();
   Ingest(const Ingest&) = delete;
@@ -99,7 +100,7 @@ class Ingest {
   const storage::RecordStore& records_;
   const storage::BlobStore& blobs_;
   Metrics& metrics_;
-  const std::function<void()> on_stored_;
+  const OnStored on_stored_;
 
   Mutex mutex_;
   CondVar changed_;  // ready_ or stopping_

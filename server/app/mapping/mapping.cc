@@ -17,7 +17,8 @@ namespace {
 
 constexpr auto kWorkTimeout = std::chrono::seconds(30);
 constexpr auto kTurn = std::chrono::seconds(3);
-// The shortest time between the starts of two turns, so that records of a live robot are mapped in batches.
+// The shortest time between two looks for work of one worker, so that records of a live robot are mapped in batches,
+// and many robots do not cost many looks.
 constexpr auto kMinTurnInterval = std::chrono::milliseconds(100);
 // Records that other processes store do not wake this one: it polls for them.
 constexpr auto kPollInterval = std::chrono::seconds(1);
@@ -68,6 +69,17 @@ Mapping::~Mapping() {
   lease_keeper_.join();
 }
 
+void Mapping::Wake(const SiteId& site, const SessionId& session) {
+  {
+    MutexLock lock(mutex_);
+    for (const auto& turn : turns_) {
+      if (turn->lease.site == site && turn->lease.session == session) return;
+    }
+    if (!woken_.emplace(site, session).second) return;
+  }
+  wake_.Wake();
+}
+
 void Mapping::Wake() { wake_.Wake(); }
 
 void Mapping::Stop() {
@@ -79,15 +91,18 @@ void Mapping::Work(int worker) {
   const std::string owner = fmt::format("{}/{}", owner_, worker);
   while (!stop_.is_set()) {
     const auto begin = std::chrono::steady_clock::now();
-    if (!TakeTurn(owner)) {
-      wake_.WaitFor(kPollInterval);
-    } else {
-      stop_.WaitFor(kMinTurnInterval - (std::chrono::steady_clock::now() - begin));
-    }
+    if (!TakeTurn(owner)) wake_.WaitFor(kPollInterval);
+    stop_.WaitFor(kMinTurnInterval - (std::chrono::steady_clock::now() - begin));
   }
 }
 
 bool Mapping::TakeTurn(const std::string& owner) {
+  std::size_t woken = 0;
+  {
+    MutexLock lock(mutex_);
+    woken = woken_.size();
+    woken_.clear();
+  }
   const auto leased =
       stores_.mappings.Acquire(storage::CallContext::WithTimeout(kWorkTimeout), owner, LeaseTime(options_));
   if (!leased.ok() || !*leased) return false;  // Readiness reports an unreachable database
@@ -97,6 +112,7 @@ bool Mapping::TakeTurn(const std::string& owner) {
     MutexLock lock(mutex_);
     turns_.push_back(turn);
   }
+  if (woken > 1) wake_.Wake();  // another worker, for the other sessions
   metrics_.AddSessionsMapping(1);
   MapSession(**leased, *turn);
   metrics_.AddSessionsMapping(-1);
@@ -113,6 +129,7 @@ void Mapping::MapSession(const storage::LeasedSession& leased, Turn& turn) {
   absl::Status status = MapForOneTurn(leased, turn, mapping);
   const bool failed = IsFinal(status, leased.attempts);
   const bool ended = failed || (mapping && mapping->ended());
+  const std::int64_t read_sequence = mapping ? mapping->read_sequence() : 0;
   if (status.ok()) {
     Park(leased.lease, std::move(mapping));
   } else if (failed) {
@@ -125,7 +142,7 @@ void Mapping::MapSession(const storage::LeasedSession& leased, Turn& turn) {
     if (absl::IsInternal(status)) return;
   }
   // If the database is unreachable, the lease expires.
-  (void)stores_.mappings.Release(storage::CallContext::WithTimeout(kWorkTimeout), leased.lease);
+  (void)stores_.mappings.Release(storage::CallContext::WithTimeout(kWorkTimeout), leased.lease, read_sequence);
   if (ended && on_session_ended_) on_session_ended_();
 }
 
@@ -190,17 +207,28 @@ void Mapping::KeepLeases() {
   const auto interval = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(options_.lease_s / 3.0));
   while (!workers_done_.WaitFor(interval)) {
-    std::list<std::shared_ptr<Turn>> turns;
-    {
-      MutexLock lock(mutex_);
-      turns = turns_;
-    }
-    for (const auto& turn : turns) {
-      const absl::Status status = stores_.mappings.Renew(storage::CallContext::WithTimeout(LeaseTime(options_) / 3),
-                                                         turn->lease, LeaseTime(options_));
-      if (absl::IsAborted(status)) turn->lease_lost = true;
-    }
+    RenewLeases();
+    ReportBacklog();
   }
+}
+
+void Mapping::RenewLeases() {
+  std::list<std::shared_ptr<Turn>> turns;
+  {
+    MutexLock lock(mutex_);
+    turns = turns_;
+  }
+  for (const auto& turn : turns) {
+    const absl::Status status = stores_.mappings.Renew(storage::CallContext::WithTimeout(LeaseTime(options_) / 3),
+                                                       turn->lease, LeaseTime(options_));
+    if (absl::IsAborted(status)) turn->lease_lost = true;
+  }
+}
+
+// While the database is unreachable, the metric stays as it was.
+void Mapping::ReportBacklog() {
+  const auto backlog = stores_.mappings.GetBacklog(storage::CallContext::WithTimeout(LeaseTime(options_) / 3));
+  if (backlog.ok()) metrics_.SetMappingBacklog(backlog->sessions, backlog->oldest_s);
 }
 
 }  // namespace enfilade::server

@@ -6,8 +6,10 @@
 #include <functional>
 #include <list>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -39,7 +41,10 @@ class Mapping {
   Mapping(const Mapping&) = delete;
   Mapping& operator=(const Mapping&) = delete;
 
-  // Call when new records may have arrived.
+  // Call when new records of the session may have arrived, or it may have finished. Any number of calls costs one look
+  // for work, and none while a worker is mapping the session: that worker looks again after its turn.
+  void Wake(const SiteId& site, const SessionId& session);
+  // The same for sessions unknown.
   void Wake();
   // Asks the workers to stop, without waiting; the destructor waits.
   void Stop();
@@ -49,6 +54,8 @@ class Mapping {
 
   void Work(int worker);
   void KeepLeases();
+  void RenewLeases();
+  void ReportBacklog();
   // Returns false if there was nothing to do.
   bool TakeTurn(const std::string& owner);
   void MapSession(const storage::LeasedSession& leased, Turn& turn);
@@ -76,6 +83,7 @@ class Mapping {
   Mutex mutex_;
   std::list<Parked> parked_ ABSL_GUARDED_BY(mutex_);  // most recent first
   std::list<std::shared_ptr<Turn>> turns_ ABSL_GUARDED_BY(mutex_);
+  std::set<std::pair<SiteId, SessionId>> woken_ ABSL_GUARDED_BY(mutex_);  // since the last look for work
   std::vector<std::thread> workers_;
   StopSignal workers_done_;
   std::thread lease_keeper_;

@@ -74,6 +74,8 @@ class SessionMapping {
                            const absl::Status& error);
 
   std::int64_t stored_sequence() const { return stored_sequence_; }
+  // All records up to it have been read: to map them, or to locate the robot by them.
+  std::int64_t read_sequence() const { return location_ ? looked_sequence_ : mapped_sequence_; }
   bool ended() const { return ended_; }
   slam::LogMapperCounts counts() const { return mapper_ ? mapper_->counts() : slam::LogMapperCounts(); }
 

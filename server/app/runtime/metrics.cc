@@ -62,6 +62,10 @@ class Metrics::Impl {
   prometheus::Counter& scans_used = scans.Add({{"used", "true"}});
   prometheus::Counter& scans_not_used = scans.Add({{"used", "false"}});
   prometheus::Gauge& mapping = Gauge("enfilade_sessions_mapping", "Sessions being mapped by this process");
+  prometheus::Gauge& mapping_waiting =
+      Gauge("enfilade_mapping_waiting_sessions", "Sessions with records to map, of all processes");
+  prometheus::Gauge& mapping_lag =
+      Gauge("enfilade_mapping_lag_seconds", "How long the oldest record that is not mapped has waited, at most");
   Counters& rows_deleted =
       Counter("enfilade_rows_deleted_total", "Rows deleted in the background, by what they were of");
   prometheus::Gauge& sites_deleting = Gauge("enfilade_sites_deleting", "Sites that are being deleted");
@@ -109,6 +113,10 @@ void Metrics::CountScansMapped(std::int64_t used, std::int64_t not_used) {
   impl_->scans_not_used.Increment(static_cast<double>(not_used));
 }
 void Metrics::AddSessionsMapping(int sessions) { impl_->mapping.Increment(sessions); }
+void Metrics::SetMappingBacklog(std::int64_t sessions, double oldest_s) {
+  impl_->mapping_waiting.Set(static_cast<double>(sessions));
+  impl_->mapping_lag.Set(oldest_s);
+}
 void Metrics::CountRowsDeleted(const std::string& of, std::int64_t rows) {
   impl_->rows_deleted.Add({{"of", of}}).Increment(static_cast<double>(rows));
 }

@@ -27,6 +27,8 @@ class Metrics {
   void AddStreamsOpen(int streams);
   void CountScansMapped(std::int64_t used, std::int64_t not_used);
   void AddSessionsMapping(int sessions);
+  // Of all processes: how many sessions wait to be mapped, and for how long the oldest unmapped record has waited.
+  void SetMappingBacklog(std::int64_t sessions, double oldest_s);
   // Rows that retention and deletion in the background have deleted, by what they belonged to.
   void CountRowsDeleted(const std::string& of, std::int64_t rows);
   void SetSitesDeleting(int sites);

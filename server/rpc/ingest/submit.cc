@@ -26,7 +26,7 @@ absl::StatusOr<std::int64_t> SubmitRecord(const Services& services, const Call& 
   const storage::RecordBatch batch{name.site, name.session, absl::MakeConstSpan(&record, 1), blobs};
   ENFILADE_ASSIGN_OR_RETURN(const storage::AppendResult result, services.records.Append(call.context(), batch));
   services.metrics.CountRecordsStored(result.inserted, result.duplicates);
-  services.mapping.Wake();
+  services.mapping.Wake(name.site, name.session);
   return result.acknowledged_sequence;
 }
 

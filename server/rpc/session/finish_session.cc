@@ -12,7 +12,7 @@ absl::StatusOr<v1::FinishSessionResponse> FinishSession(const Services& services
   ENFILADE_ASSIGN_OR_RETURN(const convert::SessionName name, convert::ParseSessionName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Session session,
                             services.sessions.Finish(call.context(), name.site, name.session, request.last_sequence()));
-  services.mapping.Wake();
+  services.mapping.Wake(name.site, name.session);
   *response.mutable_session() = ToProto(session);
   return response;
 }

@@ -15,7 +15,7 @@ absl::StatusOr<Response> SetClosureSuspended(const Services& services, const Cal
   ENFILADE_ASSIGN_OR_RETURN(
       const slam::LoopClosure closure,
       services.closures.SetSuspended(call.context(), name.site, name.session, name.closure, suspended));
-  services.mapping.Wake();
+  services.mapping.Wake(name.site, name.session);
   *response.mutable_closure() = server::ToProto({name.site, name.session}, closure);
   return response;
 }

@@ -11,6 +11,7 @@
 #include "storage/postgres/graph/link_point_evidence.h"
 #include "storage/postgres/graph/site_locks.h"
 #include "storage/postgres/maps/numbered_map.h"
+#include "storage/postgres/sessions/mapping_work.h"
 #include "storage/postgres/sessions/session_row.h"
 
 namespace enfilade::storage {
@@ -93,6 +94,7 @@ void QueueEntry(Transaction& transaction, const SiteId& site, const EnteredMap& 
   const PoseColumns pose(entered.T_map_robot), odom(entered.T_odom_robot);
   transaction.Queue(kEnter, Params(site, entered.previous, entered.map, pose.x, pose.y, pose.yaw, pose.covariance,
                                    odom.x, odom.y, odom.yaw));
+  postgres::QueueEnteredSessions(transaction, site, entered.previous);
 }
 
 }  // namespace

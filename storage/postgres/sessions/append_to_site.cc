@@ -11,6 +11,7 @@
 #include "storage/postgres/driver/copy_buffer.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/sessions/mapping_work.h"
 #include "storage/postgres/sessions/session_row.h"
 #include "storage/sessions/session_growth.h"
 
@@ -251,6 +252,9 @@ absl::Status SiteAppend::Write() {
     }
     ENFILADE_RETURN_IF_ERROR(AdvanceAcknowledged());
     QueueGrowth(transaction_, site_, growths);
+    std::vector<std::string_view> sessions;
+    for (const auto& [session, growth] : growths) sessions.push_back(session);
+    QueueMappingWork(transaction_, site_, sessions);
   }
   return transaction_.Commit();
 }

@@ -5,6 +5,7 @@
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/sessions/mapping_work.h"
 #include "storage/postgres/sessions/session_row.h"
 #include "storage/postgres/sessions/slam_rows.h"
 
@@ -84,6 +85,7 @@ absl::StatusOr<slam::LoopClosure> LoopClosureStore::SetSuspended(const CallConte
       suspended ? slam::LoopClosureState::kSuspended : slam::LoopClosureState::kAccepted;
   transaction.Queue(kSetLoopClosureState, Params(site, session, closure, static_cast<std::int16_t>(state)));
   transaction.Queue(kReopen, Params(site, session));
+  postgres::QueueMappingWork(transaction, site, {session.value()});
   ENFILADE_ASSIGN_OR_RETURN(const auto changed, transaction.FlushAndCommit());
   return storage::postgres::ReadOne(changed[0], postgres::ReadLoopClosure, name);
 }

@@ -7,6 +7,7 @@
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/link_point_rows.h"
 #include "storage/postgres/maps/revision_rows.h"
+#include "storage/postgres/sessions/mapping_work.h"
 #include "storage/postgres/sessions/session_leases.h"
 #include "storage/postgres/sessions/session_row.h"
 #include "storage/postgres/sessions/slam_rows.h"
@@ -74,8 +75,13 @@ absl::Status MappingStore::Renew(const CallContext& context, const SessionLease&
   return RenewLease(pool_, context, lease, ttl);
 }
 
-absl::Status MappingStore::Release(const CallContext& context, const SessionLease& lease) const {
-  return ReleaseLease(pool_, context, lease);
+absl::Status MappingStore::Release(const CallContext& context, const SessionLease& lease,
+                                   std::int64_t read_sequence) const {
+  return ReleaseLease(pool_, context, lease, read_sequence);
+}
+
+absl::StatusOr<MappingBacklog> MappingStore::GetBacklog(const CallContext& context) const {
+  return ReadMappingBacklog(pool_, context);
 }
 
 absl::StatusOr<std::int64_t> MappingStore::Commit(const CallContext& context, const SessionLease& lease,

@@ -14,7 +14,9 @@ class MappingStore final : public storage::MappingStore {
                                                        std::chrono::milliseconds ttl) const override;
   absl::Status Renew(const CallContext& context, const SessionLease& lease,
                      std::chrono::milliseconds ttl) const override;
-  absl::Status Release(const CallContext& context, const SessionLease& lease) const override;
+  absl::Status Release(const CallContext& context, const SessionLease& lease,
+                       std::int64_t read_sequence) const override;
+  absl::StatusOr<MappingBacklog> GetBacklog(const CallContext& context) const override;
   absl::StatusOr<std::int64_t> Commit(const CallContext& context, const SessionLease& lease,
                                       const MappingStep& step) const override;
   absl::StatusOr<std::optional<StoredMapping>> Load(const CallContext& context, const SiteId& site,

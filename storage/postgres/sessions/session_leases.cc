@@ -1,25 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/sessions/session_leases.h"
 
-#include <utility>
+#include <vector>
 
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/sessions/mapping_work.h"
 #include "storage/postgres/sessions/session_row.h"
 
 namespace enfilade::storage::postgres {
 namespace {
 
-// Besides Maintenance and DoorVerdictStore::FindPending the only read over all sites. The work it finds is then taken
-// within its site.
-constexpr Statement kFindWork{"looking for sessions to map",
-                              "SELECT s.site_id, s.session_id FROM enfilade.sessions s"
-                              " LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)"
-                              " LEFT JOIN enfilade.session_leases l USING (site_id, session_id)"
-                              " WHERE s.map_id IS NOT NULL AND s.state IN (1, 2)"
-                              " AND (s.state = 2 OR s.acknowledged_sequence > coalesce(c.mapped_sequence, 0))"
-                              " AND (l.expires_at IS NULL OR l.expires_at <= clock_timestamp())"
-                              " ORDER BY l.expires_at NULLS FIRST, s.create_time LIMIT 8"};
 constexpr Statement kTakeSessionLease{
     "taking the lease",
     "INSERT INTO enfilade.session_leases AS l (site_id, session_id, owner, token, attempts, expires_at)"
@@ -27,7 +18,7 @@ constexpr Statement kTakeSessionLease{
     " ON CONFLICT (site_id, session_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
     " attempts = l.attempts + 1, expires_at = EXCLUDED.expires_at"
     " WHERE l.expires_at <= EXCLUDED.expires_at - $4 * interval '1 millisecond'"
-    " RETURNING token, attempts"};
+    " RETURNING token, attempts, expires_at - $4 * interval '1 millisecond'"};
 // A separate statement after the lease is taken: it sees a deletion that came in between.
 constexpr Statement kSelectLeasedSession{"reading the session",
                                          "SELECT " ENFILADE_SESSION_COLUMNS " FROM " ENFILADE_SESSION_TABLES
@@ -59,37 +50,59 @@ HeldSession ReadHeldSession(Row& row) {
   return session;
 }
 
-// Unset if another worker has been faster, or the session is deleted.
-absl::StatusOr<std::optional<LeasedSession>> TakeLease(Pool& pool, const CallContext& context, SessionLease lease,
+struct TakenLease {
+  std::int64_t token = 0;
+  std::int64_t attempts = 0;
+  TimeNs time = 0;
+};
+TakenLease ReadTakenLease(Row& row) {
+  TakenLease taken;
+  taken.token = row.Int64();
+  taken.attempts = row.Int64();
+  taken.time = row.Time();
+  return taken;
+}
+
+// Unset if another worker has been faster, or there is nothing to map after all, which is noted.
+absl::StatusOr<std::optional<LeasedSession>> TakeLease(Pool& pool, const CallContext& context,
+                                                       const WaitingSession& waiting, const std::string& owner,
                                                        std::chrono::milliseconds ttl) {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  transaction.Queue(kTakeSessionLease, Params(lease.site, lease.session, lease.owner, std::int64_t{ttl.count()}));
-  transaction.Queue(kSelectLeasedSession, Params(lease.site, lease.session));
-  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  if (results[0].rows() == 0 || results[1].rows() == 0) return std::nullopt;
   LeasedSession leased;
-  ENFILADE_ASSIGN_OR_RETURN(leased.session, ReadOne(results[1], ReadSession, NameOf(lease.site, lease.session)));
-  Row row(results[0], 0);
-  lease.token = row.Int64();
-  leased.attempts = row.Int64();
-  ENFILADE_RETURN_IF_ERROR(row.status());
-  leased.lease = std::move(lease);
-  return leased;
+  {
+    ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+    transaction.Queue(kTakeSessionLease, Params(waiting.site, waiting.session, owner, std::int64_t{ttl.count()}));
+    transaction.Queue(kSelectLeasedSession, Params(waiting.site, waiting.session));
+    ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
+    if (results[0].rows() == 0) return std::nullopt;
+    const std::string name = NameOf(waiting.site, waiting.session);
+    ENFILADE_ASSIGN_OR_RETURN(const TakenLease taken, ReadOne(results[0], ReadTakenLease, name));
+    if (results[1].rows() > 0) {
+      ENFILADE_ASSIGN_OR_RETURN(leased.session, ReadOne(results[1], ReadSession, name));
+    }
+    leased.attempts = taken.attempts;
+    leased.lease = {waiting.site, waiting.session, owner,
+                    taken.token,  taken.time,      leased.session.acknowledged_sequence};
+    if (IsToBeMapped(leased.session, 0)) {
+      ENFILADE_RETURN_IF_ERROR(transaction.Commit());
+      return leased;
+    }
+  }
+  ENFILADE_RETURN_IF_ERROR(DropIfMapped(pool, context, waiting));
+  return std::nullopt;
 }
 
 }  // namespace
 
 absl::StatusOr<std::optional<LeasedSession>> AcquireSession(Pool& pool, const CallContext& context,
                                                             const std::string& owner, std::chrono::milliseconds ttl) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool, context, kFindWork, Params()));
-  ENFILADE_ASSIGN_OR_RETURN(const auto candidates, ReadRows(result, [&](Row& row) {
-                              SiteId site{std::string(row.Text())};
-                              return SessionLease{std::move(site), SessionId(std::string(row.Text())), owner, 0};
-                            }));
-  for (const SessionLease& wanted : candidates) {
-    ENFILADE_ASSIGN_OR_RETURN(auto leased, TakeLease(pool, context, wanted, ttl));
-    if (leased) return leased;
-  }
+  std::vector<WaitingSession> candidates;
+  do {  // what is not taken now is held or no longer waits
+    ENFILADE_ASSIGN_OR_RETURN(candidates, FindMappingWork(pool, context));
+    for (const WaitingSession& waiting : candidates) {
+      ENFILADE_ASSIGN_OR_RETURN(auto leased, TakeLease(pool, context, waiting, owner, ttl));
+      if (leased) return leased;
+    }
+  } while (candidates.size() == kMappingCandidates);
   return std::nullopt;
 }
 
@@ -101,9 +114,15 @@ absl::Status RenewLease(Pool& pool, const CallContext& context, const SessionLea
   return renewed.affected() > 0 ? absl::OkStatus() : LeaseLost(lease);
 }
 
-absl::Status ReleaseLease(Pool& pool, const CallContext& context, const SessionLease& lease) {
-  return ExecuteAlone(pool, context, kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token))
-      .status();
+absl::Status ReleaseLease(Pool& pool, const CallContext& context, const SessionLease& lease,
+                          std::int64_t read_sequence) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const Result released,
+      transaction.Execute(kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token)));
+  if (released.affected() == 0) return absl::OkStatus();
+  ENFILADE_RETURN_IF_ERROR(ReturnMappingWork(transaction, lease, read_sequence));
+  return transaction.Commit();
 }
 
 absl::StatusOr<HeldSession> LockLease(Transaction& transaction, const SessionLease& lease) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -17,7 +18,8 @@ absl::StatusOr<std::optional<LeasedSession>> AcquireSession(Pool& pool, const Ca
                                                             const std::string& owner, std::chrono::milliseconds ttl);
 absl::Status RenewLease(Pool& pool, const CallContext& context, const SessionLease& lease,
                         std::chrono::milliseconds ttl);
-absl::Status ReleaseLease(Pool& pool, const CallContext& context, const SessionLease& lease);
+absl::Status ReleaseLease(Pool& pool, const CallContext& context, const SessionLease& lease,
+                          std::int64_t read_sequence);
 
 // The session of a lease that the transaction holds until it ends: nobody can take the lease or delete the session.
 struct HeldSession {

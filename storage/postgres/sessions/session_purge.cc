@@ -15,7 +15,7 @@ constexpr std::array kTables = {
     ENFILADE_PURGE("session_record_blobs"), ENFILADE_PURGE("session_records"), ENFILADE_PURGE("door_comparisons"),
     ENFILADE_PURGE("door_verdicts"),        ENFILADE_PURGE("session_tracks"),  ENFILADE_PURGE("trajectory_points"),
     ENFILADE_PURGE("slam_closures"),        ENFILADE_PURGE("slam_nodes"),      ENFILADE_PURGE("slam_submaps"),
-    ENFILADE_PURGE("mapping_checkpoints"),  ENFILADE_PURGE("session_leases"),
+    ENFILADE_PURGE("mapping_checkpoints"),  ENFILADE_PURGE("session_leases"),  ENFILADE_PURGE("mapping_work"),
 };
 constexpr std::size_t kRecordTables = 2;
 #undef ENFILADE_PURGE

@@ -5,6 +5,7 @@
 #include "core/geometry/covariance.h"
 #include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/sessions/mapping_work.h"
 #include "storage/postgres/sessions/session_deletion.h"
 #include "storage/postgres/sessions/session_row.h"
 
@@ -121,7 +122,10 @@ absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const S
   if (acknowledged != highest) {
     return FailedPrecondition("{} cannot finish: record {} is missing", NameOf(site, session), acknowledged + 1);
   }
-  if (!finished) transaction.Queue(kFinish, Params(site, session));
+  if (!finished) {
+    transaction.Queue(kFinish, Params(site, session));
+    QueueMappingWork(transaction, site, {session.value()});
+  }
   transaction.Queue(kSelectSession, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   return ReadOne(results.back(), ReadSession, NameOf(site, session));

@@ -333,7 +333,7 @@ TEST_P(FakesMatchPostgresTest, WhateverIsDoneToSessionsAndTheirMapping) {
         std::size_t twin = 0;
         if (kind == 9) {
           twins_.Run("release " + held[0].session.value(),
-                     [&](Backend& backend) { return TextOf(backend.mappings().Release(Soon(), held[twin++])); });
+                     [&](Backend& backend) { return TextOf(backend.mappings().Release(Soon(), held[twin++], 0)); });
           break;
         }
         slam::SlamDelta delta;

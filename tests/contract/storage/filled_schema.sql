@@ -78,6 +78,8 @@ SELECT pg_temp.fill('map_layer_tiles', jsonb_build_object('map_id', 'm1', 'posit
 
 SELECT pg_temp.fill('session_leases', '{"session_id": "mapped", "owner": "o", "token": 1,
   "expires_at": "2026-01-01"}');
+SELECT pg_temp.fill('mapping_work', '{"session_id": "mapped", "waiting_since": "2026-01-01",
+  "turn_time": "2026-01-01"}');
 SELECT pg_temp.fill('mapping_checkpoints', '{"session_id": "mapped", "mapped_sequence": 2, "token": 1,
   "paired": 2, "unpaired": 0, "time_reversed": 0, "used": 2, "keyframes": 1, "lost": 0, "state": "\\x00"}');
 SELECT pg_temp.fill('slam_submaps', '{"session_id": "mapped", "submap_id": 0, "version": 1, "x": 0, "y": 0,

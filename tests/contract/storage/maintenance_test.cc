@@ -68,13 +68,15 @@ TEST_F(MaintenanceTest, PurgesDeletedSessionsInPortionsAndKeepsTheirIds) {
     EXPECT_LE(count, 30);
     total += count;
   }
-  // 51 records, 1 reference, 20 points, 1 closure, 20 nodes, 1 submap, 1 checkpoint, 1 lease.
-  EXPECT_EQ(total, 96);
+  // 51 records, 1 reference, 20 points, 1 closure, 20 nodes, 1 submap, 1 checkpoint, 1 lease, 1 place in
+  // the queue.
+  EXPECT_EQ(total, 97);
   for (const char* table : {"slam_submaps", "slam_nodes", "slam_closures", "trajectory_points", "mapping_checkpoints",
                             "session_leases", "session_record_blobs"}) {
     EXPECT_EQ(CountIn(table), "0") << table;
   }
   EXPECT_EQ(CountIn("session_records"), "5");
+  EXPECT_EQ(database_.SqlValue("SELECT string_agg(session_id, ' ') FROM enfilade.mapping_work"), kept.value());
   EXPECT_CODE(Append(deleted, ScanRecords(52, 53)), absl::StatusCode::kFailedPrecondition);
   EXPECT_CODE(sessions_.Create(Soon(), MakeSession(site_, deleted, robot_, map_), ""),
               absl::StatusCode::kAlreadyExists);

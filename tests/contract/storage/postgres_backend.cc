@@ -54,6 +54,10 @@ class PostgresBackend final : public Backend {
         fmt::format("UPDATE enfilade.sessions SET map_id = '{}', initial_x = {}, initial_y = {},"
                     " initial_yaw = {}, initial_covariance = '{{1,0,0,0,1,0,0,0,1}}' WHERE {}",
                     map.value(), pose.x, pose.y, pose.yaw, Is(site, session)));
+    database_.Sql(
+        fmt::format("INSERT INTO enfilade.mapping_work (site_id, session_id) SELECT site_id, session_id"
+                    " FROM enfilade.sessions WHERE {} AND acknowledged_sequence > 0",
+                    Is(site, session)));
   }
   void ExpireRecords(const SiteId& site, const SessionId& session) override {
     database_.Sql("DELETE FROM enfilade.session_records WHERE " + Is(site, session));

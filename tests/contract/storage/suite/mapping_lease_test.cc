@@ -23,7 +23,7 @@ TEST_F(MappingStoreTest, ThereIsWorkWhereRecordsAreNotMappedOrASessionIsToBeClos
   EXPECT_EQ(leased.lease.token, 1);
   EXPECT_FALSE(FindsWork());
   ASSERT_OK(CommitStep(leased.lease, {}, 3));
-  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease, 0));
   EXPECT_FALSE(FindsWork());
   ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
   EXPECT_TRUE(FindsWork());
@@ -59,7 +59,7 @@ TEST_F(MappingStoreTest, ALeaseThatRanOutGoesToAnotherWithAHigherToken) {
   EXPECT_GT(held.lease.token, lost.lease.token);
   EXPECT_STATUS(CommitStep(lost.lease, FirstDelta(), 3), absl::StatusCode::kAborted, HasSubstr("first"));
   EXPECT_CODE(mapping_.Renew(Soon(), lost.lease, seconds(60)), absl::StatusCode::kAborted);
-  EXPECT_OK(mapping_.Release(Soon(), lost.lease));
+  EXPECT_OK(mapping_.Release(Soon(), lost.lease, 0));
   EXPECT_FALSE(FindsWork());
   EXPECT_OK(CommitStep(held.lease, FirstDelta(), 3));
 }
@@ -78,7 +78,7 @@ TEST_F(MappingStoreTest, AReleasedSessionGoesToTheEndOfTheQueue) {
   SessionWithRecords("s1", 3);
   SessionWithRecords("s2", 3);
   const storage::LeasedSession first = AcquireOne();
-  ASSERT_OK(mapping_.Release(Soon(), first.lease));
+  ASSERT_OK(mapping_.Release(Soon(), first.lease, 0));
   EXPECT_NE(AcquireOne().session.id, first.session.id);
   EXPECT_EQ(AcquireOne().session.id, first.session.id);
 }
@@ -91,7 +91,7 @@ TEST_F(MappingStoreTest, AttemptsAreCountedUntilALeaseIsReleased) {
   }
   const storage::LeasedSession survivor = AcquireOne();
   EXPECT_EQ(survivor.attempts, 4);
-  ASSERT_OK(mapping_.Release(Soon(), survivor.lease));
+  ASSERT_OK(mapping_.Release(Soon(), survivor.lease, 0));
   EXPECT_EQ(AcquireOne().attempts, 1);
 }
 
@@ -119,6 +119,67 @@ TEST_F(MappingStoreTest, EachSessionGoesToOneOfManyWorkers) {
   EXPECT_EQ(leases, kSessions);
 }
 
+TEST_F(MappingStoreTest, ARecordThatComesAfterTheLastReadKeepsTheSessionWaiting) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  const storage::LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, {}, 3));
+  ASSERT_OK(Append(session, {ScanRecord(4)}));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease, 3));
+  EXPECT_TRUE(FindsWork());
+}
+
+TEST_F(MappingStoreTest, ASessionWhoseRecordsAreReadWaitsForMoreOrItsEnd) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  ASSERT_OK(mapping_.Release(Soon(), AcquireOne().lease, 3));
+  EXPECT_FALSE(FindsWork()) << "nothing is mapped, and more has to come first";
+  ASSERT_OK(Append(session, {ScanRecord(4)}));
+  ASSERT_OK(mapping_.Release(Soon(), AcquireOne().lease, 4));
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK(sessions_.Finish(Soon(), site_, session, 4));
+  ASSERT_OK(mapping_.Release(Soon(), AcquireOne().lease, 4));
+  EXPECT_TRUE(FindsWork()) << "it has to be closed";
+}
+
+TEST_F(MappingStoreTest, NoRecordIsForgottenWhileOthersAreMapped) {
+  constexpr std::int64_t kRecords = 200;
+  const SessionId session = NewSession("s1");
+  std::atomic<bool> recorded = false;
+  std::thread robot([&] {
+    for (std::int64_t i = 1; i <= kRecords; ++i) EXPECT_OK(Append(session, {ScanRecord(i)}));
+    recorded = true;
+  });
+  for (bool last_look = false; !last_look;) {
+    last_look = recorded;
+    const auto leased = mapping_.Acquire(Soon(), "worker", seconds(60));
+    ASSERT_OK(leased);
+    if (!leased->has_value()) continue;
+    last_look = false;
+    const std::int64_t read = (*leased)->session.acknowledged_sequence;
+    ASSERT_OK(CommitStep((*leased)->lease, {}, read));
+    ASSERT_OK(mapping_.Release(Soon(), (*leased)->lease, read));
+  }
+  robot.join();
+  ASSERT_OK_AND_ASSIGN(const storage::Session mapped, sessions_.Get(Soon(), site_, session));
+  EXPECT_EQ(mapped.mapped_sequence, kRecords);
+}
+
+TEST_F(MappingStoreTest, TheBacklogHasTheSessionsThatWait) {
+  NewSession("idle");
+  ASSERT_OK_AND_ASSIGN(const storage::MappingBacklog nothing, mapping_.GetBacklog(Soon()));
+  EXPECT_EQ(nothing.sessions, 0);
+  EXPECT_EQ(nothing.oldest_s, 0.0);
+  SessionWithRecords("s1", 3);
+  SessionWithRecords("s2", 3);
+  ASSERT_OK_AND_ASSIGN(const storage::MappingBacklog before, mapping_.GetBacklog(Soon()));
+  EXPECT_EQ(before.sessions, 2);
+  EXPECT_GT(before.oldest_s, 0.0);
+  const storage::LeasedSession leased = AcquireOne();
+  ASSERT_OK(CommitStep(leased.lease, {}, 3));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease, 3));
+  ASSERT_OK_AND_ASSIGN(const storage::MappingBacklog after, mapping_.GetBacklog(Soon()));
+  EXPECT_EQ(after.sessions, 1);
+}
+
 TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
   const SessionId session = SessionWithRecords("s1", 3);
   const storage::LeasedSession leased = AcquireOne();
@@ -126,7 +187,7 @@ TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
   ASSERT_OK(sessions_.Delete(Soon(), site_, session));
   EXPECT_CODE(CommitStep(leased.lease, {}, 2), absl::StatusCode::kAborted);
   EXPECT_CODE(mapping_.Renew(Soon(), leased.lease, seconds(60)), absl::StatusCode::kAborted);
-  EXPECT_OK(mapping_.Release(Soon(), leased.lease));
+  EXPECT_OK(mapping_.Release(Soon(), leased.lease, 0));
   EXPECT_FALSE(FindsWork());
   EXPECT_CODE(mapping_.ReadTrajectory(Soon(), site_, session), absl::StatusCode::kNotFound);
 }
@@ -141,7 +202,7 @@ TEST_F(MappingStoreTest, TheSessionThatHasWaitedLongestComesFirst) {
   }
   EXPECT_EQ(order, (std::vector<std::string>{"c", "a", "b"})) << "in the order of their creation";
   // Given back in another order: that is how long they have been waiting now.
-  for (const int i : {1, 2, 0}) ASSERT_OK(mapping_.Release(Soon(), leased[static_cast<std::size_t>(i)].lease));
+  for (const int i : {1, 2, 0}) ASSERT_OK(mapping_.Release(Soon(), leased[static_cast<std::size_t>(i)].lease, 0));
   order.clear();
   for (int i = 0; i < 3; ++i) order.push_back(AcquireOne().session.id.value());
   EXPECT_EQ(order, (std::vector<std::string>{"a", "b", "c"}));
@@ -154,7 +215,7 @@ TEST_F(MappingStoreTest, AnExpiredLeaseOfTheSameOwnerIsAnotherLease) {
   const storage::LeasedSession second = AcquireOne("worker");
   EXPECT_EQ(second.lease.token, first.lease.token + 1);
   EXPECT_CODE(mapping_.Renew(Soon(), first.lease, seconds(60)), absl::StatusCode::kAborted);
-  EXPECT_OK(mapping_.Release(Soon(), first.lease));
+  EXPECT_OK(mapping_.Release(Soon(), first.lease, 0));
   EXPECT_OK(mapping_.Renew(Soon(), second.lease, seconds(60)));
 }
 
@@ -169,7 +230,7 @@ TEST_F(MappingStoreTest, AMappedSessionIsNotAcquiredAgain) {
   step.final_state = storage::SessionState::kMapped;
   ASSERT_OK_AND_ASSIGN(const std::int64_t number, mapping_.Commit(Soon(), leased.lease, step));
   EXPECT_EQ(number, 0) << "no revision came with it";
-  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease, 0));
   EXPECT_FALSE(FindsWork());
   ASSERT_OK_AND_ASSIGN(const storage::Map map, maps_.Get(Soon(), site_, map_));
   EXPECT_EQ(map.state, storage::MapState::kEmpty) << "a map without a revision stays empty";

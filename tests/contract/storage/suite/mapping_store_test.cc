@@ -107,7 +107,7 @@ TEST_F(MappingStoreTest, PublishesRevisionsAndClosesTheSession) {
   EXPECT_EQ(closed.state, storage::SessionState::kMapped);
   ASSERT_OK_AND_ASSIGN(const storage::MapRevision stored, revisions_.Get(Soon(), site_, map_, 0));
   EXPECT_EQ(stored.session, session);
-  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease, 0));
   EXPECT_FALSE(FindsWork());
 }
 
@@ -119,7 +119,7 @@ TEST_F(MappingStoreTest, AFailureIsOnRecordAndTheSessionGoesOnRecording) {
   step.final_state = storage::SessionState::kFailed;
   step.error = "record 3: it's \"odd\"";
   ASSERT_OK(mapping_.Commit(Soon(), leased.lease, step));
-  ASSERT_OK(mapping_.Release(Soon(), leased.lease));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease, 0));
   EXPECT_FALSE(FindsWork());
   EXPECT_OK(Append(session, {ScanRecord(4)}));
   ASSERT_OK_AND_ASSIGN(const storage::Session finished, sessions_.Finish(Soon(), site_, session, 4));

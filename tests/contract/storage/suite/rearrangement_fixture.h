@@ -76,7 +76,7 @@ class RearrangementFixture : public Base {
     step.revision = &revision;
     step.final_state = storage::SessionState::kMapped;
     ASSERT_OK(mapping_.Commit(Soon(), (*leased)->lease, step));
-    ASSERT_OK(mapping_.Release(Soon(), (*leased)->lease));
+    ASSERT_OK(mapping_.Release(Soon(), (*leased)->lease, 0));
   }
   storage::StoredRaster RasterOf(const std::vector<std::string>& contents) {
     storage::StoredRaster raster{"header", {}};

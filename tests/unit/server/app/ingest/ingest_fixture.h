@@ -152,7 +152,8 @@ class IngestTest : public ::testing::Test {
     return id;
   }
   void Start() {
-    ingest_.emplace(options_, records_, stores_.blobs, *metrics_, [this] { ++stored_; });
+    ingest_.emplace(options_, records_, stores_.blobs, *metrics_,
+                    [this](const SiteId&, const SessionId&) { ++stored_; });
   }
   std::int64_t Acknowledged(const std::string& session) {
     return stores_.sessions.Get(Soon(), kSite, SessionId(session))->acknowledged_sequence;

@@ -34,7 +34,7 @@ class LocatedSessionTest : public MappingFixture {
         if (turn == 0) break;
       }
       ENFILADE_RETURN_IF_ERROR(mapping->Store(leased->lease));
-      ENFILADE_RETURN_IF_ERROR(stores_.mappings.Release(Soon(), leased->lease));
+      ENFILADE_RETURN_IF_ERROR(stores_.mappings.Release(Soon(), leased->lease, 0));
     }
     return absl::OkStatus();
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <thread>
 
+#include "fmt/format.h"
 #include "tests/unit/server/app/mapping/mapping_fixture.h"
 
 namespace enfilade::server {
@@ -14,24 +15,30 @@ namespace {
 using ::testing::HasSubstr;
 using State = storage::SessionState;
 
-// Counts how often a session's results are loaded.
+// Counts how often work is looked for, and a session's results are loaded.
 class CountingMappingStore final : public storage::MappingStore {
  public:
   explicit CountingMappingStore(const storage::MappingStore& store) : store_(store) {}
 
+  int looks() const { return looks_; }
   int loads() const { return loads_; }
 
   absl::StatusOr<std::optional<storage::LeasedSession>> Acquire(const storage::CallContext& context,
                                                                 const std::string& owner,
                                                                 std::chrono::milliseconds ttl) const override {
+    ++looks_;
     return store_.Acquire(context, owner, ttl);
   }
   absl::Status Renew(const storage::CallContext& context, const storage::SessionLease& lease,
                      std::chrono::milliseconds ttl) const override {
     return store_.Renew(context, lease, ttl);
   }
-  absl::Status Release(const storage::CallContext& context, const storage::SessionLease& lease) const override {
-    return store_.Release(context, lease);
+  absl::Status Release(const storage::CallContext& context, const storage::SessionLease& lease,
+                       std::int64_t read_sequence) const override {
+    return store_.Release(context, lease, read_sequence);
+  }
+  absl::StatusOr<storage::MappingBacklog> GetBacklog(const storage::CallContext& context) const override {
+    return store_.GetBacklog(context);
   }
   absl::StatusOr<std::int64_t> Commit(const storage::CallContext& context, const storage::SessionLease& lease,
                                       const storage::MappingStep& step) const override {
@@ -58,16 +65,20 @@ class CountingMappingStore final : public storage::MappingStore {
 
  private:
   const storage::MappingStore& store_;
+  mutable std::atomic<int> looks_{0};
   mutable std::atomic<int> loads_{0};
 };
 
-// Throws when the records of one session are read.
-class ThrowingRecordStore final : public storage::RecordStore {
+// Throws or waits when the records of one session are read.
+class FaultyRecordStore final : public storage::RecordStore {
  public:
-  explicit ThrowingRecordStore(const storage::RecordStore& store) : store_(store) {}
+  explicit FaultyRecordStore(const storage::RecordStore& store) : store_(store) {}
 
   void ThrowFor(const SessionId& session) { poison_ = session; }
   int throws() const { return throws_; }
+  void HoldUp(const SessionId& session) { held_up_ = session; }
+  void LetGo() { let_go_ = true; }
+  bool is_waiting() const { return waiting_; }
 
   std::vector<absl::StatusOr<storage::AppendResult>> AppendGroup(
       const storage::CallContext& context, absl::Span<const storage::RecordBatch> batches) const override {
@@ -80,6 +91,8 @@ class ThrowingRecordStore final : public storage::RecordStore {
       ++throws_;
       throw std::bad_alloc();
     }
+    waiting_ = session == held_up_;
+    while (waiting_ && !let_go_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return store_.Read(context, site, session, from_sequence, max_bytes);
   }
   absl::StatusOr<std::vector<sensor::Record>> ReadSelected(const storage::CallContext& context, const SiteId& site,
@@ -96,6 +109,9 @@ class ThrowingRecordStore final : public storage::RecordStore {
  private:
   const storage::RecordStore& store_;
   SessionId poison_{"none"};
+  SessionId held_up_{"none"};
+  std::atomic<bool> let_go_{false};
+  mutable std::atomic<bool> waiting_{false};
   mutable std::atomic<int> throws_{0};
 };
 
@@ -103,8 +119,8 @@ class MappingWorkersTest : public MappingFixture {
  protected:
   void Start(int workers = 1) {
     options_.workers = workers;
-    SessionMappingStores stores{counting_,         throwing_,           stores_.sessions, stores_.blobs,
-                                stores_.revisions, stores_.robot_poses, stores_.maps};
+    SessionMappingStores stores{counting_,           records_,    stores_.sessions, stores_.blobs, stores_.revisions,
+                                stores_.robot_poses, stores_.maps};
     mapping_.emplace(options_, slam::SlamOptions(), stores, *metrics_, [this] { ++ended_; });
   }
   void AwaitState(const SessionId& session, State state) {
@@ -119,7 +135,7 @@ class MappingWorkersTest : public MappingFixture {
 
   ServerOptions::Mapping options_;
   CountingMappingStore counting_{stores_.mappings};
-  ThrowingRecordStore throwing_{stores_.records};
+  FaultyRecordStore records_{stores_.records};
   const std::unique_ptr<Metrics> metrics_ = *Metrics::Create("");
   std::atomic<int> ended_{0};
   std::optional<Mapping> mapping_;
@@ -182,7 +198,7 @@ TEST_F(MappingWorkersTest, AnUnreadableRecordFailsItsSessionAndNoOther) {
 
 TEST_F(MappingWorkersTest, AnExceptionEndsTheTurnAndTheTenthInSuccessionTheSession) {
   const SessionId poison = NewFinishedSession("poison");
-  throwing_.ThrowFor(poison);
+  records_.ThrowFor(poison);
   ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "room"), ""));
   const SessionId sound = NewFinishedSession("sound", "room");
   Start();
@@ -194,7 +210,7 @@ TEST_F(MappingWorkersTest, AnExceptionEndsTheTurnAndTheTenthInSuccessionTheSessi
   AwaitState(sound, State::kMapped);
   EXPECT_EQ(Session(poison).state, State::kFailed);
   EXPECT_THAT(Session(poison).error, HasSubstr("bad_alloc"));
-  EXPECT_EQ(throwing_.throws(), Mapping::kMaxAttempts);
+  EXPECT_EQ(records_.throws(), Mapping::kMaxAttempts);
 }
 
 TEST_F(MappingWorkersTest, ASessionThatKilledItsProcessesIsGivenUpUnread) {
@@ -261,13 +277,39 @@ TEST_F(MappingWorkersTest, ASessionThatAnotherProcessMappedMeanwhileIsLoadedAgai
   while (*(*other)->Step(taken->lease) == SessionMapping::Progress::kWorked) {
   }
   ASSERT_OK((*other)->Store(taken->lease));
-  ASSERT_OK(stores_.mappings.Release(Soon(), taken->lease));
+  ASSERT_OK(stores_.mappings.Release(Soon(), taken->lease, 0));
   Append(session, end, Log().size());
   Finish(session);
   mapping_->Wake();
   AwaitState(session, State::kMapped);
   ExpectOfflineMap(session);
   EXPECT_EQ(counting_.loads(), 2);
+}
+
+TEST_F(MappingWorkersTest, RecordsOfASessionThatIsBeingMappedCostNoLooks) {
+  const SessionId session = NewSession("s");
+  Append(session, 0, 100);
+  records_.HoldUp(session);
+  Start(2);
+  while (!records_.is_waiting()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const int looks = counting_.looks();
+  for (int i = 0; i < 300; ++i) {
+    mapping_->Wake(site_, session);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_LT(counting_.looks() - looks, 50) << "those of the other worker that polls";
+  Append(session, 100, Log().size());
+  records_.LetGo();
+  AwaitMapped(session, static_cast<std::int64_t>(Log().size()));
+}
+
+TEST_F(MappingWorkersTest, ManyRobotsCostFewLooks) {
+  Start();
+  for (int i = 0; i < 300; ++i) {
+    mapping_->Wake(site_, SessionId(fmt::format("s{}", i)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_LT(counting_.looks(), 50);
 }
 
 // The lease expires whenever another process gets hold of the clock: whoever loses it stores nothing more.
@@ -281,7 +323,7 @@ TEST_F(MappingWorkersTest, TheResultIsTheSameHoweverOftenLeasesAreLost) {
     ASSERT_OK(leased);
     if (!leased->has_value()) continue;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    ASSERT_OK(stores_.mappings.Release(Soon(), (*leased)->lease));
+    ASSERT_OK(stores_.mappings.Release(Soon(), (*leased)->lease, 0));
     mapping_->Wake();
   }
   AwaitState(session, State::kMapped);

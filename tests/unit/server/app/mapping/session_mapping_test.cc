@@ -42,7 +42,7 @@ class SessionMappingTest : public MappingFixture {
     ASSERT_EQ(leased.session.id, session);
     const auto mapping = Load(leased);
     EXPECT_EQ(MapOn(*mapping, leased.lease), Progress::kEnded);
-    EXPECT_OK(stores_.mappings.Release(Soon(), leased.lease));
+    EXPECT_OK(stores_.mappings.Release(Soon(), leased.lease, 0));
   }
   absl::StatusOr<storage::MapRevision> CurrentRevision() { return stores_.revisions.Get(Soon(), site_, hall_, 0); }
   grid::OccupancyGrid CurrentGrid() {
@@ -100,7 +100,7 @@ TEST_F(SessionMappingTest, ResumingFromCheckpointsGivesTheSameResult) {
       const auto mapping = Load(leased);
       EXPECT_EQ(MapOn(*mapping, leased.lease), Progress::kWaiting);
       EXPECT_OK(mapping->Store(leased.lease));
-      EXPECT_OK(stores_.mappings.Release(Soon(), leased.lease));
+      EXPECT_OK(stores_.mappings.Release(Soon(), leased.lease, 0));
     }
     Finish(session);
     MapAll(session);
@@ -120,7 +120,7 @@ TEST_F(SessionMappingTest, WorkThatWasNotStoredIsRepeated) {
     Append(session, 100, 200);
     MapOn(*mapping, leased.lease);
     EXPECT_EQ(mapping->stored_sequence(), 100);
-    EXPECT_OK(stores_.mappings.Release(Soon(), leased.lease));
+    EXPECT_OK(stores_.mappings.Release(Soon(), leased.lease, 0));
   }
   Append(session, 200, Log().size());
   Finish(session);
@@ -200,7 +200,7 @@ TEST_F(SessionMappingTest, RecordsThatWereDeletedBeforeTheyWereMappedAreAnError)
     const auto mapping = Load(leased);
     MapOn(*mapping, leased.lease);
     ASSERT_OK(mapping->Store(leased.lease));
-    ASSERT_OK(stores_.mappings.Release(Soon(), leased.lease));
+    ASSERT_OK(stores_.mappings.Release(Soon(), leased.lease, 0));
   }
   Append(session, 100, 150);
   Finish(session);

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/sessions/mapping_work.h"
+
+#include <optional>
+
+#include "core/base/resource_name.h"
+#include "storage/postgres/driver/rows.h"
+
+namespace enfilade::storage::postgres {
+namespace {
+
+// IsToBeMapped, of session `s` with its checkpoint `c`.
+#define ENFILADE_TO_BE_MAPPED(read_sequence)                                                            \
+  "(s.map_id IS NOT NULL AND s.state IN (1, 2) AND (s.state = 2 OR s.acknowledged_sequence > greatest(" \
+  "coalesce(c.mapped_sequence, 0), " read_sequence ")))"
+#define ENFILADE_QUEUE_WORK                                                                        \
+  "INSERT INTO enfilade.mapping_work (site_id, session_id) SELECT s.site_id, s.session_id"         \
+  " FROM enfilade.sessions s LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)" \
+  " WHERE s.site_id = $1 AND " ENFILADE_TO_BE_MAPPED("0")
+
+constexpr Statement kQueueWork{"queueing sessions for mapping",
+                               ENFILADE_QUEUE_WORK " AND s.session_id = ANY ($2) ON CONFLICT DO NOTHING"};
+constexpr Statement kQueueEntered{"queueing sessions for mapping",
+                                  ENFILADE_QUEUE_WORK " AND s.previous_session_id = $2 ON CONFLICT DO NOTHING"};
+// Over all sites. The work it finds is then taken within its site.
+constexpr Statement kFindWork{"looking for sessions to map",
+                              "SELECT w.site_id, w.session_id FROM enfilade.mapping_work w"
+                              " LEFT JOIN enfilade.session_leases l USING (site_id, session_id)"
+                              " WHERE l.expires_at IS NULL OR l.expires_at <= clock_timestamp()"
+                              " ORDER BY w.turn_time LIMIT $1"};
+// Waits for whoever stores records or finishes the session, and makes them wait.
+constexpr Statement kLockWork{"looking for records to map",
+                              "SELECT " ENFILADE_TO_BE_MAPPED("$3") ", coalesce(c.mapped_sequence, 0)"
+                              " FROM enfilade.sessions s LEFT JOIN enfilade.mapping_checkpoints c"
+                              " USING (site_id, session_id)"
+                              " WHERE s.site_id = $1 AND s.session_id = $2 FOR NO KEY UPDATE OF s"};
+constexpr Statement kDropWork{"closing the session's turn",
+                              "DELETE FROM enfilade.mapping_work WHERE site_id = $1 AND session_id = $2"};
+// What still waits has come after $3, if that is set.
+constexpr Statement kRequeueWork{
+    "queueing the session for its next turn",
+    "INSERT INTO enfilade.mapping_work AS w (site_id, session_id, waiting_since, turn_time)"
+    " VALUES ($1, $2, coalesce($3, now()), now()) ON CONFLICT (site_id, session_id) DO UPDATE"
+    " SET waiting_since = greatest(w.waiting_since, $3), turn_time = EXCLUDED.turn_time"};
+constexpr Statement kSelectBacklog{
+    "counting sessions to map",
+    "SELECT count(*), coalesce(extract(epoch FROM clock_timestamp() - min(waiting_since))::double precision, 0)"
+    " FROM enfilade.mapping_work"};
+
+struct LockedWork {
+  bool to_be_mapped = false;
+  std::int64_t mapped_sequence = 0;
+};
+// Unset if the session does not exist.
+absl::StatusOr<std::optional<LockedWork>> LockWork(Transaction& transaction, const SiteId& site,
+                                                   const SessionId& session, std::int64_t read_sequence) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result locked, transaction.Execute(kLockWork, Params(site, session, read_sequence)));
+  if (locked.rows() == 0) return std::nullopt;
+  Row row(locked, 0);
+  LockedWork work;
+  work.to_be_mapped = row.Bool();
+  work.mapped_sequence = row.Int64();
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  return std::optional<LockedWork>(work);
+}
+
+}  // namespace
+
+void QueueMappingWork(Transaction& transaction, const SiteId& site, const std::vector<std::string_view>& sessions) {
+  transaction.Queue(kQueueWork, Params(site, sessions));
+}
+
+void QueueEnteredSessions(Transaction& transaction, const SiteId& site, const SessionId& previous) {
+  transaction.Queue(kQueueEntered, Params(site, previous));
+}
+
+absl::StatusOr<std::vector<WaitingSession>> FindMappingWork(Pool& pool, const CallContext& context) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result found, ExecuteAlone(pool, context, kFindWork,
+                                                             Params(static_cast<std::int64_t>(kMappingCandidates))));
+  return ReadRows(found, [](Row& row) {
+    WaitingSession waiting;
+    waiting.site = SiteId(std::string(row.Text()));
+    waiting.session = SessionId(std::string(row.Text()));
+    return waiting;
+  });
+}
+
+absl::Status DropIfMapped(Pool& pool, const CallContext& context, const WaitingSession& waiting) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  ENFILADE_ASSIGN_OR_RETURN(const auto work, LockWork(transaction, waiting.site, waiting.session, 0));
+  if (work && work->to_be_mapped) return absl::OkStatus();
+  transaction.Queue(kDropWork, Params(waiting.site, waiting.session));
+  return transaction.Commit();
+}
+
+absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto work, LockWork(transaction, lease.site, lease.session, read_sequence));
+  if (!work || !work->to_be_mapped) {
+    transaction.Queue(kDropWork, Params(lease.site, lease.session));
+    return absl::OkStatus();
+  }
+  std::optional<Timestamp> waiting_since;
+  if (work->mapped_sequence >= lease.acknowledged_sequence) waiting_since = Timestamp{lease.take_time};
+  transaction.Queue(kRequeueWork, Params(lease.site, lease.session, waiting_since));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<MappingBacklog> ReadMappingBacklog(Pool& pool, const CallContext& context) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result counted, ExecuteAlone(pool, context, kSelectBacklog, Params()));
+  return ReadOne(
+      counted,
+      [](Row& row) {
+        MappingBacklog backlog;
+        backlog.sessions = row.Int64();
+        backlog.oldest_s = row.Double();
+        return backlog;
+      },
+      "the backlog of mapping");
+}
+
+}  // namespace enfilade::storage::postgres
