@@ -12,7 +12,7 @@
 #include "grpcpp/health_check_service_interface.h"
 #include "server/app/closure/door_closures.h"
 #include "server/app/rearrange/rearranger.h"
-#include "server/app/runtime/maintenance_loop.h"
+#include "server/app/runtime/maintenance_jobs.h"
 #include "server/app/services.h"
 #include "server/app/survey/site_surveyor.h"
 #include "server/rpc/api.h"
@@ -37,6 +37,8 @@ namespace {
 constexpr std::size_t kMaxQueuedCalls = 1000;
 constexpr int kBulkThreads = 3;
 constexpr auto kReadinessTimeout = std::chrono::seconds(3);
+
+std::chrono::seconds WholeSeconds(double seconds) { return std::chrono::seconds(static_cast<std::int64_t>(seconds)); }
 
 storage::postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& options) {
   storage::postgres::PoolOptions pool;
@@ -122,7 +124,10 @@ class Server::Impl {
         MaintenanceLoop::Options{.interval = std::chrono::duration<double>(options.retention.interval_s),
                                  .is_ready = [this] { return readiness->state().ready; },
                                  .on_tick = [this] { UpdatePoolMetrics(); }},
-        MaintenanceJobs(maintenance, std::chrono::seconds(static_cast<std::int64_t>(options.retention.undo_s))));
+        MaintenanceJobs({maintenance, sessions},
+                        {.undo_kept = WholeSeconds(options.retention.undo_s),
+                         .idle = WholeSeconds(options.retention.idle_session_s)},
+                        *metrics));
     return absl::OkStatus();
   }
 

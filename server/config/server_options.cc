@@ -46,6 +46,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("survey.cache_bytes", options.survey.cache_bytes);
   visit("retention.interval_s", options.retention.interval_s);
   visit("retention.undo_s", options.retention.undo_s);
+  visit("retention.idle_session_s", options.retention.idle_session_s);
   visit("metrics.address", options.metrics.address);
   visit("log.level", options.log.level);
   visit("log.format", options.log.format);
@@ -190,6 +191,11 @@ absl::Status ServerOptions::Validate() const {
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("retention.interval_s", retention.interval_s, 0.1));
   if (!(retention.undo_s >= 0.0 && retention.undo_s <= kCentury)) {
     return InvalidArgument("retention.undo_s is {}: expected 0 to {}, which is a century", retention.undo_s, kCentury);
+  }
+  const double idle_s = retention.idle_session_s;
+  if (idle_s != 0.0 && !(idle_s >= 60.0 && idle_s <= kCentury)) {
+    return InvalidArgument("retention.idle_session_s is {}: expected 0, or 60 to {}, which is a century", idle_s,
+                           kCentury);
   }
   for (const char* level : {"trace", "debug", "info", "warn", "error"}) {
     if (log.level == level) {

@@ -83,10 +83,13 @@ struct ServerOptions {
   } transfers;
 
   struct Retention {
-    // How often what is past its retention is deleted, s: raw records by their site's, and what undo_s says.
+    // How often what is past its retention is deleted, s: what sites say, and what follows.
     double interval_s = 300.0;
     // How long merges and splits of maps can be undone, s, up to a century. Afterwards what undoing needs is deleted.
     double undo_s = 30 * 86'400.0;
+    // A session that nobody finishes is closed when it has got no record for this long, s, a minute to a century; 0:
+    // never. Its robot cannot send more records of it then, so let it be longer than robots are away.
+    double idle_session_s = 30 * 86'400.0;
   } retention;
 
   struct Metrics {

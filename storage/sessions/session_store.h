@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,7 +21,7 @@ enum class SessionState : std::int16_t {
   kRecording = 1,
   kFinished = 2,  // no more records will come; the rest is being mapped
   kMapped = 3,    // all records are mapped, or the session has no map
-  kFailed = 4,    // mapping failed: see Session::error
+  kFailed = 4,    // mapping failed, or nobody finished it: see Session::error
 };
 
 struct RecordCounts {
@@ -81,6 +82,11 @@ struct SessionPosition {
   SessionId id;
 };
 
+struct ClosedSessions {
+  std::int64_t finished = 0;
+  std::int64_t failed = 0;
+};
+
 // RecordStore writes a session's log, MappingStore its map. Thread-safe; errors common to all stores: see SiteStore.
 class SessionStore {
  public:
@@ -103,6 +109,12 @@ class SessionStore {
   // NOT_FOUND.
   virtual absl::StatusOr<Session> Finish(const CallContext& context, const SiteId& site, const SessionId& session,
                                          std::int64_t last_sequence) const = 0;
+  // Closes up to `limit` sessions of all sites that nobody has finished and that got no record for `idle`: they take no
+  // more records. They are finished where their logs end, as by Finish; those with holes have failed, with the reason;
+  // those whose mapping has failed stay failed. An error in one site does not stop the others: it is returned, naming
+  // the site, if nothing else could be closed.
+  virtual absl::StatusOr<ClosedSessions> CloseIdle(const CallContext& context, std::chrono::seconds idle,
+                                                   std::int64_t limit) const = 0;
   // Takes effect immediately for all readers and writers; the lease on the session is lost. Maintenance removes the
   // rows later. The id stays reserved so that late records are refused. Revisions made from the session stay.
   // NOT_FOUND, also the second time.

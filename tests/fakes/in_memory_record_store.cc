@@ -109,6 +109,7 @@ absl::StatusOr<storage::AppendResult> AppendBatch(InMemoryDatabase::Access& acce
   }
   if (!fresh.empty()) {
     Grow(row, growth);
+    row.append_time = access.Now();
     QueueWork(row, access.Now());
   }
   const auto inserted = static_cast<std::int64_t>(fresh.size());

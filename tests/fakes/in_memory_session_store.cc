@@ -5,6 +5,7 @@
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/covariance.h"
+#include "fmt/format.h"
 #include "tests/fakes/in_memory_stores.h"
 #include "tests/fakes/map_rows.h"
 #include "tests/fakes/session_rows.h"
@@ -26,6 +27,23 @@ absl::Status CheckReferences(const SiteRows& site, const storage::Session& sessi
 bool Matches(const storage::SessionFilter& filter, const storage::Session& session) {
   return (!filter.robot || session.robot == *filter.robot) && (!filter.map || session.map == *filter.map) &&
          (!filter.state || session.state == *filter.state);
+}
+
+void End(storage::Session& session, TimeNs time) {
+  session.finish_time = time;
+  if (session.state == storage::SessionState::kFailed) return;
+  const bool nothing_to_map = !session.map && !session.entry.previous;
+  session.state = nothing_to_map ? storage::SessionState::kMapped : storage::SessionState::kFinished;
+}
+
+void Close(SessionRow& row, TimeNs time, std::chrono::seconds idle) {
+  storage::Session& session = row.session;
+  if (session.state != storage::SessionState::kFailed && session.acknowledged_sequence < session.highest_sequence) {
+    session.state = storage::SessionState::kFailed;
+    session.error =
+        fmt::format("nothing came for {} s, and record {} is missing", idle.count(), session.acknowledged_sequence + 1);
+  }
+  End(session, time);
 }
 
 bool IsNewer(const storage::Session& a, const storage::Session& b) {
@@ -90,6 +108,7 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Create(const storage::Cal
   FollowRedirect(*site, row.session);
   row.session.create_time = access.Timestamp();
   row.request_id = request_id;
+  row.append_time = access.Now();
   return site->sessions.emplace(session.id, std::move(row)).first->second.session;
 }
 
@@ -137,14 +156,27 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Finish(const storage::Cal
                               stored.acknowledged_sequence + 1);
   }
   if (!stored.finish_time) {
-    stored.finish_time = access.Timestamp();
-    const bool nothing_to_map = !stored.map && !stored.entry.previous;
-    if (stored.state != storage::SessionState::kFailed) {
-      stored.state = nothing_to_map ? storage::SessionState::kMapped : storage::SessionState::kFinished;
-    }
+    End(stored, access.Timestamp());
     QueueWork(*row, access.Now());
   }
   return WithProgress(*row);
+}
+
+absl::StatusOr<storage::ClosedSessions> InMemorySessionStore::CloseIdle(const storage::CallContext& context,
+                                                                        std::chrono::seconds idle,
+                                                                        std::int64_t limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  storage::ClosedSessions closed;
+  for (auto& [site_id, site] : access.tables()) {
+    for (auto& [id, row] : site.sessions) {
+      if (closed.finished + closed.failed >= limit) return closed;
+      if (row.deleted || row.session.finish_time || row.append_time > access.Now() - idle) continue;
+      Close(row, access.Timestamp(), idle);
+      QueueWork(row, access.Now());
+      ++(row.session.state == storage::SessionState::kFailed ? closed.failed : closed.finished);
+    }
+  }
+  return closed;
 }
 
 absl::Status InMemorySessionStore::Delete(const storage::CallContext& context, const SiteId& site,

@@ -52,6 +52,8 @@ class InMemorySessionStore final : public storage::SessionStore {
       const std::optional<storage::SessionPosition>& after) const override;
   absl::StatusOr<storage::Session> Finish(const storage::CallContext& context, const SiteId& site,
                                           const SessionId& session, std::int64_t last_sequence) const override;
+  absl::StatusOr<storage::ClosedSessions> CloseIdle(const storage::CallContext& context, std::chrono::seconds idle,
+                                                    std::int64_t limit) const override;
   absl::Status Delete(const storage::CallContext& context, const SiteId& site, const SessionId& session) const override;
 
  private:

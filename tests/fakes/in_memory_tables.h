@@ -48,6 +48,7 @@ struct SessionRow {
   storage::RequestId request_id;
   bool deleted = false;
   std::map<std::int64_t, RecordRow> records;
+  std::chrono::steady_clock::time_point append_time;  // when the last records came, or it was made
   LeaseRow lease;
   std::optional<WorkRow> work;
   std::optional<storage::StoredMapping> mapping;

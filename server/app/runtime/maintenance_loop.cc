@@ -9,31 +9,8 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kPortionTimeout = std::chrono::seconds(30);
-// After an outage, a robot may send the record that refers to a blob long after the blob.
-constexpr auto kBlobGrace = std::chrono::hours(24);
 
 }  // namespace
-
-std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance, std::chrono::seconds undo_kept) {
-  return {
-      {"rows of deleted sessions",
-       [&maintenance](const storage::CallContext& context, std::int64_t limit) {
-         return maintenance.PurgeDeletedSessions(context, limit);
-       }},
-      {"records past their retention",
-       [&maintenance](const storage::CallContext& context, std::int64_t limit) {
-         return maintenance.DeleteExpiredRecords(context, limit);
-       }},
-      {"rows of rearrangements that are too old to be undone",
-       [&maintenance, undo_kept](const storage::CallContext& context, std::int64_t limit) {
-         return maintenance.DeleteExpiredUndo(context, undo_kept, limit);
-       }},
-      {"unused blobs",
-       [&maintenance](const storage::CallContext& context, std::int64_t limit) {
-         return maintenance.CollectBlobs(context, kBlobGrace, limit);
-       }},
-  };
-}
 
 MaintenanceLoop::MaintenanceLoop(Options options, std::vector<MaintenanceJob> jobs)
     : options_(std::move(options)), jobs_(std::move(jobs)) {
@@ -57,17 +34,17 @@ void MaintenanceLoop::Run() {
 }
 
 void MaintenanceLoop::RunJob(const MaintenanceJob& job) {
-  std::int64_t deleted = 0;
+  std::int64_t done = 0;
   while (!stop_.is_set()) {
-    const auto portion = job.delete_portion(storage::CallContext::WithTimeout(kPortionTimeout), kPortionRows);
+    const auto portion = job.do_portion(storage::CallContext::WithTimeout(kPortionTimeout), kPortionRows);
     if (!portion.ok()) {
-      spdlog::warn("maintenance: {}: {}", job.deletes, portion.status().ToString());
+      spdlog::warn("maintenance: {}: {}", job.what, portion.status().ToString());
       break;
     }
-    deleted += *portion;
+    done += *portion;
     if (*portion < kPortionRows) break;
   }
-  if (deleted > 0) spdlog::info("maintenance: deleted {} {}", deleted, job.deletes);
+  if (done > 0) spdlog::info("maintenance: {} {} {}", job.verb, done, job.what);
 }
 
 }  // namespace enfilade::server

@@ -11,20 +11,16 @@
 #include "absl/status/statusor.h"
 #include "server/app/runtime/stop_signal.h"
 #include "storage/call_context.h"
-#include "storage/sites/maintenance.h"
 
 namespace enfilade::server {
 
 // One kind of clean-up, done in portions so that no transaction is long.
 struct MaintenanceJob {
-  std::string deletes;  // what it deletes, for the log: "unused blobs"
-  // Deletes at most `limit` rows and returns how many.
-  std::function<absl::StatusOr<std::int64_t>(const storage::CallContext& context, std::int64_t limit)> delete_portion;
+  std::string what;  // for the log: "unused blobs"
+  // Deletes (or closes) at most `limit` of it and returns how many.
+  std::function<absl::StatusOr<std::int64_t>(const storage::CallContext& context, std::int64_t limit)> do_portion;
+  const char* verb = "deleted";  // for the log
 };
-
-// Records past their site's retention, rows of deleted sessions, what undoing needs of rearrangements that are older
-// than `undo_kept`, and unreferenced blobs. `maintenance` must outlive the jobs.
-std::vector<MaintenanceJob> MaintenanceJobs(const storage::Maintenance& maintenance, std::chrono::seconds undo_kept);
 
 // Runs jobs periodically on a thread of its own: each until a portion is not full. A job that fails is logged and tried
 // again in the next round.

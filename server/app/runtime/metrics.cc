@@ -68,6 +68,10 @@ class Metrics::Impl {
       Gauge("enfilade_mapping_lag_seconds", "How long the oldest record that is not mapped has waited, at most");
   Counters& rows_deleted =
       Counter("enfilade_rows_deleted_total", "Rows deleted in the background, by what they were of");
+  Counters& sessions_closed =
+      Counter("enfilade_idle_sessions_closed_total", "Sessions that nobody had finished, by what they were closed as");
+  prometheus::Counter& sessions_finished = sessions_closed.Add({{"as", "finished"}});
+  prometheus::Counter& sessions_failed = sessions_closed.Add({{"as", "failed"}});
   prometheus::Gauge& sites_deleting = Gauge("enfilade_sites_deleting", "Sites that are being deleted");
   prometheus::Gauge& ready = Gauge("enfilade_ready", "1 if the server accepts work");
   prometheus::Gauge& connections_open = Gauge("enfilade_database_connections_open", "Connections of the pool");
@@ -119,6 +123,10 @@ void Metrics::SetMappingBacklog(std::int64_t sessions, double oldest_s) {
 }
 void Metrics::CountRowsDeleted(const std::string& of, std::int64_t rows) {
   impl_->rows_deleted.Add({{"of", of}}).Increment(static_cast<double>(rows));
+}
+void Metrics::CountIdleSessionsClosed(std::int64_t finished, std::int64_t failed) {
+  impl_->sessions_finished.Increment(static_cast<double>(finished));
+  impl_->sessions_failed.Increment(static_cast<double>(failed));
 }
 void Metrics::SetSitesDeleting(int sites) { impl_->sites_deleting.Set(sites); }
 void Metrics::SetReady(bool ready) { impl_->ready.Set(ready ? 1.0 : 0.0); }

@@ -31,6 +31,8 @@ class Metrics {
   void SetMappingBacklog(std::int64_t sessions, double oldest_s);
   // Rows that retention and deletion in the background have deleted, by what they belonged to.
   void CountRowsDeleted(const std::string& of, std::int64_t rows);
+  // Sessions that nobody had finished.
+  void CountIdleSessionsClosed(std::int64_t finished, std::int64_t failed);
   void SetSitesDeleting(int sites);
   void SetReady(bool ready);
   void SetDatabaseConnections(int open, int busy, int waiting);

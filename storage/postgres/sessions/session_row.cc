@@ -12,7 +12,8 @@ namespace {
 // Times are the limits of bigint if no record with a time was added.
 constexpr Statement kAddGrowth{
     "counting records",
-    "UPDATE enfilade.sessions s SET acknowledged_sequence = u.acknowledged, highest_sequence = u.highest,"
+    "UPDATE enfilade.sessions s SET append_time = now(), acknowledged_sequence = u.acknowledged, highest_sequence = "
+    "u.highest,"
     " laser_scans = s.laser_scans + u.laser_scans, odometry = s.odometry + u.odometry, images = s.images + u.images,"
     " point_clouds = s.point_clouds + u.point_clouds, withheld = s.withheld + u.withheld,"
     " door_reports = s.door_reports + u.door_reports,"

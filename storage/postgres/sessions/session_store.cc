@@ -5,6 +5,7 @@
 #include "core/geometry/covariance.h"
 #include "storage/postgres/driver/pose_columns.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/sessions/idle_sessions.h"
 #include "storage/postgres/sessions/mapping_work.h"
 #include "storage/postgres/sessions/session_deletion.h"
 #include "storage/postgres/sessions/session_row.h"
@@ -129,6 +130,11 @@ absl::StatusOr<Session> SessionStore::Finish(const CallContext& context, const S
   transaction.Queue(kSelectSession, Params(site, session));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   return ReadOne(results.back(), ReadSession, NameOf(site, session));
+}
+
+absl::StatusOr<ClosedSessions> SessionStore::CloseIdle(const CallContext& context, std::chrono::seconds idle,
+                                                       std::int64_t limit) const {
+  return CloseIdleSessions(pool_, context, idle, limit);
 }
 
 absl::Status SessionStore::Delete(const CallContext& context, const SiteId& site, const SessionId& session) const {

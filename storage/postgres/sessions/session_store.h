@@ -17,6 +17,8 @@ class SessionStore final : public storage::SessionStore {
                                             int limit, const std::optional<SessionPosition>& after) const override;
   absl::StatusOr<Session> Finish(const CallContext& context, const SiteId& site, const SessionId& session,
                                  std::int64_t last_sequence) const override;
+  absl::StatusOr<ClosedSessions> CloseIdle(const CallContext& context, std::chrono::seconds idle,
+                                           std::int64_t limit) const override;
   absl::Status Delete(const CallContext& context, const SiteId& site, const SessionId& session) const override;
 
  private:

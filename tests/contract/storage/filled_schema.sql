@@ -44,6 +44,9 @@ SELECT pg_temp.fill('sessions', '{"session_id": "mapped", "robot_id": "r", "map_
   "acknowledged_sequence": 2, "highest_sequence": 2, "laser_scans": 2, "finish_time": "2026-01-01", "initial_x": 1,
   "initial_y": 2, "initial_yaw": 0, "initial_covariance": [1, 0, 0, 0, 1, 0, 0, 0, 1]}');
 SELECT pg_temp.fill('sessions', '{"session_id": "failed", "robot_id": "r", "state": 4, "error": "-"}');
+SELECT pg_temp.fill('sessions', '{"session_id": "closed", "robot_id": "r", "state": 4, "error": "-",
+  "acknowledged_sequence": 1, "highest_sequence": 3, "laser_scans": 2, "finish_time": "2026-01-01",
+  "append_time": "2025-12-01"}', 'idle_sessions');
 SELECT pg_temp.fill('sessions', '{"session_id": "deleted", "robot_id": "r", "state": 1}');
 SELECT pg_temp.alter($$UPDATE enfilade.sessions SET robot_id = NULL, delete_time = now(), purged = true
   WHERE session_id = 'deleted'$$, 'sessions');

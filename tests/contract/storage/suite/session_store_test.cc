@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/sessions/session_store.h"
 
+#include "fmt/format.h"
 #include "tests/contract/storage/suite/contract_test.h"
 
 namespace enfilade::testing {
@@ -171,6 +172,46 @@ TEST_F(SessionStoreTest, AFinishedSessionKeepsItsTimeAndTakesNoOtherEnd) {
   storage::SessionFilter finished;
   finished.state = storage::SessionState::kFinished;
   EXPECT_THAT(List(finished), ElementsAre("s1"));
+}
+
+TEST_F(SessionStoreTest, AnIdleSessionIsClosedAsFarAsItWasRecorded) {
+  const SessionId mapped = NewSession("mapped");
+  const SessionId recorded = NewSession("recorded", false);
+  const SessionId holed = NewSession("holed");
+  const SessionId finished = NewSession("finished", false);
+  ASSERT_OK(Append(mapped, ScanRecords(1, 3)));
+  ASSERT_OK(Append(holed, ScanRecords(1, 3)));
+  ASSERT_OK(Append(holed, {ScanRecord(5)}));
+  ASSERT_OK_AND_ASSIGN(const storage::Session before, sessions_.Finish(Soon(), site_, finished, 0));
+  ASSERT_OK_AND_ASSIGN(const auto nothing, sessions_.CloseIdle(Soon(), std::chrono::hours(1), 100));
+  EXPECT_EQ(nothing.finished + nothing.failed, 0) << "they were active just now";
+  ASSERT_OK_AND_ASSIGN(const auto closed, sessions_.CloseIdle(Soon(), std::chrono::seconds(0), 100));
+  EXPECT_EQ(closed.finished, 2);
+  EXPECT_EQ(closed.failed, 1);
+
+  const auto get = [&](const SessionId& id) { return *sessions_.Get(Soon(), site_, id); };
+  EXPECT_EQ(get(mapped).state, storage::SessionState::kFinished);
+  EXPECT_EQ(get(recorded).state, storage::SessionState::kMapped) << "there is nothing to map";
+  EXPECT_EQ(get(holed).state, storage::SessionState::kFailed);
+  EXPECT_THAT(get(holed).error, HasSubstr("record 4 is missing"));
+  EXPECT_EQ(get(finished).finish_time, before.finish_time);
+  for (const SessionId& id : {mapped, recorded, holed}) {
+    EXPECT_TRUE(get(id).finish_time) << id.value();
+    EXPECT_CODE(Append(id, {ScanRecord(9)}), absl::StatusCode::kFailedPrecondition) << id.value();
+  }
+  EXPECT_OK(Append(mapped, ScanRecords(1, 3))) << "what is stored may be sent again";
+  ASSERT_OK_AND_ASSIGN(const auto leased, mapping_.Acquire(Soon(), "worker", std::chrono::seconds(60)));
+  ASSERT_TRUE(leased.has_value());
+  EXPECT_EQ(leased->session.id, mapped) << "to be closed";
+  EXPECT_OK(mapping_.Release(Soon(), leased->lease, 0));
+}
+
+TEST_F(SessionStoreTest, IdleSessionsAreClosedInPortions) {
+  for (int i = 0; i < 5; ++i) NewSession(fmt::format("s{}", i), false);
+  ASSERT_OK_AND_ASSIGN(const auto first, sessions_.CloseIdle(Soon(), std::chrono::seconds(0), 3));
+  EXPECT_EQ(first.finished, 3);
+  ASSERT_OK_AND_ASSIGN(const auto rest, sessions_.CloseIdle(Soon(), std::chrono::seconds(0), 3));
+  EXPECT_EQ(rest.finished, 2);
 }
 
 TEST_F(SessionStoreTest, RefusesAnEntryPoseWithAnInvalidCovariance) {

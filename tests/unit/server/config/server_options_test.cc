@@ -143,6 +143,8 @@ TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
         Case{"retention.interval_s", [](ServerOptions& o) { o.retention.interval_s = 0.0; }},
         Case{"retention.undo_s", [](ServerOptions& o) { o.retention.undo_s = -1.0; }},
         Case{"retention.undo_s", [](ServerOptions& o) { o.retention.undo_s = 1e18; }},
+        Case{"retention.idle_session_s", [](ServerOptions& o) { o.retention.idle_session_s = 59.0; }},
+        Case{"retention.idle_session_s", [](ServerOptions& o) { o.retention.idle_session_s = 1e18; }},
         // Ten mappers need twenty connections.
         Case{"database.max_connections", [](ServerOptions& o) { o.mapping.workers = 10; }}}) {
     ServerOptions options;

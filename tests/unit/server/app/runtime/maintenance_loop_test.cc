@@ -106,7 +106,7 @@ TEST(MaintenanceLoop, StopsBetweenPortions) {
   // Without a stop this job would never end.
   loop.emplace(script.Every(std::chrono::milliseconds(1)),
                std::vector<MaintenanceJob>{{"endless", [&script](const storage::CallContext& context, std::int64_t n) {
-                                              return script.Job("a", {kFull}).delete_portion(context, n);
+                                              return script.Job("a", {kFull}).do_portion(context, n);
                                             }}});
   script.AwaitCalls(3);
   loop.reset();
