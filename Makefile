@@ -28,7 +28,7 @@ test: build ## build and run all tests
 	@ctest --preset $(PRESET) -j $(JOBS)
 
 programs: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server enfilade-gateway
 
 build: configure ## build everything into build/PRESET/bin (PRESET=release, dev, asan, tsan, coverage, tidy)
 	@cmake --build --preset $(PRESET) -j $(JOBS)

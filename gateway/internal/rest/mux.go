@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Package rest maps HTTP and JSON onto the RPCs, as proto/gateway.yaml says.
+package rest
+
+import (
+	"context"
+	"net"
+	"net/http"
+	"net/textproto"
+
+	"github.com/grpc-ecosystem/grpc-gateway/v2/runtime"
+	"google.golang.org/grpc"
+	"google.golang.org/grpc/metadata"
+	"google.golang.org/protobuf/encoding/protojson"
+
+	pb "enfilade/gateway/gen/enfilade/v1"
+)
+
+// EventStream and Lines are the media types in which a client can ask for a stream. Without either it gets JSON, one
+// object a line, as with Lines.
+const (
+	EventStream = "text/event-stream"
+	Lines       = "application/x-ndjson"
+)
+
+type register func(context.Context, *runtime.ServeMux, *grpc.ClientConn) error
+
+// NewMux returns the handler of all RPCs that proto/gateway.yaml has a rule for.
+func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, error) {
+	// Streams leave out fields that have their default value: these are a third of a pose's bytes.
+	slim := runtime.JSONPb{UnmarshalOptions: protojson.UnmarshalOptions{}}
+	full := runtime.JSONPb{MarshalOptions: protojson.MarshalOptions{EmitUnpopulated: true}}
+	mux := runtime.NewServeMux(
+		runtime.WithMarshalerOption(runtime.MIMEWildcard, &full),
+		runtime.WithMarshalerOption(Lines, &lines{slim}),
+		runtime.WithMarshalerOption(EventStream, &events{slim}),
+		runtime.WithIncomingHeaderMatcher(passToServer),
+		runtime.WithOutgoingHeaderMatcher(passToClient),
+		runtime.WithMetadata(callerOf),
+		runtime.WithErrorHandler(handleError),
+		runtime.WithRoutingErrorHandler(handleRoutingError),
+		// A form that another site posts must reach nothing.
+		runtime.WithDisablePathLengthFallback(),
+		runtime.WithDisableHTTPMethodOverride(),
+	)
+	for _, service := range []register{
+		pb.RegisterGraphServiceHandler, pb.RegisterIngestServiceHandler, pb.RegisterLinkPointServiceHandler,
+		pb.RegisterLocalizationServiceHandler, pb.RegisterMapServiceHandler, pb.RegisterRobotServiceHandler,
+		pb.RegisterServerServiceHandler, pb.RegisterSessionServiceHandler, pb.RegisterSiteServiceHandler,
+	} {
+		if err := service(ctx, mux, server); err != nil {
+			return nil, err
+		}
+	}
+	return mux, nil
+}
+
+// Nothing that a client sends may pass for what the gateway says of it, such as its actor.
+func passToServer(header string) (string, bool) {
+	switch textproto.CanonicalMIMEHeaderKey(header) {
+	case "Traceparent", "Tracestate", "X-Request-Id":
+		return header, true
+	}
+	return "", false
+}
+
+func passToClient(header string) (string, bool) {
+	if textproto.CanonicalMIMEHeaderKey(header) == "X-Request-Id" {
+		return "X-Request-Id", true
+	}
+	return "", false
+}
+
+// CallerOf names the caller for the audit trail.
+func CallerOf(r *http.Request) string {
+	host, _, err := net.SplitHostPort(r.RemoteAddr)
+	if err != nil {
+		host = "local"
+	}
+	return "gateway:" + host
+}
+
+func callerOf(_ context.Context, r *http.Request) metadata.MD {
+	return metadata.Pairs("enfilade-actor", CallerOf(r))
+}
