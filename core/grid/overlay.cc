@@ -131,6 +131,13 @@ OccupancyGrid Cropped(const OccupancyGrid& grid) {
   return result;
 }
 
+// Neither is unknown. Equal odds agree with both.
+bool Agree(std::uint8_t under, std::uint8_t over) {
+  const int a = under - kEvenOdds;
+  const int b = over - kEvenOdds;
+  return (a >= 0 && b >= 0) || (a <= 0 && b <= 0);
+}
+
 void OverlayOnto(OccupancyGrid& grid, const OccupancyGrid& layer) {
   if (layer.cells.empty()) return;
   const CellIndex offset = BoxOf(layer).min;
@@ -142,6 +149,13 @@ void OverlayOnto(OccupancyGrid& grid, const OccupancyGrid& layer) {
       cell = Overlay(cell, layer.cells[layer.geometry.index(column, row)]);
     }
   }
+}
+
+// The same in a larger box.
+OccupancyGrid Within(const Box& box, const OccupancyGrid& grid, double resolution) {
+  OccupancyGrid result = Unknown(box, resolution);
+  OverlayOnto(result, grid);
+  return result;
 }
 
 }  // namespace
@@ -164,10 +178,7 @@ absl::StatusOr<OccupancyGrid> ResampleToLattice(const OccupancyGrid& grid, doubl
 std::uint8_t Overlay(std::uint8_t under, std::uint8_t over) {
   if (under == kUnknownCell) return over;
   if (over == kUnknownCell) return under;
-  const int a = under - kEvenOdds;
-  const int b = over - kEvenOdds;
-  const bool agree = (a >= 0 && b >= 0) || (a <= 0 && b <= 0);
-  return agree && std::abs(a) > std::abs(b) ? under : over;
+  return Agree(under, over) && std::abs(under - kEvenOdds) > std::abs(over - kEvenOdds) ? under : over;
 }
 
 absl::StatusOr<OccupancyGrid> Overlay(const OccupancyGrid& under, const OccupancyGrid& over) {
@@ -182,6 +193,22 @@ absl::StatusOr<OccupancyGrid> Overlay(const OccupancyGrid& under, const Occupanc
   OverlayOnto(grid, under);
   OverlayOnto(grid, over);
   return grid;
+}
+
+absl::StatusOr<LayerRun> Extend(const LayerRun& run, const OccupancyGrid& over) {
+  if (over.cells.empty()) return run;
+  ENFILADE_ASSIGN_OR_RETURN(OccupancyGrid content, Overlay(run.content, over));
+  const double resolution = content.geometry.resolution;
+  const Box box = BoxOf(content);
+  const OccupancyGrid before = Within(box, run.content, resolution);
+  const OccupancyGrid added = Within(box, over, resolution);
+  OccupancyGrid reset = Within(box, run.reset, resolution);
+  for (std::size_t i = 0; i < reset.cells.size(); ++i) {
+    const std::uint8_t under = before.cells[i];
+    if (under == kUnknownCell || added.cells[i] == kUnknownCell || Agree(under, added.cells[i])) continue;
+    reset.cells[i] = under > kEvenOdds ? kEvenOdds + 1 : kEvenOdds - 1;
+  }
+  return LayerRun{Cropped(reset), std::move(content)};
 }
 
 }  // namespace enfilade::grid

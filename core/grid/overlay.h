@@ -20,4 +20,15 @@ std::uint8_t Overlay(std::uint8_t under, std::uint8_t over);
 // any resolution. INVALID_ARGUMENT: the grids are so far apart that the result would have more than kMaxRasterCells.
 absl::StatusOr<OccupancyGrid> Overlay(const OccupancyGrid& under, const OccupancyGrid& over);
 
+// Any number of layers as two: overlaying `reset`, then `content` on any grid gives exactly what overlaying the layers
+// one by one gives. A cell about which the layers disagree hides what is below it: there `reset` has the least certain
+// value that disagrees with `content`. Elsewhere it is unknown.
+struct LayerRun {
+  OccupancyGrid reset;
+  OccupancyGrid content;
+};
+
+// The run with `over` on top. Layers as for Overlay; an empty run has empty grids. Errors as Overlay.
+absl::StatusOr<LayerRun> Extend(const LayerRun& run, const OccupancyGrid& over);
+
 }  // namespace enfilade::grid

@@ -61,8 +61,14 @@ struct NewRevision {
 // A map's revision consists of layers, overlaid from the bottom: what was imported, then what each session has seen, in
 // the order of the sessions' first revisions. An import is the whole map: it replaces all layers.
 struct MapLayer {
-  std::optional<SessionId> session;  // unset: imported
+  std::optional<SessionId> session;  // unset: imported, or half of a run
   StoredRaster raster;
+  // Places in the order of layers. A run is that of all layers from the first to the last.
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  std::int64_t version = 0;  // LayersBeside::version when it last changed
+
+  bool is_run() const { return first != last; }
 };
 
 // The layers of a map except one session's, from the bottom to the top.
@@ -70,6 +76,17 @@ struct LayersBeside {
   std::int64_t version = 0;     // increases with every change of any layer, including the session's
   std::vector<MapLayer> below;  // all if the session has no layer yet
   std::vector<MapLayer> above;
+};
+
+// Layers that lie on one another and have not changed for a while, as two rasters that are overlaid in their place
+// (grid::LayerRun). The layers themselves stay: a run is forgotten when one of them changes or goes.
+struct NewLayerRun {
+  std::int64_t first = 0;  // MapLayer::first of its lowest, and MapLayer::last of its highest
+  std::int64_t last = 0;
+  double resolution = 0.0;  // m; of the cells to which the layers were resampled
+  std::int64_t layers_version = 0;
+  std::optional<StoredRaster> reset;  // unset: unknown everywhere
+  StoredRaster content;
 };
 
 // ABORTED, with AreLayersChanged.
@@ -114,6 +131,16 @@ class RevisionStore {
   // exist.
   virtual absl::StatusOr<LayersBeside> ReadLayersBeside(const CallContext& context, const SiteId& site,
                                                         const MapId& map, const SessionId& session) const = 0;
+  // The same with the runs for cells of `resolution` m in place of their layers, each as one or two layers of version
+  // 0: `content` above `reset`. A run with the session's own layer in it does not count. Reads nothing of the layers
+  // that are in runs.
+  virtual absl::StatusOr<LayersBeside> ReadRunsBeside(const CallContext& context, const SiteId& site, const MapId& map,
+                                                      const SessionId& session, double resolution) const = 0;
+  // Puts a run in the place of those that it overlaps. Its blobs must be stored. Neither the layers nor their version
+  // change. ABORTED, with AreLayersChanged, if the layers are no longer those of `layers_version`. FAILED_PRECONDITION
+  // naming a blob that is missing.
+  virtual absl::Status AddRun(const CallContext& context, const SiteId& site, const MapId& map,
+                              const NewLayerRun& run) const = 0;
   // The next tiles of `revision` after `after` (unset: from the first) in the order of TileKey: at least one, about
   // `max_bytes` in total. Empty at the end, or if there is no such revision. Holds no connection between calls.
   virtual absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,

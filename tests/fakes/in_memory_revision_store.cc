@@ -29,19 +29,37 @@ bool IsCurrent(const MapRow& row, const storage::NewRevision& revision) {
          current.content_sha256 == revision.content_sha256 && current.raster_header == revision.raster_header;
 }
 
-void SetLayer(MapRow& row, const storage::NewRevision& revision, std::int64_t version) {
+void SortTiles(storage::StoredRaster& raster) {
+  std::sort(raster.tiles.begin(), raster.tiles.end(),
+            [](const storage::TileRef& a, const storage::TileRef& b) { return a.key < b.key; });
+}
+
+void SetLayer(MapRow& row, const storage::NewRevision& revision) {
   const storage::StoredRaster whole{revision.raster_header, revision.tiles};
   if (!revision.session) {
     row.layers.clear();
-    row.layers.push_back({version, {std::nullopt, whole}});
+    row.runs.clear();
+    AddTopLayer(row, std::nullopt, whole);
     return;
   }
-  auto layer = std::find_if(row.layers.begin(), row.layers.end(),
-                            [&](const LayerRow& candidate) { return candidate.layer.session == revision.session; });
-  if (layer == row.layers.end()) layer = row.layers.insert(layer, LayerRow{});
-  *layer = {version, {revision.session, revision.layer.value_or(whole)}};
-  std::sort(layer->layer.raster.tiles.begin(), layer->layer.raster.tiles.end(),
-            [](const storage::TileRef& a, const storage::TileRef& b) { return a.key < b.key; });
+  const auto layer = std::find_if(row.layers.begin(), row.layers.end(), [&](const storage::MapLayer& candidate) {
+    return candidate.session == revision.session;
+  });
+  if (layer == row.layers.end()) return AddTopLayer(row, revision.session, revision.layer.value_or(whole));
+  layer->version = ++row.layers_version;
+  layer->raster = revision.layer.value_or(whole);
+  SortTiles(layer->raster);
+  std::erase_if(row.runs,
+                [&](const storage::NewLayerRun& run) { return run.first <= layer->first && run.last >= layer->last; });
+}
+
+// The run's layers, from the bottom.
+std::vector<storage::MapLayer> LayersOf(const storage::NewLayerRun& run) {
+  std::vector<storage::MapLayer> layers;
+  if (run.reset) layers.push_back({std::nullopt, *run.reset, run.first, run.last});
+  layers.push_back({std::nullopt, run.content, run.first, run.last});
+  for (storage::MapLayer& layer : layers) SortTiles(layer.raster);
+  return layers;
 }
 
 }  // namespace
@@ -55,10 +73,10 @@ rearrange::MapRedirect ResolveMap(const SiteRows& site, const MapId& map) {
   return whole;
 }
 
-std::int64_t LayersVersion(const MapRow& row) {
-  std::int64_t version = 0;
-  for (const LayerRow& layer : row.layers) version = std::max(version, layer.version);
-  return version;
+void AddTopLayer(MapRow& row, const std::optional<SessionId>& session, const storage::StoredRaster& raster) {
+  const std::int64_t position = row.layers.empty() ? 1 : row.layers.back().last + 1;
+  row.layers.push_back({session, raster, position, position, ++row.layers_version});
+  SortTiles(row.layers.back().raster);
 }
 
 absl::StatusOr<std::int64_t> StoreRevision(InMemoryDatabase::Access& access, const SiteId& site, const MapId& map,
@@ -66,7 +84,7 @@ absl::StatusOr<std::int64_t> StoreRevision(InMemoryDatabase::Access& access, con
                                            absl::Span<const storage::BlobView> blobs) {
   ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMapInUse(site, map));
   SiteRows& rows = *access.FindSite(site);
-  if (revision.layers_version && *revision.layers_version != LayersVersion(*row)) {
+  if (revision.layers_version && *revision.layers_version != row->layers_version) {
     return storage::LayersChanged(site, map);
   }
   const grid::GridGeometry& geometry = revision.geometry;
@@ -108,7 +126,7 @@ absl::StatusOr<std::int64_t> AddRevision(InMemoryDatabase::Access& access, const
                                          absl::Span<const storage::BlobView> blobs) {
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t number, StoreRevision(access, site, map, revision, blobs));
   ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, access.GetMap(site, map));
-  SetLayer(*row, revision, access.NewEtag());
+  SetLayer(*row, revision);
   return number;
 }
 
@@ -154,20 +172,54 @@ absl::StatusOr<std::vector<storage::MapRevision>> InMemoryRevisionStore::List(co
 absl::StatusOr<storage::LayersBeside> InMemoryRevisionStore::ReadLayersBeside(const storage::CallContext& context,
                                                                               const SiteId& site, const MapId& map,
                                                                               const SessionId& session) const {
+  return ReadRunsBeside(context, site, map, session, 0.0);
+}
+
+absl::StatusOr<storage::LayersBeside> InMemoryRevisionStore::ReadRunsBeside(const storage::CallContext& context,
+                                                                            const SiteId& site, const MapId& map,
+                                                                            const SessionId& session,
+                                                                            double resolution) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   storage::LayersBeside beside;
   const auto row = access.GetMap(site, map);
   if (!row.ok()) return beside;
-  beside.version = LayersVersion(**row);
+  beside.version = (*row)->layers_version;
+  std::vector<storage::MapLayer> layers = (*row)->layers;
+  for (const storage::NewLayerRun& run : (*row)->runs) {
+    const auto is_in_run = [&](const storage::MapLayer& layer) {
+      return layer.first >= run.first && layer.last <= run.last;
+    };
+    const bool has_own = std::any_of(layers.begin(), layers.end(), [&](const storage::MapLayer& layer) {
+      return layer.session == session && is_in_run(layer);
+    });
+    if (run.resolution != resolution || has_own) continue;
+    const auto first = std::find_if(layers.begin(), layers.end(), is_in_run);
+    const auto place = layers.erase(first, std::find_if_not(first, layers.end(), is_in_run));
+    const std::vector<storage::MapLayer> parts = LayersOf(run);
+    layers.insert(place, parts.begin(), parts.end());
+  }
   bool above = false;
-  for (const LayerRow& stored : (*row)->layers) {
-    if (stored.layer.session == session) {
+  for (const storage::MapLayer& layer : layers) {
+    if (layer.session == session) {
       above = true;
     } else {
-      (above ? beside.above : beside.below).push_back(stored.layer);
+      (above ? beside.above : beside.below).push_back(layer);
     }
   }
   return beside;
+}
+
+absl::Status InMemoryRevisionStore::AddRun(const storage::CallContext& context, const SiteId& site, const MapId& map,
+                                           const storage::NewLayerRun& run) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  const auto row = access.GetMap(site, map);
+  if (!row.ok() || (*row)->layers_version != run.layers_version) return storage::LayersChanged(site, map);
+  ENFILADE_RETURN_IF_ERROR(CheckTiles(*access.FindSite(site), run.content.tiles, {}));
+  if (run.reset) ENFILADE_RETURN_IF_ERROR(CheckTiles(*access.FindSite(site), run.reset->tiles, {}));
+  std::erase_if((*row)->runs,
+                [&](const storage::NewLayerRun& other) { return other.first <= run.last && other.last >= run.first; });
+  (*row)->runs.push_back(run);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<storage::Tile>> InMemoryRevisionStore::ReadTiles(const storage::CallContext& context,

@@ -107,6 +107,11 @@ class InMemoryRevisionStore final : public storage::RevisionStore {
                                                          int limit) const override;
   absl::StatusOr<storage::LayersBeside> ReadLayersBeside(const storage::CallContext& context, const SiteId& site,
                                                          const MapId& map, const SessionId& session) const override;
+  absl::StatusOr<storage::LayersBeside> ReadRunsBeside(const storage::CallContext& context, const SiteId& site,
+                                                       const MapId& map, const SessionId& session,
+                                                       double resolution) const override;
+  absl::Status AddRun(const storage::CallContext& context, const SiteId& site, const MapId& map,
+                      const storage::NewLayerRun& run) const override;
   absl::StatusOr<std::vector<storage::Tile>> ReadTiles(const storage::CallContext& context,
                                                        const storage::MapRevision& revision,
                                                        std::optional<storage::TileKey> after,

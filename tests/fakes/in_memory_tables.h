@@ -62,16 +62,13 @@ struct RevisionRow {
   std::map<storage::TileKey, std::string> tiles;  // SHA-256
 };
 
-struct LayerRow {
-  std::int64_t version = 0;
-  storage::MapLayer layer;
-};
-
 struct MapRow {
   storage::Map map;
   storage::RequestId request_id;
-  std::vector<RevisionRow> revisions;  // number 1, 2, ...
-  std::vector<LayerRow> layers;        // from the bottom
+  std::vector<RevisionRow> revisions;     // number 1, 2, ...
+  std::int64_t layers_version = 0;        // counts changes of layers, also of those that went
+  std::vector<storage::MapLayer> layers;  // from the bottom
+  std::vector<storage::NewLayerRun> runs;
   std::optional<rearrange::MapRedirect> redirect;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "absl/status/statusor.h"
 #include "tests/fakes/in_memory_database.h"
@@ -10,8 +11,8 @@ namespace enfilade::testing {
 
 // Where the id of a map leads to, and T_to_from. The map itself if it is no redirect, or does not exist.
 rearrange::MapRedirect ResolveMap(const SiteRows& site, const MapId& map);
-// Greater with every change of the map's layers; 0 without layers.
-std::int64_t LayersVersion(const MapRow& row);
+// Puts a layer on top of the map's.
+void AddTopLayer(MapRow& row, const std::optional<SessionId>& session, const storage::StoredRaster& raster);
 // As AddRevision, but the layers stay.
 absl::StatusOr<std::int64_t> StoreRevision(InMemoryDatabase::Access& access, const SiteId& site, const MapId& map,
                                            const storage::NewRevision& revision,

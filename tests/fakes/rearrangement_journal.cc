@@ -26,9 +26,9 @@ std::string ImageOf(const MapRow& row) {
 
 std::string ImageOfLayers(const MapRow& row) {
   std::string text;
-  for (const LayerRow& layer : row.layers) {
-    text += fmt::format("layer {}:", layer.layer.session.value_or(SessionId()).value());
-    for (const storage::TileRef& tile : layer.layer.raster.tiles) {
+  for (const storage::MapLayer& layer : row.layers) {
+    text += fmt::format("layer {}:", layer.session.value_or(SessionId()).value());
+    for (const storage::TileRef& tile : layer.raster.tiles) {
       text += fmt::format(" {},{} {}", tile.key.row, tile.key.column, ToHex(tile.sha256));
     }
   }

@@ -92,8 +92,10 @@ void RestoreRasters(const RearrangedSite& site, const RearrangementRow& row) {
     const auto layers = std::pair(std::string(storage::image::kLayers), id.value());
     MapRow& map = site.rows.maps.at(id);
     if (row.images_before.at(layers) != row.images_after.at(layers)) {
-      map.layers = before ? before->layers : std::vector<LayerRow>();
-      for (LayerRow& layer : map.layers) layer.version = site.access.NewEtag();
+      map.layers = before ? before->layers : std::vector<storage::MapLayer>();
+      map.runs.clear();
+      ++map.layers_version;
+      for (storage::MapLayer& layer : map.layers) layer.version = map.layers_version;
     }
     if (!before || before->revisions.empty()) continue;
     RevisionRow old = before->revisions.back();

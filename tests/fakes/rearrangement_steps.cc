@@ -185,17 +185,22 @@ absl::Status ChangeRasters(const RearrangedSite& site, const storage::Rearrangem
     ENFILADE_RETURN_IF_ERROR(StoreRevision(site.access, site.id, raster.map, revision, {}).status());
     site.rows.maps.at(raster.map).map.state = storage::MapState::kReady;
   }
+  for (const storage::RearrangedRaster& raster : change.rasters) {
+    MapRow& map = site.rows.maps.at(raster.map);
+    ++map.layers_version;
+    map.runs.clear();
+  }
   const auto& redirects = change.rearrangement.redirects;
   for (const auto& [session, source] : row.sources) {
     const bool disappears = std::any_of(redirects.begin(), redirects.end(),
                                         [&](const rearrange::MapRedirect& way) { return way.from == source; });
     if (disappears) continue;
     std::erase_if(site.rows.maps.at(source).layers,
-                  [&](const LayerRow& layer) { return layer.layer.session == session; });
+                  [&](const storage::MapLayer& layer) { return layer.session == session; });
   }
   for (const storage::RearrangedRaster& raster : change.rasters) {
     for (const storage::EnteringLayer& layer : raster.entering) {
-      site.rows.maps.at(raster.map).layers.push_back({site.access.NewEtag(), {layer.session, layer.raster}});
+      AddTopLayer(site.rows.maps.at(raster.map), layer.session, layer.raster);
     }
   }
   return absl::OkStatus();

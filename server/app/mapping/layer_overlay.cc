@@ -21,6 +21,17 @@ absl::StatusOr<grid::OccupancyGrid> OverlayOrTooFar(const grid::OccupancyGrid& u
 
 }  // namespace
 
+absl::StatusOr<grid::OccupancyGrid> ReadLayer(const storage::CallContext& context, const storage::BlobStore& blobs,
+                                              const SiteId& site, const storage::StoredRaster& raster,
+                                              double resolution) {
+  ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(raster.header));
+  for (const storage::TileRef& tile : raster.tiles) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, blobs.Get(context, site, tile.sha256));
+    ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, bytes));
+  }
+  return OnMapLattice(std::move(assembler).Finish(), resolution);
+}
+
 absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Compose(const storage::CallContext& context,
                                                           const storage::LayersBeside& beside,
                                                           const grid::OccupancyGrid& own) {
@@ -45,12 +56,7 @@ absl::StatusOr<const grid::OccupancyGrid*> LayerOverlay::Read(const storage::Cal
                                                               std::map<std::string, grid::OccupancyGrid>& used) {
   const std::string hash = ContentHash(layer.raster.header, layer.raster.tiles);
   if (auto known = grids_.extract(hash)) return &used.insert(std::move(known)).position->second;
-  ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(layer.raster.header));
-  for (const storage::TileRef& tile : layer.raster.tiles) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, blobs_.Get(context, site_, tile.sha256));
-    ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, bytes));
-  }
-  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(std::move(assembler).Finish(), resolution));
+  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, ReadLayer(context, blobs_, site_, layer.raster, resolution));
   return &used.insert_or_assign(hash, std::move(grid)).first->second;
 }
 

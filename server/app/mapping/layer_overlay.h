@@ -13,6 +13,11 @@
 
 namespace enfilade::server {
 
+// A layer on the lattice of the map's frame, with cells of `resolution` m. Errors as OnMapLattice; DATA_LOSS.
+absl::StatusOr<grid::OccupancyGrid> ReadLayer(const storage::CallContext& context, const storage::BlobStore& blobs,
+                                              const SiteId& site, const storage::StoredRaster& raster,
+                                              double resolution);
+
 // Overlays the layers of a map, with one session's raster among them. Caches the other layers until they change.
 class LayerOverlay {
  public:

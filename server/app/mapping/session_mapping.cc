@@ -7,6 +7,7 @@
 #include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "server/app/mapping/layer_runs.h"
 #include "server/app/mapping/raster_revision.h"
 #include "spdlog/spdlog.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr auto kMappingTimeout = std::chrono::seconds(60);
 constexpr std::int64_t kRecordPortionBytes = 128 << 10;
 // Limits how often a revision is composed again because other sessions of the map changed their layers.
-constexpr int kMaxAttempts = 100;
+constexpr int kMaxCompositions = 100;
 
 storage::CallContext MappingContext() { return storage::CallContext::WithTimeout(kMappingTimeout); }
 
@@ -182,6 +183,16 @@ absl::Status SessionMapping::Commit(const storage::SessionLease& lease, bool wit
   return absl::OkStatus();
 }
 
+absl::StatusOr<storage::LayersBeside> SessionMapping::ReadLayersBeside(double resolution) const {
+  ENFILADE_ASSIGN_OR_RETURN(storage::LayersBeside beside,
+                            stores_.revisions.ReadRunsBeside(MappingContext(), site_, map_, session_, resolution));
+  const LayerRuns runs(stores_.blobs, stores_.revisions, site_, map_);
+  while (true) {
+    ENFILADE_ASSIGN_OR_RETURN(const bool made, runs.MakeNext(MappingContext(), resolution, beside));
+    if (!made) return beside;
+  }
+}
+
 // If another session changes its layer meanwhile, composes the revision again.
 absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, const grid::OccupancyGrid& own,
                                             storage::MappingStep& step) {
@@ -190,9 +201,8 @@ absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, 
   std::set<std::string> tiles;
   for (const storage::TileRef& tile : layer.revision.tiles) tiles.insert(tile.sha256);
   absl::Status status;
-  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-    ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside beside,
-                              stores_.revisions.ReadLayersBeside(MappingContext(), site_, map_, session_));
+  for (int attempt = 0; attempt < kMaxCompositions; ++attempt) {
+    ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside beside, ReadLayersBeside(own.geometry.resolution));
     RasterRevision whole;
     whole.revision = layer.revision;
     if (!beside.below.empty() || !beside.above.empty()) {

@@ -91,6 +91,8 @@ class SessionMapping {
   absl::StatusOr<Progress> AtEndOfLog(const storage::SessionLease& lease);
   absl::Status Commit(const storage::SessionLease& lease, bool with_revision,
                       std::optional<storage::SessionState> final_state);
+  // The other layers of the map, old ones in runs.
+  absl::StatusOr<storage::LayersBeside> ReadLayersBeside(double resolution) const;
   absl::Status CommitRevision(const storage::SessionLease& lease, const grid::OccupancyGrid& own,
                               storage::MappingStep& step);
   void StorePose() const;

@@ -10,17 +10,26 @@ namespace {
 
 constexpr Statement kSelectLayersVersion{
     "reading the version of the map's layers",
-    "SELECT coalesce(max(version), 0) FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
+    "SELECT version FROM enfilade.map_layer_stacks WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kLockLayers{
+    "locking the map's layers",
+    "SELECT version FROM enfilade.map_layer_stacks WHERE site_id = $1 AND map_id = $2 FOR UPDATE"};
+// With the map's row locked, so that versions follow one another.
+constexpr Statement kRaiseLayersVersion{
+    "raising the version of the map's layers",
+    "INSERT INTO enfilade.map_layer_stacks AS s (site_id, map_id, version) VALUES ($1, $2, 1)"
+    " ON CONFLICT (site_id, map_id) DO UPDATE SET version = s.version + 1"};
+#define ENFILADE_LAYERS_VERSION "(SELECT version FROM enfilade.map_layer_stacks WHERE site_id = $1 AND map_id = $2)"
 constexpr Statement kDeleteLayers{"deleting the map's layers",
                                   "DELETE FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
 constexpr Statement kInsertImport{"storing the map's layer",
-                                  "INSERT INTO enfilade.map_layers (site_id, map_id, position, revision)"
-                                  " VALUES ($1, $2, 1, $3)"};
+                                  "INSERT INTO enfilade.map_layers (site_id, map_id, position, revision, version)"
+                                  " VALUES ($1, $2, 1, $3, " ENFILADE_LAYERS_VERSION ")"};
 constexpr Statement kUpsertLayer{
     "storing the session's layer",
-    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header)"
-    " SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, $5 FROM enfilade.map_layers"
-    " WHERE site_id = $1 AND map_id = $2"
+    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header, version)"
+    " SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, $5, " ENFILADE_LAYERS_VERSION
+    " FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"
     " ON CONFLICT (site_id, map_id, session_id) WHERE session_id IS NOT NULL DO UPDATE SET"
     " revision = excluded.revision, raster_header = excluded.raster_header, version = excluded.version"};
 // Writes only what has changed.
@@ -43,130 +52,196 @@ constexpr Statement kUpsertLayerTiles{
 // One statement: the new layer's number is known within it only.
 constexpr Statement kInsertTopLayer{
     "storing a layer",
-    "WITH l AS (INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, raster_header)"
-    "   SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4 FROM enfilade.map_layers"
+    "WITH l AS (INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, raster_header, version)"
+    "   SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, " ENFILADE_LAYERS_VERSION
+    " FROM enfilade.map_layers"
     "   WHERE site_id = $1 AND map_id = $2 RETURNING position)"
     " INSERT INTO enfilade.map_layer_tiles (site_id, map_id, position, tile_row, tile_column, sha256)"
     " SELECT $1, $2, l.position, u.* FROM l, unnest($5::integer[], $6::integer[], $7::bytea[]) u"};
 
+constexpr Statement kForgetRuns{"forgetting runs of layers",
+                                "DELETE FROM enfilade.map_layer_runs WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kForgetRunOfSession{
+    "forgetting a run of layers",
+    "DELETE FROM enfilade.map_layer_runs WHERE site_id = $1 AND map_id = $2 AND (SELECT l.position"
+    "   FROM enfilade.map_layers l WHERE l.site_id = $1 AND l.map_id = $2 AND l.session_id = $3)"
+    " BETWEEN first_position AND last_position"};
+constexpr Statement kForgetOverlappingRuns{
+    "forgetting runs of layers",
+    "DELETE FROM enfilade.map_layer_runs WHERE site_id = $1 AND map_id = $2 AND first_position <= $4"
+    " AND last_position >= $3"};
+constexpr Statement kInsertRun{
+    "storing a run of layers",
+    "INSERT INTO enfilade.map_layer_runs (site_id, map_id, first_position, last_position, resolution, reset_header,"
+    " content_header) VALUES ($1, $2, $3, $4, $5, $6, $7)"};
+constexpr Statement kInsertRunTiles{
+    "storing the tiles of a run of layers",
+    "INSERT INTO enfilade.map_layer_run_tiles (site_id, map_id, first_position, part, tile_row, tile_column, sha256)"
+    " SELECT $1, $2, $3, $4, u.* FROM unnest($5::integer[], $6::integer[], $7::bytea[]) u"};
+
+// Parts of a run, in their order.
+constexpr std::int16_t kReset = 1;
+constexpr std::int16_t kContent = 2;
+// The version, the layers, and their tiles as rows of their own, in one snapshot: from the bottom to the top, each
+// layer before its tiles. Layers in runs are not visited: only the gaps between runs are searched.
 constexpr Statement kSelectLayers{
     "reading the map's layers",
-    "SELECT l.position, l.version, l.session_id, coalesce(l.raster_header, r.raster_header)"
-    " FROM enfilade.map_layers l LEFT JOIN enfilade.map_revisions r"
-    " ON (r.site_id, r.map_id, r.revision) = (l.site_id, l.map_id, l.revision)"
-    " WHERE l.site_id = $1 AND l.map_id = $2 ORDER BY l.position"};
-constexpr Statement kSelectLayerTiles{
-    "reading the tiles of the map's layers",
-    "SELECT l.position, t.tile_row, t.tile_column, t.sha256 FROM enfilade.map_layers l"
-    " JOIN enfilade.map_revision_tiles t ON (t.site_id, t.map_id, t.revision) = (l.site_id, l.map_id, l.revision)"
-    " WHERE l.site_id = $1 AND l.map_id = $2 AND l.session_id IS DISTINCT FROM $3"
-    " UNION ALL SELECT l.position, t.tile_row, t.tile_column, t.sha256 FROM enfilade.map_layers l"
-    " JOIN enfilade.map_layer_tiles t ON (t.site_id, t.map_id, t.position) = (l.site_id, l.map_id, l.position)"
-    " WHERE l.site_id = $1 AND l.map_id = $2 AND l.session_id IS DISTINCT FROM $3 ORDER BY 1, 2, 3"};
+    "WITH runs AS MATERIALIZED (SELECT r.first_position, r.last_position, r.reset_header, r.content_header"
+    "   FROM enfilade.map_layer_runs r WHERE r.site_id = $1 AND r.map_id = $2 AND r.resolution = $4 AND NOT EXISTS ("
+    "     SELECT FROM enfilade.map_layers o WHERE o.site_id = $1 AND o.map_id = $2 AND o.session_id = $3"
+    "     AND o.position BETWEEN r.first_position AND r.last_position)),"
+    " gaps AS MATERIALIZED (SELECT coalesce(lag(last_position) OVER (ORDER BY first_position), 0) AS low,"
+    "     first_position AS high FROM runs"
+    "   UNION ALL SELECT coalesce(max(last_position), 0), 9223372036854775807 FROM runs),"
+    " single AS MATERIALIZED (SELECT l.* FROM gaps g CROSS JOIN LATERAL (SELECT position, version, session_id,"
+    "     revision, raster_header FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2 AND position > g.low"
+    "     AND position < g.high OFFSET 0) l)"
+    " SELECT 0::bigint, 0::bigint, 0, version, NULL::text, NULL::bytea, NULL::bigint, NULL::bigint,"
+    "   NULL::bytea FROM enfilade.map_layer_stacks WHERE site_id = $1 AND map_id = $2"
+    " UNION ALL SELECT l.position, l.position, 0, l.version, l.session_id, coalesce(l.raster_header, r.raster_header),"
+    "   NULL, NULL, NULL FROM single l LEFT JOIN enfilade.map_revisions r ON r.site_id = $1 AND r.map_id = $2"
+    "   AND r.revision = l.revision"
+    " UNION ALL SELECT first_position, last_position, 1, 0, NULL, reset_header, NULL, NULL, NULL FROM runs"
+    "   WHERE reset_header IS NOT NULL"
+    " UNION ALL SELECT first_position, last_position, 2, 0, NULL, content_header, NULL, NULL, NULL FROM runs"
+    " UNION ALL SELECT l.position, l.position, 0, 0, NULL, NULL, t.tile_row, t.tile_column, t.sha256 FROM single l"
+    "   JOIN enfilade.map_revision_tiles t ON t.site_id = $1 AND t.map_id = $2 AND t.revision = l.revision"
+    "   WHERE l.session_id IS DISTINCT FROM $3"
+    " UNION ALL SELECT l.position, l.position, 0, 0, NULL, NULL, t.tile_row, t.tile_column, t.sha256 FROM single l"
+    "   JOIN enfilade.map_layer_tiles t ON t.site_id = $1 AND t.map_id = $2 AND t.position = l.position"
+    "   WHERE l.session_id IS DISTINCT FROM $3"
+    " UNION ALL SELECT r.first_position, r.last_position, t.part, 0, NULL, NULL, t.tile_row, t.tile_column, t.sha256"
+    "   FROM runs r JOIN enfilade.map_layer_run_tiles t ON t.site_id = $1 AND t.map_id = $2"
+    "   AND t.first_position = r.first_position"
+    " ORDER BY 1, 3, 7 NULLS FIRST, 8"};
 
-struct LayerRow {
-  std::int64_t position = 0;
+// One row of kSelectLayers: the version (position 0), a layer, or a tile of the layer before it.
+struct LayerPart {
   std::int64_t version = 0;
   MapLayer layer;
+  std::optional<TileRef> tile;
 };
 
-LayerRow ReadLayer(Row& row) {
-  LayerRow result;
-  result.position = row.Int64();
-  result.version = row.Int64();
-  if (const auto session = row.OptionalText()) result.layer.session = SessionId(std::string(*session));
-  result.layer.raster.header = row.Bytes();
-  return result;
+LayerPart ReadLayerPart(Row& row) {
+  LayerPart part;
+  part.layer.first = row.Int64();
+  part.layer.last = row.Int64();
+  row.Int32();  // of a run: which part
+  part.version = part.layer.version = row.Int64();
+  if (const auto session = row.OptionalText()) part.layer.session = SessionId(std::string(*session));
+  if (const auto header = row.OptionalBytes()) part.layer.raster.header = *header;
+  const auto tile_row = static_cast<int>(row.OptionalInt64().value_or(0));
+  const auto tile_column = static_cast<int>(row.OptionalInt64().value_or(0));
+  if (const auto sha256 = row.OptionalBytes()) part.tile = TileRef{{tile_row, tile_column}, std::string(*sha256)};
+  return part;
 }
 
-struct TileRow {
-  std::int64_t position = 0;
-  TileRef tile;
+// Views of tiles as columns.
+struct TileColumns {
+  explicit TileColumns(const std::vector<TileRef>& tiles) {
+    for (const TileRef& tile : tiles) {
+      rows.push_back(tile.key.row);
+      columns.push_back(tile.key.column);
+      digests.push_back(Bytes{tile.sha256});
+    }
+  }
+  std::vector<std::int32_t> rows, columns;
+  std::vector<Bytes> digests;
 };
-
-TileRow ReadTile(Row& row) {
-  TileRow result;
-  result.position = row.Int64();
-  const std::int32_t tile_row = row.Int32();
-  const std::int32_t tile_column = row.Int32();
-  result.tile = {{tile_row, tile_column}, std::string(row.Bytes())};
-  return result;
-}
 
 }  // namespace
 
 absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
-                                        const SessionId& session) {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  transaction.Queue(kSelectLayers, Params(key.site, key.map));
-  transaction.Queue(kSelectLayerTiles, Params(key.site, key.map, session));
-  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<LayerRow> layers, ReadRows(results[0], ReadLayer));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<TileRow> tiles, ReadRows(results[1], ReadTile));
+                                        const SessionId& session, std::optional<double> resolution) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result result,
+                            ExecuteAlone(pool, context, kSelectLayers, Params(key.site, key.map, session, resolution)));
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<LayerPart> parts, ReadRows(result, ReadLayerPart));
   LayersBeside beside;
-  bool above = false;
-  auto tile = tiles.begin();
-  for (LayerRow& row : layers) {
-    beside.version = std::max(beside.version, row.version);
-    // Skips tiles of a layer that changed between the two statements: the version is stale then, too.
-    while (tile != tiles.end() && tile->position < row.position) ++tile;
-    for (; tile != tiles.end() && tile->position == row.position; ++tile) {
-      row.layer.raster.tiles.push_back(std::move(tile->tile));
-    }
-    if (row.layer.session == session) {
-      above = true;
+  std::vector<MapLayer>* side = &beside.below;
+  for (LayerPart& part : parts) {
+    if (part.tile) {
+      side->back().raster.tiles.push_back(*std::move(part.tile));
+    } else if (part.layer.first == 0) {
+      beside.version = part.version;
+    } else if (part.layer.session == session) {
+      side = &beside.above;  // its tiles are not read
     } else {
-      (above ? beside.above : beside.below).push_back(std::move(row.layer));
+      side->push_back(std::move(part.layer));
     }
   }
   return beside;
 }
 
+absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLayerRun& run) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result locked, transaction.Execute(kLockLayers, Params(key.site, key.map)));
+  if (locked.rows() == 0) return LayersChanged(key.site, key.map);
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+                            ReadOne(
+                                locked, [](Row& row) { return row.Int64(); }, "the layers' version"));
+  if (version != run.layers_version) return LayersChanged(key.site, key.map);
+  std::optional<Bytes> reset;
+  if (run.reset) reset = Bytes{run.reset->header};
+  transaction.Queue(kForgetOverlappingRuns, Params(key.site, key.map, run.first, run.last));
+  transaction.Queue(kInsertRun,
+                    Params(key.site, key.map, run.first, run.last, run.resolution, reset, Bytes{run.content.header}));
+  const auto queue_tiles = [&](std::int16_t part, const StoredRaster& raster) {
+    const TileColumns tiles(raster.tiles);
+    transaction.Queue(kInsertRunTiles,
+                      Params(key.site, key.map, run.first, part, tiles.rows, tiles.columns, tiles.digests));
+  };
+  if (run.reset) queue_tiles(kReset, *run.reset);
+  queue_tiles(kContent, run.content);
+  return absl::OkStatus();
+}
+
 absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision) {
   if (!revision.layers_version) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectLayersVersion, Params(key.site, key.map)));
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
-                            ReadOne(
-                                result, [](Row& row) { return row.Int64(); }, "the layers' version"));
+  std::int64_t version = 0;  // the map never had a layer
+  if (result.rows() > 0) {
+    Row row(result, 0);
+    version = row.Int64();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+  }
   return version == *revision.layers_version ? absl::OkStatus() : LayersChanged(key.site, key.map);
+}
+
+void QueueLayersChange(Transaction& transaction, const MapKey& key) {
+  transaction.Queue(kRaiseLayersVersion, Params(key.site, key.map));
+  transaction.Queue(kForgetRuns, Params(key.site, key.map));
 }
 
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   const auto& [site, map] = key;
   if (!revision.session) {
+    QueueLayersChange(transaction, key);
     transaction.Queue(kDeleteLayers, Params(site, map));
     transaction.Queue(kInsertImport, Params(site, map, number));
     return;
   }
   std::optional<std::int64_t> whole;
   std::optional<Bytes> header;
-  std::vector<std::int32_t> rows, columns;
-  std::vector<Bytes> digests;
   if (revision.layer) {
     header = Bytes{revision.layer->header};
-    for (const TileRef& tile : revision.layer->tiles) {
-      rows.push_back(tile.key.row);
-      columns.push_back(tile.key.column);
-      digests.push_back(Bytes{tile.sha256});
-    }
   } else {
     whole = number;
   }
+  const std::vector<TileRef> none;
+  const TileColumns tiles(revision.layer ? revision.layer->tiles : none);
+  transaction.Queue(kRaiseLayersVersion, Params(site, map));
+  transaction.Queue(kForgetRunOfSession, Params(site, map, revision.session));
   transaction.Queue(kUpsertLayer, Params(site, map, revision.session, whole, header));
-  transaction.Queue(kDeleteLayerTiles, Params(site, map, revision.session, rows, columns));
-  if (!rows.empty()) transaction.Queue(kUpsertLayerTiles, Params(site, map, revision.session, rows, columns, digests));
+  transaction.Queue(kDeleteLayerTiles, Params(site, map, revision.session, tiles.rows, tiles.columns));
+  if (tiles.rows.empty()) return;
+  transaction.Queue(kUpsertLayerTiles, Params(site, map, revision.session, tiles.rows, tiles.columns, tiles.digests));
 }
 
 void QueueTopLayer(Transaction& transaction, const MapKey& key, const std::optional<SessionId>& session,
                    const StoredRaster& raster) {
-  std::vector<std::int32_t> rows, columns;
-  std::vector<Bytes> digests;
-  for (const TileRef& tile : raster.tiles) {
-    rows.push_back(tile.key.row);
-    columns.push_back(tile.key.column);
-    digests.push_back(Bytes{tile.sha256});
-  }
-  transaction.Queue(kInsertTopLayer, Params(key.site, key.map, session, Bytes{raster.header}, rows, columns, digests));
+  const TileColumns tiles(raster.tiles);
+  transaction.Queue(kRaiseLayersVersion, Params(key.site, key.map));
+  transaction.Queue(kInsertTopLayer,
+                    Params(key.site, key.map, session, Bytes{raster.header}, tiles.rows, tiles.columns, tiles.digests));
 }
 
 }  // namespace enfilade::storage::postgres

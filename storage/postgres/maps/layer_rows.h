@@ -13,13 +13,20 @@
 
 namespace enfilade::storage::postgres {
 
-// As RevisionStore::ReadLayersBeside.
+// As RevisionStore::ReadRunsBeside, and as ReadLayersBeside without a resolution.
 absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
-                                        const SessionId& session);
+                                        const SessionId& session, std::optional<double> resolution);
+
+// As RevisionStore::AddRun. Partly queued, as AddRevision.
+absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLayerRun& run);
 
 // Within a transaction that has locked the map's row. LayersChanged if the revision was made from layers that have
 // changed since.
 absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision);
+
+// Whoever changes or deletes layers otherwise calls this first: raises their version, and forgets the map's runs.
+// Queued only.
+void QueueLayersChange(Transaction& transaction, const MapKey& key);
 
 // Makes the revision `number` the map's only layer (an import), or stores its session's layer. Queued only.
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number);

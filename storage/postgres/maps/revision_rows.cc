@@ -83,7 +83,8 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const MapKey&
 absl::Status ExplainRevisionError(const absl::Status& status, const SiteId& site, const MapId& map) {
   if (AreLayersChanged(status) || absl::IsNotFound(status)) return status;  // they name the map
   const std::string constraint = ConstraintOf(status);
-  if (constraint == "map_revision_tiles_site_id_sha256_fkey" || constraint == "map_layer_tiles_site_id_sha256_fkey") {
+  if (constraint == "map_revision_tiles_site_id_sha256_fkey" || constraint == "map_layer_tiles_site_id_sha256_fkey" ||
+      constraint == "map_layer_run_tiles_site_id_sha256_fkey") {
     return FailedPrecondition("a tile's blob is not stored: {}", std::string(status.message()));
   }
   if (constraint == "map_revision_tiles_pkey") {

@@ -106,7 +106,21 @@ absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& 
 
 absl::StatusOr<LayersBeside> RevisionStore::ReadLayersBeside(const CallContext& context, const SiteId& site,
                                                              const MapId& map, const SessionId& session) const {
-  return ReadLayers(pool_, context, {site, map}, session);
+  return ReadLayers(pool_, context, {site, map}, session, std::nullopt);
+}
+
+absl::StatusOr<LayersBeside> RevisionStore::ReadRunsBeside(const CallContext& context, const SiteId& site,
+                                                           const MapId& map, const SessionId& session,
+                                                           double resolution) const {
+  return ReadLayers(pool_, context, {site, map}, session, resolution);
+}
+
+absl::Status RevisionStore::AddRun(const CallContext& context, const SiteId& site, const MapId& map,
+                                   const NewLayerRun& run) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  absl::Status status = StoreRun(transaction, {site, map}, run);
+  if (status.ok()) status = transaction.FlushAndCommit().status();
+  return status.ok() ? status : ExplainRevisionError(status, site, map);
 }
 
 absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& context, const MapRevision& revision,

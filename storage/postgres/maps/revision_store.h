@@ -18,6 +18,10 @@ class RevisionStore final : public storage::RevisionStore {
                                                 std::int64_t before, int limit) const override;
   absl::StatusOr<LayersBeside> ReadLayersBeside(const CallContext& context, const SiteId& site, const MapId& map,
                                                 const SessionId& session) const override;
+  absl::StatusOr<LayersBeside> ReadRunsBeside(const CallContext& context, const SiteId& site, const MapId& map,
+                                              const SessionId& session, double resolution) const override;
+  absl::Status AddRun(const CallContext& context, const SiteId& site, const MapId& map,
+                      const NewLayerRun& run) const override;
   absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,
                                               std::optional<TileKey> after, std::int64_t max_bytes) const override;
 

@@ -149,6 +149,7 @@ absl::Status ChangeRasters(Transaction& transaction, const SiteId& site, const R
     const auto stored = StoreRevision(transaction, {site, raster.map}, revision, {}, MapState::kReady);
     if (!stored.ok()) return ExplainRevisionError(stored.status(), site, raster.map);
   }
+  for (const RearrangedRaster& raster : change.rasters) QueueLayersChange(transaction, {site, raster.map});
   transaction.Queue(kDropLeavingLayers, Params(site, change.id));
   for (const RearrangedRaster& raster : change.rasters) {
     for (const EnteringLayer& layer : raster.entering) {

@@ -183,13 +183,24 @@ constexpr Statement kReturnRobotPoses{
     " AND p.rearrangement_id = $2 AND p.kind = 3 AND t.site_id = $1 AND t.map_id = p.target"
     " AND (t.session_id = p.subject OR p.target IN (SELECT subject FROM enfilade.rearrangement_parts"
     "   WHERE site_id = $1 AND rearrangement_id = $2 AND kind = 1))"};
+constexpr Statement kRaiseLayersVersions{
+    "raising the versions of layers",
+    "INSERT INTO enfilade.map_layer_stacks AS s (site_id, map_id, version) SELECT $1, r.key, 1"
+    " FROM enfilade.rearrangement_images r WHERE r.site_id = $1 AND r.rearrangement_id = $2"
+    " AND r.relation = 'layers' AND r.before IS DISTINCT FROM r.after"
+    " ON CONFLICT (site_id, map_id) DO UPDATE SET version = s.version + 1"};
+constexpr Statement kForgetRunsOf{
+    "forgetting runs of layers",
+    "DELETE FROM enfilade.map_layer_runs l USING " ENFILADE_IMAGES(
+        "layers") " AND r.before IS DISTINCT FROM r.after AND l.site_id = $1 AND l.map_id = r.key"};
 constexpr Statement kDropLayersOf{
     "removing layers", "DELETE FROM enfilade.map_layers l USING " ENFILADE_IMAGES(
                            "layers") " AND r.before IS DISTINCT FROM r.after AND l.site_id = $1 AND l.map_id = r.key"};
 constexpr Statement kRestoreLayers{
     "restoring layers",
-    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header)"
-    " SELECT b.site_id, b.map_id, b.position, b.session_id, b.revision, b.raster_header"
+    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header, version)"
+    " SELECT b.site_id, b.map_id, b.position, b.session_id, b.revision, b.raster_header, (SELECT s.version"
+    "   FROM enfilade.map_layer_stacks s WHERE s.site_id = $1 AND s.map_id = r.key)"
     " FROM enfilade.rearrangement_images r, jsonb_array_elements(nullif(r.before, 'null')) e,"
     "   jsonb_populate_record(NULL::enfilade.map_layers, e) b WHERE r.site_id = $1 AND r.rearrangement_id = $2"
     " AND r.relation = 'layers' AND r.before IS DISTINCT FROM r.after"};
@@ -299,9 +310,9 @@ absl::Status RestoreImages(Transaction& transaction, const SiteId& site, const r
   QueueUncuts(transaction, site, id);
   for (const Statement* statement :
        {&kRestoreAnchors, &kRestoreEvidence, &kRestoreSessions, &kRestoreCheckpoints, &kRestoreSubmaps, &kRestoreNodes,
-        &kRestoreTracks, &kRestoreVerdicts, &kRestoreControlPoints, &kDropLayersOf, &kRestoreLayers,
-        &kRestoreLayerTiles, &kRestoreRevisions, &kRestoreRevisionTiles, &kRestoreCurrentRevisions,
-        &kRedirectNewMaps}) {
+        &kRestoreTracks, &kRestoreVerdicts, &kRestoreControlPoints, &kRaiseLayersVersions, &kForgetRunsOf,
+        &kDropLayersOf, &kRestoreLayers, &kRestoreLayerTiles, &kRestoreRevisions, &kRestoreRevisionTiles,
+        &kRestoreCurrentRevisions, &kRedirectNewMaps}) {
     transaction.Queue(*statement, key);
   }
   transaction.Queue(kRestoreRobotPoses, Params(site, id, NewEtag()));

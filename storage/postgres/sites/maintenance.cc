@@ -50,6 +50,7 @@ constexpr Statement kCollectBlobs{
     "  SELECT ctid FROM enfilade.blobs b WHERE b.put_time <= now() - $1 * interval '1 second'"
     "  AND NOT EXISTS (SELECT FROM enfilade.map_revision_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
     "  AND NOT EXISTS (SELECT FROM enfilade.map_layer_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.map_layer_run_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
     "  AND NOT EXISTS (SELECT FROM enfilade.session_record_blobs r"
     "    WHERE r.site_id = b.site_id AND r.sha256 = b.sha256)"
     "  AND NOT EXISTS (SELECT FROM enfilade.link_point_evidence e"

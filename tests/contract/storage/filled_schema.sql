@@ -73,9 +73,14 @@ SELECT pg_temp.fill('map_revisions', jsonb_build_object('map_id', 'm1', 'revisio
   'raster_header', '\x00', 'content_sha256', pg_temp.hash('3'), 'tile_count', 1, 'tile_bytes', 1));
 SELECT pg_temp.fill('map_revision_tiles', jsonb_build_object('map_id', 'm1', 'revision', 1, 'tile_row', 0,
   'tile_column', 0, 'sha256', pg_temp.hash('2')));
-SELECT pg_temp.fill('map_layers', '{"map_id": "m1", "position": 1, "revision": 1}');
+SELECT pg_temp.fill('map_layers', '{"map_id": "m1", "position": 1, "revision": 1, "version": 1}');
 SELECT pg_temp.fill('map_layers', '{"map_id": "m1", "position": 2, "session_id": "mapped",
-  "raster_header": "\\x00"}');
+  "raster_header": "\\x00", "version": 2}');
+SELECT pg_temp.fill('map_layer_stacks', '{"map_id": "m1", "version": 2}');
+SELECT pg_temp.fill('map_layer_runs', '{"map_id": "m1", "first_position": 1, "last_position": 2, "resolution": 0.05,
+  "content_header": "\\x00"}');
+SELECT pg_temp.fill('map_layer_run_tiles', jsonb_build_object('map_id', 'm1', 'first_position', 1, 'part', 2,
+  'tile_row', 0, 'tile_column', 0, 'sha256', pg_temp.hash('2')));
 SELECT pg_temp.fill('map_layer_tiles', jsonb_build_object('map_id', 'm1', 'position', 2, 'tile_row', 0,
   'tile_column', 0, 'sha256', pg_temp.hash('2')));
 

@@ -48,6 +48,45 @@ class MapLayerTest : public StoreContractTest {
     for (const storage::TileRef& tile : layer.raster.tiles) digests.push_back(tile.sha256);
     return digests;
   }
+  // As a mapping worker that renders `session`.
+  storage::LayersBeside WithRuns(const std::string& session, double resolution = 0.05) {
+    const auto layers = revisions_.ReadRunsBeside(Soon(), site_, map_, SessionId(session), resolution);
+    EXPECT_OK(layers);
+    return *layers;
+  }
+  // Sessions s1 to s4, each with the layer that it is named after, one above the other.
+  void AddFourLayers() {
+    NewSession("s3");
+    NewSession("s4");
+    for (const std::string name : {"s1", "s2", "s3", "s4"}) ASSERT_OK(Add(RevisionOf(SessionId(name), {name})));
+  }
+  storage::NewLayerRun RunOf(std::int64_t first, std::int64_t last) {
+    storage::NewLayerRun run;
+    run.first = first;
+    run.last = last;
+    run.resolution = 0.05;
+    run.layers_version = Beside("none").version;
+    run.reset = RasterOf({"reset"});
+    run.content = RasterOf({"content", "more"});
+    return run;
+  }
+  absl::Status AddRun(const storage::NewLayerRun& run) { return revisions_.AddRun(Soon(), site_, map_, run); }
+  // The first tile of each layer; runs in brackets.
+  static std::string Drawn(const storage::LayersBeside& beside) {
+    std::string text;
+    const auto add = [&](const std::vector<storage::MapLayer>& layers) {
+      for (const storage::MapLayer& layer : layers) {
+        for (const std::string name : {"s1", "s2", "s3", "s4", "reset", "content", "import"}) {
+          if (layer.raster.tiles.at(0).sha256 != DigestOf(name)) continue;
+          text += layer.is_run() ? "[" + name + "] " : name + " ";
+        }
+      }
+    };
+    add(beside.below);
+    text += "| ";
+    add(beside.above);
+    return text;
+  }
   static std::string DigestOf(const std::string& content) { return TestBlob(content).sha256(); }
 
   const SessionId first_ = NewSession("s1");
@@ -115,6 +154,75 @@ TEST_F(MapLayerTest, AnImportTakesTheirPlaceAndSessionsGoOnAboveIt) {
   next.layers_version = seen.version;
   ASSERT_OK(Add(next));
   EXPECT_THAT(Beside("s2").below, SizeIs(2));
+}
+
+TEST_F(MapLayerTest, ARunStandsForItsLayers) {
+  ASSERT_NO_FATAL_FAILURE(AddFourLayers());
+  const std::vector<storage::MapLayer> layers = Beside("none").below;
+  ASSERT_THAT(layers, SizeIs(4));
+  const std::int64_t version = Beside("none").version;
+  ASSERT_OK(AddRun(RunOf(layers[1].first, layers[2].last)));
+  EXPECT_EQ(Drawn(WithRuns("none")), "s1 [reset] [content] s4 | ");
+  EXPECT_EQ(Drawn(Beside("none")), "s1 s2 s3 s4 | ") << "the layers stay";
+  EXPECT_EQ(Beside("none").version, version);
+  EXPECT_EQ(WithRuns("none").version, version);
+  const storage::MapLayer content = WithRuns("none").below[2];
+  EXPECT_EQ(content.first, layers[1].first);
+  EXPECT_EQ(content.last, layers[2].last);
+  EXPECT_THAT(DigestsOf(content), ElementsAre(DigestOf("content"), DigestOf("more")));
+  EXPECT_EQ(Drawn(WithRuns("s1")), "| [reset] [content] s4 ");
+  EXPECT_EQ(Drawn(WithRuns("s4")), "s1 [reset] [content] | ");
+  EXPECT_EQ(Drawn(WithRuns("s3")), "s1 s2 | s4 ") << "it is in the run";
+  EXPECT_EQ(Drawn(WithRuns("none", 0.1)), "s1 s2 s3 s4 | ") << "the run is for other cells";
+}
+
+TEST_F(MapLayerTest, LayersSayWhenTheyLastChanged) {
+  ASSERT_NO_FATAL_FAILURE(AddFourLayers());
+  const storage::LayersBeside before = Beside("none");
+  ASSERT_OK(Add(RevisionOf(first_, {"anew"})));
+  const storage::LayersBeside after = Beside("none");
+  EXPECT_GT(after.version, before.version);
+  EXPECT_EQ(after.below[0].version, after.version);
+  EXPECT_EQ(after.below[3].version, before.version);
+  EXPECT_EQ(after.below[2].version, before.below[2].version);
+  EXPECT_LT(after.below[2].version, before.version);
+}
+
+TEST_F(MapLayerTest, ALongerRunTakesThePlaceOfAShorterOne) {
+  ASSERT_NO_FATAL_FAILURE(AddFourLayers());
+  const std::vector<storage::MapLayer> layers = Beside("none").below;
+  ASSERT_OK(AddRun(RunOf(layers[0].first, layers[1].last)));
+  ASSERT_OK(AddRun(RunOf(layers[2].first, layers[3].last)));
+  EXPECT_EQ(Drawn(WithRuns("none")), "[reset] [content] [reset] [content] | ");
+  storage::NewLayerRun whole = RunOf(layers[0].first, layers[3].last);
+  whole.reset.reset();
+  ASSERT_OK(AddRun(whole));
+  EXPECT_EQ(Drawn(WithRuns("none")), "[content] | ");
+}
+
+TEST_F(MapLayerTest, ARunIsForgottenWhenOneOfItsLayersChanges) {
+  ASSERT_NO_FATAL_FAILURE(AddFourLayers());
+  const std::vector<storage::MapLayer> layers = Beside("none").below;
+  ASSERT_OK(AddRun(RunOf(layers[0].first, layers[1].last)));
+  ASSERT_OK(AddRun(RunOf(layers[2].first, layers[3].last)));
+  ASSERT_OK(Add(RevisionOf(second_, {"s2"})));
+  EXPECT_EQ(Drawn(WithRuns("none")), "s1 s2 [reset] [content] | ");
+  ASSERT_OK(Add(RevisionOf(std::nullopt, {"import"})));
+  EXPECT_EQ(Drawn(WithRuns("none")), "import | ") << "it replaces all layers";
+}
+
+TEST_F(MapLayerTest, ARunOfOldLayersIsRefused) {
+  ASSERT_NO_FATAL_FAILURE(AddFourLayers());
+  const std::vector<storage::MapLayer> layers = Beside("none").below;
+  const storage::NewLayerRun run = RunOf(layers[0].first, layers[3].last);
+  ASSERT_OK(Add(RevisionOf(second_, {"s2 anew"})));
+  EXPECT_TRUE(storage::AreLayersChanged(AddRun(run)));
+  EXPECT_THAT(WithRuns("none").below, SizeIs(4));
+  storage::NewLayerRun missing = RunOf(layers[0].first, layers[3].last);
+  missing.content.tiles.push_back({{7, 7}, Sha256("never put")});
+  EXPECT_CODE(AddRun(missing), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(WithRuns("none").below, SizeIs(4));
+  EXPECT_TRUE(storage::AreLayersChanged(revisions_.AddRun(Soon(), site_, MapId("nowhere"), run)));
 }
 
 }  // namespace

@@ -100,5 +100,31 @@ TEST_F(RearrangementUndoTest, ChainsOfRedirectsAreFollowed) {
   ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("split")));
 }
 
+// Layers that were overlaid beforehand are looked at one by one again where one has come or gone.
+TEST_F(RearrangementUndoTest, RunsOfLayersDoNotOutliveThem) {
+  const auto layers = [&] { return revisions_.ReadRunsBeside(Soon(), site_, map_, SessionId("none"), 0.05); };
+  const auto add_run = [&] {
+    const auto beside = layers();
+    ASSERT_OK(beside);
+    ASSERT_THAT(beside->below, SizeIs(2));
+    storage::NewLayerRun run{beside->below[0].first, beside->below[1].last, 0.05, beside->version, {}, {}};
+    run.content = RasterOf({"both"});
+    ASSERT_OK(revisions_.AddRun(Soon(), site_, map_, run));
+    ASSERT_THAT(layers()->below, SizeIs(1));
+  };
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
+  ASSERT_NO_FATAL_FAILURE(add_run());
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Split()));  // s2 leaves
+  ASSERT_THAT(layers()->below, SizeIs(1));
+  EXPECT_EQ(layers()->below[0].session, s1_);
+  const std::int64_t split = layers()->version;
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("split")));
+  ASSERT_NO_FATAL_FAILURE(add_run());
+  EXPECT_GT(layers()->version, split) << "a revision of the layers that were there meanwhile is refused";
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("merge")));
+  ASSERT_THAT(layers()->below, SizeIs(1));
+  EXPECT_EQ(layers()->below[0].session, s1_);
+}
+
 }  // namespace
 }  // namespace enfilade::testing

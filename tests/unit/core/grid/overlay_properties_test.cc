@@ -79,6 +79,46 @@ TEST(OverlayOfGrids, IsTheOverlayOfTheirCells) {
   }
 }
 
+OccupancyGrid OverlayAll(const OccupancyGrid& bottom, const std::vector<OccupancyGrid>& layers) {
+  OccupancyGrid grid = bottom;
+  for (const OccupancyGrid& layer : layers) grid = *Overlay(grid, layer);
+  return grid;
+}
+
+LayerRun RunOf(const std::vector<OccupancyGrid>& layers) {
+  LayerRun run;
+  for (const OccupancyGrid& layer : layers) run = *Extend(run, layer);
+  return run;
+}
+
+TEST(LayerRuns, LieOnAnyGridAsTheirLayersDo) {
+  std::mt19937 random(5);
+  const auto any = [&] { return RandomLayer(random, 1 + static_cast<int>(random() % 20), 15); };
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<OccupancyGrid> layers;
+    for (unsigned n = 1 + random() % 6; n > 0; --n) layers.push_back(any());
+    const LayerRun run = RunOf(layers);
+    for (const OccupancyGrid& bottom : {OccupancyGrid{}, any()}) {
+      ASSERT_EQ(OverlayAll(bottom, {run.reset, run.content}), OverlayAll(bottom, layers)) << trial;
+    }
+    const std::vector<OccupancyGrid> more = {any(), any()};
+    const LayerRun longer = RunOf({run.reset, run.content, more[0], more[1]});  // a run of a run
+    layers.insert(layers.end(), more.begin(), more.end());
+    const OccupancyGrid bottom = any();
+    ASSERT_EQ(OverlayAll(bottom, {longer.reset, longer.content}), OverlayAll(bottom, layers)) << trial;
+  }
+}
+
+TEST(LayerRuns, HideWhatIsBelowOnlyWhereTheirLayersDisagree) {
+  const auto cell = [](std::uint8_t value) {
+    return OccupancyGrid{{.resolution = kLattice, .T_map_grid = {}, .width = 1, .height = 1}, {value}};
+  };
+  EXPECT_TRUE(RunOf({cell(200), cell(140)}).reset.cells.empty());
+  EXPECT_EQ(RunOf({cell(100), cell(140)}).reset, cell(127));
+  EXPECT_EQ(OverlayAll(cell(250), {cell(100), cell(140)}), cell(140)) << "not 250, the more certain one";
+  EXPECT_EQ(Extend(LayerRun{}, cell(7))->content, cell(7));
+}
+
 TEST(ResampleToLatticeProperties, IsIdempotent) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

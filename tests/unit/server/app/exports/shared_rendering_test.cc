@@ -13,6 +13,7 @@
 #include "tests/fakes/in_memory_stores.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
+#include "tests/unit/server/app/forwarding_revision_store.h"
 #include "tests/unit/server/app/test_values.h"
 
 namespace enfilade::server {
@@ -21,9 +22,9 @@ namespace {
 using ::testing::Each;
 
 // Counts the rasters that are read, and holds up the first read until a test lets it go on.
-class HeldRevisions final : public storage::RevisionStore {
+class HeldRevisions final : public ForwardingRevisionStore {
  public:
-  explicit HeldRevisions(const storage::RevisionStore& store) : store_(store) {}
+  explicit HeldRevisions(const storage::RevisionStore& store) : ForwardingRevisionStore(store) {}
   ~HeldRevisions() override { GoOn(); }
 
   int rasters_read() const { return rasters_read_; }
@@ -32,24 +33,6 @@ class HeldRevisions final : public storage::RevisionStore {
     if (!gone_on_.exchange(true)) go_on_.count_down();
   }
 
-  absl::StatusOr<storage::MapRevision> Add(const storage::CallContext& context, const SiteId& site, const MapId& map,
-                                           const storage::NewRevision& revision,
-                                           absl::Span<const storage::BlobView> blobs) const override {
-    return store_.Add(context, site, map, revision, blobs);
-  }
-  absl::StatusOr<storage::MapRevision> Get(const storage::CallContext& context, const SiteId& site, const MapId& map,
-                                           std::int64_t number) const override {
-    return store_.Get(context, site, map, number);
-  }
-  absl::StatusOr<std::vector<storage::MapRevision>> List(const storage::CallContext& context, const SiteId& site,
-                                                         const MapId& map, std::int64_t before,
-                                                         int limit) const override {
-    return store_.List(context, site, map, before, limit);
-  }
-  absl::StatusOr<storage::LayersBeside> ReadLayersBeside(const storage::CallContext& context, const SiteId& site,
-                                                         const MapId& map, const SessionId& session) const override {
-    return store_.ReadLayersBeside(context, site, map, session);
-  }
   absl::StatusOr<std::vector<storage::Tile>> ReadTiles(const storage::CallContext& context,
                                                        const storage::MapRevision& revision,
                                                        std::optional<storage::TileKey> after,
@@ -59,11 +42,10 @@ class HeldRevisions final : public storage::RevisionStore {
       go_on_.wait();
     }
     if (context.cancellation.stop_requested()) return absl::CancelledError("cancelled in the database");
-    return store_.ReadTiles(context, revision, after, max_bytes);
+    return ForwardingRevisionStore::ReadTiles(context, revision, after, max_bytes);
   }
 
  private:
-  const storage::RevisionStore& store_;
   mutable std::atomic<int> rasters_read_ = 0;
   std::atomic<bool> gone_on_ = false;
   mutable std::latch reading_{1};

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "server/app/mapping/raster_revision.h"
+#include "tests/unit/server/app/forwarding_revision_store.h"
 #include "tests/unit/server/app/mapping/mapping_fixture.h"
 
 namespace enfilade::server {
@@ -305,41 +306,21 @@ TEST_F(SessionMappingTest, ASessionWithAnEntryPoseContinuesInTheExistingMap) {
 }
 
 // Another session commits its layer between the reading of the layers and the commit.
-class RacingRevisionStore final : public storage::RevisionStore {
+class RacingRevisionStore final : public ForwardingRevisionStore {
  public:
   RacingRevisionStore(const storage::RevisionStore& store, std::function<void()> after_layers)
-      : store_(store), after_layers_(std::move(after_layers)) {}
+      : ForwardingRevisionStore(store), after_layers_(std::move(after_layers)) {}
 
-  absl::StatusOr<storage::MapRevision> Add(const storage::CallContext& context, const SiteId& site, const MapId& map,
-                                           const storage::NewRevision& revision,
-                                           absl::Span<const storage::BlobView> blobs) const override {
-    return store_.Add(context, site, map, revision, blobs);
-  }
-  absl::StatusOr<storage::MapRevision> Get(const storage::CallContext& context, const SiteId& site, const MapId& map,
-                                           std::int64_t number) const override {
-    return store_.Get(context, site, map, number);
-  }
-  absl::StatusOr<std::vector<storage::MapRevision>> List(const storage::CallContext& context, const SiteId& site,
-                                                         const MapId& map, std::int64_t before,
-                                                         int limit) const override {
-    return store_.List(context, site, map, before, limit);
-  }
-  absl::StatusOr<storage::LayersBeside> ReadLayersBeside(const storage::CallContext& context, const SiteId& site,
-                                                         const MapId& map, const SessionId& session) const override {
-    auto layers = store_.ReadLayersBeside(context, site, map, session);
+  absl::StatusOr<storage::LayersBeside> ReadRunsBeside(const storage::CallContext& context, const SiteId& site,
+                                                       const MapId& map, const SessionId& session,
+                                                       double resolution) const override {
+    auto layers = ForwardingRevisionStore::ReadRunsBeside(context, site, map, session, resolution);
     if (reads_++ == 0) after_layers_();
     return layers;
-  }
-  absl::StatusOr<std::vector<storage::Tile>> ReadTiles(const storage::CallContext& context,
-                                                       const storage::MapRevision& revision,
-                                                       std::optional<storage::TileKey> after,
-                                                       std::int64_t max_bytes) const override {
-    return store_.ReadTiles(context, revision, after, max_bytes);
   }
   int reads() const { return reads_; }
 
  private:
-  const storage::RevisionStore& store_;
   const std::function<void()> after_layers_;
   mutable int reads_ = 0;
 };
