@@ -18,9 +18,13 @@ bool IsSure(const PoseWithCovariance& pose, const DoorClosureOptions& options) {
 }
 
 std::string Describe(const PlaceEvidence& evidence, const std::optional<double>& chi2) {
-  std::string text = evidence.images ? fmt::format("images: {} matches, {}", evidence.images->matches,
-                                                   evidence.images->agree ? "agree" : "do not agree")
-                                     : "no images";
+  std::string text = "no images";
+  if (evidence.images) {
+    text = fmt::format("images: {} matches, {}", evidence.images->matches,
+                       evidence.images->agree         ? "agree"
+                       : evidence.images->other_place ? "same view, other place"
+                                                      : "do not agree");
+  }
   text += evidence.clouds ? fmt::format("; clouds: {:.0f} % alike, {}", 100.0 * evidence.clouds->inlier_share,
                                         evidence.clouds->agree ? "agree" : "do not agree")
                           : "; no clouds";

@@ -16,6 +16,7 @@ namespace enfilade::closure {
 struct ImageComparison {
   int matches = 0;  // median over the moments
   bool agree = false;
+  bool other_place = false;  // they do not agree: the same view from another place, as along a corridor
 };
 
 // The cloud kept of a place against that of now.

@@ -40,11 +40,16 @@ Points PointsOf(const std::vector<TentativeMatch>& matches, const std::vector<st
   return points;
 }
 
-// Whether the change in size and direction between a match's keypoints agrees with the homography's Jacobian there,
-// taken as a rotation with scale. This also excludes mirror images and points behind the camera.
-bool AgreesLocally(const cv::Matx33d& H, const TentativeMatch& match, const ImageMatchOptions& options) {
-  const cv::Vec3d p = H * cv::Vec3d(match.a.x(), match.a.y(), 1.0);
-  if (!(p[2] * H(2, 2) > 0.0)) return false;
+// A homography's Jacobian at a point, taken as a rotation with scale.
+struct LocalChange {
+  double octaves = 0.0;  // log2 of the scale
+  double rotation = 0.0;
+};
+
+// Nothing for mirror images and points behind the camera.
+std::optional<LocalChange> LocalChangeAt(const cv::Matx33d& H, const Eigen::Vector2f& at) {
+  const cv::Vec3d p = H * cv::Vec3d(at.x(), at.y(), 1.0);
+  if (!(p[2] * H(2, 2) > 0.0)) return std::nullopt;
   const double u = p[0] / p[2];
   const double v = p[1] / p[2];
   const double dudx = (H(0, 0) - H(2, 0) * u) / p[2];
@@ -52,11 +57,15 @@ bool AgreesLocally(const cv::Matx33d& H, const TentativeMatch& match, const Imag
   const double dvdx = (H(1, 0) - H(2, 0) * v) / p[2];
   const double dvdy = (H(1, 1) - H(2, 1) * v) / p[2];
   const double determinant = dudx * dvdy - dudy * dvdx;
-  if (!(determinant > 0.0)) return false;
-  const double octaves = 0.5 * std::log2(determinant);
-  const double rotation = std::atan2(dvdx - dudy, dudx + dvdy);
-  return std::abs(match.octaves - octaves) < options.size_tolerance &&
-         std::abs(std::remainder(match.rotation - rotation, 2.0 * std::numbers::pi)) < options.angle_tolerance;
+  if (!(determinant > 0.0)) return std::nullopt;
+  return LocalChange{0.5 * std::log2(determinant), std::atan2(dvdx - dudy, dudx + dvdy)};
+}
+
+// Whether the change in size and direction between a match's keypoints agrees with the homography there.
+bool AgreesLocally(const std::optional<LocalChange>& change, const TentativeMatch& match,
+                   const ImageMatchOptions& options) {
+  return change && std::abs(match.octaves - change->octaves) < options.size_tolerance &&
+         std::abs(std::remainder(match.rotation - change->rotation, 2.0 * std::numbers::pi)) < options.angle_tolerance;
 }
 
 Eigen::Matrix3d ToEigen(const cv::Matx33d& matrix) {
@@ -65,7 +74,7 @@ Eigen::Matrix3d ToEigen(const cv::Matx33d& matrix) {
 
 Verification VerifyPlanes(const std::vector<TentativeMatch>& matches, double tolerance_px,
                           const ImageMatchOptions& options) {
-  Verification found{std::vector<char>(matches.size(), 0), std::nullopt};
+  Verification found{std::vector<char>(matches.size(), 0), std::vector<float>(matches.size(), 0.0F), std::nullopt};
   std::vector<std::size_t> left(matches.size());
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i;
   for (int plane = 0; plane < options.max_planes && left.size() >= 4; ++plane) {
@@ -78,9 +87,11 @@ Verification VerifyPlanes(const std::vector<TentativeMatch>& matches, double tol
     std::vector<std::size_t> of_plane;
     std::vector<std::size_t> others;
     for (std::size_t k = 0; k < left.size(); ++k) {
+      const std::optional<LocalChange> change = LocalChangeAt(H_b_a, matches[left[k]].a);
       const bool fits =
-          mask.at<std::uint8_t>(static_cast<int>(k)) != 0 && AgreesLocally(H_b_a, matches[left[k]], options);
+          mask.at<std::uint8_t>(static_cast<int>(k)) != 0 && AgreesLocally(change, matches[left[k]], options);
       (fits ? of_plane : others).push_back(left[k]);
+      if (fits) found.octaves[left[k]] = static_cast<float>(change->octaves);
     }
     if (plane > 0 && of_plane.size() < static_cast<std::size_t>(options.min_plane_inliers)) break;
     for (const std::size_t i : of_plane) found.is_inlier[i] = 1;
@@ -94,7 +105,7 @@ cv::Matx33d MatrixOf(const Intrinsics& k) { return {k.fx, 0.0, k.cx, 0.0, k.fy, 
 
 Verification VerifyEpipolar(const std::vector<TentativeMatch>& matches, double tolerance_px,
                             const ImageMatchOptions& options) {
-  Verification found{std::vector<char>(matches.size(), 0), std::nullopt};
+  Verification found{std::vector<char>(matches.size(), 0), std::vector<float>(matches.size(), 0.0F), std::nullopt};
   if (matches.size() < 8) return found;
   std::vector<std::size_t> all(matches.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
@@ -110,7 +121,9 @@ Verification VerifyEpipolar(const std::vector<TentativeMatch>& matches, double t
   }
   if (model.empty() || mask.total() != matches.size()) return found;
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    if (mask.at<std::uint8_t>(static_cast<int>(i)) != 0) found.is_inlier[i] = 1;
+    if (mask.at<std::uint8_t>(static_cast<int>(i)) == 0) continue;
+    found.is_inlier[i] = 1;
+    found.octaves[i] = matches[i].octaves;
   }
   return found;
 }
@@ -119,7 +132,9 @@ Verification VerifyEpipolar(const std::vector<TentativeMatch>& matches, double t
 
 absl::StatusOr<Verification> VerifyGeometry(const std::vector<TentativeMatch>& matches, double tolerance_px,
                                             const ImageMatchOptions& options) {
-  if (options.model == GeometricModel::kNone) return Verification{std::vector<char>(matches.size(), 1), std::nullopt};
+  if (options.model == GeometricModel::kNone) {
+    return Verification{std::vector<char>(matches.size(), 1), std::vector<float>(matches.size(), 0.0F), std::nullopt};
+  }
   return GuardOpenCv("verifying matches", [&]() -> absl::StatusOr<Verification> {
     return options.model == GeometricModel::kPlanes ? VerifyPlanes(matches, tolerance_px, options)
                                                     : VerifyEpipolar(matches, tolerance_px, options);

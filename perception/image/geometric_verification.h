@@ -19,7 +19,8 @@ struct TentativeMatch {
 };
 
 struct Verification {
-  std::vector<char> is_inlier;           // per match
+  std::vector<char> is_inlier;  // per match
+  std::vector<float> octaves;   // per match: log2 of an inlier's magnification from a to b, by its plane if known
   std::optional<Eigen::Matrix3d> H_b_a;  // of the plane with the most matches; only with kPlanes
 };
 

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "perception/image/geometric_verification.h"
+#include "perception/image/shared_view.h"
 
 namespace enfilade::perception {
 namespace {
@@ -36,25 +37,26 @@ void Append(const std::vector<Keypoint>& keypoints_a, const std::vector<Keypoint
   }
 }
 
-int CountInside(const std::vector<Keypoint>& keypoints, const Eigen::Matrix3d& H, int width, int height) {
-  return static_cast<int>(std::count_if(keypoints.begin(), keypoints.end(), [&](const Keypoint& keypoint) {
-    const Eigen::Vector3d p = H * Eigen::Vector3d(keypoint.x, keypoint.y, 1.0);
-    const double x = p.x() / p.z();
-    const double y = p.y() / p.z();
-    return x >= 0.0 && y >= 0.0 && x < width && y < height;  // false for NaN
-  }));
+int CountShown(const FeatureSet& image, const FeatureSet& other, const Eigen::Matrix3d& H_other_image) {
+  const auto is_shown = [&](const Keypoint& keypoint) { return IsShownIn(other, H_other_image, keypoint); };
+  return static_cast<int>(std::count_if(image.sift.begin(), image.sift.end(), is_shown) +
+                          std::count_if(image.akaze.begin(), image.akaze.end(), is_shown));
 }
 
 // Features in the part that both images show by the plane's homography, in the image with fewer of them.
 int CountOverlap(const FeatureSet& a, const FeatureSet& b, const std::optional<Eigen::Matrix3d>& H_b_a) {
   if (!H_b_a) return static_cast<int>(std::min(a.sift.size() + a.akaze.size(), b.sift.size() + b.akaze.size()));
-  const Eigen::Matrix3d H_a_b = H_b_a->inverse();
-  return std::min(CountInside(a.sift, *H_b_a, b.width, b.height) + CountInside(a.akaze, *H_b_a, b.width, b.height),
-                  CountInside(b.sift, H_a_b, a.width, a.height) + CountInside(b.akaze, H_a_b, a.width, a.height));
+  return std::min(CountShown(a, b, *H_b_a), CountShown(b, a, H_b_a->inverse()));
 }
 
 std::string ReasonOf(const ImageMatch& match, const ImageMatchOptions& options) {
   if (match.accepted) return fmt::format("{} inliers, more than {}", match.inliers, options.threshold);
+  if (match.other_place) {
+    return fmt::format("same view, other place: {} inliers, but {}", match.inliers,
+                       match.view_share > options.min_view_share
+                           ? "what is near does not move as it does before a camera that moves"
+                           : "too few of what is near");
+  }
   const int fewest = std::min(match.features_a, match.features_b);
   if (fewest <= options.threshold) {
     return fmt::format("image {} has too little texture: {} features", match.features_a == fewest ? "A" : "B", fewest);
@@ -70,6 +72,17 @@ std::string ReasonOf(const ImageMatch& match, const ImageMatchOptions& options) 
                      options.threshold);
 }
 
+void Judge(const FeatureSet& a, const FeatureSet& b, const std::optional<Eigen::Matrix3d>& H_b_a,
+           const ImageMatchOptions& options, ImageMatch& match) {
+  match.accepted = match.inliers > options.threshold && match.inliers > options.min_share * match.overlap;
+  if (!match.accepted || options.min_view_share <= 0.0) return;
+  const SharedView view = CompareViews(a, b, match.pairs, H_b_a, options.max_octaves);
+  match.view_share = view.share;
+  if (view.shift > options.max_shift) return;
+  match.other_place = view.share <= options.min_view_share || !view.parallax_agrees;
+  match.accepted = !match.other_place;
+}
+
 }  // namespace
 
 ImageMatchOptions MapManagerImageMatchOptions() {
@@ -77,6 +90,7 @@ ImageMatchOptions MapManagerImageMatchOptions() {
   options.model = GeometricModel::kNone;
   options.threshold = 30;
   options.min_share = 0.0;
+  options.min_view_share = 0.0;
   return options;
 }
 
@@ -100,6 +114,13 @@ absl::Status Validate(const ImageMatchOptions& options) {
   if (options.threshold < 0) return InvalidArgument("threshold is {}: expected at least 0", options.threshold);
   if (!(options.min_share >= 0.0 && options.min_share < 1.0)) {
     return InvalidArgument("min_share is {}: expected a share below 1", options.min_share);
+  }
+  if (!(options.min_view_share >= 0.0 && options.min_view_share < 1.0) || !(options.max_octaves > 0.0) ||
+      !(options.max_shift >= 0.0)) {
+    return InvalidArgument(
+        "min_view_share {}, max_octaves {} and max_shift {}: expected a share below 1, a positive "
+        "number, and one that is not negative",
+        options.min_view_share, options.max_octaves, options.max_shift);
   }
   if (options.model == GeometricModel::kEssential) {
     for (const auto& camera : {options.intrinsics_a, options.intrinsics_b}) {
@@ -128,10 +149,10 @@ absl::StatusOr<ImageMatch> MatchImages(const FeatureSet& a, const FeatureSet& b,
   result.matches = static_cast<int>(matches.size());
   result.inliers = static_cast<int>(std::count(inliers.begin(), inliers.end(), 1));
   result.overlap = CountOverlap(a, b, verified.H_b_a);
-  result.accepted = result.inliers > options.threshold && result.inliers > options.min_share * result.overlap;
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    result.pairs.push_back({matches[i].a, matches[i].b, inliers[i] != 0});
+    result.pairs.push_back({matches[i].a, matches[i].b, inliers[i] != 0, verified.octaves[i]});
   }
+  Judge(a, b, verified.H_b_a, options, result);
   result.reason = ReasonOf(result, options);
   return result;
 }

@@ -46,6 +46,12 @@ struct ImageMatchOptions {
   // with fewer of them: two similar doors have many features that match, and many more that do not (Brown, Lowe 2007:
   // n_i > alpha + beta n_f).
   double min_share = 0.04;
+  // Of images that look the same way, so that inliers move by at most max_shift of the longer side on average, more
+  // than this share of the features must have an inlier of about the same size (max_octaves), the mean over the image's
+  // cells: the near field counts as what is far ahead does (shared_view.h). 0: not tested.
+  double min_view_share = 0.05;
+  double max_octaves = 0.6;
+  double max_shift = 0.125;
   std::uint32_t seed = 1;  // of RANSAC
   std::optional<Intrinsics> intrinsics_a;
   std::optional<Intrinsics> intrinsics_b;
@@ -62,14 +68,19 @@ struct PointPair {
   Eigen::Vector2f a;
   Eigen::Vector2f b;
   bool is_inlier = false;
+  float octaves = 0.0F;  // log2 of the magnification from a to b, of an inlier
 };
 
 struct ImageMatch {
   bool accepted = false;
+  // There are inliers enough, but of far parts only or without a camera's parallax: the same view from another place,
+  // such as farther along a corridor. Then not accepted.
+  bool other_place = false;
   int features_a = 0;
   int features_b = 0;
   int matches = 0;               // after ratio and mutual tests; SIFT and AKAZE at one point count once
   int inliers = 0;               // that agree on a geometry; with kNone all matches
+  double view_share = 0.0;       // with an inlier of about the same size, mean over the image's cells
   int overlap = 0;               // features in the part that both images show, in the image with fewer of them
   std::vector<PointPair> pairs;  // the matches
   std::string reason;            // human-readable

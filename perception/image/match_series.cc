@@ -10,9 +10,12 @@
 namespace enfilade::perception {
 namespace {
 
-absl::StatusOr<int> Score(const FeatureSet* stored, const FeatureSet* seen, const ImageMatchOptions& options) {
+// `other_place` becomes true if the pair is the same view from another place.
+absl::StatusOr<int> Score(const FeatureSet* stored, const FeatureSet* seen, const ImageMatchOptions& options,
+                          bool& other_place) {
   if (stored == nullptr || seen == nullptr) return 0;
   ENFILADE_ASSIGN_OR_RETURN(const ImageMatch match, MatchImages(*stored, *seen, options));
+  other_place = other_place || match.other_place;
   return match.accepted ? match.inliers : 0;
 }
 
@@ -30,11 +33,12 @@ absl::StatusOr<SeriesMatch> MatchSeries(const Views& stored, std::span<const Vie
   if (stored.front == nullptr && stored.rear == nullptr) return InvalidArgument("no image is stored to compare with");
   std::vector<int> same;
   std::vector<int> opposite;
+  bool other_place = false;
   for (const Views& seen : series) {
-    ENFILADE_ASSIGN_OR_RETURN(const int front_front, Score(stored.front, seen.front, options));
-    ENFILADE_ASSIGN_OR_RETURN(const int rear_rear, Score(stored.rear, seen.rear, options));
-    ENFILADE_ASSIGN_OR_RETURN(const int rear_front, Score(stored.rear, seen.front, options));
-    ENFILADE_ASSIGN_OR_RETURN(const int front_rear, Score(stored.front, seen.rear, options));
+    ENFILADE_ASSIGN_OR_RETURN(const int front_front, Score(stored.front, seen.front, options, other_place));
+    ENFILADE_ASSIGN_OR_RETURN(const int rear_rear, Score(stored.rear, seen.rear, options, other_place));
+    ENFILADE_ASSIGN_OR_RETURN(const int rear_front, Score(stored.rear, seen.front, options, other_place));
+    ENFILADE_ASSIGN_OR_RETURN(const int front_rear, Score(stored.front, seen.rear, options, other_place));
     same.push_back(front_front + rear_rear);
     opposite.push_back(rear_front + front_rear);
   }
@@ -48,8 +52,10 @@ absl::StatusOr<SeriesMatch> MatchSeries(const Views& stored, std::span<const Vie
     match.scores = std::move(opposite);
   }
   match.accepted = match.score > options.threshold;
-  match.reason = fmt::format("median of {} moments is {} inliers: {} {}", series.size(), match.score,
-                             match.accepted ? "more than" : "not above", options.threshold);
+  match.other_place = !match.accepted && other_place;
+  match.reason =
+      fmt::format("{}median of {} moments is {} inliers: {} {}", match.other_place ? "same view, other place: " : "",
+                  series.size(), match.score, match.accepted ? "more than" : "not above", options.threshold);
   return match;
 }
 

@@ -24,6 +24,7 @@ enum class Heading {
 
 struct SeriesMatch {
   bool accepted = false;
+  bool other_place = false;          // not accepted, and at some moment the same view from another place (ImageMatch)
   Heading heading = Heading::kSame;  // of the better hypothesis
   int score = 0;                     // median over the series; for an even number the integer mean of the middle two
   int other_score = 0;               // of the other heading

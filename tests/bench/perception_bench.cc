@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path data = argv[1];
   const nlohmann::json document = {{"corridor", MeasureCorridor(data)},
+                                   {"simulated_corridors", MeasureSimulatedCorridors()},
                                    {"wide_baselines", MeasureWideBaselines(data)},
                                    {"overlaps", MeasureOverlaps(data)},
                                    {"clouds", MeasureClouds(data)}};

@@ -17,7 +17,8 @@ nlohmann::json Time(int repeats, const std::function<void()>& work);
 // Each looks below `data` for its recordings and gives null where they are not there.
 nlohmann::json MeasureCorridor(const std::filesystem::path& data);       // images/rtabmap_samples
 nlohmann::json MeasureWideBaselines(const std::filesystem::path& data);  // images/scannet_pairs
-nlohmann::json MeasureOverlaps(const std::filesystem::path& data);       // images/sevenscenes
-nlohmann::json MeasureClouds(const std::filesystem::path& data);         // clouds/small_gicp, clouds/pcl
+nlohmann::json MeasureSimulatedCorridors();  // of the same place, and of places ahead in the same corridor
+nlohmann::json MeasureOverlaps(const std::filesystem::path& data);  // images/sevenscenes
+nlohmann::json MeasureClouds(const std::filesystem::path& data);    // clouds/small_gicp, clouds/pcl
 
 }  // namespace enfilade::bench

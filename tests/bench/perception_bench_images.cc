@@ -2,14 +2,17 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <map>
 #include <sstream>
 #include <vector>
 
+#include "fmt/format.h"
 #include "perception/image/decode.h"
 #include "perception/image/match_images.h"
 #include "tests/bench/perception_bench.h"
+#include "tests/support/corridor.h"
 
 namespace enfilade::bench {
 namespace {
@@ -83,6 +86,30 @@ nlohmann::json MeasureCorridor(const std::filesystem::path& data) {
           {"most_inliers_of_different_places", most_different},
           {"one_cached", one_cached},
           {"both_cached", both_cached}};
+}
+
+nlohmann::json MeasureSimulatedCorridors() {
+  constexpr std::uint64_t kFirst = 201000;  // not those of development and tests
+  constexpr std::uint64_t kCorridors = 40;
+  Share same;
+  std::map<std::string, Share> ahead;
+  bool accepted = false;
+  for (std::uint64_t i = 0; i < kCorridors; ++i) {
+    const testing::Corridor corridor(kFirst + 1000 * i);
+    for (std::uint64_t k = 0; k < 2; ++k) {
+      const testing::CorridorPair twice = testing::SeeSamePlaceTwice(corridor, 100 * i + k);
+      Inliers(twice.a, twice.b, accepted);
+      same.Add(accepted);
+      for (const double metres : {0.5, 1.0, 2.0, 3.0, 4.0, 6.0}) {
+        const testing::CorridorPair pair = testing::SeeFromAhead(corridor, metres, 100 * i + 50 + k);
+        Inliers(pair.a, pair.b, accepted);
+        ahead[fmt::format("{:.1f} m", metres)].Add(accepted);
+      }
+    }
+  }
+  nlohmann::json document = {{"same_place", same.json()}};
+  for (const auto& [distance, share] : ahead) document["ahead"][distance] = share.json();
+  return document;
 }
 
 nlohmann::json MeasureWideBaselines(const std::filesystem::path& data) {

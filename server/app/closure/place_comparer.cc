@@ -98,12 +98,15 @@ absl::StatusOr<closure::ImageComparison> PlaceComparer::MatchImages(
   for (const perception::FeatureSet* image : kept) {
     const Views view{.front = image, .rear = nullptr};
     ENFILADE_ASSIGN_OR_RETURN(const auto trial, perception::MatchSeries(view, first, match_options));
+    comparison.other_place = comparison.other_place || trial.other_place;
     if (std::all_of(trial.scores.begin(), trial.scores.end(), [](int score) { return score == 0; })) continue;
     ENFILADE_ASSIGN_OR_RETURN(const auto match, perception::MatchSeries(view, series, match_options));
     comparison.matches = std::max(comparison.matches, match.score);
     comparison.agree = comparison.agree || match.accepted;
+    comparison.other_place = comparison.other_place || match.other_place;
     if (comparison.agree) break;
   }
+  if (comparison.agree) comparison.other_place = false;
   return comparison;
 }
 

@@ -87,6 +87,8 @@ absl::Status RunMatchImages(const Globals& globals, const MatchImagesCommandOpti
                           {"features_a", match.features_a},
                           {"features_b", match.features_b},
                           {"overlap", match.overlap},
+                          {"view_share", match.view_share},
+                          {"other_place", match.other_place},
                           {"reason", match.reason},
                           {"seconds", seconds}});
   } else if (!globals.quiet) {
@@ -113,6 +115,10 @@ void AddMatchImages(CLI::App& match, const Globals& globals) {
   command
       ->add_option("--min-share", options->match.min_share,
                    "... and more than this share of the features in both images")
+      ->capture_default_str();
+  command
+      ->add_option("--min-view-share", options->match.min_view_share,
+                   "... of which this share, mean over the image, is of about the same size: what is near counts, too")
       ->capture_default_str();
   command->add_option("--model", options->model, "The geometry to verify: planes, fundamental, essential, none")
       ->check(CLI::IsMember(&kModels))

@@ -88,6 +88,15 @@ TEST(JudgePlace, WithoutCloudsTheGraphGivesThePoseIfItIsSure) {
   EXPECT_THAT(JudgePlace(evidence, {}).reason, HasSubstr("images alone give no pose"));
 }
 
+TEST(JudgePlace, TellsImagesOfTheSameViewFromAnotherPlace) {
+  PlaceEvidence evidence = Clear("a");
+  evidence.images = ImageComparison{.matches = 0, .agree = false, .other_place = true};
+  evidence.clouds.reset();
+  const JudgedPlace judged = JudgePlace(evidence, {});
+  EXPECT_FALSE(judged.accepted);
+  EXPECT_THAT(judged.reason, HasSubstr("same view, other place"));
+}
+
 TEST(JudgePlace, RefusesCloudsThatAreNotOfOnePlaceWhateverTheImages) {
   PlaceEvidence evidence = Clear("a");
   evidence.clouds->agree = false;

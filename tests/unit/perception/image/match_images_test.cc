@@ -10,6 +10,7 @@
 #include "perception/image/decode.h"
 #include "perception/image/draw_matches.h"
 #include "perception/image/match_series.h"
+#include "tests/support/corridor.h"
 #include "tests/support/status_assertions.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/perception/image/scenes.h"
@@ -135,12 +136,48 @@ TEST(MatchImagesTest, FindsThePlaceInAnImageOfAnotherSize) {
   }
 }
 
+// Along a corridor, what is far ahead looks the same from places metres apart: 15 of these 24 pairs have inliers
+// enough.
+TEST(MatchImagesTest, KnowsThatAViewFromFartherAlongACorridorIsOfAnotherPlace) {
+  int recalled = 0;
+  int told = 0;
+  int mistaken = 0;
+  constexpr int kCorridors = 8;
+  for (std::uint64_t i = 0; i < kCorridors; ++i) {
+    const enfilade::testing::Corridor corridor(301000 + 1000 * i);
+    const auto same = enfilade::testing::SeeSamePlaceTwice(corridor, i);
+    recalled += MatchImages(same.a, same.b).value().accepted ? 1 : 0;
+    for (const double ahead : {3.0, 4.0, 6.0}) {
+      const auto other = enfilade::testing::SeeFromAhead(corridor, ahead, 50 + i);
+      const ImageMatch match = MatchImages(other.a, other.b).value();
+      EXPECT_EQ(MatchImages(other.b, other.a).value().accepted, match.accepted) << "corridor " << i << ", " << ahead;
+      mistaken += match.accepted ? 1 : 0;
+      if (match.reason.starts_with("same view, other place")) ++told;
+      EXPECT_EQ(match.other_place, match.reason.starts_with("same view, other place")) << match.reason;
+    }
+  }
+  EXPECT_EQ(recalled, kCorridors);
+  EXPECT_EQ(mistaken, 0);
+  EXPECT_GE(told, 12);
+}
+
 TEST(MatchImagesTest, CountsAllMatchesAsMapManagerDoes) {
   const cv::Mat door = testing::DoorInTiles(10, 60);
   const ImageMatch match =
       Match(door, testing::SeenAgain(testing::DoorInTiles(60, 60), 10), MapManagerImageMatchOptions());
   EXPECT_EQ(match.inliers, match.matches);
   EXPECT_EQ(match.accepted, match.matches > 30);
+}
+
+TEST(MatchSeriesTest, SaysThatTheViewIsTheSameFromAnotherPlace) {
+  const enfilade::testing::Corridor corridor(302000);
+  const auto other = enfilade::testing::SeeFromAhead(corridor, 3.0, 51);
+  ASSERT_TRUE(MatchImages(other.a, other.b).value().other_place);
+  const std::vector<Views> series(3, Views{.front = &other.b, .rear = nullptr});
+  ASSERT_OK_AND_ASSIGN(const SeriesMatch match, MatchSeries({.front = &other.a}, series));
+  EXPECT_FALSE(match.accepted);
+  EXPECT_TRUE(match.other_place);
+  EXPECT_THAT(match.reason, HasSubstr("same view, other place"));
 }
 
 TEST(MatchImagesTest, NamesOptionsOutOfRange) {
