@@ -29,7 +29,6 @@ using Clock = std::chrono::steady_clock;
 using testing::RunCommand;
 
 constexpr double kRadius = 20.0;  // m
-constexpr std::chrono::seconds kSettleTimeout{300};
 // Of the square campus, m: ten of 100,000 link points lie within a circle of 20 m.
 const double kSide = std::sqrt(100'000 * M_PI * kRadius * kRadius / 10);
 
@@ -79,21 +78,6 @@ Response Must(const enfilade::client::Connection& connection,
   return *std::move(response);
 }
 
-// Until the server has solved the graph and has it in memory, as it has any site that is in use.
-void Settle(BenchSystem& system) {
-  const enfilade::client::Connection connection{system.server().address(), kSettleTimeout};
-  v1::OptimizeGraphRequest optimize;
-  optimize.set_site("sites/bench");
-  const std::int64_t version = Must(connection, &v1::GraphService::Stub::OptimizeGraph, optimize).graph_version();
-  v1::FindLinkPointsRequest find;
-  find.set_parent("sites/bench");
-  find.set_radius_m(kRadius);
-  find.mutable_point_world();
-  while (Must(connection, &v1::LinkPointService::Stub::FindLinkPoints, find).graph_version() < version) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-}
-
 void Populate(BenchSystem& system) {
   const std::string file = (system.directory() / "populate.sql").string();
   std::ofstream(file) << kPopulate;
@@ -101,7 +85,9 @@ void Populate(BenchSystem& system) {
   system.server().Kill();
   Run({"psql", system.database_url(), "-Xqv", "ON_ERROR_STOP=1", "-v", fmt::format("side={}", kSide), "-f", file});
   system.server().StartAndWait();
-  Settle(system);
+  system.Settle("sites/bench");
+  // The solution has written every row: SQL need not pass their old versions.
+  Run({"psql", system.database_url(), "-Xqc", "VACUUM ANALYZE"});
 }
 
 // The statement of the server, its parameters as pgbench's variables.

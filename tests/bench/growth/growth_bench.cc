@@ -41,6 +41,7 @@ nlohmann::json MeasureSite(BenchSystem& system, const std::string& site, int map
   add("StreamRecords", calls.StreamRecords(counts.reads));
   add("pose after a change", calls.PoseAfterChange(counts.writes));
   add("new room", calls.NewRoom(counts.writes));
+  calls.Settle();
   add("door verdict", calls.DoorVerdict(drive, kSessions));
   return times;
 }

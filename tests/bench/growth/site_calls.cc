@@ -63,8 +63,7 @@ SiteCalls::SiteCalls(BenchSystem& system, std::string site, int maps)
   robot.mutable_robot()->set_display_name("robot");
   const auto created = connection_.Call(&v1::RobotService::Stub::CreateRobot, robot);
   if (!created.ok() && !absl::IsAlreadyExists(created.status())) throw std::runtime_error(created.status().ToString());
-  // The graph is read once after the server has started.
-  GetGlobalPose(1);
+  Settle();
 }
 
 std::vector<double> SiteCalls::Time(int count, const std::function<void(int)>& call) {

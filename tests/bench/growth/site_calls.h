@@ -19,6 +19,9 @@ class SiteCalls {
   // `site`: one that AddSites has made.
   SiteCalls(BenchSystem& system, std::string site, int maps);
 
+  // Waits until the server has solved the graph again.
+  void Settle() { system_.Settle(parent_); }
+
   std::vector<double> GetSite(int count);
   std::vector<double> FindLinkPoints(int count);
   std::vector<double> GetGlobalPose(int count);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/support/bench_system.h"
 
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 
+#include "enfilade/v1/graph_service.grpc.pb.h"
+#include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
@@ -13,6 +17,7 @@ namespace enfilade::bench {
 namespace {
 
 constexpr char kSite[] = "sites/bench";
+constexpr std::chrono::seconds kSettleTimeout{900};
 
 template <typename T>
 T Must(absl::StatusOr<T> value) {
@@ -57,6 +62,21 @@ std::string BenchSystem::CreateMap(const std::string& display_name) {
   request.set_parent(kSite);
   request.mutable_map()->set_display_name(display_name);
   return Must(server_.Connect().Call(&v1::MapService::Stub::CreateMap, request)).map().name();
+}
+
+std::int64_t BenchSystem::Settle(const std::string& site) {
+  const client::Connection connection(server_.address(), kSettleTimeout);
+  v1::OptimizeGraphRequest optimize;
+  optimize.set_site(site);
+  const std::int64_t version = Must(connection.Call(&v1::GraphService::Stub::OptimizeGraph, optimize)).graph_version();
+  v1::FindLinkPointsRequest find;
+  find.set_parent(site);
+  find.set_radius_m(1.0);
+  find.mutable_point_world();
+  while (Must(connection.Call(&v1::LinkPointService::Stub::FindLinkPoints, find)).graph_version() < version) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return version;
 }
 
 }  // namespace enfilade::bench

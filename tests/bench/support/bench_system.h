@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ class BenchSystem {
   std::vector<std::string> CreateSessions(int count);
   // A new map's resource name.
   std::string CreateMap(const std::string& display_name);
+  // Waits until the server has solved the graph of `site` (a resource name) and has it in memory, as it has any site
+  // that is in use. Returns the solution's graph version.
+  std::int64_t Settle(const std::string& site);
 
  private:
   testing::TemporaryDirectory directory_;
