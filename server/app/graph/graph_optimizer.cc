@@ -11,6 +11,7 @@
 #include "core/base/uuid.h"
 #include "core/graph/solve/extend_solution.h"
 #include "server/app/graph/held_site_lease.h"
+#include "server/app/runtime/thread_priority.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -21,6 +22,8 @@ constexpr int kOptimisticAttempts = 3;
 // Changes come in bursts: a closure changes a link point and its evidence, and often causes the next closure.
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
 constexpr int kWorkers = 2;
+// A large graph keeps a processor busy for seconds, and calls must not feel it.
+constexpr int kNiceness = 5;
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
 constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
 // Solutions that differ by less are equal, m and rad.
@@ -92,7 +95,10 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::Call
     ENFILADE_ASSIGN_OR_RETURN(graph::SolvedGraph solution, graph::OptimizeGraph(graph->graph()));
     const absl::StatusOr<std::int64_t> version = Store(store_, context, site, *graph, solution);
     graphs_.MarkChanged(site);
-    if (version.ok()) return OptimizedGraph{*version, std::move(solution)};
+    if (version.ok()) {
+      Remember(site, graph, solution);
+      return OptimizedGraph{*version, std::move(solution)};
+    }
     if (!absl::IsAborted(version.status())) return version.status();
   }
   return SolveLocked(context, site);
@@ -116,6 +122,7 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveLocked(const storage::CallCo
 }
 
 void GraphOptimizer::Run() {
+  SetThreadNiceness(kNiceness);
   while (!stop_.WaitFor(kSettleTime)) {
     {
       MutexLock lock(mutex_);
@@ -160,6 +167,11 @@ GraphOptimizer::Solved GraphOptimizer::LastSolved(const SiteId& site) {
   return found == solved_.end() ? Solved{} : found->second;
 }
 
+void GraphOptimizer::Remember(const SiteId& site, std::shared_ptr<const SiteGraph> graph, graph::SolvedGraph solution) {
+  MutexLock lock(mutex_);
+  solved_[site] = {std::move(graph), std::make_shared<const graph::SolvedGraph>(std::move(solution))};
+}
+
 absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   const storage::CallContext context = storage::CallContext::WithTimeout(kSolveTimeout);
   const auto graph = graphs_.Get(context, site);
@@ -182,13 +194,12 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
     if (solved.ok()) solution = *std::move(solved);
   }
   if (optimized.ok()) optimized = OptimizeChanged(context, site, **graph, *solution);
-  const bool edited = absl::IsAborted(optimized);
-  if (edited) optimized = SolveAndStore(context, site).status();
-  (void)leases_.Release(context, *lease);
-  if (optimized.ok() && !edited) {
-    MutexLock lock(mutex_);
-    solved_[site] = {*graph, std::make_shared<const graph::SolvedGraph>(*std::move(solution))};
+  if (optimized.ok()) {
+    Remember(site, *graph, *std::move(solution));
+  } else if (absl::IsAborted(optimized)) {  // it was edited meanwhile
+    optimized = SolveAndStore(context, site).status();
   }
+  (void)leases_.Release(context, *lease);
   return optimized;
 }
 

@@ -71,6 +71,7 @@ class GraphOptimizer {
   absl::Status OptimizeChanged(const storage::CallContext& context, const SiteId& site, const SiteGraph& graph,
                                const graph::SolvedGraph& solution);
   Solved LastSolved(const SiteId& site);
+  void Remember(const SiteId& site, std::shared_ptr<const SiteGraph> graph, graph::SolvedGraph solution);
 
   const storage::GraphStore& store_;
   const storage::SiteLeaseStore& leases_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/runtime/executor.h"
 
-#include <sys/resource.h>
-
 #include <utility>
+
+#include "server/app/runtime/thread_priority.h"
 
 namespace enfilade::server {
 
@@ -42,8 +42,7 @@ void Executor::PostNext(std::function<void()> task) {
 }
 
 void Executor::Run() {
-  // On Linux of the calling thread only (setpriority(2), "C library/kernel differences").
-  if (niceness_ != 0) setpriority(PRIO_PROCESS, 0, niceness_);
+  SetThreadNiceness(niceness_);
   while (true) {
     std::function<void()> task;
     {

@@ -13,6 +13,31 @@ using Listening = GraphStoreProbe::Listening;
 
 constexpr auto kSiteLeaseTime = std::chrono::hours(1);
 
+// Counts how often a site is about to be solved.
+class CountingLeases final : public storage::SiteLeaseStore {
+ public:
+  explicit CountingLeases(const storage::SiteLeaseStore& leases) : leases_(leases) {}
+  int count() const { return count_; }
+
+  absl::StatusOr<std::optional<storage::SiteLease>> Acquire(const storage::CallContext& context, const SiteId& site,
+                                                            const std::string& owner,
+                                                            std::chrono::milliseconds ttl) const override {
+    ++count_;
+    return leases_.Acquire(context, site, owner, ttl);
+  }
+  absl::Status Renew(const storage::CallContext& context, const storage::SiteLease& lease,
+                     std::chrono::milliseconds ttl) const override {
+    return leases_.Renew(context, lease, ttl);
+  }
+  absl::Status Release(const storage::CallContext& context, const storage::SiteLease& lease) const override {
+    return leases_.Release(context, lease);
+  }
+
+ private:
+  const storage::SiteLeaseStore& leases_;
+  mutable std::atomic<int> count_ = 0;
+};
+
 class GraphOptimizerTest : public AppGraphTest {
  protected:
   // Doors that do not fit exactly, so that a solution differs from the chain of link points.
@@ -187,6 +212,25 @@ TEST_F(GraphOptimizerTest, ChangesThatNoSolutionDependsOnMakeNoVersion) {
   ASSERT_OK(stores_.link_points.Create(Soon(), MakeDoor(last, "ab", "a", "b", {1, 2, 3}), ""));
   AwaitSolution(last, 0);
   EXPECT_EQ(LastSolution(site_), first);
+}
+
+TEST_F(GraphOptimizerTest, TheWorkerDoesNotRepeatWhatARequestHasSolved) {
+  const CountingLeases leases(stores_.site_leases);
+  StartListening();
+  ASSERT_OK_AND_ASSIGN(const OptimizedGraph optimized, [&] {
+    optimizer_.emplace(probe_, leases, *graphs_, changed_);
+    return optimizer_->Optimize(Soon(), site_);
+  }());
+  AwaitVersion(optimized.version);
+  const int solved = leases.count();
+  const SiteId last("z");  // comes after it
+  stores_.database.AddSite(last);
+  for (const char* id : {"a", "b"}) ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(last, id), ""));
+  ASSERT_OK(stores_.link_points.Create(Soon(), MakeDoor(last, "ab", "a", "b", {1, 2, 3}), ""));
+  AwaitSolution(last, 0);
+  EXPECT_EQ(LastSolution(site_), optimized.version);
+  EXPECT_EQ(leases.count(), solved + 1);
+  optimizer_.reset();
 }
 
 TEST_F(GraphOptimizerTest, TheWorkerComesBackToASiteWhoseLeaseIsHeld) {
