@@ -23,7 +23,7 @@ constexpr int kOptimisticAttempts = 3;
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
 constexpr int kWorkers = 2;
 // A large graph keeps a processor busy for seconds, and calls must not feel it.
-constexpr int kNiceness = 5;
+constexpr int kWorkerNiceness = 5;
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
 constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
 // Solutions that differ by less are equal, m and rad.
@@ -122,7 +122,7 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveLocked(const storage::CallCo
 }
 
 void GraphOptimizer::Run() {
-  SetThreadNiceness(kNiceness);
+  SetThreadNiceness(kWorkerNiceness);
   while (!stop_.WaitFor(kSettleTime)) {
     {
       MutexLock lock(mutex_);
