@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
 #include <map>
+#include <thread>
 
 #include "core/base/sha256.h"
 #include "tests/rpc/server_test.h"
@@ -11,9 +13,15 @@ using ::testing::HasSubstr;
 
 using Files = std::map<std::string, std::string>;
 
+// Of an upload.
+struct Pace {
+  std::chrono::milliseconds pause{0};  // before each chunk
+  std::size_t chunk = 1U << 20;        // bytes
+};
+
 class MapTransferTest : public ServerTest {
  protected:
-  absl::StatusOr<v1::MapRevision> Import(const Files& files, const std::string& wrong_hash_of = "") {
+  absl::StatusOr<v1::MapRevision> Import(const Files& files, const std::string& wrong_hash_of = "", Pace pace = {}) {
     const auto stub = v1::MapService::NewStub(connection_->channel());
     grpc::ClientContext context;
     v1::ImportMapResponse response;
@@ -29,10 +37,11 @@ class MapTransferTest : public ServerTest {
     writer->Write(message);
     int index = 0;
     for (const auto& [name, bytes] : files) {
-      for (std::size_t offset = 0; offset < bytes.size(); offset += 1U << 20) {
+      for (std::size_t offset = 0; offset < bytes.size(); offset += pace.chunk) {
+        std::this_thread::sleep_for(pace.pause);
         message.mutable_chunk()->set_file(index);
         message.mutable_chunk()->set_offset(static_cast<std::int64_t>(offset));
-        message.mutable_chunk()->set_data(bytes.substr(offset, 1U << 20));
+        message.mutable_chunk()->set_data(bytes.substr(offset, pace.chunk));
         writer->Write(message);
       }
       ++index;
@@ -99,6 +108,19 @@ TEST_F(MapTransferTest, APgmComesBackBitForBit) {
   ASSERT_OK(Export("sites/s/maps/m", v1::MAP_FORMAT_PNG));
   ASSERT_OK(Export("sites/s/maps/m/revisions/1", v1::MAP_FORMAT_PGM));
   EXPECT_CODE(Export("sites/s/maps/m/revisions/2", v1::MAP_FORMAT_PGM), absl::StatusCode::kNotFound);
+}
+
+TEST_F(MapTransferTest, AnUploadMayTakeAsLongAsItMakesProgress) {
+  server::ServerOptions options = Options();
+  options.database.default_deadline_s = 1.5;
+  Restart(options);
+  const Files files{{"hall.pgm", Pgm(100, 100)}, {"hall.yaml", kYaml}};
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_OK(Import(files, "", {.pause = std::chrono::milliseconds(200), .chunk = 1000}));
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
+  EXPECT_STATUS(Import(files, "", {.pause = std::chrono::seconds(3), .chunk = 6000}),
+                absl::StatusCode::kDeadlineExceeded, HasSubstr("nothing came for 1.5 s"));
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM map_revisions"), "1");
 }
 
 TEST_F(MapTransferTest, AnExportOfANewRevisionIsNotTheOldOnes) {

@@ -12,7 +12,7 @@ namespace {
 
 class EvidenceTaker {
  public:
-  EvidenceTaker(const Services& services, const Call& call) : services_(services), call_(call) {}
+  explicit EvidenceTaker(const Services& services) : services_(services) {}
 
   absl::Status Take(const v1::AttachEvidenceRequest& request) {
     if (request.has_manifest() && !begun_) {
@@ -32,22 +32,20 @@ class EvidenceTaker {
     return absl::OkStatus();
   }
 
-  absl::Status Answer(v1::AttachEvidenceResponse& response) {
+  absl::Status Answer(const storage::CallContext& context, v1::AttachEvidenceResponse& response) {
     if (!begun_) return InvalidArgument("the first message must be the manifest");
     if (has_chunks_ && !complete_) return InvalidArgument("the chunks end before the blob does");
     if (complete_) {
       const IngestBlob blob = blob_.Take();
-      ENFILADE_RETURN_IF_ERROR(
-          services_.blobs.Put(call_.context(), name_.site, {{evidence_.content.sha256, blob.data}}));
+      ENFILADE_RETURN_IF_ERROR(services_.blobs.Put(context, name_.site, {{evidence_.content.sha256, blob.data}}));
     }
-    ENFILADE_RETURN_IF_ERROR(services_.graph_editor.PutEvidence(call_.context(), name_.site, evidence_));
+    ENFILADE_RETURN_IF_ERROR(services_.graph_editor.PutEvidence(context, name_.site, evidence_));
     *response.mutable_evidence() = ToProto(name_.site, evidence_);
     return absl::OkStatus();
   }
 
  private:
   const Services& services_;
-  const Call& call_;
   bool begun_ = false;
   bool has_chunks_ = false;
   bool complete_ = false;
@@ -60,8 +58,8 @@ class EvidenceTaker {
 
 grpc::ServerReadReactor<v1::AttachEvidenceRequest>* AttachEvidence(const Services& services, const CallEntry& entry,
                                                                    v1::AttachEvidenceResponse* response) {
-  return RunClientStream<EvidenceTaker, v1::AttachEvidenceRequest>(
-      entry, response, [&services](const Call& call) { return EvidenceTaker(services, call); });
+  return RunClientStream<EvidenceTaker, v1::AttachEvidenceRequest>(entry, response,
+                                                                   [&services] { return EvidenceTaker(services); });
 }
 
 }  // namespace enfilade::server

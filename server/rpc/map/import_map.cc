@@ -14,7 +14,7 @@ namespace {
 
 class MapImporter {
  public:
-  MapImporter(const Services& services, const Call& call) : services_(services), call_(call) {}
+  explicit MapImporter(const Services& services) : services_(services) {}
 
   absl::Status Take(const v1::ImportMapRequest& request) {
     if (request.has_chunk()) return assembly_.Add(request.chunk());
@@ -31,22 +31,21 @@ class MapImporter {
     return assembly_.Begin(manifest.files(), services_.options.transfers.max_import_bytes);
   }
 
-  absl::Status Answer(v1::ImportMapResponse& response) {
+  absl::Status Answer(const storage::CallContext& context, v1::ImportMapResponse& response) {
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, assembly_.Finish());
     ENFILADE_ASSIGN_OR_RETURN(const grid::ImportedMap imported, grid::ImportFiles(files, dialect_));
     for (const std::string& warning : imported.warnings) response.add_warnings(warning);
     ENFILADE_ASSIGN_OR_RETURN(RasterRevision raster, ToRevision(imported.raster));
     raster.revision.source = storage::RevisionSource::kImport;
-    ENFILADE_RETURN_IF_ERROR(PutTiles(call_.context(), services_.blobs, name_.site, raster, {}));
+    ENFILADE_RETURN_IF_ERROR(PutTiles(context, services_.blobs, name_.site, raster, {}));
     ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
-                              services_.revisions.Add(call_.context(), name_.site, name_.map, raster.revision, {}));
+                              services_.revisions.Add(context, name_.site, name_.map, raster.revision, {}));
     *response.mutable_revision() = ToProto(revision);
     return absl::OkStatus();
   }
 
  private:
   const Services& services_;
-  const Call& call_;
   bool begun_ = false;
   convert::MapName name_;
   grid::MapDialect dialect_ = grid::MapDialect::kNav2;
@@ -57,8 +56,8 @@ class MapImporter {
 
 grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(const Services& services, const CallEntry& entry,
                                                          v1::ImportMapResponse* response) {
-  return RunClientStream<MapImporter, v1::ImportMapRequest>(
-      entry, response, [&services](const Call& call) { return MapImporter(services, call); });
+  return RunClientStream<MapImporter, v1::ImportMapRequest>(entry, response,
+                                                            [&services] { return MapImporter(services); });
 }
 
 }  // namespace enfilade::server
