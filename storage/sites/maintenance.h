@@ -12,6 +12,12 @@ namespace postgres {
 class Pool;
 }
 
+// What a call did.
+struct BlobCollection {
+  std::int64_t looked_at = 0;  // blobs that might be unused
+  std::int64_t deleted = 0;
+};
+
 // Deletes what is no longer needed, in small transactions: each call deletes about `limit` rows at most and returns how
 // many. Call it again while it returns `limit`. An error in one site does not stop the others: it is returned, naming
 // the site, once they have nothing left to delete. Several replicas may do so at the same time. Thread-safe; errors
@@ -30,9 +36,10 @@ class Maintenance {
   absl::StatusOr<std::int64_t> DeleteExpiredUndo(const CallContext& context, std::chrono::seconds kept,
                                                  std::int64_t limit) const;
   // Blobs that nothing refers to and that were last put longer than `grace` ago: the time that a client may take from
-  // sending a blob to sending the record that refers to it.
-  absl::StatusOr<std::int64_t> CollectBlobs(const CallContext& context, std::chrono::seconds grace,
-                                            std::int64_t limit) const;
+  // sending a blob to sending the record that refers to it. Looks at no more than `limit` blobs, and at none that has
+  // been in use since it was last looked at: call it again while it looks at `limit`. Replicas look at different ones.
+  absl::StatusOr<BlobCollection> CollectBlobs(const CallContext& context, std::chrono::seconds grace,
+                                              std::int64_t limit) const;
 
  private:
   postgres::Pool& pool_;

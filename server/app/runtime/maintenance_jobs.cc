@@ -38,6 +38,18 @@ MaintenanceJob Closing(const storage::SessionStore& sessions, std::chrono::secon
           "closed"};
 }
 
+// A portion is full when it looked at many blobs, however few of them are unused.
+MaintenanceJob Collecting(const Maintenance& maintenance, Metrics& metrics) {
+  return {"blobs that may be unused",
+          [&maintenance, &metrics](const CallContext& context, std::int64_t limit) -> absl::StatusOr<std::int64_t> {
+            ENFILADE_ASSIGN_OR_RETURN(const storage::BlobCollection blobs,
+                                      maintenance.CollectBlobs(context, kBlobGrace, limit));
+            if (blobs.deleted > 0) metrics.CountRowsDeleted("unused blobs", blobs.deleted);
+            return blobs.looked_at;
+          },
+          "looked at"};
+}
+
 }  // namespace
 
 std::vector<MaintenanceJob> MaintenanceJobs(const MaintenanceStores& stores, const MaintenanceLimits& limits,
@@ -55,9 +67,7 @@ std::vector<MaintenanceJob> MaintenanceJobs(const MaintenanceStores& stores, con
                           [&maintenance, kept = limits.undo_kept](const CallContext& context, std::int64_t limit) {
                             return maintenance.DeleteExpiredUndo(context, kept, limit);
                           }));
-  jobs.push_back(Deleting("unused blobs", metrics, [&maintenance](const CallContext& context, std::int64_t limit) {
-    return maintenance.CollectBlobs(context, kBlobGrace, limit);
-  }));
+  jobs.push_back(Collecting(maintenance, metrics));
   return jobs;
 }
 

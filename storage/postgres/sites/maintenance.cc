@@ -13,6 +13,7 @@
 #include "storage/postgres/driver/delete_portion.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/sessions/session_purge.h"
+#include "storage/postgres/sites/blob_collection.h"
 
 namespace enfilade::storage {
 namespace {
@@ -44,20 +45,11 @@ constexpr Statement kMarkExpired{
     "UPDATE enfilade.sessions s SET records_deleted = true FROM enfilade.sites t"
     " WHERE t.site_id = $1 AND s.site_id = $1 AND s.finish_time <= now() - t.raw_retention_s * interval '1 second'"
     " AND s.delete_time IS NULL AND NOT s.records_deleted AND s.state IN (3, 4)"};
-constexpr Statement kCollectBlobs{
-    "collecting blobs",
-    "DELETE FROM enfilade.blobs WHERE ctid = ANY (ARRAY("
-    "  SELECT ctid FROM enfilade.blobs b WHERE b.put_time <= now() - $1 * interval '1 second'"
-    "  AND NOT EXISTS (SELECT FROM enfilade.map_revision_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
-    "  AND NOT EXISTS (SELECT FROM enfilade.map_layer_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
-    "  AND NOT EXISTS (SELECT FROM enfilade.map_layer_run_tiles t WHERE t.site_id = b.site_id AND t.sha256 = b.sha256)"
-    "  AND NOT EXISTS (SELECT FROM enfilade.session_record_blobs r"
-    "    WHERE r.site_id = b.site_id AND r.sha256 = b.sha256)"
-    "  AND NOT EXISTS (SELECT FROM enfilade.link_point_evidence e"
-    "    WHERE e.site_id = b.site_id AND e.sha256 = b.sha256)"
-    "  AND NOT EXISTS (SELECT FROM enfilade.rearrangement_blobs u"
-    "    WHERE u.site_id = b.site_id AND u.sha256 = b.sha256)"
-    "  LIMIT $2 FOR UPDATE SKIP LOCKED))"};
+constexpr Statement kListLooseBlobs{
+    "looking for unused blobs",
+    "SELECT s.site_id FROM enfilade.sites s WHERE EXISTS (SELECT FROM enfilade.loose_blobs l"
+    "   WHERE l.site_id = s.site_id AND l.since <= now() - $1 * interval '1 second')"
+    " OR EXISTS (SELECT FROM enfilade.blob_listings b WHERE b.site_id = s.site_id) ORDER BY s.site_id"};
 
 // What is purged, and where it is found.
 struct PurgeKind {
@@ -184,11 +176,24 @@ absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredUndo(const CallContext& c
   });
 }
 
-absl::StatusOr<std::int64_t> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,
-                                                       std::int64_t limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kCollectBlobs,
-                                                            Params(static_cast<std::int64_t>(grace.count()), limit)));
-  return result.affected();
+absl::StatusOr<BlobCollection> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,
+                                                         std::int64_t limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::vector<SiteId> sites,
+      ListSites(pool_, context, kListLooseBlobs, Params(static_cast<std::int64_t>(grace.count()))));
+  BlobCollection total;
+  absl::Status error;
+  for (const SiteId& site : sites) {
+    if (total.looked_at >= limit) return total;
+    const auto collected = postgres::CollectBlobsOf(pool_, context, site, grace, limit - total.looked_at);
+    if (collected.ok()) {
+      total.looked_at += collected->looked_at;
+      total.deleted += collected->deleted;
+    }
+    error.Update(WithContext(collected.status(), NameOf(site)));
+  }
+  if (!error.ok() && total.looked_at < limit) return error;
+  return total;
 }
 
 }  // namespace enfilade::storage

@@ -80,6 +80,8 @@ constexpr std::array kTables = {
     ENFILADE_OF_SITE("maps"),
     ENFILADE_OF_SITE("robots"),
     ENFILADE_OF_SITE("blobs"),
+    ENFILADE_OF_SITE("loose_blobs"),
+    ENFILADE_OF_SITE("blob_listings"),
 };
 #undef ENFILADE_OF_SITE
 constexpr auto kLast = static_cast<std::int32_t>(kFirstTable + kTables.size());

@@ -33,6 +33,9 @@ SELECT pg_temp.alter($$UPDATE enfilade.sites SET delete_time = now(), delete_act
 SELECT pg_temp.fill('robots', '{"robot_id": "r", "display_name": "R"}');
 SELECT pg_temp.fill('blobs', jsonb_build_object('sha256', pg_temp.hash(d), 'data', '\x00'))
   FROM unnest('{1,2}'::text[]) d;
+SELECT pg_temp.fill('loose_blobs', jsonb_build_object('sha256', pg_temp.hash('1'), 'since', '-infinity',
+  'entry', '00000000-0000-0000-0000-000000000001'));
+SELECT pg_temp.fill('blob_listings', '{"listed_to": "\\x"}');
 SELECT pg_temp.fill('image_features', jsonb_build_object('sha256', pg_temp.hash('1'), 'features', '\x00'));
 
 SELECT pg_temp.fill('maps', jsonb_build_object('map_id', m, 'display_name', m, 'environment', 1, 'state', 3,

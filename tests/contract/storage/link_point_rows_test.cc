@@ -145,8 +145,9 @@ TEST_F(LinkPointRowsTest, EvidenceKeepsItsBlobs) {
   EXPECT_CODE(link_points_.PutEvidence(Soon(), site_, evidence), absl::StatusCode::kInvalidArgument);
 
   storage::Maintenance maintenance(*pool_);
-  ASSERT_OK_AND_ASSIGN(const std::int64_t collected, maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
-  EXPECT_EQ(collected, 1) << "the one that was replaced";
+  ASSERT_OK_AND_ASSIGN(const storage::BlobCollection collected,
+                       maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
+  EXPECT_EQ(collected.deleted, 1) << "the one that was replaced";
   ASSERT_OK_AND_ASSIGN(const auto listed, link_points_.ListEvidence(Soon(), site_, {LinkPointId("door")}));
   ASSERT_THAT(listed, SizeIs(2));
   EXPECT_EQ(listed[0].content, rear.ref());
@@ -154,8 +155,9 @@ TEST_F(LinkPointRowsTest, EvidenceKeepsItsBlobs) {
   EXPECT_EQ(listed[1].content, cloud.ref());
   EXPECT_EQ(listed[1].encoding, 2);
   ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
-  ASSERT_OK_AND_ASSIGN(const std::int64_t freed, maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
-  EXPECT_EQ(freed, 2);
+  ASSERT_OK_AND_ASSIGN(const storage::BlobCollection freed,
+                       maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
+  EXPECT_EQ(freed.deleted, 2);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ class MaintenanceTest : public StoreTest {
   std::int64_t Collect(seconds grace) {
     const auto collected = maintenance_.CollectBlobs(Soon(), grace, 1000);
     EXPECT_OK(collected);
-    return *collected;
+    return collected->deleted;
   }
 
   storage::Maintenance maintenance_{*pool_};
@@ -193,10 +193,14 @@ TEST_F(MaintenanceTest, CollectsBlobsThatNothingRefersTo) {
 TEST_F(MaintenanceTest, PuttingABlobAgainRenewsItsGrace) {
   const TestBlob blob("content");
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
-  database_.Sql("UPDATE enfilade.blobs SET put_time = now() - interval '2 hours'");
+  database_.Sql(
+      "UPDATE enfilade.blobs SET put_time = now() - interval '2 hours';"
+      "UPDATE enfilade.loose_blobs SET since = now() - interval '2 hours'");
   ASSERT_OK(blobs_.Put(Soon(), site_, {blob.view()}));
   EXPECT_EQ(Collect(seconds(3600)), 0);
-  database_.Sql("UPDATE enfilade.blobs SET put_time = now() - interval '2 hours'");
+  database_.Sql(
+      "UPDATE enfilade.blobs SET put_time = now() - interval '2 hours';"
+      "UPDATE enfilade.loose_blobs SET since = now() - interval '2 hours'");
   EXPECT_EQ(Collect(seconds(3600)), 1);
 }
 

@@ -1,0 +1,21 @@
+-- SPDX-License-Identifier: Apache-2.0
+BEGIN;
+DELETE FROM enfilade.schema_compatibility WHERE change = 'loose_blobs';
+DROP TRIGGER list_blob ON enfilade.blobs;
+DROP TRIGGER list_blob ON enfilade.map_revision_tiles;
+DROP TRIGGER list_replaced_blob ON enfilade.map_revision_tiles;
+DROP TRIGGER list_blob ON enfilade.map_layer_tiles;
+DROP TRIGGER list_replaced_blob ON enfilade.map_layer_tiles;
+DROP TRIGGER list_blob ON enfilade.map_layer_run_tiles;
+DROP TRIGGER list_replaced_blob ON enfilade.map_layer_run_tiles;
+DROP TRIGGER list_blob ON enfilade.session_record_blobs;
+DROP TRIGGER list_replaced_blob ON enfilade.session_record_blobs;
+DROP TRIGGER list_blob ON enfilade.link_point_evidence;
+DROP TRIGGER list_replaced_blob ON enfilade.link_point_evidence;
+DROP TRIGGER list_blob ON enfilade.rearrangement_blobs;
+DROP TRIGGER list_replaced_blob ON enfilade.rearrangement_blobs;
+DROP FUNCTION enfilade.list_blob();
+DROP FUNCTION enfilade.list_new_blob();
+DROP TABLE enfilade.blob_listings;
+DROP TABLE enfilade.loose_blobs;
+COMMIT;
