@@ -63,7 +63,10 @@ class Server::Impl {
         mapping(options.mapping, slam, {mappings, records, sessions, blobs, revisions, robot_poses, maps}, *metrics,
                 [this] { doors_wake.Wake(); }),
         ingest(options.ingest, records, blobs, *metrics,
-               [this](const SiteId& site, const SessionId& session) { mapping.Wake(site, session); }) {}
+               [this](const SiteId& site, const SessionId& session) { mapping.Wake(site, session); }),
+        pose_reports(
+            robot_poses,
+            {.timeout = std::chrono::milliseconds(std::llround(options.database.default_deadline_s * 1000.0))}) {}
 
   absl::Status Start() {
     ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));
@@ -99,6 +102,7 @@ class Server::Impl {
                                                    door_verdicts,
                                                    rearrangement_store,
                                                    ingest,
+                                                   pose_reports,
                                                    mapping,
                                                    *exports,
                                                    graphs,
@@ -186,7 +190,8 @@ class Server::Impl {
     grpc->Shutdown(deadline);
     grpc->Wait();
     grpc.reset();
-    executor.Stop();  // an answered call may still be returning from its handler
+    pose_reports.Stop();  // its answers use the executor
+    executor.Stop();      // an answered call may still be returning from its handler
     bulk.Stop();
   }
 
@@ -219,6 +224,7 @@ class Server::Impl {
   Executor bulk{kBulkThreads, kMaxQueuedCalls};
   Mapping mapping;
   Ingest ingest;
+  PoseReports pose_reports;
   ChangedSites changed_sites;
   SiteGraphs graphs{graph_store, changed_sites};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};

@@ -9,6 +9,7 @@
 #include "server/app/graph/graph_optimizer.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/ingest/ingest.h"
+#include "server/app/ingest/pose_reports.h"
 #include "server/app/localization/robot_localization.h"
 #include "server/app/mapping/mapping.h"
 #include "server/app/rearrange/map_rearrangements.h"
@@ -62,6 +63,7 @@ struct Services {
   const storage::RearrangementStore& rearrangement_store;
 
   Ingest& ingest;
+  PoseReports& pose_reports;
   Mapping& mapping;
   MapExports& exports;
   SiteGraphs& graphs;

@@ -28,4 +28,8 @@ bool Replaces(const RobotPose& pose, const RobotPose& stored) {
   return stored.time == pose.time && stored.session == pose.session;
 }
 
+absl::Status RobotPoseStore::Report(const CallContext& context, const RobotPose& pose) const {
+  return ReportAll(context, {pose}).front();
+}
+
 }  // namespace enfilade::storage

@@ -41,9 +41,13 @@ class RobotPoseStore {
  public:
   virtual ~RobotPoseStore() = default;
 
-  // Keeps the latest pose: one that does not replace the stored one (Replaces) is ignored. NOT_FOUND naming the robot
-  // or map that is missing; INVALID_ARGUMENT as from Receive.
-  virtual absl::Status Report(const CallContext& context, const RobotPose& pose) const = 0;
+  // Keeps the latest pose of each robot: one that does not replace the stored one (Replaces) is ignored. All poses are
+  // of one site, and taken one after the other, in few statements. An answer for each, in their order: NOT_FOUND naming
+  // the robot or map that is missing; INVALID_ARGUMENT as from Receive. What is wrong with one does not harm others.
+  virtual std::vector<absl::Status> ReportAll(const CallContext& context,
+                                              const std::vector<RobotPose>& poses) const = 0;
+  // The same for one.
+  absl::Status Report(const CallContext& context, const RobotPose& pose) const;
   // NOT_FOUND if the robot has reported no pose.
   virtual absl::StatusOr<RobotPose> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const = 0;
   // Of all robots of the site that have reported a pose, by robot.

@@ -7,8 +7,15 @@
 
 namespace enfilade::testing {
 
-absl::Status InMemoryRobotPoseStore::Report(const storage::CallContext& context,
-                                            const storage::RobotPose& report) const {
+std::vector<absl::Status> InMemoryRobotPoseStore::ReportAll(const storage::CallContext& context,
+                                                            const std::vector<storage::RobotPose>& poses) const {
+  std::vector<absl::Status> answers;
+  for (const storage::RobotPose& pose : poses) answers.push_back(ReportOne(context, pose));
+  return answers;
+}
+
+absl::Status InMemoryRobotPoseStore::ReportOne(const storage::CallContext& context,
+                                               const storage::RobotPose& report) const {
   ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose pose, storage::Receive(report));
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_RETURN_IF_ERROR(access.GetMap(pose.site, pose.map).status());

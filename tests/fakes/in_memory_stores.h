@@ -236,13 +236,16 @@ class InMemoryRobotPoseStore final : public storage::RobotPoseStore {
  public:
   explicit InMemoryRobotPoseStore(InMemoryDatabase& database) : database_(database) {}
 
-  absl::Status Report(const storage::CallContext& context, const storage::RobotPose& pose) const override;
+  std::vector<absl::Status> ReportAll(const storage::CallContext& context,
+                                      const std::vector<storage::RobotPose>& poses) const override;
   absl::StatusOr<storage::RobotPose> Get(const storage::CallContext& context, const SiteId& site,
                                          const RobotId& robot) const override;
   absl::StatusOr<std::vector<storage::RobotPose>> List(const storage::CallContext& context,
                                                        const SiteId& site) const override;
 
  private:
+  absl::Status ReportOne(const storage::CallContext& context, const storage::RobotPose& report) const;
+
   InMemoryDatabase& database_;
 };
 

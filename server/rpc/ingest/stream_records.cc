@@ -171,15 +171,18 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
   void StorePose() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (storing_pose_ || !waiting_pose_) return;
     storing_pose_ = true;
-    call_.Continue([self = shared_from_this(), pose = *std::exchange(waiting_pose_, {})] {
-      storage::CallContext context = self->call_.StepContext();
-      context.cancellation = {};  // what was received is stored, even if the client has gone since
-      const absl::Status stored = self->services_.robot_poses.Report(context, pose);
-      MutexLock lock(self->mutex_);
-      self->storing_pose_ = false;
-      if (!stored.ok()) self->RefusePose(stored);
-      self->StorePose();
-    });
+    // What was received is stored, even if the client has gone since.
+    services_.pose_reports.Report(*std::exchange(waiting_pose_, {}), call_.context().actor,
+                                  [self = shared_from_this()](const absl::Status& stored) {
+                                    self->call_.Continue([self, stored] { self->OnPoseStored(stored); });
+                                  });
+  }
+
+  void OnPoseStored(const absl::Status& stored) {
+    MutexLock lock(mutex_);
+    storing_pose_ = false;
+    if (!stored.ok()) RefusePose(stored);
+    StorePose();
   }
 
   void RefusePose(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {

@@ -10,7 +10,7 @@ class RobotPoseStore final : public storage::RobotPoseStore {
  public:
   explicit RobotPoseStore(Pool& pool) : pool_(pool) {}
 
-  absl::Status Report(const CallContext& context, const RobotPose& pose) const override;
+  std::vector<absl::Status> ReportAll(const CallContext& context, const std::vector<RobotPose>& poses) const override;
   absl::StatusOr<RobotPose> Get(const CallContext& context, const SiteId& site, const RobotId& robot) const override;
   absl::StatusOr<std::vector<RobotPose>> List(const CallContext& context, const SiteId& site) const override;
 

@@ -84,5 +84,34 @@ TEST_F(RobotPoseStoreTest, SaysWhatIsMissingOrWrong) {
   EXPECT_CODE(robot_poses_.Report(Soon(), pose), absl::StatusCode::kInvalidArgument);
 }
 
+TEST_F(RobotPoseStoreTest, AnswersEachOfManyReports) {
+  const RobotId second("r2"), third("r3");
+  for (const RobotId& robot : {second, third}) backend_->AddRobot(site_, robot);
+  std::vector<storage::RobotPose> reports(7, At(1.0, 1'000'000'001));
+  reports[1].robot = second;
+  reports[1].map = MapId("cellar");
+  reports[2].robot = RobotId("r9");
+  reports[3].robot = second;
+  reports[3].T_map_robot.pose.x = 3.0;
+  reports[4] = At(4.0, 1'000'000'002);  // the first robot once more, and then an older pose
+  reports[5] = At(5.0, 1'000'000'000);
+  reports[6].robot = third;
+  reports[6].T_map_robot.pose.x = std::nan("");
+  const std::vector<absl::Status> answers = robot_poses_.ReportAll(Soon(), reports);
+  ASSERT_THAT(answers, SizeIs(7));
+  for (const std::size_t i : {0U, 3U, 4U, 5U}) EXPECT_OK(answers[i]) << i;
+  EXPECT_STATUS(answers[1], absl::StatusCode::kNotFound, ::testing::HasSubstr("cellar"));
+  EXPECT_STATUS(answers[2], absl::StatusCode::kNotFound, ::testing::HasSubstr("r9"));
+  EXPECT_CODE(answers[6], absl::StatusCode::kInvalidArgument);
+  ASSERT_OK_AND_ASSIGN(const auto stored, robot_poses_.List(Soon(), site_));
+  ASSERT_THAT(stored, SizeIs(2));
+  EXPECT_EQ(stored[0].T_map_robot.pose.x, 4.0);
+  EXPECT_EQ(stored[0].T_map_robot.covariance, reports[4].T_map_robot.covariance);
+  EXPECT_EQ(stored[1].robot, second);
+  EXPECT_EQ(stored[1].T_map_robot.pose.x, 3.0);
+  EXPECT_EQ(stored[1].T_map_robot.covariance, reports[3].T_map_robot.covariance);
+  EXPECT_THAT(robot_poses_.ReportAll(Soon(), {}), SizeIs(0));
+}
+
 }  // namespace
 }  // namespace enfilade::testing
