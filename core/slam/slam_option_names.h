@@ -78,6 +78,8 @@ void VisitSlamOptions(Options& o, Visit visit) {
   visit("loop.max_ambiguity", o.loop.max_ambiguity);
   visit("loop.sigma_floor", o.loop.sigma_floor);
   visit("loop.yaw_floor", o.loop.yaw_floor);
+  visit("loop.min_agreeing", o.loop.min_agreeing);
+  visit("loop.min_agreeing_length", o.loop.min_agreeing_length);
   visit("loop.cached_submaps", o.loop.cached_submaps);
   visit("graph.kernel_width", o.graph.kernel_width);
   visit("graph.max_chi2", o.graph.max_chi2);

@@ -94,6 +94,8 @@ constexpr Limits kLimits[] = {
     {"loop.max_ambiguity", 0.0, 1.0},
     {"loop.sigma_floor", 1e-4, 10.0},
     {"loop.yaw_floor", 1e-4, 1.0},
+    {"loop.min_agreeing", 2, 10'000},
+    {"loop.min_agreeing_length", 0.0, 1e4},
     {"loop.cached_submaps", 1, 1'000},
     {"graph.kernel_width", 0.01, 1'000.0},
     {"graph.max_chi2", 0.1, 1e6},

@@ -123,7 +123,10 @@ struct LoopOptions {
   // Standard deviations added to a closure's information, for the distortion of the submap.
   double sigma_floor = 0.05;  // m
   double yaw_floor = 0.01;    // rad
-  int cached_submaps = 8;     // decompressed, about 5 MB each
+  // Closures that the graph rejects hold against it if so many agree with one another, from keyframes so far apart.
+  int min_agreeing = 3;
+  double min_agreeing_length = 1.0;  // m
+  int cached_submaps = 8;            // decompressed, about 5 MB each
 };
 
 // How the pose graph is solved.

@@ -26,6 +26,7 @@ bool IsInGraph(const LoopClosure& closure) {
 
 struct Problem {
   optimize::PoseGraph graph;
+  std::map<std::size_t, std::int64_t> ties;  // edges to the next submap, and the id of their first
   std::set<std::size_t> stated;       // edges whose covariance is stated, not measured: to the existing map, while lost
   std::set<std::int64_t> free_nodes;  // keyframes with a vertex
   std::vector<std::int64_t> closures;  // ids of the edges from `first_closure` on
@@ -59,6 +60,7 @@ Problem BuildProblem(const MapperState& state, std::set<std::int64_t> free_nodes
   }
   for (const auto& [id, submap] : state.finished) {
     if (!submap.next) continue;
+    problem.ties[problem.graph.edges.size()] = id;
     if (!IsMeasured(state, id, *submap.next)) problem.stated.insert(problem.graph.edges.size());
     problem.graph.edges.push_back({SubmapVertex(id), SubmapVertex(id + 1), submap.next->T_submap_next,
                                    InMeasurementFrame(submap.next->information, submap.next->T_submap_next.yaw), false,
@@ -188,6 +190,42 @@ GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state) {
   if (!covariances.ok()) return change;
   UpdateState(*second, problem, *std::move(covariances), state, change);
   return change;
+}
+
+std::map<std::int64_t, Eigen::Matrix3d> LoosenTies(const GraphOptions& options, const std::set<std::int64_t>& trusted,
+                                                   MapperState& state) {
+  Problem problem = BuildProblem(state, state.entry ? std::set<std::int64_t>{} : std::set<std::int64_t>{0});
+  for (std::size_t i = 0; i < problem.closures.size(); ++i) {
+    optimize::PoseGraphEdge& edge = problem.graph.edges[problem.first_closure + i];
+    const bool is_trusted = trusted.contains(problem.closures[i]);
+    edge.robust = !is_trusted;
+    edge.enabled = is_trusted || state.loop_closures.at(problem.closures[i]).state == LoopClosureState::kAccepted;
+  }
+  for (const auto& [edge, id] : problem.ties) problem.graph.edges[edge].robust = true;
+  optimize::SolveOptions solve;
+  solve.initialisation = optimize::Initialisation::kNone;
+  solve.kernel = {optimize::RobustKernel::Type::kCauchy, options.kernel_width};
+  solve.max_iterations = options.max_iterations;
+  solve.fixed = {state.entry ? SubmapVertex(0) : NodeVertex(0)};
+  const absl::StatusOr<optimize::SolveReport> report = optimize::SolvePoseGraph(solve, problem.graph);
+  std::map<std::int64_t, Eigen::Matrix3d> loosened;
+  if (!report.ok()) return loosened;
+  for (const auto& [edge, id] : problem.ties) {
+    const double chi2 = report->edge_chi2[edge];
+    if (chi2 <= options.max_chi2 || problem.stated.contains(edge)) continue;
+    loosened[id] = state.finished.at(id).next->information * (3.0 / chi2);
+  }
+  for (const optimize::PoseGraphNode& vertex : problem.graph.nodes) {
+    const std::int64_t id = vertex.id / 2;
+    if (vertex.id % 2 != 0) {
+      state.nodes.at(id).T_map_node = vertex.T_world_node;
+    } else if (state.active && state.active->id == id) {
+      state.active->T_map_submap = vertex.T_world_node;
+    } else {
+      state.finished.at(id).T_map_submap = vertex.T_world_node;
+    }
+  }
+  return loosened;
 }
 
 absl::StatusOr<std::vector<Eigen::Matrix3d>> RelativeCovariances(const MapperState& state, std::int64_t from,

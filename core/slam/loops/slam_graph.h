@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -30,6 +31,13 @@ struct GraphChange {
 // A keyframe without closure has a single edge and follows its submap exactly: it is left out of the system, and its
 // pose and covariance are composed.
 GraphChange SolveSlamGraph(const GraphOptions& options, MapperState& state);
+
+// Solves the graph with the loop closures `trusted` counting fully, whatever their state, and Cauchy's kernel on the
+// ties between submaps and on the other accepted closures, so that the ties give way that fit least. Updates the poses
+// of submaps and of keyframes with closures. Returns the measured ties with a chi2 above `max_chi2`, by the id of their
+// first submap, with information by which they would have the expected chi2 of 3. Empty if it cannot be solved.
+std::map<std::int64_t, Eigen::Matrix3d> LoosenTies(const GraphOptions& options, const std::set<std::int64_t>& trusted,
+                                                   MapperState& state);
 
 // How well the graph knows where keyframes are relative to keyframe `from`: for each of `to` the covariance of
 // T_from_to in (x, y, yaw), in the frame of `from`; zero for `from` itself. The poses must be solved. INVALID_ARGUMENT:

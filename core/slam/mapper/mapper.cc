@@ -10,6 +10,7 @@
 #include "core/base/status_macros.h"
 #include "core/slam/loops/edge_information.h"
 #include "core/slam/loops/loop_closer.h"
+#include "core/slam/loops/reconsider.h"
 #include "core/slam/loops/slam_graph.h"
 #include "core/slam/loops/submap_cache.h"
 #include "core/slam/mapper/delta_tracker.h"
@@ -84,7 +85,9 @@ class Mapper::Impl {
   void Finish() {
     if (!state_.ended && state_.active) FinishActive(std::nullopt);
     state_.ended = true;
-    if (options_.match_scans) Solve();
+    if (!options_.match_scans) return;
+    Solve();
+    if (options_.close_loops) Reconsider();
   }
 
   SlamDelta TakeDelta() { return changes_.Take(state_); }
@@ -190,6 +193,7 @@ class Mapper::Impl {
     const auto nodes = static_cast<std::int64_t>(state_.nodes.size());
     if (state_.unsolved_closures && IsSolveDue(nodes, state_.nodes_at_solve, state_.urgent_closures, options_.graph)) {
       Solve();
+      Reconsider();
     }
   }
 
@@ -200,6 +204,22 @@ class Mapper::Impl {
     state_.unsolved_closures = false;
     state_.urgent_closures = false;
     if (state_.adrift_since && IsRecognised(state_, *state_.adrift_since)) state_.adrift_since.reset();
+  }
+
+  // Accepts closures that the graph has rejected and that agree with one another, set by set.
+  void Reconsider() {
+    constexpr int kMostSets = 8;
+    for (int set = 0; set < kMostSets; ++set) {
+      std::optional<Reconsidered> found = ReconsiderClosures(state_, options_, cache_);
+      if (!found) return;
+      for (const std::int64_t submap : found->contents) changes_.MarkContent(submap);
+      // Those that the graph had moved already keep their marks.
+      for (const auto& [id, submap] : found->state.finished) changes_.MarkSubmap(id);
+      for (const auto& [id, node] : found->state.nodes) changes_.MarkNode(id);
+      changes_.Mark(found->change);
+      state_ = std::move(found->state);
+      Solve();
+    }
   }
 
   SubmapContent EmptyContent() const { return {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}; }
