@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // usage: bench_migrations [RECORDS]
-// How long each migration keeps writers waiting on a database with that many records and trajectory points (default a
-// million), forward and back. Prints JSON.
+// How long each migration keeps writers waiting on a database with that many records, trajectory points, blobs and
+// tiles of revisions (default a million of each), forward and back. Prints JSON.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -39,6 +39,8 @@ constexpr Statement kWrites[] = {
      "INSERT INTO enfilade.trajectory_points (site_id, session_id, sequence, time_ns, node_id, x, y, yaw)"
      " SELECT 'a', 's0', max(sequence) + 1, 0, 0, 0, 0, 0 FROM enfilade.trajectory_points"
      " WHERE site_id = 'a' AND session_id = 's0'"},
+    {"storing a blob",
+     "INSERT INTO enfilade.blobs (site_id, sha256, data) VALUES ('a', sha256(gen_random_uuid()::text::bytea), 'x')"},
     {"counting",
      "UPDATE enfilade.sessions SET payload_bytes = payload_bytes + 1"
      " WHERE site_id = 'a' AND session_id = 's0'"},
@@ -113,6 +115,19 @@ void Fill(const testing::TestDatabase& database, std::int64_t records) {
          "SELECT 'a', 's' || s, i, i, 1, '\\x000102030405060708090a0b0c0d0e0f' " + each_record);
   insert("trajectory_points (site_id, session_id, sequence, time_ns, node_id, x, y, yaw)",
          "SELECT 'a', 's' || s, i, i, i % 100, 0, 0, 0 " + each_record);
+  const std::string digest = fmt::format("sha256((s * {} + i)::text::bytea)", kRecordsOfSession);
+  insert("blobs (site_id, sha256, data)", "SELECT 'a', " + digest + ", 'x' " + each_record);
+  insert("session_record_blobs (site_id, session_id, sequence, sha256)",
+         "SELECT 'a', 's' || s, i, " + digest + " " + each_record);
+  insert(
+      "map_revisions (site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width,"
+      " height, raster_header, content_sha256, tile_count, tile_bytes)",
+      fmt::format("SELECT 'a', 'm', s + 1, 1, 's' || s, 0.05, 0, 0, 0, 1, 1, '', sha256(s::text::bytea), {0}, {0} ",
+                  kRecordsOfSession) +
+          each_session);
+  insert("map_revision_tiles (site_id, map_id, revision, tile_row, tile_column, sha256)",
+         "SELECT 'a', 'm', s + 1, i, 0, " + digest + " " + each_record);
+  database.Sql("UPDATE enfilade.maps SET current_revision = 1, state = 3");
   database.Sql("ANALYZE");
 }
 
