@@ -22,7 +22,7 @@ CommandResult Migrate(const std::string& command, const TestDatabase& database, 
 // Everything of ours in the database, one line each.
 std::vector<std::string> Objects(const TestDatabase& database) {
   return database.Sql(
-      "SELECT format('%s %s: %s', table_name, column_name, data_type) FROM"
+      "SELECT format('%s %s: %s DEFAULT %s', table_name, column_name, data_type, column_default) FROM"
       " information_schema.columns WHERE table_schema = 'enfilade'"
       " UNION ALL SELECT pg_get_constraintdef(oid) || conname FROM pg_constraint"
       "   WHERE connamespace = to_regnamespace('enfilade')"
