@@ -36,6 +36,7 @@ namespace {
 
 constexpr std::size_t kMaxQueuedCalls = 1000;
 constexpr int kBulkThreads = 3;
+constexpr int kWatchThreads = 2;
 constexpr auto kReadinessTimeout = std::chrono::seconds(3);
 
 std::chrono::seconds WholeSeconds(double seconds) { return std::chrono::seconds(static_cast<std::int64_t>(seconds)); }
@@ -46,6 +47,16 @@ storage::postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& opti
   pool.max_connections = options.max_connections;
   pool.application_name = "enfilade-server";
   return pool;
+}
+
+std::chrono::milliseconds StepTimeout(const ServerOptions& options) {
+  return std::chrono::milliseconds(std::llround(options.database.default_deadline_s * 1000.0));
+}
+
+PoseLooks::Options PoseLooksOptionsOf(const ServerOptions& options) {
+  return {.max_per_site = options.watches.max_per_site,
+          .max_in_all = options.watches.max_in_all,
+          .timeout = StepTimeout(options)};
 }
 
 }  // namespace
@@ -66,7 +77,7 @@ class Server::Impl {
                [this](const SiteId& site, const SessionId& session) { mapping.Wake(site, session); }),
         pose_reports(
             robot_poses,
-            {.timeout = std::chrono::milliseconds(std::llround(options.database.default_deadline_s * 1000.0))}) {}
+            {.timeout = StepTimeout(options)}) {}
 
   absl::Status Start() {
     ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));
@@ -84,6 +95,7 @@ class Server::Impl {
                                                    std::chrono::steady_clock::now(),
                                                    executor,
                                                    bulk,
+                                                   watches,
                                                    *metrics,
                                                    *readiness,
                                                    sites,
@@ -106,6 +118,7 @@ class Server::Impl {
                                                    mapping,
                                                    *exports,
                                                    graphs,
+                                                   pose_looks,
                                                    graph_editor,
                                                    graph_optimizer,
                                                    map_entries,
@@ -193,6 +206,8 @@ class Server::Impl {
     pose_reports.Stop();  // its answers use the executor
     executor.Stop();      // an answered call may still be returning from its handler
     bulk.Stop();
+    pose_looks.Stop();
+    watches.Stop();
   }
 
   const ServerOptions options;
@@ -222,11 +237,13 @@ class Server::Impl {
   WakeSignal doors_wake;
   Executor executor;
   Executor bulk{kBulkThreads, kMaxQueuedCalls};
+  Executor watches{kWatchThreads, kMaxQueuedCalls};
   Mapping mapping;
   Ingest ingest;
   PoseReports pose_reports;
   ChangedSites changed_sites;
   SiteGraphs graphs{graph_store, changed_sites};
+  PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};
   const Rearranger rearranger{{sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs};

@@ -7,6 +7,7 @@
 #include "server/app/exports/map_exports.h"
 #include "server/app/graph/graph_editor.h"
 #include "server/app/graph/graph_optimizer.h"
+#include "server/app/graph/pose_looks.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/ingest/ingest.h"
 #include "server/app/ingest/pose_reports.h"
@@ -41,7 +42,8 @@ struct Services {
   const ServerOptions& options;
   std::chrono::steady_clock::time_point start_time;
   Executor& executor;
-  Executor& bulk;  // makes large answers
+  Executor& bulk;     // makes large answers
+  Executor& watches;  // makes messages of watches
   Metrics& metrics;
   const Readiness& readiness;
 
@@ -67,6 +69,7 @@ struct Services {
   Mapping& mapping;
   MapExports& exports;
   SiteGraphs& graphs;
+  PoseLooks& pose_looks;
   GraphEditor& graph_editor;
   GraphOptimizer& graph_optimizer;
   MapEntries& map_entries;

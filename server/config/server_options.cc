@@ -26,6 +26,8 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("database.url", options.database.url);
   visit("database.max_connections", options.database.max_connections);
   visit("database.default_deadline_s", options.database.default_deadline_s);
+  visit("watches.max_per_site", options.watches.max_per_site);
+  visit("watches.max_in_all", options.watches.max_in_all);
   visit("ingest.writers", options.ingest.writers);
   visit("ingest.stream_buffer_bytes", options.ingest.stream_buffer_bytes);
   visit("ingest.total_buffer_bytes", options.ingest.total_buffer_bytes);
@@ -166,6 +168,10 @@ absl::Status ServerOptions::Validate() const {
     return InvalidArgument("option listen.max_message_bytes is {}: it must be below 2 GiB", listen.max_message_bytes);
   }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("database.default_deadline_s", database.default_deadline_s, 0.001));
+  for (const auto& [key, value] : {std::pair{"watches.max_per_site", watches.max_per_site},
+                                   std::pair{"watches.max_in_all", watches.max_in_all}}) {
+    if (value < 1 || value > 100'000) return InvalidArgument("option {} is {}: expected 1 to 100000", key, value);
+  }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("ingest.writers", ingest.writers, 1));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.workers", mapping.workers, 0));
   // One for each writer, two for each mapper, one each to receive changes of graphs, to optimise graphs, to judge doors

@@ -32,6 +32,12 @@ struct ServerOptions {
     double default_deadline_s = 30.0;
   } database;
 
+  struct Watches {
+    // Streams of WatchGlobalPoses at the same time, of one site and in all, 1 to 100,000. More are refused.
+    int max_per_site = 1000;
+    int max_in_all = 4000;
+  } watches;
+
   struct Ingest {
     // Threads that write batches, each on its own connection while it writes.
     int writers = 3;

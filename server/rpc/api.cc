@@ -307,6 +307,7 @@ CallEnvironment EnvironmentOf(const Services& services) {
   const std::chrono::duration<double> timeout(services.options.database.default_deadline_s);
   return {.executor = services.executor,
           .bulk = &services.bulk,
+          .watches = &services.watches,
           .metrics = services.metrics,
           .logger = spdlog::default_logger(),
           .default_timeout = std::chrono::duration_cast<std::chrono::steady_clock::duration>(timeout),

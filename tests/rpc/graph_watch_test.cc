@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <thread>
 #include <vector>
 
+#include "storage/postgres/driver/transaction.h"
 #include "tests/rpc/graph_fixture.h"
 
 namespace enfilade::testing {
@@ -89,6 +91,71 @@ TEST_F(GraphTest, WatchersComeAndGoWhilePosesAreReported) {
   ASSERT_TRUE(stream->Read(&message));
   EXPECT_EQ(message.global_poses_size(), 1);
   context.TryCancel();
+}
+
+// However many watch a site: whether its poses are read or not, other calls have their threads.
+TEST_F(GraphTest, WatchersOfASiteShareOneLookAndLeaveOtherCallsTheirThreads) {
+  constexpr storage::postgres::Statement kLock{"locking", "LOCK TABLE enfilade.robot_poses IN ACCESS EXCLUSIVE MODE"};
+  constexpr int kWatchers = 30;  // more than the executor has threads
+  const auto count_held_up = [this] {
+    return std::stoi(database_.SqlValue(
+        "SELECT count(*) FROM pg_locks WHERE NOT granted AND relation = 'enfilade.robot_poses'::regclass"));
+  };
+  AwaitSolution();
+  Report("b", {1, 0, 0}, 1'000'000'000);
+  auto lock = storage::postgres::Transaction::Begin(*pool_, Soon());
+  ASSERT_OK(lock);
+  ASSERT_OK(lock->Execute(kLock, storage::postgres::Params()));
+  const auto stub = v1::GraphService::NewStub(connection_->channel());
+  std::vector<std::unique_ptr<grpc::ClientContext>> contexts;
+  std::vector<std::unique_ptr<grpc::ClientReader<v1::WatchGlobalPosesResponse>>> streams;
+  for (int i = 0; i < kWatchers; ++i) {
+    contexts.push_back(std::make_unique<grpc::ClientContext>());
+    streams.push_back(stub->WatchGlobalPoses(contexts.back().get(), WatchRequest()));
+  }
+  while (count_held_up() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const client::Connection quick(server_->address(), std::chrono::seconds(10));
+  v1::GetSiteRequest request;
+  request.set_name("sites/s");
+  for (int i = 0; i < 50; ++i) ASSERT_OK(quick.Call(&v1::SiteService::Stub::GetSite, request));
+  EXPECT_EQ(count_held_up(), 1) << "one look for all";
+  lock = absl::CancelledError("no longer locked");
+  for (int i = 0; i < kWatchers; ++i) {
+    v1::WatchGlobalPosesResponse message;
+    EXPECT_TRUE(streams[static_cast<std::size_t>(i)]->Read(&message));
+    EXPECT_EQ(message.global_poses_size(), 1);
+    contexts[static_cast<std::size_t>(i)]->TryCancel();
+  }
+}
+
+TEST_F(GraphTest, TooManyWatchersAreToldToTryAgain) {
+  server::ServerOptions options = Options();
+  options.watches.max_per_site = 2;
+  Restart(options);
+  const auto stub = v1::GraphService::NewStub(connection_->channel());
+  v1::WatchGlobalPosesResponse message;
+  const auto open = [&](grpc::ClientContext& context) { return stub->WatchGlobalPoses(&context, WatchRequest()); };
+  grpc::ClientContext contexts[3];
+  const auto first = open(contexts[0]);
+  const auto second = open(contexts[1]);
+  ASSERT_TRUE(first->Read(&message));
+  ASSERT_TRUE(second->Read(&message));
+  const auto refused = open(contexts[2]);
+  EXPECT_FALSE(refused->Read(&message));
+  const grpc::Status status = refused->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(status.error_message(), ::testing::HasSubstr("try again in a minute"));
+  contexts[0].TryCancel();
+  first->Finish();
+  bool admitted = false;
+  for (int i = 0; i < 1000 && !admitted; ++i) {
+    grpc::ClientContext context;
+    admitted = open(context)->Read(&message);
+    context.TryCancel();
+    if (!admitted) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_TRUE(admitted);
+  contexts[1].TryCancel();
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ struct CallEnvironment {
   Executor& executor;
   // Makes large answers: few threads, so that they leave processors to other calls. Null: `executor`.
   Executor* bulk = nullptr;
+  // Makes messages of watches, however many there are, so that other calls do not wait for them. Null: `executor`.
+  Executor* watches = nullptr;
   Metrics& metrics;
   std::shared_ptr<spdlog::logger> logger;
   // Of a call whose client set no deadline, and of each step of an open-ended stream.
@@ -97,6 +99,10 @@ class Call {
 
   // The same for making messages of a stream that the server sends.
   void ContinueBulk(std::function<void()> step) const { bulk_executor().PostNext(std::move(step)); }
+  // The same for a watch.
+  void ContinueWatch(std::function<void()> step) const {
+    (environment_.watches != nullptr ? *environment_.watches : environment_.executor).PostNext(std::move(step));
+  }
 
   // Counts the call, and logs it if it failed. Call it once, right before the client gets the status.
   void Finish(const absl::Status& status) const;

@@ -22,14 +22,19 @@ namespace enfilade::server {
 template <typename Response>
 struct Watch {
   std::chrono::steady_clock::duration period{};  // from one check for changes to the next; positive
+  // Once, before the first check, on the executor in the call's turn. It may wait. Null: nothing.
+  std::function<absl::Status(const storage::CallContext&)> open = nullptr;
+  // Before each check: calls `then` once, from any thread, with whether there may be something to send, or with the
+  // error that ends the stream. Must not wait. Null: every check is made.
+  std::function<void(std::function<void(const absl::StatusOr<bool>&)> then)> look = nullptr;
   // Writes what changed since the last check into the message, which may hold an earlier one. False: nothing to send.
-  // Runs on the executor, one check at a time.
+  // One check at a time, on the threads of watches. While a client does not read, nothing is checked.
   std::function<absl::StatusOr<bool>(const storage::CallContext&, Response&)> check;
   std::function<bool()> stopping;  // the server shuts down: the stream ends with UNAVAILABLE
 };
 
-// Checks, writes, waits for the rest of the period, and so on: one of these at any time, which ends the stream if it
-// has to end.
+// Looks, checks, writes, waits for the rest of the period, and so on: one of these at any time, which ends the stream
+// if it has to end.
 template <typename Response>
 class WatchReactor final : public grpc::ServerWriteReactor<Response> {
  public:
@@ -39,7 +44,7 @@ class WatchReactor final : public grpc::ServerWriteReactor<Response> {
     absl::StatusOr<Watch<Response>> watch = open(call_, request);
     if (watch.ok()) {
       watch_ = *std::move(watch);
-      QueueCheck();
+      Begin();
     } else {
       End(watch.status());
     }
@@ -65,13 +70,29 @@ class WatchReactor final : public grpc::ServerWriteReactor<Response> {
 
   static absl::Status ClientHasGone() { return absl::CancelledError("the client has gone"); }
 
+  void Begin() {
+    if (!watch_.open) return Look();
+    call_.RunStep([this](const absl::Status& admitted, const storage::CallContext& context) {
+      const absl::Status status = admitted.ok() ? watch_.open(context) : admitted;
+      status.ok() ? Look() : End(status);
+    });
+  }
+
+  void Look() {
+    if (const absl::Status status = call_.CheckSite(); !status.ok()) return End(status);
+    due_ = std::chrono::steady_clock::now() + watch_.period;
+    if (!watch_.look) return QueueCheck();
+    watch_.look([this](const absl::StatusOr<bool>& news) {
+      if (!news.ok()) return End(news.status());
+      *news ? QueueCheck() : Wait();
+    });
+  }
+
   void QueueCheck() {
-    call_.Continue([this] { Check(); });
+    call_.ContinueWatch([this] { Check(); });
   }
 
   void Check() {
-    if (const absl::Status status = call_.CheckSite(); !status.ok()) return End(status);
-    due_ = std::chrono::steady_clock::now() + watch_.period;
     const absl::StatusOr<bool> changed = watch_.check(call_.StepContext(), message_);
     if (!changed.ok()) return End(changed.status());
     if (!*changed) return Wait();
@@ -102,7 +123,7 @@ class WatchReactor final : public grpc::ServerWriteReactor<Response> {
       due = !gone_ && std::chrono::steady_clock::now() >= due_;
     }
     if (!due) return Wait();
-    QueueCheck();
+    Look();
   }
 
   void End(const absl::Status& status) {

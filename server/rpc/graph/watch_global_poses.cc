@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -13,7 +14,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
-#include "server/app/graph/pose_updates.h"
+#include "server/app/graph/pose_looks.h"
 #include "server/rpc/graph/get_global_pose.h"
 
 namespace enfilade::server {
@@ -25,6 +26,8 @@ struct PoseWatch {
   SiteId site;
   std::set<RobotId> robots;  // empty: all
   PoseUpdates updates;
+  PoseLooks::Watcher watcher;
+  std::shared_ptr<const SitePoses> poses = nullptr;  // of the last look
   bool first = true;
 };
 
@@ -48,24 +51,24 @@ absl::StatusOr<std::set<RobotId>> RobotsOf(const SiteId& site, const v1::WatchGl
   return robots;
 }
 
-// The first message answers also if there is nothing to report: it has the graph version and the resume token.
-absl::StatusOr<bool> Check(const Services& services, const storage::CallContext& context, PoseWatch& watch,
-                           v1::WatchGlobalPosesResponse& response) {
-  if (watch.first) {
-    for (const RobotId& robot : watch.robots) {
-      ENFILADE_RETURN_IF_ERROR(services.robots.Get(context, watch.site, robot).status());
-    }
+absl::Status CheckRobots(const Services& services, const storage::CallContext& context, const PoseWatch& watch) {
+  for (const RobotId& robot : watch.robots) {
+    ENFILADE_RETURN_IF_ERROR(services.robots.Get(context, watch.site, robot).status());
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(context, watch.site));
-  ENFILADE_ASSIGN_OR_RETURN(const auto reports, services.robot_poses.List(context, watch.site));
-  ENFILADE_ASSIGN_OR_RETURN(const auto updates, watch.updates.Next(*graph, reports));
+  return absl::OkStatus();
+}
+
+// The first message answers also if there is nothing to report: it has the graph version and the resume token.
+bool Check(PoseWatch& watch, v1::WatchGlobalPosesResponse& response) {
+  const std::vector<const SitePoses::OfRobot*> updates = watch.updates.Next(*watch.poses);
+  const std::int64_t graph_version = watch.poses->graph_version();
   response.Clear();
-  for (const PoseUpdates::Update& update : updates) {
+  for (const SitePoses::OfRobot* update : updates) {
     v1::GlobalPose& pose = *response.add_global_poses();
-    pose = server::ToProto(update.report, update.pose, graph->graph().version());
+    pose = server::ToProto(update->report, update->pose, graph_version);
     pose.clear_hops();
   }
-  response.set_graph_version(graph->graph().version());
+  response.set_graph_version(graph_version);
   response.set_resume_token(ToResumeToken(watch.updates.position()));
   return std::exchange(watch.first, false) || !updates.empty();
 }
@@ -94,12 +97,21 @@ absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>> WatchGlobalPoses(const Servi
   ENFILADE_ASSIGN_OR_RETURN(const std::set<RobotId> robots, RobotsOf(site, request));
   ENFILADE_ASSIGN_OR_RETURN(const auto period, PeriodOf(request.rate_hz()));
   ENFILADE_ASSIGN_OR_RETURN(const PoseUpdates::Position resumed, FromResumeToken(request.resume_token()));
-  const auto watch = std::make_shared<PoseWatch>(PoseWatch{site, robots, PoseUpdates(resumed, robots)});
+  ENFILADE_ASSIGN_OR_RETURN(PoseLooks::Watcher watcher, services.pose_looks.Admit(site));
+  const auto watch =
+      std::make_shared<PoseWatch>(PoseWatch{site, robots, PoseUpdates(resumed, robots), std::move(watcher)});
   return Watch<v1::WatchGlobalPosesResponse>{
       .period = period,
-      .check = [&services, watch](
-                   const storage::CallContext& context,
-                   v1::WatchGlobalPosesResponse& message) { return Check(services, context, *watch, message); },
+      .open = [&services, watch](const storage::CallContext& context) { return CheckRobots(services, context, *watch); },
+      .look =
+          [&services, watch](const std::function<void(const absl::StatusOr<bool>&)>& then) {
+            services.pose_looks.Look(watch->site, [watch, then](const PoseLooks::Result& look) {
+              if (!look.ok()) return then(look.status());
+              then(std::exchange(watch->poses, *look) != *look);
+            });
+          },
+      .check = [watch](const storage::CallContext&,
+                       v1::WatchGlobalPosesResponse& message) -> absl::StatusOr<bool> { return Check(*watch, message); },
       .stopping = [&services] { return services.graphs.stopping(); }};
 }
 

@@ -24,6 +24,16 @@ TEST(ServerOptions, DefaultsAreValidAndEveryKeyTakesItsOwnValueBack) {
   EXPECT_OK(options.Validate());
 }
 
+TEST(ServerOptions, WatchersAreLimitedWithinReason) {
+  for (const char* key : {"watches.max_per_site", "watches.max_in_all"}) {
+    for (const char* value : {"0", "-1", "100001"}) {
+      ServerOptions options;
+      ASSERT_OK(Apply({key, value}, options));
+      EXPECT_STATUS(options.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr(key));
+    }
+  }
+}
+
 TEST(ServerOptions, YamlIsNestedAndLeavesTheRest) {
   ServerOptions options;
   ASSERT_OK(ApplyYaml("listen:\n  address: unix:/run/s\nmapping:\n  workers: 3\n", "server.yaml", options));

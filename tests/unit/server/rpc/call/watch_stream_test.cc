@@ -67,6 +67,67 @@ TEST_F(WatchTest, ChecksOncePerPeriod) {
   EXPECT_EQ(checks_, 1);
 }
 
+TEST_F(WatchTest, ChecksOnlyWhereALookFindsNews) {
+  std::atomic<int> looks = 0;
+  graph_.watch = [&](const Call&, const v1::WatchGlobalPosesRequest&) {
+    Watch<v1::WatchGlobalPosesResponse> watch = EveryThird(milliseconds(1));
+    watch.look = [&](const std::function<void(const absl::StatusOr<bool>&)>& then) {
+      const int look = ++looks;
+      if (look == 100) return then(absl::NotFoundError("the site is gone"));
+      then(look % 10 == 0);
+    };
+    return absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>>(watch);
+  };
+  grpc::ClientContext client;
+  const auto stream = graph_stub_->WatchGlobalPoses(&client, {});
+  v1::WatchGlobalPosesResponse message;
+  while (stream->Read(&message)) {
+  }
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(checks_, 9);
+}
+
+TEST_F(WatchTest, OpensInItsTurnOrNotAtAll) {
+  graph_.watch = [this](const Call&, const v1::WatchGlobalPosesRequest&) {
+    Watch<v1::WatchGlobalPosesResponse> watch = EveryThird(milliseconds(1));
+    watch.open = [](const storage::CallContext&) { return absl::NotFoundError("no such robot"); };
+    return absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>>(watch);
+  };
+  grpc::ClientContext client;
+  const auto stream = graph_stub_->WatchGlobalPoses(&client, {});
+  v1::WatchGlobalPosesResponse message;
+  EXPECT_FALSE(stream->Read(&message));
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(checks_, 0);
+}
+
+// So a slow reader costs one message, and gets the latest once it reads on.
+TEST_F(WatchTest, ChecksNothingWhileTheClientDoesNotRead) {
+  graph_.watch = [this](const Call&, const v1::WatchGlobalPosesRequest&) {
+    Watch<v1::WatchGlobalPosesResponse> watch = EveryThird(milliseconds(1));
+    watch.check = [this](const storage::CallContext&, v1::WatchGlobalPosesResponse& message) {
+      message.set_resume_token(std::string(1 << 20, 'x'));
+      message.set_graph_version(++checks_);
+      return absl::StatusOr<bool>(true);
+    };
+    return absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>>(watch);
+  };
+  grpc::ClientContext client;
+  const auto stream = graph_stub_->WatchGlobalPoses(&client, {});
+  int before = -1;
+  while (before != checks_ || checks_ == 0) {  // until what gRPC takes ahead is full
+    before = checks_;
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  }
+  EXPECT_LE(checks_, 40);
+  v1::WatchGlobalPosesResponse message;
+  for (int i = 1; i <= 60; ++i) {
+    ASSERT_TRUE(stream->Read(&message));
+    EXPECT_EQ(message.graph_version(), i);
+  }
+  client.TryCancel();
+}
+
 TEST_F(WatchTest, GivesEachCheckTheDefaultTimeout) {
   environment_->default_timeout = milliseconds(50);
   const auto late = std::make_shared<std::atomic<int>>(0);
