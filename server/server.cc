@@ -75,9 +75,7 @@ class Server::Impl {
                 [this] { doors_wake.Wake(); }),
         ingest(options.ingest, records, blobs, *metrics,
                [this](const SiteId& site, const SessionId& session) { mapping.Wake(site, session); }),
-        pose_reports(
-            robot_poses,
-            {.timeout = StepTimeout(options)}) {}
+        pose_reports(robot_poses, {.timeout = StepTimeout(options)}) {}
 
   absl::Status Start() {
     ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));
@@ -91,39 +89,23 @@ class Server::Impl {
         SiteDeletions::Options{.is_ready = [this] { return readiness->state().ready; },
                                .forget = [this](const SiteId& site) { graphs.Forget(site); }},
         sites, site_deletion, *metrics);
-    services = std::make_unique<Services>(Services{options,
-                                                   std::chrono::steady_clock::now(),
-                                                   executor,
-                                                   bulk,
-                                                   watches,
-                                                   *metrics,
-                                                   *readiness,
-                                                   sites,
-                                                   robots,
-                                                   maps,
-                                                   revisions,
-                                                   sessions,
-                                                   records,
-                                                   blobs,
-                                                   mappings,
-                                                   closures,
-                                                   link_points,
-                                                   graph_store,
-                                                   robot_poses,
-                                                   audit,
-                                                   door_verdicts,
-                                                   rearrangement_store,
-                                                   ingest,
-                                                   pose_reports,
-                                                   mapping,
-                                                   *exports,
-                                                   graphs,
-                                                   pose_looks,
-                                                   graph_editor,
-                                                   graph_optimizer,
-                                                   map_entries,
-                                                   rearrangements,
-                                                   localization,
+    services = std::make_unique<Services>(Services{options,         std::chrono::steady_clock::now(),
+                                                   executor,        bulk,
+                                                   watches,         *metrics,
+                                                   *readiness,      sites,
+                                                   robots,          maps,
+                                                   revisions,       sessions,
+                                                   records,         blobs,
+                                                   mappings,        closures,
+                                                   link_points,     graph_store,
+                                                   robot_poses,     audit,
+                                                   door_verdicts,   rearrangement_store,
+                                                   ingest,          pose_reports,
+                                                   mapping,         *exports,
+                                                   graphs,          graph_waits,
+                                                   pose_looks,      graph_editor,
+                                                   graph_optimizer, map_entries,
+                                                   rearrangements,  localization,
                                                    *site_deletions});
     api = std::make_unique<Api>(*services);
     if (options.survey.share > 0.0) {
@@ -243,6 +225,7 @@ class Server::Impl {
   PoseReports pose_reports;
   ChangedSites changed_sites;
   SiteGraphs graphs{graph_store, changed_sites};
+  GraphVersionWaits graph_waits{graphs, std::chrono::milliseconds(std::llround(options.graph.version_wait_s * 1000.0))};
   PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};

@@ -29,6 +29,13 @@ Connection::Connection(std::string address, std::chrono::duration<double> timeou
       actor_.begin(), actor_.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
 }
 
+Connection Connection::To(std::string address) const {
+  Connection other = *this;
+  other.channel_ = Connect(address);
+  other.address_ = std::move(address);
+  return other;
+}
+
 absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& address) {
   if (status.ok()) return absl::OkStatus();
   const auto code = static_cast<absl::StatusCode>(status.error_code());

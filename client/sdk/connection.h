@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/sdk/graph_versions.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
 #include "grpcpp/support/status.h"
@@ -21,7 +22,8 @@ std::shared_ptr<grpc::Channel> Connect(const std::string& address);
 // The same code and message. UNAVAILABLE: the message names `address`.
 absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& address = "");
 
-// How one client calls: its channel, the deadline of a call, and the actor. Copyable, thread-safe.
+// How one client calls: its channel, the deadline of a call, and the actor. It reads its own changes of graphs, also if
+// several servers answer at its address. Copyable, thread-safe.
 class Connection {
  public:
   // `timeout`: of a unary call. `actor`: for the audit trail; characters that are not printable ASCII are sent as "?".
@@ -38,8 +40,10 @@ class Connection {
     grpc::ClientContext context;
     SetDeadline(context);
     SetActor(context);
+    SetMinGraphVersions(context);
     Response response;
     const grpc::Status status = (stub.*method)(&context, request, &response);
+    if (status.ok()) graph_versions_->Note(context);
     if (!status.ok()) return FromGrpcStatus(status, address_);
     return response;
   }
@@ -53,11 +57,18 @@ class Connection {
     if (!actor_.empty()) context.AddMetadata("enfilade-actor", actor_);
   }
 
+  // For streams that answer from graphs: what this client has changed is in the answer, whichever server gives it.
+  void SetMinGraphVersions(grpc::ClientContext& context) const { graph_versions_->Send(context); }
+
+  // Another server of the same service, for the same client: what it has changed through one it sees through the other.
+  Connection To(std::string address) const;
+
  private:
   std::string address_;
   std::chrono::duration<double> timeout_;
   std::string actor_;
   std::shared_ptr<grpc::Channel> channel_;
+  std::shared_ptr<GraphVersions> graph_versions_ = std::make_shared<GraphVersions>();
 };
 
 }  // namespace enfilade::client

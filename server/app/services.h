@@ -7,6 +7,7 @@
 #include "server/app/exports/map_exports.h"
 #include "server/app/graph/graph_editor.h"
 #include "server/app/graph/graph_optimizer.h"
+#include "server/app/graph/graph_version_waits.h"
 #include "server/app/graph/pose_looks.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/ingest/ingest.h"
@@ -69,6 +70,7 @@ struct Services {
   Mapping& mapping;
   MapExports& exports;
   SiteGraphs& graphs;
+  GraphVersionWaits& graph_waits;
   PoseLooks& pose_looks;
   GraphEditor& graph_editor;
   GraphOptimizer& graph_optimizer;

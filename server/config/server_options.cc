@@ -26,6 +26,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("database.url", options.database.url);
   visit("database.max_connections", options.database.max_connections);
   visit("database.default_deadline_s", options.database.default_deadline_s);
+  visit("graph.version_wait_s", options.graph.version_wait_s);
   visit("watches.max_per_site", options.watches.max_per_site);
   visit("watches.max_in_all", options.watches.max_in_all);
   visit("ingest.writers", options.ingest.writers);
@@ -168,8 +169,11 @@ absl::Status ServerOptions::Validate() const {
     return InvalidArgument("option listen.max_message_bytes is {}: it must be below 2 GiB", listen.max_message_bytes);
   }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("database.default_deadline_s", database.default_deadline_s, 0.001));
-  for (const auto& [key, value] : {std::pair{"watches.max_per_site", watches.max_per_site},
-                                   std::pair{"watches.max_in_all", watches.max_in_all}}) {
+  if (!(graph.version_wait_s >= 0.0 && graph.version_wait_s <= 60.0)) {
+    return InvalidArgument("option graph.version_wait_s is {}: expected 0 to 60", graph.version_wait_s);
+  }
+  for (const auto& [key, value] :
+       {std::pair{"watches.max_per_site", watches.max_per_site}, std::pair{"watches.max_in_all", watches.max_in_all}}) {
     if (value < 1 || value > 100'000) return InvalidArgument("option {} is {}: expected 1 to 100000", key, value);
   }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("ingest.writers", ingest.writers, 1));

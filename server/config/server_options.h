@@ -32,6 +32,12 @@ struct ServerOptions {
     double default_deadline_s = 30.0;
   } database;
 
+  struct Graph {
+    // How long a call waits for the version of a graph that its client has seen elsewhere, s, 0 to 60. Then it is
+    // UNAVAILABLE.
+    double version_wait_s = 2.0;
+  } graph;
+
   struct Watches {
     // Streams of WatchGlobalPoses at the same time, of one site and in all, 1 to 100,000. More are refused.
     int max_per_site = 1000;

@@ -69,6 +69,18 @@ class ApiOf : public Service {
       return handle(services_, call, request, response);
     };
   }
+  // A handler that changes the graph of its site.
+  template <typename Request, typename Response>
+  auto BindChange(grpc::CallbackServerContext* context,
+                  absl::StatusOr<Response> (*handle)(const Services&, const Call&, const Request&)) const {
+    return [this, context, change = Bind(handle)](const Call& call, const Request& request, Response& response) {
+      const absl::Status status = change(call, request, response);
+      if (!status.ok() || call.site().empty()) return status;
+      const auto version = services_.graph_store.GetVersion(call.context(), SiteId(call.site()));
+      if (version.ok()) TellGraphVersion(*context, call.site(), *version);
+      return status;
+    };
+  }
   // A handler that may have the answer at hand.
   template <typename Request, typename Response>
   auto BindNow(std::optional<absl::StatusOr<Response>> (*try_now)(const Services&, const Request&)) const {
@@ -107,9 +119,18 @@ class ApiOf : public Service {
   CallTurn OnGraph(bool bulk = false) const {
     const auto read = [this](const Call& call, std::function<void(const absl::Status&)> next) {
       if (call.site().empty()) return next(absl::OkStatus());  // the handler says what is wrong
-      services_.graphs.Prepare(SiteId(call.site()), std::move(next));
+      const absl::StatusOr<std::int64_t> minimum = call.MinGraphVersion();
+      if (!minimum.ok()) return next(minimum.status());
+      if (*minimum == 0) return services_.graphs.Prepare(SiteId(call.site()), std::move(next));
+      services_.graph_waits.Await(SiteId(call.site()), *minimum, call.context().deadline, std::move(next));
     };
-    return {.before = read, .bulk = bulk};
+    const auto has_minimum = [this](const Call& call) {
+      const absl::StatusOr<std::int64_t> minimum = call.MinGraphVersion();
+      if (!minimum.ok() || *minimum == 0) return minimum.ok();
+      const auto graph = services_.graphs.FindCurrent(SiteId(call.site()));
+      return graph != nullptr && graph->graph().version() >= *minimum;
+    };
+    return {.before = read, .may_answer_now = has_minimum, .bulk = bulk};
   }
 
   const Services& services_;
@@ -123,13 +144,25 @@ class ApiOf : public Service {
                                 v1::Rpc##Response* response) override {                                \
     return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc));                       \
   }
+// It changes the graph of its site.
+#define ENFILADE_UNARY_CHANGES_GRAPH(Rpc)                                                              \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
+                                v1::Rpc##Response* response) override {                                \
+    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc));        \
+  }
 // It needs the graph of its site.
 #define ENFILADE_UNARY_ON_GRAPH(Rpc)                                                                   \
   grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
                                 v1::Rpc##Response* response) override {                                \
     return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), OnGraph());            \
   }
-// The same, with a large answer.
+// Both.
+#define ENFILADE_UNARY_CHANGES_READ_GRAPH(Rpc)                                                             \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,     \
+                                v1::Rpc##Response* response) override {                                    \
+    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc), OnGraph()); \
+  }
+// It needs the graph, and its answer is large.
 #define ENFILADE_BULK_UNARY_ON_GRAPH(Rpc)                                                                \
   grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,   \
                                 v1::Rpc##Response* response) override {                                  \
@@ -198,18 +231,18 @@ class MapApi final : public ApiOf<v1::MapService::WithRawCallbackMethod_ExportMa
  public:
   using ApiOf::ApiOf;
 
-  ENFILADE_UNARY(CreateMap)
+  ENFILADE_UNARY_CHANGES_GRAPH(CreateMap)
   ENFILADE_UNARY(GetMap)
   ENFILADE_UNARY(ListMaps)
-  ENFILADE_UNARY(UpdateMap)
-  ENFILADE_UNARY(DeleteMap)
+  ENFILADE_UNARY_CHANGES_GRAPH(UpdateMap)
+  ENFILADE_UNARY_CHANGES_GRAPH(DeleteMap)
   ENFILADE_UNARY(GetMapRevision)
   ENFILADE_UNARY(ListMapRevisions)
   ENFILADE_RAW_SERVER_STREAM(ExportMap)
   ENFILADE_CLIENT_STREAM(ImportMap)
-  ENFILADE_UNARY(MergeMaps)
-  ENFILADE_UNARY(SplitMap)
-  ENFILADE_UNARY(UndoRearrangement)
+  ENFILADE_UNARY_CHANGES_GRAPH(MergeMaps)
+  ENFILADE_UNARY_CHANGES_GRAPH(SplitMap)
+  ENFILADE_UNARY_CHANGES_GRAPH(UndoRearrangement)
   ENFILADE_UNARY(ListRearrangements)
 };
 
@@ -219,14 +252,14 @@ class LinkPointApi final : public ApiOf<v1::LinkPointService::CallbackService> {
     SetMessageAllocatorFor_FindLinkPoints(&find_messages_);
   }
 
-  ENFILADE_UNARY(CreateLinkPoint)
-  ENFILADE_UNARY(AddLinkPointAnchor)
+  ENFILADE_UNARY_CHANGES_GRAPH(CreateLinkPoint)
+  ENFILADE_UNARY_CHANGES_GRAPH(AddLinkPointAnchor)
   ENFILADE_UNARY(GetLinkPoint)
   ENFILADE_UNARY(ListLinkPoints)
-  ENFILADE_UNARY(UpdateLinkPoint)
-  ENFILADE_UNARY(DeleteLinkPoint)
-  ENFILADE_UNARY(SuspendLinkPoint)
-  ENFILADE_UNARY(ResumeLinkPoint)
+  ENFILADE_UNARY_CHANGES_GRAPH(UpdateLinkPoint)
+  ENFILADE_UNARY_CHANGES_GRAPH(DeleteLinkPoint)
+  ENFILADE_UNARY_CHANGES_GRAPH(SuspendLinkPoint)
+  ENFILADE_UNARY_CHANGES_GRAPH(ResumeLinkPoint)
   ENFILADE_UNARY_ON_GRAPH_OR_NOW(FindLinkPoints)
   ENFILADE_CLIENT_STREAM(AttachEvidence)
 
@@ -238,7 +271,7 @@ class SessionApi final : public ApiOf<v1::SessionService::CallbackService> {
  public:
   using ApiOf::ApiOf;
 
-  ENFILADE_UNARY(CreateSession)
+  ENFILADE_UNARY_CHANGES_GRAPH(CreateSession)
   ENFILADE_UNARY(GetSession)
   ENFILADE_UNARY(ListSessions)
   ENFILADE_UNARY(FinishSession)
@@ -256,13 +289,13 @@ class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
 
   ENFILADE_BULK_UNARY_ON_GRAPH(GetGraph)
   ENFILADE_UNARY(ListGraphVersions)
-  ENFILADE_UNARY_ON_GRAPH(OptimizeGraph)
+  ENFILADE_UNARY_CHANGES_READ_GRAPH(OptimizeGraph)
   ENFILADE_UNARY_ON_GRAPH_OR_NOW(GetGlobalPose)
   ENFILADE_WATCH(WatchGlobalPoses)
   ENFILADE_UNARY_ON_GRAPH(TransformPoses)
   ENFILADE_UNARY_ON_GRAPH(FindRoutes)
   ENFILADE_SERVER_STREAM_ON_GRAPH(ExportGraph)
-  ENFILADE_UNARY_ON_GRAPH(SetGeoreference)
+  ENFILADE_UNARY_CHANGES_READ_GRAPH(SetGeoreference)
   ENFILADE_UNARY_ON_GRAPH(GetGeoreference)
 };
 
@@ -293,6 +326,8 @@ class ServerApi final : public ApiOf<v1::ServerService::CallbackService> {
 };
 
 #undef ENFILADE_UNARY
+#undef ENFILADE_UNARY_CHANGES_GRAPH
+#undef ENFILADE_UNARY_CHANGES_READ_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH
 #undef ENFILADE_BULK_UNARY_ON_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH_OR_NOW

@@ -17,6 +17,7 @@ absl::StatusOr<ExportedGraph> ExportGraph(const Connection& connection, const Si
   v1::GraphService::Stub stub(connection.channel());
   grpc::ClientContext context;
   connection.SetActor(context);
+  connection.SetMinGraphVersions(context);
   connection.SetDeadline(context);
   ExportedGraph graph;
   const auto start = [&](const v1::ExportGraphManifest& manifest) {

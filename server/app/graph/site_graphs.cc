@@ -101,6 +101,15 @@ void SiteGraphs::Prepare(const SiteId& site, std::function<void(const absl::Stat
   });
 }
 
+void SiteGraphs::Refresh(const SiteId& site, std::function<void(const Result&)> then) {
+  {
+    MutexLock lock(mutex_);
+    const auto found = entries_.find(site);
+    if (found != entries_.end()) ++found->second->changes;
+  }
+  ReadFor(site, std::move(then));
+}
+
 void SiteGraphs::ReadFor(const SiteId& site, Waiter waiter) {
   std::shared_ptr<Entry> entry;
   {

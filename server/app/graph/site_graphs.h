@@ -51,6 +51,9 @@ class SiteGraphs {
   // `version` 0: as Get. NOT_FOUND unless it is one of the last few versions that this process has read, or of those
   // before them that are asked for again and again, for example page by page.
   Result GetVersion(const storage::CallContext& context, const SiteId& site, std::int64_t version);
+  // Never waits. Calls `then` with a graph that has been read after this, or with the error of Get. Others still get
+  // the version that is at hand. `then` must not wait.
+  void Refresh(const SiteId& site, std::function<void(const Result&)> then);
   // The caller has changed the site's graph: later calls of Get return a version with the change.
   void MarkChanged(const SiteId& site);
 

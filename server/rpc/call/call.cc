@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "server/rpc/call/request_id.h"
+#include "server/rpc/call/site_of.h"
 #include "server/rpc/call/status.h"
 
 namespace enfilade::server {
@@ -42,6 +44,7 @@ Call::Call(const CallEnvironment& environment, const IncomingCall& incoming)
       peer_(incoming.peer),
       principal_(IdentifyPrincipal(incoming.actor)),
       client_deadline_(incoming.deadline),
+      min_graph_versions_(incoming.min_graph_versions),
       context_{.deadline = client_deadline_.value_or(begin_ + environment.default_timeout),
                .actor = principal_.name,
                .cancellation = cancellation_.get_token()} {}
@@ -51,6 +54,22 @@ storage::CallContext Call::StepContext() const {
   step.deadline = steady_clock::now() + environment_.default_timeout;
   if (client_deadline_) step.deadline = std::min(step.deadline, *client_deadline_);
   return step;
+}
+
+absl::StatusOr<std::int64_t> Call::MinGraphVersion() const {
+  std::int64_t minimum = 0;
+  for (const std::string& text : min_graph_versions_) {
+    const std::size_t separator = text.find('=');
+    std::int64_t version = -1;
+    const char* const end = text.data() + text.size();
+    if (separator != std::string::npos) std::from_chars(text.data() + separator + 1, end, version);
+    if (version < 0 || SiteOfName(text.substr(0, separator)).empty()) {
+      return InvalidArgument("metadata enfilade-min-graph-version \"{}\": expected sites/SITE=VERSION",
+                             text.substr(0, 100));
+    }
+    if (SiteOfName(text.substr(0, separator)) == site_) minimum = std::max(minimum, version);
+  }
+  return minimum;
 }
 
 absl::Status Call::CheckAwaited(const storage::CallContext& context) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,8 +10,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "server/app/runtime/executor.h"
 #include "server/app/runtime/metrics.h"
 #include "server/rpc/call/principal.h"
@@ -40,6 +43,8 @@ struct IncomingCall {
   std::string peer = {};
   std::string_view request_id = {};  // request metadata "x-request-id"; empty if not set
   std::string_view actor = {};       // request metadata "enfilade-actor"; empty if not set
+  // Request metadata "enfilade-min-graph-version", of any sites.
+  std::vector<std::string> min_graph_versions = {};
   std::optional<std::chrono::steady_clock::time_point> deadline = {};  // unset: the client set none
 };
 
@@ -63,6 +68,9 @@ class Call {
   const std::string& site() const { return site_; }
   // Called before the call is handed to other threads.
   void set_site(std::string site) { site_ = std::move(site); }
+  // The version of the site's graph that the answer must at least be made from; 0: any. INVALID_ARGUMENT if what the
+  // client sent is not of the form sites/SITE=VERSION.
+  absl::StatusOr<std::int64_t> MinGraphVersion() const;
   // FAILED_PRECONDITION if the site is being deleted, unless the call is one of the few that may see it then.
   absl::Status CheckSite() const;
 
@@ -125,6 +133,7 @@ class Call {
   const Principal principal_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   const std::optional<std::chrono::steady_clock::time_point> client_deadline_;
+  const std::vector<std::string> min_graph_versions_;
   std::stop_source cancellation_;
   const storage::CallContext context_;
   std::string site_;
@@ -137,6 +146,8 @@ using BeforeCall = std::function<void(const Call& call, std::function<void(const
 // How a call gets its turn.
 struct CallTurn {
   BeforeCall before = nullptr;
+  // Whether the call may be answered at once, without `before`. Null: it may.
+  std::function<bool(const Call& call)> may_answer_now = nullptr;
   bool bulk = false;  // its answer is large
 };
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/rpc/call/request_id.h"
 
@@ -13,11 +14,20 @@ namespace {
 
 constexpr char kActorKey[] = "enfilade-actor";
 constexpr char kRequestIdKey[] = "x-request-id";
+constexpr char kGraphVersionKey[] = "enfilade-graph-version";
+constexpr char kMinGraphVersionKey[] = "enfilade-min-graph-version";
 
 std::string_view MetadataOf(const grpc::CallbackServerContext& context, const char* key) {
   const auto found = context.client_metadata().find(key);
   if (found == context.client_metadata().end()) return {};
   return {found->second.data(), found->second.size()};
+}
+
+std::vector<std::string> AllMetadataOf(const grpc::CallbackServerContext& context, const char* key) {
+  std::vector<std::string> values;
+  const auto [begin, end] = context.client_metadata().equal_range(key);
+  for (auto found = begin; found != end; ++found) values.emplace_back(found->second.data(), found->second.size());
+  return values;
 }
 
 // A call without a deadline reports one far beyond all times.
@@ -34,6 +44,7 @@ IncomingCall ReadIncomingCall(const CallEntry& entry) {
           .peer = entry.context.peer(),
           .request_id = MetadataOf(entry.context, kRequestIdKey),
           .actor = MetadataOf(entry.context, kActorKey),
+          .min_graph_versions = AllMetadataOf(entry.context, kMinGraphVersionKey),
           .deadline = DeadlineOf(entry.context)};
 }
 
@@ -43,6 +54,10 @@ Call BeginCall(const CallEntry& entry) {
   incoming.request_id = request_id;
   entry.context.AddInitialMetadata(kRequestIdKey, request_id);
   return Call(entry.environment, incoming);
+}
+
+void TellGraphVersion(grpc::CallbackServerContext& context, const std::string& site, std::int64_t version) {
+  context.AddTrailingMetadata(kGraphVersionKey, "sites/" + site + "=" + std::to_string(version));
 }
 
 }  // namespace enfilade::server

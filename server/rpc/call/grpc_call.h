@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include "grpcpp/server_context.h"
 #include "server/rpc/call/call.h"
 
@@ -19,5 +22,8 @@ IncomingCall ReadIncomingCall(const CallEntry& entry);
 // Makes the Call of an RPC, and sends its request id back in the initial metadata "x-request-id". All shapes begin with
 // it.
 Call BeginCall(const CallEntry& entry);
+
+// Sends the version of the site's graph that has a call's change, in the trailing metadata "enfilade-graph-version".
+void TellGraphVersion(grpc::CallbackServerContext& context, const std::string& site, std::int64_t version);
 
 }  // namespace enfilade::server

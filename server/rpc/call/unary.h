@@ -25,7 +25,9 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   template <typename TryNow>
   void Start(TryNow try_now, const CallTurn& turn) {
     if (const absl::Status status = call_.CheckSite(); !status.ok()) return End(status);
-    if (const std::optional<absl::Status> status = try_now(*request_, *response_)) return End(*status);
+    if (!turn.may_answer_now || turn.may_answer_now(call_)) {
+      if (const std::optional<absl::Status> status = try_now(*request_, *response_)) return End(*status);
+    }
     bulk_ = turn.bulk;
     if (!turn.before) return Run();
     turn.before(call_, [this](const absl::Status& ready) { ready.ok() ? Run() : End(ready); });

@@ -28,8 +28,26 @@ struct PoseWatch {
   PoseUpdates updates;
   PoseLooks::Watcher watcher;
   std::shared_ptr<const SitePoses> poses = nullptr;  // of the last look
+  std::int64_t min_graph_version = 0;                // that the first message must have
   bool first = true;
 };
+
+// Looks when the site's graph has the version that the watch must have.
+void LookFrom(const Services& services, const std::shared_ptr<PoseWatch>& watch,
+              std::chrono::steady_clock::time_point deadline,
+              const std::function<void(const absl::StatusOr<bool>&)>& then) {
+  const auto look = [&services, watch, then](const absl::Status& ready) {
+    if (!ready.ok()) return then(ready);
+    services.pose_looks.Look(watch->site, [watch, then](const PoseLooks::Result& poses) {
+      if (!poses.ok()) return then(poses.status());
+      if ((*poses)->graph_version() < watch->min_graph_version) return then(false);  // a look of just before
+      watch->min_graph_version = 0;
+      then(std::exchange(watch->poses, *poses) != *poses);
+    });
+  };
+  if (watch->min_graph_version == 0) return look(absl::OkStatus());
+  services.graph_waits.Await(watch->site, watch->min_graph_version, deadline, look);
+}
 
 absl::StatusOr<std::chrono::steady_clock::duration> PeriodOf(double rate_hz) {
   const double rate = rate_hz == 0.0 ? 1.0 : rate_hz;
@@ -91,27 +109,28 @@ absl::StatusOr<PoseUpdates::Position> FromResumeToken(const std::string& token) 
   return InvalidArgument("resume_token \"{}\" is not from this server", token.substr(0, 100));
 }
 
-absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>> WatchGlobalPoses(const Services& services, const Call& /*call*/,
+absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>> WatchGlobalPoses(const Services& services, const Call& call,
                                                                      const v1::WatchGlobalPosesRequest& request) {
   ENFILADE_ASSIGN_OR_RETURN(const SiteId site, convert::ParseSiteName("parent", request.parent()));
   ENFILADE_ASSIGN_OR_RETURN(const std::set<RobotId> robots, RobotsOf(site, request));
   ENFILADE_ASSIGN_OR_RETURN(const auto period, PeriodOf(request.rate_hz()));
   ENFILADE_ASSIGN_OR_RETURN(const PoseUpdates::Position resumed, FromResumeToken(request.resume_token()));
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t minimum, call.MinGraphVersion());
   ENFILADE_ASSIGN_OR_RETURN(PoseLooks::Watcher watcher, services.pose_looks.Admit(site));
   const auto watch =
       std::make_shared<PoseWatch>(PoseWatch{site, robots, PoseUpdates(resumed, robots), std::move(watcher)});
+  watch->min_graph_version = minimum;
   return Watch<v1::WatchGlobalPosesResponse>{
       .period = period,
-      .open = [&services, watch](const storage::CallContext& context) { return CheckRobots(services, context, *watch); },
+      .open = [&services,
+               watch](const storage::CallContext& context) { return CheckRobots(services, context, *watch); },
       .look =
-          [&services, watch](const std::function<void(const absl::StatusOr<bool>&)>& then) {
-            services.pose_looks.Look(watch->site, [watch, then](const PoseLooks::Result& look) {
-              if (!look.ok()) return then(look.status());
-              then(std::exchange(watch->poses, *look) != *look);
-            });
+          [&services, watch, &call](const std::function<void(const absl::StatusOr<bool>&)>& then) {
+            LookFrom(services, watch, call.StepContext().deadline, then);
           },
-      .check = [watch](const storage::CallContext&,
-                       v1::WatchGlobalPosesResponse& message) -> absl::StatusOr<bool> { return Check(*watch, message); },
+      .check = [watch](const storage::CallContext&, v1::WatchGlobalPosesResponse& message) -> absl::StatusOr<bool> {
+        return Check(*watch, message);
+      },
       .stopping = [&services] { return services.graphs.stopping(); }};
 }
 

@@ -104,6 +104,7 @@ absl::Status WatchPoses(const Globals& globals, const PoseCommandOptions& option
   if (!options.robot.empty()) request.add_robots(ResourceNameOf(globals, "robots", options.robot));
   const auto stub = v1::GraphService::NewStub(connection.channel());
   grpc::ClientContext context;
+  connection.SetMinGraphVersions(context);
   const auto reader = stub->WatchGlobalPoses(&context, request);
   v1::WatchGlobalPosesResponse response;
   while (reader->Read(&response)) {

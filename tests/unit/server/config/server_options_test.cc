@@ -24,6 +24,14 @@ TEST(ServerOptions, DefaultsAreValidAndEveryKeyTakesItsOwnValueBack) {
   EXPECT_OK(options.Validate());
 }
 
+TEST(ServerOptions, TheWaitForAVersionIsBounded) {
+  for (const char* value : {"-0.1", "60.1", "nan"}) {
+    ServerOptions options;
+    ASSERT_OK(Apply({"graph.version_wait_s", value}, options));
+    EXPECT_STATUS(options.Validate(), absl::StatusCode::kInvalidArgument, HasSubstr("graph.version_wait_s"));
+  }
+}
+
 TEST(ServerOptions, WatchersAreLimitedWithinReason) {
   for (const char* key : {"watches.max_per_site", "watches.max_in_all"}) {
     for (const char* value : {"0", "-1", "100001"}) {
