@@ -37,25 +37,24 @@ struct Taken {
   std::vector<std::string> parents;
   absl::Status take;    // of the next Take()
   absl::Status answer;  // of Answer()
-  std::string site;     // of the call at Answer()
+  std::string actor;    // of the call at Answer()
 };
 
 class Taker {
  public:
-  Taker(const Call& call, Taken& taken) : call_(call), taken_(taken) {}
+  explicit Taker(Taken& taken) : taken_(taken) {}
 
   absl::Status Take(const v1::ImportMapRequest& request) {
     taken_.parents.push_back(request.manifest().parent());
     return taken_.take;
   }
-  absl::Status Answer(v1::ImportMapResponse& response) {
-    taken_.site = call_.site();
+  absl::Status Answer(const storage::CallContext& context, v1::ImportMapResponse& response) {
+    taken_.actor = context.actor;
     response.add_warnings(std::to_string(taken_.parents.size()));
     return taken_.answer;
   }
 
  private:
-  const Call& call_;
   Taken& taken_;
 };
 
@@ -114,7 +113,7 @@ class MapService final : public v1::MapService::WithRawCallbackMethod_ExportMap<
   grpc::ServerReadReactor<v1::ImportMapRequest>* ImportMap(grpc::CallbackServerContext* context,
                                                            v1::ImportMapResponse* response) override {
     return RunClientStream<Taker, v1::ImportMapRequest>(CallEntry{environment_, "ImportMap", *context}, response,
-                                                        [this](const Call& call) { return Taker(call, taken); });
+                                                        [this] { return Taker(taken); });
   }
 
   server::ExportMap open;
