@@ -2,7 +2,9 @@
 // How fast records are stored, beside a bare COPY of the same rows. Against the server that ENFILADE_TEST_DATABASE
 // names, otherwise against a throwaway cluster without fsync (whose figures say little about a real one).
 #include <benchmark/benchmark.h>
+#include <unistd.h>
 
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -13,6 +15,7 @@
 #include "fmt/format.h"
 #include "storage/postgres/driver/copy_buffer.h"
 #include "storage/postgres/driver/transaction.h"
+#include "storage/postgres/graph/robot_pose_store.h"
 #include "storage/postgres/maps/blob_store.h"
 #include "storage/postgres/maps/map_store.h"
 #include "storage/postgres/maps/revision_store.h"
@@ -234,6 +237,64 @@ void BM_ReadTiles(benchmark::State& state) {
   state.SetBytesProcessed(bytes);
 }
 BENCHMARK(BM_ReadTiles)->Arg(1 << 20)->Arg(8 << 20)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+// Processor time of the database's processes for this database since they began, s.
+double DatabaseCpu(const Fixture& fixture) {
+  double ticks = 0.0;
+  for (const std::string& pid :
+       fixture.database.Sql("SELECT pid::text FROM pg_stat_activity WHERE datname = current_database()"
+                            " AND application_name = 'pose bench'")) {
+    std::ifstream file("/proc/" + pid + "/stat");
+    std::string field;
+    for (int i = 1; file >> field && i <= 15; ++i) {
+      if (i >= 14) ticks += std::stod(field);  // utime and stime: "postgres:" and what follows is in (parentheses)
+    }
+  }
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+// A second of 1,000 robots that report a pose each, `range(0)` of them in a statement. The counter "cores" is the
+// share of a processor that the database needs for it, if the robots report once a second.
+void BM_ReportPoses(benchmark::State& state) {
+  constexpr int kRobots = 1000;
+  Fixture& fixture = Fixture::Instance();
+  static const MapId map = [&fixture] {
+    storage::Map made;
+    made.site = kSite;
+    made.id = MapId("poses");
+    made.display_name = "Poses";
+    OrDie(storage::postgres::MapStore(*fixture.pool).Create(Soon(), made, ""));
+    for (int i = 0; i < kRobots; ++i) {
+      OrDie(storage::RobotStore(*fixture.pool)
+                .Create(Soon(), {.site = kSite, .id = RobotId(fmt::format("r{}", i)), .display_name = "Robot"}, ""));
+    }
+    return made.id;
+  }();
+  const auto pool = OrDie(storage::postgres::Pool::Create(
+      {.url = fixture.database.url(), .max_connections = 1, .application_name = "pose bench"}));
+  const storage::postgres::RobotPoseStore store(*pool);
+  static TimeNs time = 1'700'000'000 * kNsPerSecond;
+  const auto report = [&] {
+    time += kNsPerSecond;
+    std::vector<storage::RobotPose> poses;
+    for (int i = 0; i < kRobots; ++i) {
+      storage::RobotPose& pose = poses.emplace_back();
+      pose = {kSite, RobotId(fmt::format("r{}", i)), map, std::nullopt, {}, time, 0};
+      pose.T_map_robot = {{0.001 * i, 1.0, 0.1}, 0.01 * Eigen::Matrix3d::Identity()};
+      if (static_cast<std::int64_t>(poses.size()) < state.range(0) && i + 1 < kRobots) continue;
+      for (const absl::Status& status : store.ReportAll(Soon(), poses)) {
+        if (!status.ok()) state.SkipWithError(status.ToString().c_str());
+      }
+      poses.clear();
+    }
+  };
+  report();
+  const double before = DatabaseCpu(fixture);
+  for (auto _ : state) report();
+  state.counters["cores"] = (DatabaseCpu(fixture) - before) / static_cast<double>(state.iterations());
+  state.SetItemsProcessed(state.iterations() * kRobots);
+}
+BENCHMARK(BM_ReportPoses)->Arg(1)->Arg(10)->Arg(100)->Arg(1000)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace enfilade::bench
