@@ -237,6 +237,7 @@ class MapApi final : public ApiOf<v1::MapService::WithRawCallbackMethod_ExportMa
   ENFILADE_UNARY_CHANGES_GRAPH(UpdateMap)
   ENFILADE_UNARY_CHANGES_GRAPH(DeleteMap)
   ENFILADE_UNARY(GetMapRevision)
+  ENFILADE_UNARY(TagMapRevision)
   ENFILADE_UNARY(ListMapRevisions)
   ENFILADE_RAW_SERVER_STREAM(ExportMap)
   ENFILADE_CLIENT_STREAM(ImportMap)

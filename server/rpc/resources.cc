@@ -32,6 +32,26 @@ absl::Status CheckDisplayName(const char* field, const std::string& name) {
   return InvalidArgument("{} must have 1 to {} characters and no NUL", field, kMaxNameCharacters);
 }
 
+absl::StatusOr<std::chrono::seconds> ReadRetention(const char* field, const google::protobuf::Duration& in) {
+  if (in.seconds() < 0 || in.seconds() > storage::kMaxRetention.count() || in.nanos() != 0) {
+    return InvalidArgument("{} must be a whole number of seconds, 0 to {}; unset for ever", field,
+                           storage::kMaxRetention.count());
+  }
+  return std::chrono::seconds(in.seconds());
+}
+
+absl::StatusOr<storage::RevisionRetention> ReadRevisionRetention(const v1::RevisionRetention& in) {
+  constexpr int kMaxNewest = 1'000'000;
+  if (in.newest() < 1 || in.newest() > kMaxNewest) {
+    return InvalidArgument("site.revision_retention.newest is {}: expected 1 to {}", in.newest(), kMaxNewest);
+  }
+  storage::RevisionRetention retention{.newest = in.newest()};
+  if (in.has_age()) {
+    ENFILADE_ASSIGN_OR_RETURN(retention.age, ReadRetention("site.revision_retention.age", in.age()));
+  }
+  return retention;
+}
+
 }  // namespace
 
 v1::Site ToProto(const storage::Site& site) {
@@ -39,6 +59,14 @@ v1::Site ToProto(const storage::Site& site) {
   out.set_name(NameOf(site.id));
   out.set_display_name(site.display_name);
   if (site.raw_retention) out.mutable_raw_retention()->set_seconds(site.raw_retention->count());
+  if (site.session_retention) out.mutable_session_retention()->set_seconds(site.session_retention->count());
+  if (site.revision_retention) {
+    out.mutable_revision_retention()->set_newest(site.revision_retention->newest);
+    const auto age = site.revision_retention->age;
+    if (age) out.mutable_revision_retention()->mutable_age()->set_seconds(age->count());
+  }
+  if (site.history_retention) out.mutable_history_retention()->set_seconds(site.history_retention->count());
+  if (site.audit_retention) out.mutable_audit_retention()->set_seconds(site.audit_retention->count());
   out.set_etag(std::to_string(site.etag));
   *out.mutable_create_time() = convert::ToTimestamp(site.create_time);
   if (site.deletion) {
@@ -89,6 +117,7 @@ v1::MapRevision ToProto(const storage::MapRevision& revision) {
   out.set_height(revision.geometry.height);
   out.set_content_sha256(revision.content_sha256);
   *out.mutable_create_time() = convert::ToTimestamp(revision.create_time);
+  out.set_tag(revision.tag);
   return out;
 }
 
@@ -149,14 +178,27 @@ absl::StatusOr<storage::Site> FromProto(const v1::Site& in) {
   ENFILADE_RETURN_IF_ERROR(CheckDisplayName("site.display_name", in.display_name()));
   site.display_name = in.display_name();
   if (in.has_raw_retention()) {
-    const std::int64_t seconds = in.raw_retention().seconds();
-    if (seconds < 0 || seconds > storage::kMaxRetention.count() || in.raw_retention().nanos() != 0) {
-      return InvalidArgument("site.raw_retention must be a whole number of seconds, 0 to {}; unset for ever",
-                             storage::kMaxRetention.count());
-    }
-    site.raw_retention = std::chrono::seconds(seconds);
+    ENFILADE_ASSIGN_OR_RETURN(site.raw_retention, ReadRetention("site.raw_retention", in.raw_retention()));
+  }
+  if (in.has_session_retention()) {
+    ENFILADE_ASSIGN_OR_RETURN(site.session_retention, ReadRetention("site.session_retention", in.session_retention()));
+  }
+  if (in.has_revision_retention()) {
+    ENFILADE_ASSIGN_OR_RETURN(site.revision_retention, ReadRevisionRetention(in.revision_retention()));
+  }
+  if (in.has_history_retention()) {
+    ENFILADE_ASSIGN_OR_RETURN(site.history_retention, ReadRetention("site.history_retention", in.history_retention()));
+  }
+  if (in.has_audit_retention()) {
+    ENFILADE_ASSIGN_OR_RETURN(site.audit_retention, ReadRetention("site.audit_retention", in.audit_retention()));
   }
   return site;
+}
+
+absl::Status CheckTag(const char* field, const std::string& tag) {
+  constexpr std::size_t kMaxTagCharacters = 64;
+  if (CountCharacters(tag) <= kMaxTagCharacters) return absl::OkStatus();
+  return InvalidArgument("{} must have at most {} characters and no NUL", field, kMaxTagCharacters);
 }
 
 absl::StatusOr<storage::Robot> FromProto(const v1::Robot& in) {

@@ -33,6 +33,8 @@ v1::Closure ToProto(const convert::SessionName& session, const slam::LoopClosure
 
 // INVALID_ARGUMENT naming the field. Names, etags and output-only fields of the message are not read.
 absl::StatusOr<storage::Site> FromProto(const v1::Site& site);
+// INVALID_ARGUMENT naming the field, if it is not the tag of a revision.
+absl::Status CheckTag(const char* field, const std::string& tag);
 absl::StatusOr<storage::Robot> FromProto(const v1::Robot& robot);
 absl::StatusOr<storage::Map> FromProto(const v1::Map& map);
 

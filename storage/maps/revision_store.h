@@ -107,6 +107,7 @@ struct MapRevision {
   std::int64_t tile_count = 0;
   std::int64_t tile_bytes = 0;  // of all tiles, as stored
   TimeNs create_time = 0;
+  std::string tag = {};  // a name for people; empty: none
 };
 
 // The rasters of maps. Thread-safe; errors common to all stores: see SiteStore.
@@ -127,6 +128,9 @@ class RevisionStore {
   // Those below `before` (0: all), newest first. NOT_FOUND if the map does not exist.
   virtual absl::StatusOr<std::vector<MapRevision>> List(const CallContext& context, const SiteId& site,
                                                         const MapId& map, std::int64_t before, int limit) const = 0;
+  // Sets a revision's tag, at most 64 characters; empty: none. A revision with a tag outlives its retention. NOT_FOUND.
+  virtual absl::StatusOr<MapRevision> Tag(const CallContext& context, const SiteId& site, const MapId& map,
+                                          std::int64_t number, const std::string& tag) const = 0;
   // For rendering a session's raster together with those of the others. No layers if the map has none or does not
   // exist.
   virtual absl::StatusOr<LayersBeside> ReadLayersBeside(const CallContext& context, const SiteId& site,

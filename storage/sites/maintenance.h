@@ -13,9 +13,9 @@ class Pool;
 }
 
 // What a call did.
-struct BlobCollection {
-  std::int64_t looked_at = 0;  // blobs that might be unused
-  std::int64_t deleted = 0;
+struct MaintenancePortion {
+  std::int64_t looked_at = 0;  // blobs that might be unused, maps that might have revisions to delete
+  std::int64_t deleted = 0;    // rows
 };
 
 // Deletes what is no longer needed, in small transactions: each call deletes about `limit` rows at most and returns how
@@ -35,11 +35,19 @@ class Maintenance {
   // be undone (RearrangementStore::Undo).
   absl::StatusOr<std::int64_t> DeleteExpiredUndo(const CallContext& context, std::chrono::seconds kept,
                                                  std::int64_t limit) const;
+  // By the sites' retentions (Site). Finished sessions, which PurgeDeletedSessions then deletes.
+  absl::StatusOr<std::int64_t> DeleteFinishedSessions(const CallContext& context, std::int64_t limit) const;
+  // Revisions of maps. Looks at maps only that have got a revision, or whose next revision is due: call it again while
+  // it looks at `limit` or deletes as many.
+  absl::StatusOr<MaintenancePortion> DeleteRevisions(const CallContext& context, std::int64_t limit) const;
+  // Versions of the graph, and what was removed from it. Who has a copy of the graph from before reads all of it again.
+  absl::StatusOr<std::int64_t> DeleteGraphHistory(const CallContext& context, std::int64_t limit) const;
+  absl::StatusOr<std::int64_t> DeleteAuditEntries(const CallContext& context, std::int64_t limit) const;
   // Blobs that nothing refers to and that were last put longer than `grace` ago: the time that a client may take from
   // sending a blob to sending the record that refers to it. Looks at no more than `limit` blobs, and at none that has
   // been in use since it was last looked at: call it again while it looks at `limit`. Replicas look at different ones.
-  absl::StatusOr<BlobCollection> CollectBlobs(const CallContext& context, std::chrono::seconds grace,
-                                              std::int64_t limit) const;
+  absl::StatusOr<MaintenancePortion> CollectBlobs(const CallContext& context, std::chrono::seconds grace,
+                                                  std::int64_t limit) const;
 
  private:
   postgres::Pool& pool_;

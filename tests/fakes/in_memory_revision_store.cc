@@ -169,6 +169,19 @@ absl::StatusOr<std::vector<storage::MapRevision>> InMemoryRevisionStore::List(co
   return revisions;
 }
 
+absl::StatusOr<storage::MapRevision> InMemoryRevisionStore::Tag(const storage::CallContext& context, const SiteId& site,
+                                                                const MapId& map, std::int64_t number,
+                                                                const std::string& tag) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  const auto row = access.GetMap(site, map);
+  if (!row.ok() || number < 1 || number > static_cast<std::int64_t>((*row)->revisions.size())) {
+    return NotFound("revision {} of {} does not exist", number, NameOf(site, map));
+  }
+  storage::MapRevision& revision = (*row)->revisions[static_cast<std::size_t>(number) - 1].revision;
+  revision.tag = tag;
+  return revision;
+}
+
 absl::StatusOr<storage::LayersBeside> InMemoryRevisionStore::ReadLayersBeside(const storage::CallContext& context,
                                                                               const SiteId& site, const MapId& map,
                                                                               const SessionId& session) const {

@@ -105,6 +105,8 @@ class InMemoryRevisionStore final : public storage::RevisionStore {
   absl::StatusOr<std::vector<storage::MapRevision>> List(const storage::CallContext& context, const SiteId& site,
                                                          const MapId& map, std::int64_t before,
                                                          int limit) const override;
+  absl::StatusOr<storage::MapRevision> Tag(const storage::CallContext& context, const SiteId& site, const MapId& map,
+                                           std::int64_t number, const std::string& tag) const override;
   absl::StatusOr<storage::LayersBeside> ReadLayersBeside(const storage::CallContext& context, const SiteId& site,
                                                          const MapId& map, const SessionId& session) const override;
   absl::StatusOr<storage::LayersBeside> ReadRunsBeside(const storage::CallContext& context, const SiteId& site,

@@ -43,6 +43,7 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &MapService::Stub::UndoRearrangement);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::ListRearrangements);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::GetMapRevision);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::TagMapRevision);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapRevisions);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::CreateSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::GetSession);

@@ -71,6 +71,37 @@ TEST_F(ResourcesTest, UpdatesOnlyWhatTheMaskNamesAndOnlyWithTheLatestEtag) {
                 HasSubstr("latest_revision"));
 }
 
+TEST_F(ResourcesTest, ASiteSaysHowLongItKeepsThings) {
+  v1::UpdateSiteRequest request;
+  v1::Site& site = *request.mutable_site();
+  site.set_name("sites/s");
+  site.mutable_revision_retention()->set_newest(5);
+  site.mutable_revision_retention()->mutable_age()->set_seconds(86'400);
+  site.mutable_audit_retention()->set_seconds(3'600);
+  site.mutable_history_retention()->set_seconds(7'200);
+  ASSERT_OK(Call(&v1::SiteService::Stub::UpdateSite, request));
+  request.mutable_update_mask()->add_paths("revision_retention");
+  request.mutable_update_mask()->add_paths("history_retention");
+  site.mutable_revision_retention()->clear_age();
+  site.clear_history_retention();
+  site.clear_audit_retention();  // not in the mask
+  ASSERT_OK_AND_ASSIGN(const v1::UpdateSiteResponse updated, Call(&v1::SiteService::Stub::UpdateSite, request));
+  EXPECT_EQ(updated.site().revision_retention().newest(), 5);
+  EXPECT_FALSE(updated.site().revision_retention().has_age());
+  EXPECT_FALSE(updated.site().has_history_retention());
+  EXPECT_EQ(updated.site().audit_retention().seconds(), 3'600);
+  EXPECT_FALSE(updated.site().display_name().empty());
+  for (const int newest : {0, -1, 1'000'001}) {
+    site.mutable_revision_retention()->set_newest(newest);
+    EXPECT_STATUS(Call(&v1::SiteService::Stub::UpdateSite, request), absl::StatusCode::kInvalidArgument,
+                  HasSubstr("site.revision_retention.newest"));
+  }
+  site.mutable_revision_retention()->set_newest(1);
+  site.mutable_revision_retention()->mutable_age()->set_seconds(-1);
+  EXPECT_STATUS(Call(&v1::SiteService::Stub::UpdateSite, request), absl::StatusCode::kInvalidArgument,
+                HasSubstr("site.revision_retention.age"));
+}
+
 TEST_F(ResourcesTest, PagesGoThroughEverythingOnce) {
   for (int i = 0; i < 25; ++i) ASSERT_OK(CreateMap("Map " + std::to_string(i)));
   v1::ListMapsRequest request;

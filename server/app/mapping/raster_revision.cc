@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/resource_name.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
@@ -71,15 +72,21 @@ absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, 
                                            const storage::MapRevision& revision) {
   ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(revision.raster_header));
   std::optional<storage::TileKey> last;
-  while (true) {
+  std::int64_t missing = revision.tile_count;
+  while (missing > 0) {
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::Tile> tiles,
                               revisions.ReadTiles(context, revision, last, kTilePortionBytes));
-    if (tiles.empty()) return std::move(assembler).Finish();
+    if (tiles.empty()) {
+      return NotFound("{}/revisions/{} was deleted while it was read", NameOf(revision.site, revision.map),
+                      revision.number);
+    }
     for (const storage::Tile& tile : tiles) {
       ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, tile.data));
     }
     last = tiles.back().key;
+    missing -= static_cast<std::int64_t>(tiles.size());
   }
+  return std::move(assembler).Finish();
 }
 
 }  // namespace enfilade::server

@@ -35,7 +35,7 @@ absl::Status PutTiles(const storage::CallContext& context, const storage::BlobSt
                       const RasterRevision& raster, const std::set<std::string>& known);
 
 // Reads the raster of a stored revision. DATA_LOSS if its tiles do not match its header;
-// FAILED_PRECONDITION if a newer program stored it.
+// FAILED_PRECONDITION if a newer program stored it; NOT_FOUND if it is deleted meanwhile.
 absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::RevisionStore& revisions,
                                            const storage::MapRevision& revision);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/runtime/maintenance_jobs.h"
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@ namespace {
 
 using storage::CallContext;
 using storage::Maintenance;
+using storage::MaintenancePortion;
 
 // After an outage, a robot may send the record that refers to a blob long after the blob.
 constexpr auto kBlobGrace = std::chrono::hours(24);
@@ -38,14 +40,16 @@ MaintenanceJob Closing(const storage::SessionStore& sessions, std::chrono::secon
           "closed"};
 }
 
-// A portion is full when it looked at many blobs, however few of them are unused.
-MaintenanceJob Collecting(const Maintenance& maintenance, Metrics& metrics) {
-  return {"blobs that may be unused",
-          [&maintenance, &metrics](const CallContext& context, std::int64_t limit) -> absl::StatusOr<std::int64_t> {
-            ENFILADE_ASSIGN_OR_RETURN(const storage::BlobCollection blobs,
-                                      maintenance.CollectBlobs(context, kBlobGrace, limit));
-            if (blobs.deleted > 0) metrics.CountRowsDeleted("unused blobs", blobs.deleted);
-            return blobs.looked_at;
+using Collection = std::function<absl::StatusOr<MaintenancePortion>(const CallContext& context, std::int64_t limit)>;
+
+// A portion is full when it looked at many things, however few of them are deleted.
+MaintenanceJob Collecting(std::string what, std::string deleted, Metrics& metrics, Collection collection) {
+  return {std::move(what),
+          [deleted = std::move(deleted), &metrics, collection = std::move(collection)](
+              const CallContext& context, std::int64_t limit) -> absl::StatusOr<std::int64_t> {
+            ENFILADE_ASSIGN_OR_RETURN(const MaintenancePortion portion, collection(context, limit));
+            if (portion.deleted > 0) metrics.CountRowsDeleted(deleted, portion.deleted);
+            return std::max(portion.looked_at, portion.deleted);
           },
           "looked at"};
 }
@@ -57,17 +61,28 @@ std::vector<MaintenanceJob> MaintenanceJobs(const MaintenanceStores& stores, con
   const Maintenance& maintenance = stores.maintenance;
   std::vector<MaintenanceJob> jobs;
   if (limits.idle.count() > 0) jobs.push_back(Closing(stores.sessions, limits.idle, metrics));
-  jobs.push_back(Deleting("deleted sessions", metrics, [&maintenance](const CallContext& context, std::int64_t limit) {
-    return maintenance.PurgeDeletedSessions(context, limit);
-  }));
-  jobs.push_back(Deleting("expired records", metrics, [&maintenance](const CallContext& context, std::int64_t limit) {
-    return maintenance.DeleteExpiredRecords(context, limit);
-  }));
+  const auto deleting = [&](const std::string& what, auto deletion) {
+    jobs.push_back(Deleting(what, metrics, [&maintenance, deletion](const CallContext& context, std::int64_t limit) {
+      return (maintenance.*deletion)(context, limit);
+    }));
+  };
+  deleting("sessions past their retention", &Maintenance::DeleteFinishedSessions);
+  deleting("deleted sessions", &Maintenance::PurgeDeletedSessions);
+  deleting("expired records", &Maintenance::DeleteExpiredRecords);
+  deleting("versions of graphs", &Maintenance::DeleteGraphHistory);
+  deleting("audit entries", &Maintenance::DeleteAuditEntries);
   jobs.push_back(Deleting("expired undo", metrics,
                           [&maintenance, kept = limits.undo_kept](const CallContext& context, std::int64_t limit) {
                             return maintenance.DeleteExpiredUndo(context, kept, limit);
                           }));
-  jobs.push_back(Collecting(maintenance, metrics));
+  jobs.push_back(Collecting("maps with old revisions", "revisions", metrics,
+                            [&maintenance](const CallContext& context, std::int64_t limit) {
+                              return maintenance.DeleteRevisions(context, limit);
+                            }));
+  jobs.push_back(Collecting("blobs that may be unused", "unused blobs", metrics,
+                            [&maintenance](const CallContext& context, std::int64_t limit) {
+                              return maintenance.CollectBlobs(context, kBlobGrace, limit);
+                            }));
   return jobs;
 }
 

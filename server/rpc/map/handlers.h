@@ -21,6 +21,8 @@ absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const Services& services, const 
                                                 const v1::DeleteMapRequest& request);
 absl::StatusOr<v1::GetMapRevisionResponse> GetMapRevision(const Services& services, const Call& call,
                                                           const v1::GetMapRevisionRequest& request);
+absl::StatusOr<v1::TagMapRevisionResponse> TagMapRevision(const Services& services, const Call& call,
+                                                          const v1::TagMapRevisionRequest& request);
 absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services, const Call& call,
                                                               const v1::ListMapRevisionsRequest& request);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/graph/graph_changes.h"
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,7 +16,8 @@ namespace enfilade::storage::postgres {
 namespace {
 
 constexpr Statement kSelectGraph{"reading the graph's version",
-                                 "SELECT coalesce(g.graph_version, 0), g.root_map_id FROM enfilade.sites s"
+                                 "SELECT coalesce(g.graph_version, 0), g.root_map_id,"
+                                 " coalesce(g.forgotten_version, 0) FROM enfilade.sites s"
                                  " LEFT JOIN enfilade.site_graphs g USING (site_id) WHERE site_id = $1"
                                  " AND s.delete_time IS NULL"};
 constexpr Statement kShareGraph{"locking the graph's version",
@@ -34,6 +36,12 @@ constexpr Statement kSelectRemovals{"reading removals from the graph",
                                     "SELECT kind, id FROM enfilade.graph_removals"
                                     " WHERE site_id = $1 AND removed_version > $2 ORDER BY kind, id"};
 constexpr int kAttempts = 3;
+
+struct GraphRead {
+  GraphChanges changes;
+  // Not if the site was created again since, or what was removed since is forgotten.
+  bool whole = false;
+};
 
 struct GraphMapRow {
   GraphMap map;
@@ -91,26 +99,30 @@ void QueueChanges(Transaction& transaction, const SiteId& site, std::int64_t sin
 
 // Of what QueueChanges has queued. Each statement sees what was committed before it. If the version is the same before
 // and after the other statements, all of them saw that version; unset otherwise.
-absl::StatusOr<std::optional<GraphChanges>> ReadQueued(std::span<const Result> results, const SiteId& site,
-                                                       std::int64_t since) {
-  GraphChanges changes;
+absl::StatusOr<std::optional<GraphRead>> ReadQueued(std::span<const Result> results, const SiteId& site,
+                                                    std::int64_t since) {
+  GraphRead read;
+  GraphChanges& changes = read.changes;
   std::int64_t after = 0;
+  std::int64_t forgotten = 0;
   for (const Result* result : {&results[4], &results[0]}) {
     if (result->rows() == 0) return NotFound("{} does not exist", NameOf(site));
     Row row(*result, 0);
     changes.version = row.Int64();
     changes.root = MapId(std::string(row.OptionalText().value_or("")));
+    forgotten = std::max(forgotten, row.Int64());
     ENFILADE_RETURN_IF_ERROR(row.status());
     if (result == &results[4]) after = changes.version;
   }
   if (after != changes.version) return std::nullopt;
+  read.whole = since == 0 || (since <= changes.version && since >= forgotten);
   changes.complete = since == 0;
   ENFILADE_RETURN_IF_ERROR(ReadRowsInto(results[1], results[2], results[3], changes));
-  return changes;
+  return read;
 }
 
-absl::StatusOr<std::optional<GraphChanges>> TryRead(Pool& pool, const CallContext& context, const SiteId& site,
-                                                    std::int64_t since, bool lock) {
+absl::StatusOr<std::optional<GraphRead>> TryRead(Pool& pool, const CallContext& context, const SiteId& site,
+                                                 std::int64_t since, bool lock) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
   if (lock) transaction.Queue(kShareGraph, Params(site));
   QueueChanges(transaction, site, since);
@@ -123,9 +135,9 @@ absl::StatusOr<std::optional<GraphChanges>> TryRead(Pool& pool, const CallContex
 absl::StatusOr<GraphChanges> ReadGraphChanges(Pool& pool, const CallContext& context, const SiteId& site,
                                               std::int64_t since) {
   for (int attempt = 1; attempt <= kAttempts; ++attempt) {
-    ENFILADE_ASSIGN_OR_RETURN(auto changes, TryRead(pool, context, site, since, attempt == kAttempts));
-    if (changes && changes->version < since) return ReadGraphChanges(pool, context, site, 0);
-    if (changes) return *std::move(changes);
+    ENFILADE_ASSIGN_OR_RETURN(auto read, TryRead(pool, context, site, since, attempt == kAttempts));
+    if (read && !read->whole) return ReadGraphChanges(pool, context, site, 0);
+    if (read) return std::move(read->changes);
   }
   return Aborted("{} was deleted and created again during the call: try again", NameOf(site));
 }
@@ -133,10 +145,10 @@ absl::StatusOr<GraphChanges> ReadGraphChanges(Pool& pool, const CallContext& con
 absl::StatusOr<GraphChanges> ReadLockedGraph(Transaction& transaction, const SiteId& site, std::int64_t since) {
   QueueChanges(transaction, site, since);
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
-  ENFILADE_ASSIGN_OR_RETURN(auto changes, ReadQueued(results, site, since));
-  if (!changes) return Internal("the graph of {} changed while it was locked", NameOf(site));
-  if (changes->version < since) return ReadLockedGraph(transaction, site, 0);
-  return *std::move(changes);
+  ENFILADE_ASSIGN_OR_RETURN(auto read, ReadQueued(results, site, since));
+  if (!read) return Internal("the graph of {} changed while it was locked", NameOf(site));
+  if (!read->whole) return ReadLockedGraph(transaction, site, 0);
+  return std::move(read->changes);
 }
 
 }  // namespace enfilade::storage::postgres

@@ -31,6 +31,10 @@ constexpr Statement kInsertTiles{
 constexpr Statement kSetRevisionState{"updating the map",
                                       "UPDATE enfilade.maps SET current_revision = $3, state = $4"
                                       " WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kReviewMap{"having the map's revisions reviewed",
+                               "INSERT INTO enfilade.revision_reviews AS r (site_id, map_id, due_time)"
+                               " VALUES ($1, $2, now()) ON CONFLICT (site_id, map_id) DO UPDATE SET due_time = now()"
+                               " WHERE r.due_time > now()"};
 
 void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   std::vector<std::int32_t> rows, columns;
@@ -50,6 +54,10 @@ void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevisio
 
 }  // namespace
 
+void QueueRevisionReview(Transaction& transaction, const MapKey& key) {
+  transaction.Queue(kReviewMap, Params(key.site, key.map));
+}
+
 absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
                                            absl::Span<const BlobView> blobs, MapState state) {
   const auto& [site, map] = key;
@@ -68,6 +76,7 @@ absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKe
   if (!stored) {
     ++number;
     QueueRevision(transaction, key, revision, number);
+    if (number > 1) QueueRevisionReview(transaction, key);
   }
   transaction.Queue(kSetRevisionState, Params(site, map, number, static_cast<std::int16_t>(state)));
   return number;

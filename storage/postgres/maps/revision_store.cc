@@ -13,7 +13,7 @@ namespace {
 
 #define ENFILADE_REVISION_COLUMNS                                                                             \
   "site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height," \
-  " raster_header, content_sha256, tile_count, tile_bytes, create_time"
+  " raster_header, content_sha256, tile_count, tile_bytes, create_time, tag"
 
 constexpr Statement kSelectRevision{"reading the revision",
                                     "SELECT " ENFILADE_REVISION_COLUMNS
@@ -31,6 +31,9 @@ constexpr Statement kListRevisions{"listing revisions",
                                    "SELECT " ENFILADE_REVISION_COLUMNS
                                    " FROM enfilade.map_revisions WHERE site_id = $1 AND map_id = $2 AND revision < $3"
                                    " ORDER BY revision DESC LIMIT $4"};
+constexpr Statement kTagRevision{"tagging the revision",
+                                 "UPDATE enfilade.map_revisions SET tag = $4 WHERE site_id = $1 AND map_id = $2"
+                                 " AND revision = $3 RETURNING " ENFILADE_REVISION_COLUMNS};
 // Reads as many tiles as fit by their mean size, and returns those that do fit.
 constexpr Statement kReadTiles{
     "reading tiles",
@@ -63,6 +66,7 @@ MapRevision ReadRevision(Row& row) {
   revision.tile_count = row.Int64();
   revision.tile_bytes = row.Int64();
   revision.create_time = row.Time();
+  revision.tag = row.Text();
   return revision;
 }
 
@@ -102,6 +106,17 @@ absl::StatusOr<std::vector<MapRevision>> RevisionStore::List(const CallContext& 
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   if (results[0].rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
   return ReadRows(results[1], ReadRevision);
+}
+
+absl::StatusOr<MapRevision> RevisionStore::Tag(const CallContext& context, const SiteId& site, const MapId& map,
+                                               std::int64_t number, const std::string& tag) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  transaction.Queue(kTagRevision, Params(site, map, number, tag));
+  QueueRevisionReview(transaction, {site, map});
+  const auto results = transaction.FlushAndCommit();
+  if (SqlStateOf(results.status()) == "23503") return NotFound("{} does not exist", NameOfRevision(site, map, number));
+  ENFILADE_RETURN_IF_ERROR(WithContext(results.status(), NameOfRevision(site, map, number)));
+  return ReadOne(results->front(), ReadRevision, NameOfRevision(site, map, number));
 }
 
 absl::StatusOr<LayersBeside> RevisionStore::ReadLayersBeside(const CallContext& context, const SiteId& site,

@@ -16,6 +16,8 @@ class RevisionStore final : public storage::RevisionStore {
                                   std::int64_t number) const override;
   absl::StatusOr<std::vector<MapRevision>> List(const CallContext& context, const SiteId& site, const MapId& map,
                                                 std::int64_t before, int limit) const override;
+  absl::StatusOr<MapRevision> Tag(const CallContext& context, const SiteId& site, const MapId& map, std::int64_t number,
+                                  const std::string& tag) const override;
   absl::StatusOr<LayersBeside> ReadLayersBeside(const CallContext& context, const SiteId& site, const MapId& map,
                                                 const SessionId& session) const override;
   absl::StatusOr<LayersBeside> ReadRunsBeside(const CallContext& context, const SiteId& site, const MapId& map,

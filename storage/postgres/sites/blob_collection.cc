@@ -63,9 +63,9 @@ std::vector<Bytes> AsBytes(const std::vector<std::string>& digests) {
   return bytes;
 }
 
-absl::StatusOr<BlobCollection> LookAtListed(Pool& pool, const CallContext& context, const SiteId& site,
-                                            std::int64_t grace_s, std::int64_t limit) {
-  BlobCollection collection;
+absl::StatusOr<MaintenancePortion> LookAtListed(Pool& pool, const CallContext& context, const SiteId& site,
+                                                std::int64_t grace_s, std::int64_t limit) {
+  MaintenancePortion collection;
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
   ENFILADE_ASSIGN_OR_RETURN(const Result taken, transaction.Execute(kTakeLoose, Params(site, grace_s, limit)));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<std::string> listed, ReadDigests(taken));
@@ -104,9 +104,9 @@ absl::StatusOr<std::int64_t> ListStored(Pool& pool, const CallContext& context, 
 
 }  // namespace
 
-absl::StatusOr<BlobCollection> CollectBlobsOf(Pool& pool, const CallContext& context, const SiteId& site,
-                                              std::chrono::seconds grace, std::int64_t limit) {
-  ENFILADE_ASSIGN_OR_RETURN(BlobCollection collection,
+absl::StatusOr<MaintenancePortion> CollectBlobsOf(Pool& pool, const CallContext& context, const SiteId& site,
+                                                  std::chrono::seconds grace, std::int64_t limit) {
+  ENFILADE_ASSIGN_OR_RETURN(MaintenancePortion collection,
                             LookAtListed(pool, context, site, static_cast<std::int64_t>(grace.count()), limit));
   if (collection.looked_at < limit) {
     ENFILADE_ASSIGN_OR_RETURN(const std::int64_t listed, ListStored(pool, context, site, limit - collection.looked_at));

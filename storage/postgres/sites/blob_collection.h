@@ -15,7 +15,7 @@ namespace enfilade::storage::postgres {
 // loose_blobs: triggers add it when it is stored and when a reference to it goes, and whoever looks at it takes it from
 // the list. So what is looked at does not grow with the blobs in use. An entry that another replica looks at is
 // skipped.
-absl::StatusOr<BlobCollection> CollectBlobsOf(Pool& pool, const CallContext& context, const SiteId& site,
-                                              std::chrono::seconds grace, std::int64_t limit);
+absl::StatusOr<MaintenancePortion> CollectBlobsOf(Pool& pool, const CallContext& context, const SiteId& site,
+                                                  std::chrono::seconds grace, std::int64_t limit);
 
 }  // namespace enfilade::storage::postgres

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/sites/maintenance.h"
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/sessions/session_purge.h"
 #include "storage/postgres/sites/blob_collection.h"
+#include "storage/postgres/sites/retention.h"
 
 namespace enfilade::storage {
 namespace {
@@ -45,6 +47,16 @@ constexpr Statement kMarkExpired{
     "UPDATE enfilade.sessions s SET records_deleted = true FROM enfilade.sites t"
     " WHERE t.site_id = $1 AND s.site_id = $1 AND s.finish_time <= now() - t.raw_retention_s * interval '1 second'"
     " AND s.delete_time IS NULL AND NOT s.records_deleted AND s.state IN (3, 4)"};
+#define ENFILADE_LIST_KEEPING(column)                                                                              \
+  Statement {                                                                                                      \
+    "looking for retentions",                                                                                      \
+        "SELECT site_id FROM enfilade.sites WHERE " column " IS NOT NULL AND delete_time IS NULL ORDER BY site_id" \
+  }
+constexpr Statement kListKeepingSessions = ENFILADE_LIST_KEEPING("session_retention_s");
+constexpr Statement kListKeepingRevisions = ENFILADE_LIST_KEEPING("revisions_kept");
+constexpr Statement kListKeepingHistory = ENFILADE_LIST_KEEPING("history_retention_s");
+constexpr Statement kListKeepingAudit = ENFILADE_LIST_KEEPING("audit_retention_s");
+#undef ENFILADE_LIST_KEEPING
 constexpr Statement kListLooseBlobs{
     "looking for unused blobs",
     "SELECT s.site_id FROM enfilade.sites s WHERE EXISTS (SELECT FROM enfilade.loose_blobs l"
@@ -143,6 +155,36 @@ absl::StatusOr<std::int64_t> PurgeSites(const std::vector<SiteId>& sites, std::i
   return total;
 }
 
+using PurgeListedSite = absl::StatusOr<std::optional<std::int64_t>> (*)(postgres::Pool& pool,
+                                                                        const CallContext& context, const SiteId& site,
+                                                                        std::int64_t limit);
+absl::StatusOr<std::int64_t> PurgeListed(postgres::Pool& pool, const CallContext& context, const Statement& list,
+                                         PurgeListedSite purge, std::int64_t limit) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool, context, list));
+  return PurgeSites(sites, limit,
+                    [&](const SiteId& site, std::int64_t rest) { return purge(pool, context, site, rest); });
+}
+
+// Until `limit` things have been looked at or deleted, in all. Errors as PurgeSites.
+using LookInSite = std::function<absl::StatusOr<MaintenancePortion>(const SiteId&, std::int64_t)>;
+absl::StatusOr<MaintenancePortion> LookInSites(const std::vector<SiteId>& sites, std::int64_t limit,
+                                               const LookInSite& look) {
+  MaintenancePortion total;
+  absl::Status error;
+  const auto done = [&] { return std::max(total.looked_at, total.deleted); };
+  for (const SiteId& site : sites) {
+    if (done() >= limit) return total;
+    const auto portion = look(site, limit - done());
+    if (portion.ok()) {
+      total.looked_at += portion->looked_at;
+      total.deleted += portion->deleted;
+    }
+    error.Update(WithContext(portion.status(), NameOf(site)));
+  }
+  if (!error.ok() && done() < limit) return error;
+  return total;
+}
+
 absl::StatusOr<std::int64_t> PurgeSessions(postgres::Pool& pool, const CallContext& context, const PurgeKind& kind,
                                            std::int64_t limit, absl::Status error = {}) {
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool, context, kind.list_sites));
@@ -176,24 +218,33 @@ absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredUndo(const CallContext& c
   });
 }
 
-absl::StatusOr<BlobCollection> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,
-                                                         std::int64_t limit) const {
+absl::StatusOr<std::int64_t> Maintenance::DeleteFinishedSessions(const CallContext& context, std::int64_t limit) const {
+  return PurgeListed(pool_, context, kListKeepingSessions, postgres::DeleteFinishedSessions, limit);
+}
+
+absl::StatusOr<std::int64_t> Maintenance::DeleteGraphHistory(const CallContext& context, std::int64_t limit) const {
+  return PurgeListed(pool_, context, kListKeepingHistory, postgres::DeleteGraphHistory, limit);
+}
+
+absl::StatusOr<std::int64_t> Maintenance::DeleteAuditEntries(const CallContext& context, std::int64_t limit) const {
+  return PurgeListed(pool_, context, kListKeepingAudit, postgres::DeleteAuditEntries, limit);
+}
+
+absl::StatusOr<MaintenancePortion> Maintenance::DeleteRevisions(const CallContext& context, std::int64_t limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<SiteId> sites, ListSites(pool_, context, kListKeepingRevisions));
+  return LookInSites(sites, limit, [&](const SiteId& site, std::int64_t rest) {
+    return postgres::DeleteRevisions(pool_, context, site, rest);
+  });
+}
+
+absl::StatusOr<MaintenancePortion> Maintenance::CollectBlobs(const CallContext& context, std::chrono::seconds grace,
+                                                             std::int64_t limit) const {
   ENFILADE_ASSIGN_OR_RETURN(
       const std::vector<SiteId> sites,
       ListSites(pool_, context, kListLooseBlobs, Params(static_cast<std::int64_t>(grace.count()))));
-  BlobCollection total;
-  absl::Status error;
-  for (const SiteId& site : sites) {
-    if (total.looked_at >= limit) return total;
-    const auto collected = postgres::CollectBlobsOf(pool_, context, site, grace, limit - total.looked_at);
-    if (collected.ok()) {
-      total.looked_at += collected->looked_at;
-      total.deleted += collected->deleted;
-    }
-    error.Update(WithContext(collected.status(), NameOf(site)));
-  }
-  if (!error.ok() && total.looked_at < limit) return error;
-  return total;
+  return LookInSites(sites, limit, [&](const SiteId& site, std::int64_t rest) {
+    return postgres::CollectBlobsOf(pool_, context, site, grace, rest);
+  });
 }
 
 }  // namespace enfilade::storage

@@ -76,6 +76,7 @@ constexpr std::array kTables = {
     ENFILADE_OF_SITE("map_layers"),
     ENFILADE_OF_SITE("map_revision_tiles"),
     ENFILADE_OF_SITE("map_revisions"),
+    ENFILADE_OF_SITE("revision_reviews"),
     ENFILADE_OF_SITE("sessions"),
     ENFILADE_OF_SITE("maps"),
     ENFILADE_OF_SITE("robots"),

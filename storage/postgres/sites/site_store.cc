@@ -16,12 +16,16 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-#define ENFILADE_SITE_COLUMNS \
-  "site_id, display_name, raw_retention_s, etag, create_time, update_time, delete_time, delete_actor, deleted_rows"
+#define ENFILADE_SITE_COLUMNS                                                                          \
+  "site_id, display_name, raw_retention_s, session_retention_s, revisions_kept, revision_retention_s," \
+  " history_retention_s, audit_retention_s, etag, create_time, update_time, delete_time, delete_actor, deleted_rows"
 
-constexpr Statement kInsertSite{"creating the site",
-                                "INSERT INTO enfilade.sites (site_id, display_name, raw_retention_s, request_id,"
-                                " request_sha256) VALUES ($1, $2, $3, $4, $5) RETURNING " ENFILADE_SITE_COLUMNS};
+constexpr Statement kInsertSite{
+    "creating the site",
+    "INSERT INTO enfilade.sites (site_id, display_name, request_id, request_sha256,"
+    " raw_retention_s, session_retention_s, revisions_kept, revision_retention_s,"
+    " history_retention_s, audit_retention_s) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)"
+    " RETURNING " ENFILADE_SITE_COLUMNS};
 // Waits for a creation under way with the same request id.
 constexpr Statement kPutRequest{"storing the request",
                                 "INSERT INTO enfilade.site_requests (request_id, site_id) VALUES ($1, $2)"};
@@ -35,9 +39,14 @@ constexpr Statement kListSites{"listing sites", "SELECT " ENFILADE_SITE_COLUMNS
                                                 " FROM enfilade.sites WHERE site_id > $1 ORDER BY site_id LIMIT $2"};
 constexpr Statement kUpdateSite{
     "updating the site",
-    "UPDATE enfilade.sites SET display_name = $3, raw_retention_s = $4,"
-    " etag = $5, update_time = now()"
+    "UPDATE enfilade.sites SET display_name = $3, etag = $4, raw_retention_s = $5, session_retention_s = $6,"
+    " revisions_kept = $7, revision_retention_s = $8, history_retention_s = $9, audit_retention_s = $10,"
+    " update_time = now()"
     " WHERE site_id = $1 AND etag = $2 AND delete_time IS NULL RETURNING " ENFILADE_SITE_COLUMNS};
+// Another retention may make some due before they would have been.
+constexpr Statement kReviewAllMaps{"looking for revisions past their retention",
+                                   "UPDATE enfilade.revision_reviews SET due_time = now()"
+                                   " WHERE site_id = $1 AND due_time > now()"};
 // Waits for those who are adding to the site, and makes others wait.
 constexpr Statement kLockSite{"locking the site",
                               "SELECT " ENFILADE_SITE_COLUMNS " FROM enfilade.sites WHERE site_id = $1 FOR UPDATE"};
@@ -51,11 +60,22 @@ constexpr Statement kMarkSiteDeleted{"deleting the site",
                                      " etag = $3, update_time = now() WHERE site_id = $1"
                                      " RETURNING " ENFILADE_SITE_COLUMNS};
 
+std::optional<std::chrono::seconds> ReadSeconds(Row& row) {
+  if (const auto seconds = row.OptionalInt64()) return std::chrono::seconds(*seconds);
+  return std::nullopt;
+}
+
 Site ReadSite(Row& row) {
   Site site;
   site.id = SiteId(std::string(row.Text()));
   site.display_name = row.Text();
-  if (const auto seconds = row.OptionalInt64()) site.raw_retention = std::chrono::seconds(*seconds);
+  site.raw_retention = ReadSeconds(row);
+  site.session_retention = ReadSeconds(row);
+  const std::optional<std::int64_t> revisions_kept = row.OptionalInt64();
+  const std::optional<std::chrono::seconds> revision_age = ReadSeconds(row);
+  if (revisions_kept) site.revision_retention = RevisionRetention{static_cast<int>(*revisions_kept), revision_age};
+  site.history_retention = ReadSeconds(row);
+  site.audit_retention = ReadSeconds(row);
   site.etag = row.Int64();
   site.create_time = row.Time();
   site.update_time = row.Time();
@@ -91,9 +111,19 @@ absl::StatusOr<std::optional<Site>> FindRequested(postgres::Pool& pool, const Ca
   return site;
 }
 
-std::optional<std::int64_t> RetentionSeconds(const Site& site) {
-  if (!site.raw_retention) return std::nullopt;
-  return site.raw_retention->count();
+std::optional<std::int64_t> Count(const std::optional<std::chrono::seconds>& duration) {
+  if (!duration) return std::nullopt;
+  return duration->count();
+}
+
+// `first` and the columns of the retentions, in the order of the table.
+template <typename... First>
+Params WithRetentions(const Site& site, const First&... first) {
+  const std::optional<RevisionRetention>& revisions = site.revision_retention;
+  const auto kept = revisions ? std::optional(std::int64_t{revisions->newest}) : std::nullopt;
+  return Params(first..., Count(site.raw_retention), Count(site.session_retention), kept,
+                revisions ? Count(revisions->age) : std::nullopt, Count(site.history_retention),
+                Count(site.audit_retention));
 }
 
 // ALREADY_EXISTS if the site exists, or the request does.
@@ -103,8 +133,8 @@ absl::StatusOr<Site> Insert(postgres::Pool& pool, const CallContext& context, co
   if (!request_id.empty()) {
     transaction.Queue(kPutRequest, Params(postgres::IdOrNull(request_id), site.id));
   }
-  transaction.Queue(kInsertSite, Params(site.id, site.display_name, RetentionSeconds(site),
-                                        postgres::IdOrNull(request_id), postgres::DigestOrNull(request_id)));
+  transaction.Queue(kInsertSite, WithRetentions(site, site.id, site.display_name, postgres::IdOrNull(request_id),
+                                                postgres::DigestOrNull(request_id)));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   return postgres::ReadOne(results.back(), ReadSite, NameOf(site.id));
 }
@@ -151,11 +181,12 @@ absl::StatusOr<std::vector<Site>> SiteStore::List(const CallContext& context, co
 }
 
 absl::StatusOr<Site> SiteStore::Update(const CallContext& context, const Site& site) const {
-  const auto updated = storage::postgres::ExecuteAlone(
-      pool_, context, kUpdateSite,
-      Params(site.id, site.etag, site.display_name, RetentionSeconds(site), postgres::NewEtag()));
-  if (!updated.ok()) return WithContext(updated.status(), NameOf(site.id));
-  if (updated->rows() > 0) return storage::postgres::ReadOne(*updated, ReadSite, NameOf(site.id));
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  transaction.Queue(kUpdateSite, WithRetentions(site, site.id, site.etag, site.display_name, postgres::NewEtag()));
+  transaction.Queue(kReviewAllMaps, Params(site.id));
+  const auto results = transaction.FlushAndCommit();
+  if (!results.ok()) return WithContext(results.status(), NameOf(site.id));
+  if (results->front().rows() > 0) return storage::postgres::ReadOne(results->front(), ReadSite, NameOf(site.id));
   ENFILADE_RETURN_IF_ERROR(InUse(Get(context, site.id)).status());
   return postgres::StaleEtag(NameOf(site.id));
 }

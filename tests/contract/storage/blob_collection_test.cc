@@ -18,15 +18,15 @@ using ::testing::IsEmpty;
 class BlobCollectionTest : public StoreTest {
  protected:
   std::string Count(const std::string& table) { return database_.SqlValue("SELECT count(*) FROM enfilade." + table); }
-  storage::BlobCollection Collect(std::int64_t limit = 1000, seconds grace = seconds(0)) {
+  storage::MaintenancePortion Collect(std::int64_t limit = 1000, seconds grace = seconds(0)) {
     const auto collected = maintenance_.CollectBlobs(Soon(), grace, limit);
     EXPECT_OK(collected);
-    return collected.value_or(storage::BlobCollection());
+    return collected.value_or(storage::MaintenancePortion());
   }
-  storage::BlobCollection CollectAll(std::int64_t limit = 1000) {
-    storage::BlobCollection total;
+  storage::MaintenancePortion CollectAll(std::int64_t limit = 1000) {
+    storage::MaintenancePortion total;
     while (true) {
-      const storage::BlobCollection portion = Collect(limit);
+      const storage::MaintenancePortion portion = Collect(limit);
       EXPECT_LE(portion.looked_at, limit);
       total.looked_at += portion.looked_at;
       total.deleted += portion.deleted;
@@ -156,9 +156,9 @@ TEST_F(BlobCollectionTest, TwoServersDoTheWorkOnce) {
   database_.Sql(
       "DELETE FROM enfilade.map_revision_tiles WHERE tile_row > 500; TRUNCATE enfilade.loose_blobs;"
       "INSERT INTO enfilade.loose_blobs SELECT site_id, sha256, '-infinity' FROM enfilade.blobs");
-  std::array<storage::BlobCollection, 2> done;
+  std::array<storage::MaintenancePortion, 2> done;
   std::vector<std::thread> servers;
-  for (storage::BlobCollection& mine : done) {
+  for (storage::MaintenancePortion& mine : done) {
     servers.emplace_back([this, &mine] {
       const auto pool = PoolNamed("server");
       const storage::Maintenance maintenance(*pool);

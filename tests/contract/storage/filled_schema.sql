@@ -74,6 +74,7 @@ SELECT pg_temp.fill('map_revisions', jsonb_build_object('map_id', m, 'revision',
 SELECT pg_temp.fill('map_revisions', jsonb_build_object('map_id', 'm1', 'revision', 2, 'source', 1,
   'session_id', 'mapped', 'resolution', 0.05, 'origin_x', 0, 'origin_y', 0, 'origin_yaw', 0, 'width', 1, 'height', 1,
   'raster_header', '\x00', 'content_sha256', pg_temp.hash('3'), 'tile_count', 1, 'tile_bytes', 1));
+SELECT pg_temp.fill('revision_reviews', '{"map_id": "m1", "due_time": "infinity"}');
 SELECT pg_temp.fill('map_revision_tiles', jsonb_build_object('map_id', 'm1', 'revision', 1, 'tile_row', 0,
   'tile_column', 0, 'sha256', pg_temp.hash('2')));
 SELECT pg_temp.fill('map_layers', '{"map_id": "m1", "position": 1, "revision": 1, "version": 1}');

@@ -145,7 +145,7 @@ TEST_F(LinkPointRowsTest, EvidenceKeepsItsBlobs) {
   EXPECT_CODE(link_points_.PutEvidence(Soon(), site_, evidence), absl::StatusCode::kInvalidArgument);
 
   storage::Maintenance maintenance(*pool_);
-  ASSERT_OK_AND_ASSIGN(const storage::BlobCollection collected,
+  ASSERT_OK_AND_ASSIGN(const storage::MaintenancePortion collected,
                        maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
   EXPECT_EQ(collected.deleted, 1) << "the one that was replaced";
   ASSERT_OK_AND_ASSIGN(const auto listed, link_points_.ListEvidence(Soon(), site_, {LinkPointId("door")}));
@@ -155,7 +155,7 @@ TEST_F(LinkPointRowsTest, EvidenceKeepsItsBlobs) {
   EXPECT_EQ(listed[1].content, cloud.ref());
   EXPECT_EQ(listed[1].encoding, 2);
   ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("door"), 0));
-  ASSERT_OK_AND_ASSIGN(const storage::BlobCollection freed,
+  ASSERT_OK_AND_ASSIGN(const storage::MaintenancePortion freed,
                        maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 100));
   EXPECT_EQ(freed.deleted, 2);
 }

@@ -64,13 +64,13 @@ TEST_F(MapLayerRowsTest, TilesOfLayersAreKeptAsLongAsTheMap) {
   ASSERT_OK(Add(both));
   RasterOf({"nobody's"});
   storage::Maintenance maintenance(*pool_);
-  ASSERT_OK_AND_ASSIGN(const storage::BlobCollection collected, maintenance.CollectBlobs(Soon(), seconds(0), 1000));
+  ASSERT_OK_AND_ASSIGN(const storage::MaintenancePortion collected, maintenance.CollectBlobs(Soon(), seconds(0), 1000));
   EXPECT_EQ(collected.deleted, 1);
   ASSERT_OK(sessions_.Delete(Soon(), site_, second_));
   EXPECT_THAT(Beside("s1").above, SizeIs(1)) << "what a deleted session has seen stays in the map";
   ASSERT_OK(maps_.Delete(Soon(), site_, map_, 0, true));
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM enfilade.map_layers"), "0");
-  ASSERT_OK_AND_ASSIGN(const storage::BlobCollection rest, maintenance.CollectBlobs(Soon(), seconds(0), 1000));
+  ASSERT_OK_AND_ASSIGN(const storage::MaintenancePortion rest, maintenance.CollectBlobs(Soon(), seconds(0), 1000));
   EXPECT_EQ(rest.deleted, 3);
 }
 

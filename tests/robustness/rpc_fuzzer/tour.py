@@ -137,6 +137,7 @@ class Tour:
         imported = self.one("MapService.ImportMap", {"manifest": {"parent": f"{site}/maps/b", "dialect": NAV2,
                                                                   "files": entries}}, *chunks)
         self.ok("MapService.GetMapRevision", {"name": imported.revision.name})
+        self.ok("MapService.TagMapRevision", {"name": imported.revision.name, "tag": "as imported"})
         self.ok("MapService.ListMapRevisions", {"parent": f"{site}/maps/b"})
         self.ok("MapService.ExportMap", {"name": f"{site}/maps/b", "format": PGM})
 

@@ -35,6 +35,7 @@ nlohmann::json ToJson(const v1::Map& map) {
 
 nlohmann::json ToJson(const v1::MapRevision& revision) {
   return {{"name", revision.name()},
+          {"tag", revision.tag()},
           {"source", revision.source() == v1::MapRevision::SOURCE_IMPORT ? "import" : "mapping"},
           {"session", revision.session()},
           {"resolution_m", revision.resolution_m()},
@@ -86,9 +87,35 @@ absl::Status ShowMap(const Globals& globals, const std::string& name) {
     rows.push_back({IdOf(revision.name()),
                     revision.session().empty() ? "import" : "session " + IdOf(revision.session()),
                     fmt::format("{} x {} cells of {} m", revision.width(), revision.height(), revision.resolution_m()),
-                    FormatTime(revision.create_time())});
+                    FormatTime(revision.create_time()), revision.tag()});
   }
-  PrintTable(std::cout, {"REVISION", "FROM", "SIZE", "CREATED (UTC)"}, rows);
+  PrintTable(std::cout, {"REVISION", "FROM", "SIZE", "CREATED (UTC)", "TAG"}, rows);
+  return absl::OkStatus();
+}
+
+struct TagMapCommandOptions {
+  std::string map;
+  std::int64_t revision = 0;
+  std::string tag;
+};
+
+absl::Status TagMap(const Globals& globals, const TagMapCommandOptions& options) {
+  const client::Connection connection = ConnectionOf(globals);
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
+  v1::TagMapRevisionRequest request;
+  request.set_name(options.revision == 0 ? map.latest_revision()
+                                         : fmt::format("{}/revisions/{}", map.name(), options.revision));
+  request.set_tag(options.tag);
+  if (request.name().empty()) return FailedPrecondition("\"{}\" has no revision yet", map.display_name());
+  ENFILADE_ASSIGN_OR_RETURN(const v1::TagMapRevisionResponse response,
+                            connection.Call(&v1::MapService::Stub::TagMapRevision, request));
+  if (globals.json) {
+    PrintJson(std::cout, ToJson(response.revision()));
+  } else if (options.tag.empty()) {
+    std::cout << response.revision().name() << " has no tag\n";
+  } else {
+    std::cout << response.revision().name() << " is \"" << response.revision().tag() << "\"\n";
+  }
   return absl::OkStatus();
 }
 
@@ -130,6 +157,15 @@ void AddMap(CLI::App& app, const Globals& globals) {
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
   AddMapRearrange(*map, globals);
+
+  auto tag_options = std::make_shared<TagMapCommandOptions>();
+  CLI::App* tag = AddCommand(*map, "tag", "Give a revision a name; it is then kept however old it is",
+                             [&globals, tag_options] { return TagMap(globals, *tag_options); });
+  tag->add_option("MAP", tag_options->map, "Its name, id or resource name")->required();
+  tag->add_option("TAG", tag_options->tag, "At most 64 characters; none: the tag is removed");
+  tag->add_option("--revision", tag_options->revision, "Of this revision (default: the newest)")
+      ->check(CLI::PositiveNumber);
+  tag->footer("Example: enfilade map tag \"Main hall\" \"before the move\"");
 
   auto options = std::make_shared<DeleteMapCommandOptions>();
   CLI::App* remove = AddCommand(*map, "delete", "Delete a map with its revisions",

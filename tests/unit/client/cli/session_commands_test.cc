@@ -211,6 +211,23 @@ TEST_F(ServerCommandsTest, SitesAreCreatedAndListed) {
   EXPECT_THAT(printed_, HasSubstr("b           1:00:00"));
 }
 
+TEST_F(ServerCommandsTest, ASiteKeepsWhatItIsToldTo) {
+  v1::UpdateSiteRequest updated;
+  server_.sites.update = [&](const v1::UpdateSiteRequest& request, v1::UpdateSiteResponse& response) {
+    updated = request;
+    *response.mutable_site() = request.site();
+    return grpc::Status::OK;
+  };
+  ASSERT_OK(Run({"site", "update", "north", "--revisions", "20", "--revision-days", "7", "--history-days", "-1"}));
+  EXPECT_EQ(updated.site().name(), "sites/north");
+  EXPECT_THAT(updated.update_mask().paths(), ::testing::ElementsAre("revision_retention", "history_retention"));
+  EXPECT_EQ(updated.site().revision_retention().newest(), 20);
+  EXPECT_EQ(updated.site().revision_retention().age().seconds(), 604'800);
+  EXPECT_FALSE(updated.site().has_history_retention()) << "-1: for ever";
+  EXPECT_EQ(Printed()["revisions_kept"], 20);
+  EXPECT_CODE(Run({"site", "update", "north"}), absl::StatusCode::kInvalidArgument);
+}
+
 TEST_F(ServerCommandsTest, TheAuditTrailLeavesTheSiteOut) {
   v1::ListAuditEntriesRequest asked;
   server_.sites.list_audit_entries = [&](const v1::ListAuditEntriesRequest& request,

@@ -47,6 +47,31 @@ TEST(SiteResource, ReadsBackWhatItWrote) {
   }
 }
 
+TEST(SiteResource, EachRetentionIsReadBackByItself) {
+  using std::chrono::seconds;
+  for (const auto retention : {&storage::Site::raw_retention, &storage::Site::session_retention,
+                               &storage::Site::history_retention, &storage::Site::audit_retention}) {
+    storage::Site site;
+    site.display_name = "Site";
+    site.*retention = seconds(7);
+    ASSERT_OK_AND_ASSIGN(const storage::Site back, FromProto(ToProto(site)));
+    for (const auto other : {&storage::Site::raw_retention, &storage::Site::session_retention,
+                             &storage::Site::history_retention, &storage::Site::audit_retention}) {
+      EXPECT_EQ(back.*other, site.*other);
+    }
+    EXPECT_FALSE(back.revision_retention);
+  }
+}
+
+TEST(RevisionTag, HasAtMost64Characters) {
+  std::string umlauts;
+  for (int i = 0; i < 64; ++i) umlauts += "\xC3\xBC";
+  EXPECT_OK(CheckTag("tag", umlauts));
+  EXPECT_OK(CheckTag("tag", ""));
+  EXPECT_STATUS(CheckTag("tag", umlauts + "x"), absl::StatusCode::kInvalidArgument, HasSubstr("tag"));
+  EXPECT_CODE(CheckTag("tag", std::string("a\0b", 3)), absl::StatusCode::kInvalidArgument);
+}
+
 TEST(SiteResource, RefusesARetentionThatIsNoWholeNumberOfSeconds) {
   v1::Site site;
   site.set_display_name("Site");
