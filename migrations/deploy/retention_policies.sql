@@ -49,6 +49,9 @@ CREATE INDEX CONCURRENTLY IF NOT EXISTS revision_reviews_due_idx ON enfilade.rev
 INSERT INTO enfilade.revision_reviews SELECT site_id, map_id, now() FROM enfilade.maps WHERE current_revision > 1
   ON CONFLICT DO NOTHING;
 
+-- Which rearrangements of a map can be undone.
+CREATE INDEX CONCURRENTLY IF NOT EXISTS rearrangement_images_key_idx ON enfilade.rearrangement_images (site_id, key);
+
 -- What was removed from the graph up to this version is no longer known.
 ALTER TABLE enfilade.site_graphs ADD COLUMN IF NOT EXISTS forgotten_version bigint NOT NULL DEFAULT 0;
 

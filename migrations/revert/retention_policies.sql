@@ -5,6 +5,7 @@ CREATE OR REPLACE TRIGGER audit_log_append_only BEFORE UPDATE OR DELETE OR TRUNC
 DROP TRIGGER IF EXISTS audit_log_kept ON enfilade.audit_log;
 DROP FUNCTION IF EXISTS enfilade.refuse_audit_change;
 ALTER TABLE enfilade.site_graphs DROP COLUMN IF EXISTS forgotten_version;
+DROP INDEX CONCURRENTLY IF EXISTS enfilade.rearrangement_images_key_idx;
 DROP TABLE IF EXISTS enfilade.revision_reviews;
 ALTER TABLE enfilade.map_layers DROP CONSTRAINT IF EXISTS map_layers_site_id_map_id_revision_fkey;
 ALTER TABLE enfilade.map_layers ADD CONSTRAINT map_layers_site_id_map_id_revision_fkey

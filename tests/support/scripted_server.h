@@ -134,6 +134,7 @@ class ScriptedServer {
     explicit Sites(ScriptedServer& server) : owner(server) {}
     ScriptedServer& owner;
     ENFILADE_SCRIPTED(Unary, CreateSite, create)
+    ENFILADE_SCRIPTED(Unary, UpdateSite, update)
     ENFILADE_SCRIPTED(Unary, ListSites, list)
     ENFILADE_SCRIPTED(Unary, ListAuditEntries, list_audit_entries)
   };

@@ -33,8 +33,8 @@ constexpr Statement kSetRevisionState{"updating the map",
                                       " WHERE site_id = $1 AND map_id = $2"};
 constexpr Statement kReviewMap{"having the map's revisions reviewed",
                                "INSERT INTO enfilade.revision_reviews AS r (site_id, map_id, due_time)"
-                               " VALUES ($1, $2, now()) ON CONFLICT (site_id, map_id) DO UPDATE SET due_time = now()"
-                               " WHERE r.due_time > now()"};
+                               " VALUES ($1, $2, now()) ON CONFLICT (site_id, map_id)"
+                               " DO UPDATE SET due_time = excluded.due_time WHERE r.due_time > excluded.due_time"};
 
 void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   std::vector<std::int32_t> rows, columns;

@@ -212,10 +212,12 @@ constexpr Statement kRestoreLayerTiles{
     "   jsonb_populate_recordset(NULL::enfilade.map_layer_tiles, e -> 'tiles') b"
     " WHERE r.site_id = $1 AND r.rearrangement_id = $2 AND r.relation = 'layers'"
     " AND r.before IS DISTINCT FROM r.after"};
-// The map's revision of before, under the next number: revisions are never taken back.
+// The map's revision of before, under the next number: revisions are never taken back. While its parts are being
+// stored, the next one has the same content, and is not current.
 #define ENFILADE_RESTORED_REVISIONS                                                                     \
   "WITH m AS (SELECT r.key, (SELECT max(v.revision) FROM enfilade.map_revisions v WHERE v.site_id = $1" \
-  "     AND v.map_id = r.key AND v.content_sha256 = (r.before ->> 'raster')::bytea) AS old,"            \
+  "     AND v.map_id = r.key AND v.content_sha256 = (r.before ->> 'raster')::bytea"                     \
+  "     AND v.revision <= t.current_revision) AS old,"                                                  \
   "     t.current_revision + 1 AS next"                                                                 \
   "   FROM enfilade.rearrangement_images r JOIN enfilade.maps t ON t.site_id = $1 AND t.map_id = r.key" \
   "   WHERE r.site_id = $1 AND r.rearrangement_id = $2 AND r.relation = 'map'"                          \

@@ -19,14 +19,18 @@ namespace {
 constexpr Statement kFindReview{"looking for revisions past their retention",
                                 "SELECT map_id FROM enfilade.revision_reviews WHERE site_id = $1 AND due_time <= now()"
                                 " ORDER BY due_time LIMIT 1 FOR UPDATE SKIP LOCKED"};
-// Revisions of the map $2 that are not among the newest ones, have no tag, and are no layers.
+// Revisions of the map $2 that are not among the newest ones, have no tag, are no layers, and that undoing a
+// rearrangement of the map cannot need: those of before it.
 #define ENFILADE_SUPERSEDED                                                                                        \
   " FROM enfilade.map_revisions r"                                                                                 \
   " JOIN enfilade.sites s ON s.site_id = r.site_id"                                                                \
   " JOIN enfilade.maps m ON m.site_id = r.site_id AND m.map_id = r.map_id"                                         \
   " WHERE r.site_id = $1 AND r.map_id = $2 AND r.revision <= m.current_revision - s.revisions_kept AND r.tag = ''" \
   " AND NOT EXISTS (SELECT FROM enfilade.map_layers l WHERE l.site_id = $1 AND l.map_id = $2"                      \
-  "   AND l.revision = r.revision)"
+  "   AND l.revision = r.revision)"                                                                                \
+  " AND r.create_time > coalesce((SELECT max(a.create_time) FROM enfilade.rearrangement_images i"                  \
+  "   JOIN enfilade.rearrangements a ON a.site_id = i.site_id AND a.rearrangement_id = i.rearrangement_id"         \
+  "   WHERE i.site_id = $1 AND a.site_id = $1 AND i.key = $2 AND i.relation IN ('map', 'layers')), '-infinity')"
 #define ENFILADE_REVISION_EXPIRES "r.create_time + coalesce(s.revision_retention_s, 0) * interval '1 second'"
 // With their tiles about $3 rows: one too many at most, so that there is progress.
 constexpr Statement kDeleteRevisions{

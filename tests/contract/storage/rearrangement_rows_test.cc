@@ -57,6 +57,27 @@ TEST_F(RearrangementRowsTest, DeletingTheSiteDeletesItsRearrangements) {
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM rearrangements"), "0");
 }
 
+TEST_F(RearrangementRowsTest, RevisionsThatUndoingNeedsAreKept) {
+  const storage::Maintenance maintenance(*pool_);
+  ASSERT_OK(store_.Apply(Soon(), lease_, Merge()));
+  ASSERT_OK_AND_ASSIGN(storage::Site site, sites_.Get(Soon(), site_));
+  site.revision_retention = storage::RevisionRetention{.newest = 1};
+  ASSERT_OK(sites_.Update(Soon(), site));
+  ASSERT_OK_AND_ASSIGN(const storage::MaintenancePortion portion, maintenance.DeleteRevisions(Soon(), 1000));
+  EXPECT_GE(portion.looked_at, 1);
+  EXPECT_EQ(portion.deleted, 0);
+  ASSERT_OK(store_.Undo(Soon(), lease_, rearrange::RearrangementId("merge")));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision restored, revisions_.Get(Soon(), site_, map_, 0));
+  ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), restored, std::nullopt, 1 << 20));
+  EXPECT_EQ(static_cast<std::int64_t>(tiles.size()), restored.tile_count);
+  // When it cannot be undone any more, they go.
+  database_.Sql("UPDATE rearrangements SET create_time = now() - interval '1 hour'");
+  ASSERT_OK(maintenance.DeleteExpiredUndo(Soon(), std::chrono::seconds(60), 1000));
+  database_.Sql("UPDATE revision_reviews SET due_time = now()");
+  ASSERT_OK_AND_ASSIGN(const storage::MaintenancePortion rest, maintenance.DeleteRevisions(Soon(), 1000));
+  EXPECT_GT(rest.deleted, 0);
+}
+
 TEST_F(RearrangementRowsTest, BlobsThatUndoingNeedsAreKept) {
   storage::RearrangementChange change = Merge();
   change.rearrangement.link_points.erase(change.rearrangement.link_points.begin());

@@ -24,7 +24,11 @@ TEST_F(RearrangementUndoTest, UndoRestoresEverything) {
   EXPECT_EQ(Everything(), before);
   EXPECT_EQ(undone->version_undone, version + 1);
   EXPECT_TRUE(undone->undo_time);
-  EXPECT_EQ(revisions_.Get(Soon(), site_, map_, 0)->number, 3) << "revisions only grow";
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision restored, revisions_.Get(Soon(), site_, map_, 0));
+  EXPECT_EQ(restored.number, 3) << "revisions only grow";
+  ASSERT_OK_AND_ASSIGN(const auto tiles, revisions_.ReadTiles(Soon(), restored, std::nullopt, 1 << 20));
+  EXPECT_EQ(static_cast<std::int64_t>(tiles.size()), restored.tile_count) << "with its tiles";
+  EXPECT_GT(restored.tile_count, 0);
   const auto changes = graph_.ReadChanges(Soon(), site_, version);
   EXPECT_THAT(changes->removed_maps, IsEmpty());
   EXPECT_STATUS(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("merge")),

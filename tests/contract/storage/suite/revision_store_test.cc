@@ -73,6 +73,24 @@ TEST_F(RevisionStoreTest, GivesBackWhatWasStoredAndMakesItCurrent) {
   }
 }
 
+TEST_F(RevisionStoreTest, ARevisionHasOneTagUntilThatIsRemoved) {
+  ASSERT_OK(Add(MakeRaster(1, 1, "one")));
+  ASSERT_OK(Add(MakeRaster(1, 1, "two")));
+  ASSERT_OK(revisions_.Tag(Soon(), site_, map_, 1, "before"));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision tagged, revisions_.Tag(Soon(), site_, map_, 1, "as built"));
+  EXPECT_EQ(tagged.number, 1);
+  EXPECT_EQ(tagged.tag, "as built");
+  ASSERT_OK_AND_ASSIGN(const auto revisions, revisions_.List(Soon(), site_, map_, 0, 10));
+  ASSERT_THAT(revisions, SizeIs(2));
+  EXPECT_EQ(revisions[0].tag, "");
+  EXPECT_EQ(revisions[1].tag, "as built");
+  ASSERT_OK(revisions_.Tag(Soon(), site_, map_, 1, ""));
+  ASSERT_OK_AND_ASSIGN(const storage::MapRevision first, revisions_.Get(Soon(), site_, map_, 1));
+  EXPECT_EQ(first.tag, "");
+  EXPECT_CODE(revisions_.Tag(Soon(), site_, map_, 3, "x"), absl::StatusCode::kNotFound);
+  EXPECT_CODE(revisions_.Tag(Soon(), site_, MapId("nowhere"), 1, "x"), absl::StatusCode::kNotFound);
+}
+
 TEST_F(RevisionStoreTest, ReadsTilesInPortionsInTheOrderOfTheRaster) {
   const Raster raster = MakeRaster(7, 5, "one", 1000);
   ASSERT_OK_AND_ASSIGN(const storage::MapRevision added, Add(raster));

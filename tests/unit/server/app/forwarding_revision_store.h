@@ -27,6 +27,10 @@ class ForwardingRevisionStore : public storage::RevisionStore {
                                                          int limit) const override {
     return store_.List(context, site, map, before, limit);
   }
+  absl::StatusOr<storage::MapRevision> Tag(const storage::CallContext& context, const SiteId& site, const MapId& map,
+                                           std::int64_t number, const std::string& tag) const override {
+    return store_.Tag(context, site, map, number, tag);
+  }
   absl::StatusOr<storage::LayersBeside> ReadLayersBeside(const storage::CallContext& context, const SiteId& site,
                                                          const MapId& map, const SessionId& session) const override {
     return store_.ReadLayersBeside(context, site, map, session);
