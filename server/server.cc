@@ -89,23 +89,42 @@ class Server::Impl {
         SiteDeletions::Options{.is_ready = [this] { return readiness->state().ready; },
                                .forget = [this](const SiteId& site) { graphs.Forget(site); }},
         sites, site_deletion, *metrics);
-    services = std::make_unique<Services>(Services{options,         std::chrono::steady_clock::now(),
-                                                   executor,        bulk,
-                                                   watches,         *metrics,
-                                                   *readiness,      sites,
-                                                   robots,          maps,
-                                                   revisions,       sessions,
-                                                   records,         blobs,
-                                                   mappings,        closures,
-                                                   link_points,     graph_store,
-                                                   robot_poses,     audit,
-                                                   door_verdicts,   rearrangement_store,
-                                                   ingest,          pose_reports,
-                                                   mapping,         *exports,
-                                                   graphs,          graph_waits,
-                                                   pose_looks,      graph_editor,
-                                                   graph_optimizer, map_entries,
-                                                   rearrangements,  localization,
+    services = std::make_unique<Services>(Services{options,
+                                                   std::chrono::steady_clock::now(),
+                                                   executor,
+                                                   bulk,
+                                                   watches,
+                                                   *metrics,
+                                                   *readiness,
+                                                   sites,
+                                                   robots,
+                                                   maps,
+                                                   revisions,
+                                                   sessions,
+                                                   records,
+                                                   blobs,
+                                                   mappings,
+                                                   closures,
+                                                   link_points,
+                                                   graph_store,
+                                                   robot_poses,
+                                                   activity,
+                                                   audit,
+                                                   door_verdicts,
+                                                   rearrangement_store,
+                                                   ingest,
+                                                   pose_reports,
+                                                   mapping,
+                                                   *exports,
+                                                   graphs,
+                                                   graph_waits,
+                                                   pose_looks,
+                                                   site_looks,
+                                                   graph_editor,
+                                                   graph_optimizer,
+                                                   map_entries,
+                                                   rearrangements,
+                                                   localization,
                                                    *site_deletions});
     api = std::make_unique<Api>(*services);
     if (options.survey.share > 0.0) {
@@ -189,6 +208,7 @@ class Server::Impl {
     executor.Stop();      // an answered call may still be returning from its handler
     bulk.Stop();
     pose_looks.Stop();
+    site_looks.Stop();
     watches.Stop();
   }
 
@@ -208,6 +228,7 @@ class Server::Impl {
   const storage::postgres::GraphStore graph_store{*pool};
   const storage::postgres::LinkPointStore link_points{*pool};
   const storage::postgres::RobotPoseStore robot_poses{*pool};
+  const storage::ActivityStore activity{*pool};
   const storage::AuditStore audit{*pool};
   const storage::DoorVerdictStore door_verdicts{*pool};
   const storage::postgres::SiteLeaseStore site_leases{*pool};
@@ -227,6 +248,7 @@ class Server::Impl {
   SiteGraphs graphs{graph_store, changed_sites};
   GraphVersionWaits graph_waits{graphs, std::chrono::milliseconds(std::llround(options.graph.version_wait_s * 1000.0))};
   PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
+  SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};
   const Rearranger rearranger{{sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs};

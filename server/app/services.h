@@ -19,6 +19,7 @@
 #include "server/app/runtime/metrics.h"
 #include "server/app/runtime/readiness.h"
 #include "server/app/sites/site_deletions.h"
+#include "server/app/watch/site_looks.h"
 #include "server/config/server_options.h"
 #include "storage/graph/door_verdict_store.h"
 #include "storage/graph/graph_store.h"
@@ -32,6 +33,7 @@
 #include "storage/sessions/mapping_store.h"
 #include "storage/sessions/record_store.h"
 #include "storage/sessions/session_store.h"
+#include "storage/sites/activity_store.h"
 #include "storage/sites/audit_store.h"
 #include "storage/sites/robot_store.h"
 #include "storage/sites/site_store.h"
@@ -61,6 +63,7 @@ struct Services {
   const storage::LinkPointReader& link_points;
   const storage::GraphReader& graph_store;
   const storage::RobotPoseStore& robot_poses;
+  const storage::ActivityStore& activity;
   const storage::AuditStore& audit;
   const storage::DoorVerdictStore& door_verdicts;
   const storage::RearrangementStore& rearrangement_store;
@@ -72,6 +75,7 @@ struct Services {
   SiteGraphs& graphs;
   GraphVersionWaits& graph_waits;
   PoseLooks& pose_looks;
+  SiteLooks& site_looks;
   GraphEditor& graph_editor;
   GraphOptimizer& graph_optimizer;
   MapEntries& map_entries;

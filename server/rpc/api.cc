@@ -16,10 +16,8 @@
 #include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
+#include "enfilade/v1/watch_service.grpc.pb.h"
 #include "server/rpc/call/arena_messages.h"
-#include "server/rpc/call/server_stream.h"
-#include "server/rpc/call/unary.h"
-#include "server/rpc/call/watch_stream.h"
 #include "server/rpc/graph/export_graph.h"
 #include "server/rpc/graph/get_global_pose.h"
 #include "server/rpc/graph/handlers.h"
@@ -36,106 +34,15 @@
 #include "server/rpc/rearrange/handlers.h"
 #include "server/rpc/robot/handlers.h"
 #include "server/rpc/server/handlers.h"
+#include "server/rpc/service_api.h"
 #include "server/rpc/session/export_trajectory.h"
 #include "server/rpc/session/handlers.h"
 #include "server/rpc/site/handlers.h"
+#include "server/rpc/watch/watch_site.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
 namespace {
-
-// One service of the API. `Service` is gRPC's generated class, whose functions the lines of the classes below override.
-template <typename Service>
-class ApiOf : public Service {
- public:
-  ApiOf(const Services& services, const CallEnvironment& calls) : services_(services), calls_(calls) {}
-
- protected:
-  CallEntry Enter(const char* rpc, grpc::CallbackServerContext* context) const { return {calls_, rpc, *context}; }
-
-  // A handler of a unary RPC, which returns its response or, if that is large, writes into it.
-  template <typename Request, typename Response>
-  auto Bind(absl::StatusOr<Response> (*handle)(const Services&, const Call&, const Request&)) const {
-    return [this, handle](const Call& call, const Request& request, Response& response) {
-      absl::StatusOr<Response> answer = handle(services_, call, request);
-      if (!answer.ok()) return answer.status();
-      response = *std::move(answer);
-      return absl::OkStatus();
-    };
-  }
-  template <typename Request, typename Response>
-  auto Bind(absl::Status (*handle)(const Services&, const Call&, const Request&, Response&)) const {
-    return [this, handle](const Call& call, const Request& request, Response& response) {
-      return handle(services_, call, request, response);
-    };
-  }
-  // A handler that changes the graph of its site.
-  template <typename Request, typename Response>
-  auto BindChange(grpc::CallbackServerContext* context,
-                  absl::StatusOr<Response> (*handle)(const Services&, const Call&, const Request&)) const {
-    return [this, context, change = Bind(handle)](const Call& call, const Request& request, Response& response) {
-      const absl::Status status = change(call, request, response);
-      if (!status.ok() || call.site().empty()) return status;
-      const auto version = services_.graph_store.GetVersion(call.context(), SiteId(call.site()));
-      if (version.ok()) TellGraphVersion(*context, call.site(), *version);
-      return status;
-    };
-  }
-  // A handler that may have the answer at hand.
-  template <typename Request, typename Response>
-  auto BindNow(std::optional<absl::StatusOr<Response>> (*try_now)(const Services&, const Request&)) const {
-    return [this, try_now](const Request& request, Response& response) -> std::optional<absl::Status> {
-      std::optional<absl::StatusOr<Response>> answer = try_now(services_, request);
-      if (!answer) return std::nullopt;
-      if (!answer->ok()) return answer->status();
-      response = **std::move(answer);
-      return absl::OkStatus();
-    };
-  }
-  template <typename Request, typename Response>
-  auto BindNow(std::optional<absl::Status> (*try_now)(const Services&, const Request&, Response&)) const {
-    return
-        [this, try_now](const Request& request, Response& response) { return try_now(services_, request, response); };
-  }
-  // A handler that gives what a watch checks.
-  template <typename Request, typename Response>
-  auto BindWatch(absl::StatusOr<Watch<Response>> (*open)(const Services&, const Call&, const Request&)) const {
-    return [this, open](const Call& call, const Request& request) { return open(services_, call, request); };
-  }
-  // A handler that opens a stream, at once or later.
-  template <typename Request, typename Response>
-  auto BindStream(absl::StatusOr<MessageSource<Response>> (*open)(const Services&, const Call&, const Request&)) const {
-    return [this, open](const Call& call, const Request& request, Opened<Response> opened) {
-      opened(open(services_, call, request));
-    };
-  }
-  template <typename Request, typename Response>
-  auto BindStream(void (*open)(const Services&, const Call&, const Request&, Opened<Response>)) const {
-    return [this, open](const Call& call, const Request& request, Opened<Response> opened) {
-      open(services_, call, request, std::move(opened));
-    };
-  }
-  // For RPCs that need the graph of their site: no thread of the executor waits until it has been read.
-  CallTurn OnGraph(bool bulk = false) const {
-    const auto read = [this](const Call& call, std::function<void(const absl::Status&)> next) {
-      if (call.site().empty()) return next(absl::OkStatus());  // the handler says what is wrong
-      const absl::StatusOr<std::int64_t> minimum = call.MinGraphVersion();
-      if (!minimum.ok()) return next(minimum.status());
-      if (*minimum == 0) return services_.graphs.Prepare(SiteId(call.site()), std::move(next));
-      services_.graph_waits.Await(SiteId(call.site()), *minimum, call.context().deadline, std::move(next));
-    };
-    const auto has_minimum = [this](const Call& call) {
-      const absl::StatusOr<std::int64_t> minimum = call.MinGraphVersion();
-      if (!minimum.ok() || *minimum == 0) return minimum.ok();
-      const auto graph = services_.graphs.FindCurrent(SiteId(call.site()));
-      return graph != nullptr && graph->graph().version() >= *minimum;
-    };
-    return {.before = read, .may_answer_now = has_minimum, .bulk = bulk};
-  }
-
-  const Services& services_;
-  const CallEnvironment& calls_;
-};
 
 // One line for each RPC, by its shape. The compiler checks its name and messages against the generated class, and its
 // handler, the function of the same name in enfilade::server, against the messages.
@@ -326,6 +233,13 @@ class ServerApi final : public ApiOf<v1::ServerService::CallbackService> {
   ENFILADE_UNARY(GetServerStatus)
 };
 
+class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_WATCH(WatchSite)
+};
+
 #undef ENFILADE_UNARY
 #undef ENFILADE_UNARY_CHANGES_GRAPH
 #undef ENFILADE_UNARY_CHANGES_READ_GRAPH
@@ -365,7 +279,8 @@ struct Api::Impl {
         session(services, calls),
         ingest(services, calls),
         localization(services, calls),
-        server(services, calls) {}
+        server(services, calls),
+        watch(services, calls) {}
 
   const CallEnvironment calls;
   SiteApi site;
@@ -377,6 +292,7 @@ struct Api::Impl {
   IngestApi ingest;
   LocalizationApi localization;
   ServerApi server;
+  WatchApi watch;
 };
 
 Api::Api(const Services& services) : impl_(std::make_unique<Impl>(services)) {}
@@ -392,6 +308,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->ingest);
   builder.RegisterService(&impl_->localization);
   builder.RegisterService(&impl_->server);
+  builder.RegisterService(&impl_->watch);
 }
 
 }  // namespace enfilade::server

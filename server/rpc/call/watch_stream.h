@@ -30,6 +30,8 @@ struct Watch {
   // Writes what changed since the last check into the message, which may hold an earlier one. False: nothing to send.
   // One check at a time, on the threads of watches. While a client does not read, nothing is checked.
   std::function<absl::StatusOr<bool>(const storage::CallContext&, Response&)> check;
+  // Whether the last message has a continuation: then the next check follows at once, without a look. Null: none has.
+  std::function<bool()> has_more = nullptr;
   std::function<bool()> stopping;  // the server shuts down: the stream ends with UNAVAILABLE
 };
 
@@ -52,6 +54,7 @@ class WatchReactor final : public grpc::ServerWriteReactor<Response> {
 
   void OnWriteDone(bool ok) override {
     if (!ok) return End(ClientHasGone());
+    if (watch_.has_more && watch_.has_more() && !watch_.stopping()) return QueueCheck();
     Wait();
   }
 

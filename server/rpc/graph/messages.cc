@@ -17,22 +17,9 @@ std::string LinkPointNameOf(const SiteId& site, const LinkPointId& id) {
 }
 
 void FillMap(const SiteId& site, const SiteGraph& graph, const graph::MapInGraph& map, v1::GraphMap& out) {
-  out.set_map(MapNameOf(site, map.id));
-  out.set_display_name(map.display_name);
-  out.set_level(map.level);
   const auto pose = graph.poses.Find(map.id);
-  if (!pose.ok() || !pose->has_value()) return;
-  *out.mutable_pose_world_map() = convert::ToProto((*pose)->T_world_robot);
-  out.set_optimized((*pose)->solution_version.has_value() && (*pose)->hops.empty());
-}
-
-void FillLinkPoint(const SiteId& site, const SiteGraph& graph, const graph::LinkPoint& link_point,
-                   v1::GraphLinkPoint& out) {
-  out.set_link_point(LinkPointNameOf(site, link_point.id));
-  for (const graph::Anchor& anchor : link_point.anchors) out.add_maps(MapNameOf(site, anchor.map));
-  if (const auto place = graph::FindInWorld(graph.poses, link_point))
-    *out.mutable_pose_world_place() = convert::ToProto(*place);
-  out.set_joins(!link_point.is_candidate() && link_point.use == graph::LinkPointUse::kUsed);
+  if (!pose.ok() || !pose->has_value()) return Fill(site, map, std::nullopt, /*optimized=*/false, out);
+  Fill(site, map, (*pose)->T_world_robot, (*pose)->solution_version.has_value() && (*pose)->hops.empty(), out);
 }
 
 void FillEdge(const SiteId& site, const GraphEdge& edge, v1::GraphEdge& out) {
@@ -44,6 +31,27 @@ void FillEdge(const SiteId& site, const GraphEdge& edge, v1::GraphEdge& out) {
 
 }  // namespace
 
+void Fill(const SiteId& site, const graph::MapInGraph& map, const std::optional<PoseWithCovariance>& T_world_map,
+          bool optimized, v1::GraphMap& out) {
+  out.set_map(MapNameOf(site, map.id));
+  out.set_display_name(map.display_name);
+  out.set_level(map.level);
+  if (T_world_map) convert::ToProto(*T_world_map, *out.mutable_pose_world_map());
+  out.set_optimized(optimized);
+}
+
+void Fill(const SiteId& site, const graph::LinkPoint& link_point,
+          const std::optional<PoseWithCovariance>& T_world_place, v1::GraphLinkPoint& out) {
+  out.set_link_point(LinkPointNameOf(site, link_point.id));
+  for (const graph::Anchor& anchor : link_point.anchors) out.add_maps(MapNameOf(site, anchor.map));
+  if (T_world_place) convert::ToProto(*T_world_place, *out.mutable_pose_world_place());
+  out.set_joins(!link_point.is_candidate() && link_point.use == graph::LinkPointUse::kUsed);
+  // The same numbers.
+  out.set_kind(static_cast<v1::LinkPoint::Kind>(link_point.kind));
+  out.set_use(static_cast<v1::LinkPoint::Use>(link_point.use));
+  out.set_state(static_cast<v1::LinkPoint::State>(link_point.state));
+}
+
 v1::Graph ToProto(const SiteId& site, const SiteGraph& graph, const GraphPage& page) {
   v1::Graph out;
   out.set_site(NameOf(site));
@@ -52,7 +60,7 @@ v1::Graph ToProto(const SiteId& site, const SiteGraph& graph, const GraphPage& p
   out.set_solution_version(graph.solution_version);
   for (const graph::MapInGraph* map : page.maps) FillMap(site, graph, *map, *out.add_maps());
   for (const graph::LinkPoint* link_point : page.link_points) {
-    FillLinkPoint(site, graph, *link_point, *out.add_link_points());
+    Fill(site, *link_point, graph::FindInWorld(graph.poses, *link_point), *out.add_link_points());
   }
   for (const GraphEdge& edge : page.edges) FillEdge(site, edge, *out.add_edges());
   return out;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "core/graph/global_pose.h"
 #include "core/graph/paths/routes.h"
 #include "enfilade/v1/graph.pb.h"
@@ -16,6 +18,11 @@ namespace enfilade::server {
 v1::Graph ToProto(const SiteId& site, const SiteGraph& graph, const GraphPage& page);
 // The whole.
 v1::Graph ToProto(const SiteId& site, const SiteGraph& graph);
+// A map and a link point of it, with their places in the world (unset: none).
+void Fill(const SiteId& site, const graph::MapInGraph& map, const std::optional<PoseWithCovariance>& T_world_map,
+          bool optimized, v1::GraphMap& out);
+void Fill(const SiteId& site, const graph::LinkPoint& link_point,
+          const std::optional<PoseWithCovariance>& T_world_place, v1::GraphLinkPoint& out);
 v1::GraphVersion ToProto(const SiteId& site, const storage::GraphVersion& version);
 v1::PoseHop ToProto(const SiteId& site, const graph::PoseHop& hop);
 // All of GlobalPose but robot, map_pose and report_time.

@@ -227,6 +227,7 @@ class Tour:
         self.ok("GraphService.GetGlobalPose", {"map_pose": here})
         self.ok("GraphService.GetGlobalPose", {"robot": f"{site}/robots/r"})
         self.ok("GraphService.WatchGlobalPoses", {"parent": site, "rate_hz": 20}, enough=1)
+        self.ok("WatchService.WatchSite", {"parent": site, "rate_hz": 20, "view": 2}, enough=1)
         self.ok("GraphService.TransformPoses", {"source_map": f"{site}/maps/a", "target_map": f"{site}/maps/c",
                                                 "poses": [WORLD]})
         self.ok("GraphService.FindRoutes", {"start_map": f"{site}/maps/a", "pose_map_start": {"x": 1},
