@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+import { lazy, type ComponentType } from 'react';
+import type { LiveSite } from '../live/site';
+import type { IconName } from '../ui/Icon';
+
+export interface Page {
+  // In the address: /s/SITE/PATH.
+  path: string;
+  title: string;
+  icon: IconName;
+  component: ComponentType;
+  // Beside the title in the rail.
+  count?: (site: LiveSite) => number;
+}
+
+// The rail, from above.
+export const pages: Page[] = [
+  { path: 'campus', title: 'Campus', icon: 'campus', component: lazy(() => import('../pages/campus/CampusPage')) },
+  { path: 'maps', title: 'Maps', icon: 'map', component: lazy(() => import('../pages/maps/MapsPage')), count: (site) => site.maps.size },
+];

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useMemo, useRef, useState, type KeyboardEvent } from 'react';
+import { idOf } from '../../api/names';
+import { select, useSelection } from '../../app/selection';
+import { useLive, useNow } from '../../live/context';
+import { kindOf, levelsOf, stateOf } from '../../live/objects';
+import type { LiveSite } from '../../live/site';
+import { Badge, type Tone } from '../../ui/Badge';
+import { age, count } from '../../ui/format';
+import { Icon, type IconName } from '../../ui/Icon';
+
+interface Item {
+  name: string;
+  title: string;
+  icon: IconName;
+  tone: Tone;
+  note: string;
+}
+
+// After this a robot's pose counts as old.
+export const STALE_S = 10;
+
+function itemsOf(site: LiveSite, level: number | undefined, now: number, inView: (name: string) => boolean): Item[] {
+  const items: Item[] = [];
+  const onLevel = (levels: number[]) => level === undefined || levels.includes(level);
+  for (const robot of site.robots.all()) {
+    if (!robot.poseWorld || !onLevel([robot.level]) || !inView(robot.name)) continue;
+    const seconds = site.ageOf(robot.receiveTime, now);
+    items.push({ name: robot.name, title: idOf(robot.name), icon: 'robot', tone: seconds > STALE_S ? 'quiet' : 'good', note: seconds > STALE_S ? `${age(seconds)} ago` : 'now' });
+  }
+  for (const map of site.maps.values()) {
+    if (!map.poseWorldMap || !onLevel([map.level]) || !inView(map.map)) continue;
+    items.push({ name: map.map, title: map.displayName, icon: 'map', tone: 'good', note: map.map === site.rootMap ? 'root' : '' });
+  }
+  for (const point of site.linkPoints.values()) {
+    if (!point.poseWorldPlace || !onLevel(levelsOf(site, point)) || !inView(point.linkPoint)) continue;
+    const { tone, text } = stateOf(point);
+    items.push({ name: point.linkPoint, title: `${kindOf(point)} ${idOf(point.linkPoint)}`, icon: 'link', tone, note: text.split(':')[0]! });
+  }
+  return items;
+}
+
+// Long sites: what does not fit is found by search.
+const SHOWN = 300;
+
+// All that the canvas shows, for who does not see it: arrow keys move, Enter selects.
+export function ObjectList({ level, inView }: { level: number | undefined; inView: (name: string) => boolean }) {
+  const site = useLive();
+  const selected = useSelection();
+  const now = useNow();
+  const [active, setActive] = useState(0);
+  const list = useRef<HTMLUListElement>(null);
+  const items = useMemo(() => itemsOf(site, level, now, inView), [site, level, now, inView]);
+  const shown = items.slice(0, SHOWN);
+
+  const onKeyDown = (event: KeyboardEvent) => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (step !== undefined) {
+      event.preventDefault();
+      const next = Math.min(shown.length - 1, Math.max(0, active + step));
+      setActive(next);
+      list.current?.children[next]?.scrollIntoView({ block: 'nearest' });
+    } else if (event.key === 'Enter' && shown[active]) {
+      select(shown[active].name);
+    }
+  };
+  return (
+    <section className="objects" aria-label="Objects in view">
+      <h2>
+        In view <span className="sub">{count(items.length, 'object')}</span>
+      </h2>
+      <ul ref={list} role="listbox" aria-label="Objects in view" tabIndex={0} onKeyDown={onKeyDown} aria-activedescendant={shown[active] && `object-${active}`}>
+        {shown.map((item, i) => (
+          <li key={item.name} id={`object-${i}`} role="option" aria-selected={item.name === selected} className={i === active ? 'object active' : 'object'} onClick={() => { setActive(i); select(item.name); }}>
+            <Icon name={item.icon} />
+            <span className="object-title">{item.title}</span>
+            <Badge tone={item.tone}>{item.note}</Badge>
+          </li>
+        ))}
+      </ul>
+      {items.length > SHOWN && <p className="sub">The first {SHOWN} are listed. Zoom in, or press / to search all.</p>}
+    </section>
+  );
+}
