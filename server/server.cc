@@ -89,42 +89,25 @@ class Server::Impl {
         SiteDeletions::Options{.is_ready = [this] { return readiness->state().ready; },
                                .forget = [this](const SiteId& site) { graphs.Forget(site); }},
         sites, site_deletion, *metrics);
-    services = std::make_unique<Services>(Services{options,
-                                                   std::chrono::steady_clock::now(),
-                                                   executor,
-                                                   bulk,
-                                                   watches,
-                                                   *metrics,
-                                                   *readiness,
-                                                   sites,
-                                                   robots,
-                                                   maps,
-                                                   revisions,
-                                                   sessions,
-                                                   records,
-                                                   blobs,
-                                                   mappings,
-                                                   closures,
-                                                   link_points,
-                                                   graph_store,
-                                                   robot_poses,
-                                                   activity,
-                                                   audit,
-                                                   door_verdicts,
-                                                   rearrangement_store,
-                                                   ingest,
-                                                   pose_reports,
-                                                   mapping,
-                                                   *exports,
-                                                   graphs,
-                                                   graph_waits,
-                                                   pose_looks,
-                                                   site_looks,
-                                                   graph_editor,
-                                                   graph_optimizer,
-                                                   map_entries,
-                                                   rearrangements,
-                                                   localization,
+    services = std::make_unique<Services>(Services{options,         std::chrono::steady_clock::now(),
+                                                   executor,        bulk,
+                                                   watches,         *metrics,
+                                                   *readiness,      sites,
+                                                   robots,          maps,
+                                                   revisions,       pyramids,
+                                                   sessions,        records,
+                                                   blobs,           mappings,
+                                                   closures,        link_points,
+                                                   graph_store,     robot_poses,
+                                                   activity,        audit,
+                                                   door_verdicts,   rearrangement_store,
+                                                   ingest,          pose_reports,
+                                                   mapping,         *exports,
+                                                   raster_pyramids, graphs,
+                                                   graph_waits,     pose_looks,
+                                                   site_looks,      graph_editor,
+                                                   graph_optimizer, map_entries,
+                                                   rearrangements,  localization,
                                                    *site_deletions});
     api = std::make_unique<Api>(*services);
     if (options.survey.share > 0.0) {
@@ -220,6 +203,7 @@ class Server::Impl {
   const storage::RobotStore robots{*pool};
   const storage::postgres::MapStore maps{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
+  const storage::PyramidStore pyramids{*pool};
   const storage::postgres::SessionStore sessions{*pool};
   const storage::postgres::RecordStore records{*pool};
   const storage::postgres::BlobStore blobs{*pool};
@@ -248,6 +232,7 @@ class Server::Impl {
   SiteGraphs graphs{graph_store, changed_sites};
   GraphVersionWaits graph_waits{graphs, std::chrono::milliseconds(std::llround(options.graph.version_wait_s * 1000.0))};
   PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
+  RasterPyramids raster_pyramids{revisions, pyramids, blobs};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/grid/tiled_raster.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,19 +10,12 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/grid/tile_codec.h"
 
 namespace enfilade::grid {
 namespace {
 
-constexpr char kTileVersion = 1;
-// Higher levels compress rasters little better; this one compresses several hundred MB/s.
-constexpr int kTileCompressionLevel = 1;
 constexpr std::size_t kTileCells = std::size_t{kTileSize} * kTileSize;
-
-struct FreeContext {
-  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
-};
 
 int FloorToTile(int cell) { return static_cast<int>(std::floor(static_cast<double>(cell) / kTileSize)); }
 
@@ -119,7 +110,7 @@ class TilePacker {
  public:
   // Both must outlive the packer.
   TilePacker(const MapRaster& raster, const RasterHeader& header)
-      : header_(header), planes_(PlanesOf(raster, header.background)), context_(ZSTD_createCCtx()) {
+      : header_(header), planes_(PlanesOf(raster, header.background)) {
     background_.resize(TileBytes(planes_));
     std::size_t begin = 0;
     for (const CellPlane<const std::uint8_t>& plane : planes_) {
@@ -127,10 +118,6 @@ class TilePacker {
       std::memset(background_.data() + begin, plane.background, size);
       begin += size;
     }
-    packed_.resize(1 + ZSTD_compressBound(background_.size()));
-    packed_[0] = kTileVersion;
-    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kTileCompressionLevel);
-    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
   }
 
   // Empty if the tile is all background.
@@ -146,20 +133,15 @@ class TilePacker {
       begin += kTileCells * plane.element_size;
     }
     if (content_ == background_) return {};
-    const std::size_t size =
-        ZSTD_compress2(context_.get(), packed_.data() + 1, packed_.size() - 1, content_.data(), content_.size());
-    // The output has room for the bound, so only memory can run out.
-    if (ZSTD_isError(size) != 0) throw std::bad_alloc();
-    return {packed_.data(), size + 1};
+    return packing_.Pack(content_);
   }
 
  private:
   const RasterHeader& header_;
   std::vector<CellPlane<const std::uint8_t>> planes_;
-  std::unique_ptr<ZSTD_CCtx, FreeContext> context_;
+  TilePacking packing_;
   std::vector<std::uint8_t> background_;
   std::vector<std::uint8_t> content_;
-  std::vector<char> packed_;
 };
 
 // Allocates all cells as background.
@@ -195,7 +177,7 @@ TiledRaster SplitIntoTiles(const MapRaster& raster) {
 
 class RasterAssembler::Impl {
  public:
-  explicit Impl(RasterHeader header) : header_(std::move(header)), context_(ZSTD_createDCtx()) {
+  explicit Impl(RasterHeader header) : header_(std::move(header)) {
     Allocate(header_);
     planes_ = PlanesOf(header_.raster, header_.background);
     content_.resize(TileBytes(planes_));
@@ -204,7 +186,8 @@ class RasterAssembler::Impl {
   absl::Status Add(TileIndex index, std::string_view bytes) {
     const Overlap overlap = OverlapOf(header_, index);
     if (overlap.empty()) return DataLoss("tile ({}, {}) lies outside the raster", index.row, index.column);
-    ENFILADE_RETURN_IF_ERROR(Unpack(index, bytes));
+    ENFILADE_RETURN_IF_ERROR(WithContext(packing_.Unpack(bytes, absl::MakeSpan(content_)),
+                                         fmt::format("tile ({}, {})", index.row, index.column)));
     std::size_t begin = 0;
     for (const CellPlane<std::uint8_t>& plane : planes_) {
       ForEachRow(plane, header_.raster.geometry, overlap,
@@ -219,21 +202,8 @@ class RasterAssembler::Impl {
   MapRaster Finish() { return std::move(header_.raster); }
 
  private:
-  absl::Status Unpack(TileIndex index, std::string_view bytes) {
-    if (bytes.empty()) return DataLoss("tile ({}, {}) is empty", index.row, index.column);
-    if (bytes[0] > kTileVersion) {
-      return FailedPrecondition("tile ({}, {}) was stored by a newer release (format {}, known up to {})", index.row,
-                                index.column, int{bytes[0]}, int{kTileVersion});
-    }
-    const std::size_t size =
-        ZSTD_decompressDCtx(context_.get(), content_.data(), content_.size(), bytes.data() + 1, bytes.size() - 1);
-    if (bytes[0] == kTileVersion && size == content_.size()) return absl::OkStatus();
-    return DataLoss("tile ({}, {}) is damaged: {}", index.row, index.column,
-                    ZSTD_isError(size) != 0 ? ZSTD_getErrorName(size) : "wrong size");
-  }
-
   RasterHeader header_;
-  std::unique_ptr<ZSTD_DCtx, FreeContext> context_;
+  TilePacking packing_;
   std::vector<CellPlane<std::uint8_t>> planes_;
   std::vector<std::uint8_t> content_;
 };

@@ -14,6 +14,7 @@
 #include "server/app/ingest/pose_reports.h"
 #include "server/app/localization/robot_localization.h"
 #include "server/app/mapping/mapping.h"
+#include "server/app/rasters/raster_pyramids.h"
 #include "server/app/rearrange/map_rearrangements.h"
 #include "server/app/runtime/executor.h"
 #include "server/app/runtime/metrics.h"
@@ -28,6 +29,7 @@
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_store.h"
+#include "storage/maps/pyramid_store.h"
 #include "storage/maps/revision_store.h"
 #include "storage/sessions/loop_closure_store.h"
 #include "storage/sessions/mapping_store.h"
@@ -55,6 +57,7 @@ struct Services {
   const storage::RobotStore& robots;
   const storage::MapReader& maps;
   const storage::RevisionStore& revisions;
+  const storage::PyramidStore& pyramids;
   const storage::SessionStore& sessions;
   const storage::RecordStore& records;
   const storage::BlobStore& blobs;
@@ -72,6 +75,7 @@ struct Services {
   PoseReports& pose_reports;
   Mapping& mapping;
   MapExports& exports;
+  RasterPyramids& raster_pyramids;
   SiteGraphs& graphs;
   GraphVersionWaits& graph_waits;
   PoseLooks& pose_looks;

@@ -12,6 +12,7 @@
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/raster_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
@@ -31,6 +32,7 @@
 #include "server/rpc/map/export_map.h"
 #include "server/rpc/map/handlers.h"
 #include "server/rpc/map/import_map.h"
+#include "server/rpc/raster/handlers.h"
 #include "server/rpc/rearrange/handlers.h"
 #include "server/rpc/robot/handlers.h"
 #include "server/rpc/server/handlers.h"
@@ -68,6 +70,12 @@ namespace {
   grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,     \
                                 v1::Rpc##Response* response) override {                                    \
     return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc), OnGraph()); \
+  }
+// Its answer takes long to make.
+#define ENFILADE_BULK_UNARY(Rpc)                                                                         \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,   \
+                                v1::Rpc##Response* response) override {                                  \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), CallTurn{.bulk = true}); \
   }
 // It needs the graph, and its answer is large.
 #define ENFILADE_BULK_UNARY_ON_GRAPH(Rpc)                                                                \
@@ -233,6 +241,15 @@ class ServerApi final : public ApiOf<v1::ServerService::CallbackService> {
   ENFILADE_UNARY(GetServerStatus)
 };
 
+class RasterApi final : public ApiOf<v1::RasterService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_BULK_UNARY(GetRasterManifest)
+  ENFILADE_SERVER_STREAM(ReadTiles)
+  ENFILADE_BULK_UNARY(ListRasterThumbnails)
+};
+
 class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
  public:
   using ApiOf::ApiOf;
@@ -244,6 +261,7 @@ class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
 #undef ENFILADE_UNARY_CHANGES_GRAPH
 #undef ENFILADE_UNARY_CHANGES_READ_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH
+#undef ENFILADE_BULK_UNARY
 #undef ENFILADE_BULK_UNARY_ON_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH_OR_NOW
 #undef ENFILADE_SERVER_STREAM
@@ -280,6 +298,7 @@ struct Api::Impl {
         ingest(services, calls),
         localization(services, calls),
         server(services, calls),
+        raster(services, calls),
         watch(services, calls) {}
 
   const CallEnvironment calls;
@@ -292,6 +311,7 @@ struct Api::Impl {
   IngestApi ingest;
   LocalizationApi localization;
   ServerApi server;
+  RasterApi raster;
   WatchApi watch;
 };
 
@@ -308,6 +328,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->ingest);
   builder.RegisterService(&impl_->localization);
   builder.RegisterService(&impl_->server);
+  builder.RegisterService(&impl_->raster);
   builder.RegisterService(&impl_->watch);
 }
 

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/raster_service.grpc.pb.h"
 #include "grpc/grpc.h"
 #include "tests/rpc/server_test.h"
 
@@ -58,6 +59,8 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
   ExpectRefusesEmpty(*connection_, &LocalizationService::Stub::LocalizeRobot);
+  ExpectRefusesEmpty(*connection_, &v1::RasterService::Stub::GetRasterManifest);
+  ExpectRefusesEmpty(*connection_, &v1::RasterService::Stub::ListRasterThumbnails);
 
   const auto first_of = [&](auto reader) {
     typename std::remove_reference_t<decltype(*reader.second)>* stream = reader.second.get();

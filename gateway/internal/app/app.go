@@ -21,6 +21,7 @@ import (
 	"enfilade/gateway/internal/files"
 	"enfilade/gateway/internal/guard"
 	"enfilade/gateway/internal/openapi"
+	"enfilade/gateway/internal/rasters"
 	"enfilade/gateway/internal/rest"
 	"enfilade/gateway/internal/telemetry"
 )
@@ -102,6 +103,9 @@ func newHandler(ctx context.Context, server *grpc.ClientConn, options Options) (
 		return nil, err
 	}
 	if err := files.Register(api, server, options.Uploads); err != nil {
+		return nil, err
+	}
+	if err := rasters.Register(api, server); err != nil {
 		return nil, err
 	}
 	mux := http.NewServeMux()

@@ -10,7 +10,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr int kMaxFiles = 4;
-constexpr std::size_t kMaxChunkBytes = 1U << 20;
+constexpr std::size_t kMaxFileChunkBytes = 1U << 20;
 
 }  // namespace
 
@@ -46,10 +46,11 @@ absl::Status FileAssembly::Add(const v1::FileChunk& chunk) {
   const auto missing = static_cast<std::size_t>(entries_[current_].size_bytes()) - bytes.size();
   if (chunk.file() != static_cast<std::int32_t>(current_) ||
       chunk.offset() != static_cast<std::int64_t>(bytes.size()) || chunk.data().empty() ||
-      chunk.data().size() > kMaxChunkBytes || chunk.data().size() > missing) {
+      chunk.data().size() > kMaxFileChunkBytes || chunk.data().size() > missing) {
     return InvalidArgument(
         "chunk (file {}, offset {}, {} bytes) does not follow: expected file {}, offset {} and 1 to {} bytes",
-        chunk.file(), chunk.offset(), chunk.data().size(), current_, bytes.size(), std::min(kMaxChunkBytes, missing));
+        chunk.file(), chunk.offset(), chunk.data().size(), current_, bytes.size(),
+        std::min(kMaxFileChunkBytes, missing));
   }
   bytes += chunk.data();
   return absl::OkStatus();

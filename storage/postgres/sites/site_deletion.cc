@@ -74,6 +74,8 @@ constexpr std::array kTables = {
     ENFILADE_OF_SITE("map_layer_stacks"),
     ENFILADE_OF_SITE("map_layer_tiles"),
     ENFILADE_OF_SITE("map_layers"),
+    ENFILADE_OF_SITE("raster_pyramid_tiles"),
+    ENFILADE_OF_SITE("raster_pyramids"),
     ENFILADE_OF_SITE("map_revision_tiles"),
     ENFILADE_OF_SITE("map_revisions"),
     ENFILADE_OF_SITE("revision_reviews"),

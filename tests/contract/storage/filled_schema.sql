@@ -77,6 +77,11 @@ SELECT pg_temp.fill('map_revisions', jsonb_build_object('map_id', 'm1', 'revisio
 SELECT pg_temp.fill('revision_reviews', '{"map_id": "m1", "due_time": "infinity"}');
 SELECT pg_temp.fill('map_revision_tiles', jsonb_build_object('map_id', 'm1', 'revision', 1, 'tile_row', 0,
   'tile_column', 0, 'sha256', pg_temp.hash('2')));
+SELECT pg_temp.fill('raster_pyramids', '{"map_id": "m1", "revision": 1, "display_only": false, "lattice_column": 0,
+  "lattice_row": 0, "thumbnail_zoom": 0, "thumbnail_column": 0, "thumbnail_row": 0, "thumbnail_width": 1,
+  "thumbnail_cells": "\\x00"}');
+SELECT pg_temp.fill('raster_pyramid_tiles', jsonb_build_object('map_id', 'm1', 'revision', 1, 'zoom', 0, 'tile_row', 0,
+  'tile_column', 0, 'sha256', pg_temp.hash('2')));
 SELECT pg_temp.fill('map_layers', '{"map_id": "m1", "position": 1, "revision": 1, "version": 1}');
 SELECT pg_temp.fill('map_layers', '{"map_id": "m1", "position": 2, "session_id": "mapped",
   "raster_header": "\\x00", "version": 2}');

@@ -137,6 +137,9 @@ class Tour:
         imported = self.one("MapService.ImportMap", {"manifest": {"parent": f"{site}/maps/b", "dialect": NAV2,
                                                                   "files": entries}}, *chunks)
         self.ok("MapService.GetMapRevision", {"name": imported.revision.name})
+        manifest = self.one("RasterService.GetRasterManifest", {"name": imported.revision.name})
+        self.ok("RasterService.ReadTiles", {"parent": site, "sha256": [manifest.levels[0].tiles[0].sha256]})
+        self.ok("RasterService.ListRasterThumbnails", {"parent": site, "page_size": 3})
         self.ok("MapService.TagMapRevision", {"name": imported.revision.name, "tag": "as imported"})
         self.ok("MapService.ListMapRevisions", {"parent": f"{site}/maps/b"})
         self.ok("MapService.ExportMap", {"name": f"{site}/maps/b", "format": PGM})
