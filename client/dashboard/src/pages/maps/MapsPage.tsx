@@ -16,7 +16,7 @@ function MapTable() {
   if (!live.complete) return <Loading />;
   if (maps.length === 0) {
     return (
-      <Empty title={level === undefined ? 'No maps yet' : 'No maps on this level'} command={`enfilade robot --site ${live.id} --campus figure1 --map Hall`}>
+      <Empty title={level === undefined ? 'No maps yet' : 'No maps on this level'} command={`enfilade --site ${live.id} robot --robot r1 --campus figure1 --map Hall`}>
         A map is one room, corridor or outdoor area. Robots make them as they drive; files of other programs are imported by
         “enfilade map import”.
       </Empty>

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { LiveSite } from '../live/site';
+import { onThemeChange } from '../ui/theme';
+import { affineOf, apply, united } from './affine';
+import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Pose, type Size } from './camera';
+import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds, placesOf, thumbnailAffine } from './drawing';
+import { Surface } from './Surface';
+import { listen } from './input';
+import { Labels } from './labels';
+import type { Drawn, Frame, View } from './model';
+import { Motion } from './motion';
+import { knowsCell, pickIcon } from './pick';
+
+export interface SceneEvents {
+  hover?: (what: string | undefined, world: Point | undefined, screen: Point | undefined) => void;
+  click?: (what: string | undefined, world: Point) => void;
+  open?: (what: string) => void;
+  // A second after the last change.
+  camera?: (camera: Camera) => void;
+  // The person has moved the camera.
+  taken?: () => void;
+  key?: (key: string) => boolean;
+}
+
+const SAMPLES = 600;
+const PAN_PX = 64;
+
+// The picture of a site on one canvas, drawn only when something has changed. It reads the live state each frame; React tells
+// it what to look at.
+export class Scene {
+  readonly labels = new Labels();
+  camera: Camera = { x: 0, y: 0, scale: 20 };
+  size: Size = { width: 1, height: 1 };
+  events: SceneEvents = {};
+  measured: Point[] = [];
+  drawn: Drawn[] = [];
+  readonly frameMs: number[] = [];
+  frames = 0;
+  drawCalls = 0;
+
+  private view: View = {};
+  private site: LiveSite | undefined;
+  private readonly motion = new Motion();
+  private places = new Map<string, Pose>();
+  private dirty = true;
+  private fitPending = true;
+  private request = 0;
+  private unsubscribe = () => {};
+  private cameraTimer: ReturnType<typeof setTimeout> | undefined;
+  private readonly observer = new ResizeObserver(() => this.resize());
+  private readonly surface: Surface;
+
+  // Throws if the browser has no WebGL2.
+  constructor(readonly canvas: HTMLCanvasElement) {
+    this.surface = new Surface(canvas, () => this.touch());
+    listen(canvas, {
+      pan: (dx, dy) => this.moveByHand(panned(this.camera, dx, dy)),
+      zoom: (at, factor) => this.moveByHand(zoomedAt(this.camera, this.size, at, factor)),
+      hover: (at) => this.hover(at),
+      click: (at) => this.click(at),
+      open: (at) => this.open(at),
+      key: (key) => this.key(key),
+    });
+    onThemeChange(() => this.surface.readTheme());
+    this.observer.observe(canvas);
+    // Ages fade also while nothing comes.
+    setInterval(() => this.touch(), 1000);
+  }
+
+  show(site: LiveSite) {
+    if (this.site === site) return;
+    this.unsubscribe();
+    this.site = site;
+    this.motion.clear();
+    this.surface.show(site);
+    this.unsubscribe = site.subscribe(() => this.touch());
+    this.fitPending = true;
+    this.touch();
+  }
+
+  look(view: View) {
+    if (view.map !== this.view.map) {
+      this.fitPending = true;
+      this.motion.clear();
+    }
+    this.view = view;
+    this.touch();
+  }
+
+  setCamera(camera: Camera) {
+    this.camera = camera;
+    this.fitPending = false;
+    clearTimeout(this.cameraTimer);
+    this.cameraTimer = setTimeout(() => this.events.camera?.(this.camera), 500);
+    this.touch();
+  }
+
+  // Shows one thing, or all of the level. Returns false while nothing has a place.
+  fit(name?: string): boolean {
+    const bounds = name === undefined ? this.bounds() : this.boundsOf(name);
+    if (!bounds) return false;
+    this.setCamera(fitted(bounds, this.size, Math.min(48, this.size.width / 12)));
+    return true;
+  }
+
+  centre(at: Point) {
+    this.setCamera({ ...this.camera, ...at, scale: Math.max(this.camera.scale, 10) });
+  }
+
+  zoom(factor: number) {
+    this.moveByHand(zoomedAt(this.camera, this.size, { x: this.size.width / 2, y: this.size.height / 2 }, factor));
+  }
+
+  touch() {
+    this.dirty = true;
+    if (this.request === 0 && this.canvas.isConnected) this.request = requestAnimationFrame(() => this.frame());
+  }
+
+  isInView(name: string): boolean {
+    return this.drawn.some((item) => item.name === name && !item.ghost && Math.abs(item.x - this.size.width / 2) < this.size.width / 2 + item.halfX && Math.abs(item.y - this.size.height / 2) < this.size.height / 2 + item.halfY);
+  }
+
+  stats() {
+    return { frames: this.frames, drawCalls: this.drawCalls, frameMs: this.frameMs, tileRequests: this.surface.loader?.tileRequests ?? 0, tiles: this.surface.tiles.count };
+  }
+
+  placeOf(name: string): Point | undefined {
+    const robot = this.site?.robots.get(name);
+    if (robot) return this.view.map === undefined ? robot.poseWorld : robot.poseMap;
+    const link = this.site?.linkPoints.get(name)?.poseWorldPlace?.pose;
+    if (link) return link;
+    const bounds = this.boundsOf(name);
+    return bounds && { x: (bounds.minX + bounds.maxX) / 2, y: (bounds.minY + bounds.maxY) / 2 };
+  }
+
+  private frame() {
+    this.request = 0;
+    const { site } = this;
+    if (!site || !this.dirty || !this.canvas.isConnected) return;
+    this.dirty = false;
+    const begin = performance.now();
+    if (this.fitPending && this.surface.hasPictures(site) && this.size.width > 1 && this.fit()) this.fitPending = false;
+    if (this.view.follow && this.view.selected !== undefined) {
+      const at = this.placeOf(this.view.selected);
+      if (at) this.camera = { ...this.camera, x: at.x, y: at.y };
+    }
+    const frame: Frame = {
+      site, view: this.view, camera: this.camera, size: this.size, window: viewOf(this.camera, this.size), now: begin, wall: Date.now(), drawn: [],
+    };
+    const { glyphs, palette, rasters } = this.surface.begin(site);
+    this.places = placesOf(frame, this.motion);
+    const missing = addMaps(rasters, glyphs, palette, frame, this.surface.sources(), this.places);
+    addExplanation(glyphs, palette, frame, this.measured);
+    addLinkPoints(glyphs, palette, frame, this.motion);
+    addRobots(glyphs, palette, frame, this.motion);
+    this.drawCalls = this.surface.end(frame, missing);
+    this.drawn = frame.drawn;
+    this.labels.draw(frame);
+    ++this.frames;
+    if (this.frameMs.push(performance.now() - begin) > SAMPLES) this.frameMs.shift();
+    if (this.motion.moving(performance.now())) this.touch();
+  }
+
+  private bounds(): Bounds | undefined {
+    let all: Bounds | undefined;
+    const { level, map } = this.view;
+    const add = (bounds: Bounds | undefined) => {
+      if (bounds) all = united(all, bounds);
+    };
+    const point = (p: Point | undefined) => p && add({ minX: p.x, minY: p.y, maxX: p.x, maxY: p.y });
+    if (map !== undefined) return mapBounds(affineOf({ x: 0, y: 0, yaw: 0 }), this.surface.loader?.thumbnails.get(map));
+    for (const { map: name, level: own, poseWorldMap } of this.site?.maps.values() ?? []) {
+      if (!poseWorldMap?.pose || (level !== undefined && own !== level)) continue;
+      point(poseWorldMap.pose);
+      add(mapBounds(affineOf(poseWorldMap.pose), this.surface.loader?.thumbnails.get(name)));
+    }
+    for (const { poseWorldPlace } of this.site?.linkPoints.values() ?? []) point(poseWorldPlace?.pose);
+    const { robots } = this.site ?? {};
+    for (let row = 0; robots && row < robots.count; ++row) {
+      if (robots.placed[row] && (level === undefined || robots.level[row] === level)) point({ x: robots.world[3 * row]!, y: robots.world[3 * row + 1]! });
+    }
+    return all;
+  }
+
+  private boundsOf(name: string): Bounds | undefined {
+    const pose = this.view.map === name ? { x: 0, y: 0, yaw: 0 } : this.site?.maps.get(name)?.poseWorldMap?.pose;
+    if (pose) return mapBounds(affineOf(pose), this.surface.loader?.thumbnails.get(name)) ?? { minX: pose.x, minY: pose.y, maxX: pose.x, maxY: pose.y };
+    const at = this.site?.robots.get(name)?.poseWorld ?? this.site?.linkPoints.get(name)?.poseWorldPlace?.pose;
+    return at && { minX: at.x - 5, minY: at.y - 5, maxX: at.x + 5, maxY: at.y + 5 };
+  }
+
+  private pick(at: Point): string | undefined {
+    const icon = pickIcon(this.drawn, at);
+    if (icon || this.view.map !== undefined) return icon?.name;
+    const world = screenToWorld(this.camera, this.size, at);
+    let found: string | undefined;
+    for (const [map, pose] of this.places) {
+      const level = this.site?.maps.get(map)?.level;
+      if (this.view.level !== undefined && level !== this.view.level) continue;
+      const thumbnail = this.surface.loader?.thumbnails.get(map);
+      if (thumbnail && knowsCell(thumbnail, thumbnailAffine(affineOf(pose), thumbnail), world)) found = map;
+    }
+    return found;
+  }
+
+  // The place in the frame of a map, of a point in the world.
+  inMap(map: string, world: Point): Point | undefined {
+    const pose = this.places.get(map);
+    if (!pose) return undefined;
+    const { cos, sin } = { cos: Math.cos(pose.yaw), sin: Math.sin(pose.yaw) };
+    return apply({ a: cos, b: -sin, c: sin, d: cos, e: 0, f: 0 }, { x: world.x - pose.x, y: world.y - pose.y });
+  }
+
+  private moveByHand(camera: Camera) {
+    this.events.taken?.();
+    this.setCamera(camera);
+  }
+
+  private hover(at: Point | undefined) {
+    const what = at && this.pick(at);
+    this.canvas.style.cursor = this.view.measuring ? 'crosshair' : what === undefined ? 'grab' : 'pointer';
+    this.events.hover?.(what, at && screenToWorld(this.camera, this.size, at), at);
+  }
+
+  private click(at: Point) {
+    this.events.click?.(this.view.measuring ? undefined : this.pick(at), screenToWorld(this.camera, this.size, at));
+  }
+
+  private open(at: Point) {
+    const what = this.pick(at);
+    if (what !== undefined) this.events.open?.(what);
+  }
+
+  private key(key: string): boolean {
+    const pan: Record<string, [number, number]> = { ArrowLeft: [PAN_PX, 0], ArrowRight: [-PAN_PX, 0], ArrowUp: [0, PAN_PX], ArrowDown: [0, -PAN_PX] };
+    const step = pan[key];
+    if (step) this.moveByHand(panned(this.camera, ...step));
+    else if (key === '+' || key === '=') this.zoom(1.5);
+    else if (key === '-') this.zoom(1 / 1.5);
+    else return this.events.key?.(key) ?? false;
+    return true;
+  }
+
+  private resize() {
+    const box = this.canvas.getBoundingClientRect();
+    if (box.width === 0 || box.height === 0) return;
+    this.size = { width: box.width, height: box.height };
+    this.surface.resize(this.size);
+    this.touch();
+  }
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+import './scene.css';
+import { useEffect, useRef, type ReactNode } from 'react';
+import { useLive } from '../live/context';
+import { Icon, type IconName } from '../ui/Icon';
+import { Empty } from '../ui/States';
+import type { View } from './model';
+import type { SceneEvents } from './Scene';
+import { sharedScene } from './shared';
+
+export function ToolButton({ icon, title, keys, pressed, onClick }: { icon: IconName; title: string; keys?: string; pressed?: boolean; onClick: () => void }) {
+  return (
+    <button className="button icon tool" title={keys === undefined ? title : `${title} (${keys})`} aria-label={title} aria-keyshortcuts={keys} aria-pressed={pressed} onClick={onClick}>
+      <Icon name={icon} />
+    </button>
+  );
+}
+
+// The picture of the site on the shared canvas, with `children` over it. Zoom buttons are always there; `tools` go below.
+export function SceneView({ view, events, tools, children }: { view: View; events?: SceneEvents; tools?: ReactNode; children?: ReactNode }) {
+  const live = useLive();
+  const host = useRef<HTMLDivElement>(null);
+  const scene = sharedScene();
+
+  useEffect(() => {
+    if (!scene || !host.current) return;
+    host.current.append(scene.canvas, scene.labels.element);
+    scene.show(live);
+    return () => {
+      scene.canvas.remove();
+      scene.labels.element.remove();
+      scene.events = {};
+    };
+  }, [scene, live]);
+  useEffect(() => {
+    scene?.look(view);
+    if (scene) scene.events = { ...events, key: (key) => (key === '0' ? scene.fit() : (events?.key?.(key) ?? false)) };
+  });
+
+  if (!scene) {
+    return (
+      <div className="scene">
+        <Empty title="This browser cannot draw the map">
+          The map needs WebGL2, which this browser does not have or has switched off. The lists on this page work without it; another browser, or
+          hardware acceleration in the settings of this one, brings the map back.
+        </Empty>
+      </div>
+    );
+  }
+  return (
+    <div className="scene">
+      <div className="scene-host" ref={host} />
+      <div className="scene-tools" role="toolbar" aria-label="Map">
+        <ToolButton icon="plus" title="Zoom in" keys="+" onClick={() => scene.zoom(1.5)} />
+        <ToolButton icon="minus" title="Zoom out" keys="-" onClick={() => scene.zoom(1 / 1.5)} />
+        <ToolButton icon="fit" title="Show all" keys="0" onClick={() => scene.fit()} />
+        {tools}
+      </div>
+      {children}
+    </div>
+  );
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { Drawn, Stats } from './model';
+import { worldToScreen, type Camera, type Point } from './camera';
+import { Scene } from './Scene';
+
+declare global {
+  interface Window {
+    // What was drawn last, for tests.
+    __scene?: {
+      drawn(): Drawn[];
+      camera(): Camera;
+      stats(): Stats;
+      project(world: Point): Point;
+      setCamera(camera: Camera): void;
+    };
+  }
+}
+
+let scene: Scene | undefined;
+let tried = false;
+
+// One canvas for all pages: a browser keeps few WebGL contexts. Undefined if it has none.
+export function sharedScene(): Scene | undefined {
+  if (tried) return scene;
+  tried = true;
+  const canvas = document.createElement('canvas');
+  canvas.className = 'scene-canvas';
+  canvas.tabIndex = 0;
+  canvas.setAttribute('role', 'application');
+  canvas.setAttribute('aria-label', 'Map. Arrow keys move, plus and minus zoom, 0 shows all. All objects are also in the list “In view”.');
+  try {
+    const made = new Scene(canvas);
+    scene = made;
+    window.__scene = {
+      drawn: () => made.drawn,
+      camera: () => made.camera,
+      stats: () => made.stats(),
+      project: (world) => worldToScreen(made.camera, made.size, world),
+      setCamera: (camera) => made.setCamera(camera),
+    };
+  } catch {
+    // Pages show their lists, and say why there is no map.
+  }
+  return scene;
+}
