@@ -2,6 +2,7 @@
 import { useEffect, useId, useMemo, useRef, useState, type KeyboardEvent } from 'react';
 import { idOf } from '../api/names';
 import { useLive } from '../live/context';
+import { titleOf } from '../live/objects';
 import type { LiveSite } from '../live/site';
 import { Icon, type IconName } from '../ui/Icon';
 import { pages } from './pages';
@@ -28,7 +29,7 @@ function hitsOf(site: LiveSite): Hit[] {
     hits.push({ key: map.map, icon: 'map', title: map.displayName, kind: 'Map', address: onCampus(site.id, map.map, map.level) });
   }
   for (const name of site.linkPoints.keys()) {
-    hits.push({ key: name, icon: 'link', title: idOf(name), kind: 'Link point', address: onCampus(site.id, name) });
+    hits.push({ key: name, icon: 'link', title: titleOf(site, name), kind: idOf(name).slice(0, 8), address: onCampus(site.id, name) });
   }
   return hits;
 }

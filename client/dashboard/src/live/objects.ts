@@ -30,4 +30,11 @@ export function levelsOf(site: LiveSite, point: GraphLinkPoint): number[] {
   return [...new Set(point.maps.flatMap((name) => site.maps.get(name)?.level ?? []))];
 }
 
-export const titleOf = (site: LiveSite, name: string) => site.maps.get(name)?.displayName ?? idOf(name);
+// What people call it: a map by its name, a link point by the maps that it joins, since its id is often a UUID.
+export function titleOf(site: LiveSite, name: string): string {
+  const map = site.maps.get(name);
+  if (map) return map.displayName;
+  const point = site.linkPoints.get(name);
+  if (point) return `${kindOf(point)} ${point.maps.map((one) => site.maps.get(one)?.displayName ?? idOf(one)).join(' – ')}`;
+  return idOf(name);
+}

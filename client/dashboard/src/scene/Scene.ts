@@ -50,9 +50,8 @@ export class Scene {
   private readonly observer = new ResizeObserver(() => this.resize());
   private readonly surface: Surface;
 
-  // Throws if the browser has no WebGL2.
-  constructor(readonly canvas: HTMLCanvasElement) {
-    this.surface = new Surface(canvas, () => this.touch());
+  constructor(readonly canvas: HTMLCanvasElement, gl: WebGL2RenderingContext) {
+    this.surface = new Surface(canvas, gl, () => this.touch());
     listen(canvas, {
       pan: (dx, dy) => this.moveByHand(panned(this.camera, dx, dy)),
       zoom: (at, factor) => this.moveByHand(zoomedAt(this.camera, this.size, at, factor)),

@@ -15,7 +15,6 @@ export class Surface {
   loader: RasterLoader | undefined;
   tiles!: TilePages;
   palette!: Palette;
-  private readonly gl: WebGL2RenderingContext;
   private rasters!: RasterLayer;
   private glyphs!: GlyphLayer;
   private thumbnailPage: WebGLTexture | undefined;
@@ -26,10 +25,7 @@ export class Surface {
   private graphSeen = -1;
   private rasterSeen = -1;
 
-  constructor(private readonly canvas: HTMLCanvasElement, private readonly changed: () => void) {
-    const gl = canvas.getContext('webgl2', { alpha: false, antialias: false, depth: true, powerPreference: 'high-performance' });
-    if (!gl) throw new Error('this browser has no WebGL2');
-    this.gl = gl;
+  constructor(private readonly canvas: HTMLCanvasElement, private readonly gl: WebGL2RenderingContext, private readonly changed: () => void) {
     this.build();
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a site's state to quads and glyphs of one frame.
 import { levelsOf } from '../live/objects';
-import { affineOf, boundsOf, composed, inverted, overlap, type Affine } from './affine';
-import type { Bounds, Pose } from './camera';
+import { affineOf, apply, boundsOf, composed, inverted, overlap, type Affine } from './affine';
+import { worldToScreen, type Bounds, type Pose } from './camera';
 import { addCircle, addLine, addLinkPoint, addRobot } from './glyphs';
 import { addGlyph, shape } from './gl/glyphLayer';
 import type { InstanceList } from './gl/program';
@@ -98,7 +98,8 @@ function addMapBox(frame: Frame, glyphs: InstanceList, palette: Palette, map: st
   const px = (x - frame.camera.x) * frame.camera.scale;
   const py = (y - frame.camera.y) * frame.camera.scale;
   const angle = Math.atan2(t.b, t.a);
-  frame.drawn.push({ name: map, kind: 'map', x: frame.size.width / 2 + px, y: frame.size.height / 2 - py, halfX: w * scale, halfY: h * scale, angle, ghost });
+  const label = worldToScreen(frame.camera, frame.size, apply(t, thumbnail.middle));
+  frame.drawn.push({ name: map, kind: 'map', x: frame.size.width / 2 + px, y: frame.size.height / 2 - py, halfX: w * scale, halfY: h * scale, angle, ghost, label });
   if (frame.view.selected === map && frame.view.map === undefined) {
     addGlyph(glyphs, { x: px, y: py, halfX: w * scale + 4, halfY: h * scale + 4, angle, shape: shape.frame, stroke: 2, dash: 0, line: rgba(palette.colour.select), fill: 0 });
   }

@@ -9,7 +9,7 @@ import { rgba, type Palette, type Rgb } from './palette';
 
 // Icons have a size in the world, so that they show scale, and one in pixels that they never fall below.
 const ROBOT_M = 0.35;
-const ROBOT_PX = 9;
+const ROBOT_PX = 11;
 const LINK_M = 0.3;
 const LINK_PX = 7;
 // A pose fades from 10 s to 10 min.
@@ -59,7 +59,8 @@ export function addLinkPoint(list: InstanceList, frame: Frame, palette: Palette,
   addGlyph(list, {
     ...glyph, halfX: half, halfY: half, shape: kind, stroke: 2, dash, line: rgba(colour, fade), fill: rgba(colour, filled ? fade : 0),
   });
-  frame.drawn.push({ name: point.linkPoint, kind: 'link', x: frame.size.width / 2 + px, y: frame.size.height / 2 - py, halfX: half, halfY: half, angle: 0, ghost });
+  const at = { x: frame.size.width / 2 + px, y: frame.size.height / 2 - py };
+  frame.drawn.push({ name: point.linkPoint, kind: 'link', ...at, halfX: half, halfY: half, angle: 0, ghost, label: { x: at.x, y: at.y + half + 11 } });
 }
 
 export function addSelection(list: InstanceList, palette: Palette, x: number, y: number, radius: number) {
@@ -89,9 +90,10 @@ export function addRobot(list: InstanceList, frame: Frame, palette: Palette, row
   addGlyph(list, {
     ...glyph, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, line: rgba(colour, fade), fill: rgba(colour, stale ? 0 : fade),
   });
+  const at = { x: frame.size.width / 2 + px, y: frame.size.height / 2 - py };
   frame.drawn.push({
-    name, kind: 'robot', x: frame.size.width / 2 + px, y: frame.size.height / 2 - py,
-    halfX: major * frame.camera.scale, halfY: minor * frame.camera.scale, angle, ghost,
+    name, kind: 'robot', ...at, halfX: major * frame.camera.scale, halfY: minor * frame.camera.scale, angle, ghost,
+    label: { x: at.x, y: at.y + half + 11 },
   });
 }
 
@@ -105,5 +107,5 @@ export function addLine(list: InstanceList, frame: Frame, from: { x: number; y: 
 
 export function addCircle(list: InstanceList, frame: Frame, at: { x: number; y: number }, radius: number, colour: Rgb) {
   const half = radius * frame.camera.scale;
-  addGlyph(list, { x: across(frame, at.x), y: up(frame, at.y), halfX: half, halfY: half, angle: 0, shape: shape.disc, stroke: 1.5, dash: 6, line: rgba(colour, 0.7), fill: rgba(colour, 0.05) });
+  addGlyph(list, { x: across(frame, at.x), y: up(frame, at.y), halfX: half, halfY: half, angle: 0, shape: shape.disc, stroke: 1, dash: 6, line: rgba(colour, 0.5), fill: 0 });
 }

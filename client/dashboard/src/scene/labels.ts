@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { idOf } from '../api/names';
+import { titleOf } from '../live/objects';
 import type { Drawn, Frame } from './model';
 
 const MOST = 60;
@@ -27,10 +27,9 @@ export class Labels {
     let used = 0;
     for (const item of this.ordered(frame)) {
       if (used >= MOST) break;
-      const text = item.kind === 'map' ? (frame.site.maps.get(item.name)?.displayName ?? '') : idOf(item.name);
+      const text = titleOf(frame.site, item.name);
       const width = text.length * 7 + 8;
-      const x = item.x;
-      const y = item.kind === 'map' ? item.y : item.y + 20;
+      const { x, y } = item.label;
       const box = { left: x - width / 2, right: x + width / 2, top: y - 9, bottom: y + 9 };
       if (placed.some((other) => box.left < other.right && other.left < box.right && box.top < other.bottom && other.top < box.bottom)) continue;
       placed.push(box);

@@ -40,6 +40,8 @@ export interface Drawn {
   halfY: number;
   angle: number;
   ghost: boolean;
+  // Where its name belongs.
+  label: Point;
 }
 
 export interface Stats {

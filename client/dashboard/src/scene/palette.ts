@@ -15,7 +15,8 @@ export interface Palette {
 }
 
 export function parseColour(text: string): Rgb {
-  const digits = /^#([0-9a-f]{6})$/i.exec(text.trim())?.[1];
+  const short = /^#([0-9a-f])([0-9a-f])([0-9a-f])$/i;
+  const digits = /^#([0-9a-f]{6})$/i.exec(text.trim().replace(short, '#$1$1$2$2$3$3'))?.[1];
   if (digits === undefined) throw new Error(`not a colour of the form #rrggbb: "${text}"`);
   return [0, 2, 4].map((i) => parseInt(digits.slice(i, i + 2), 16)) as Rgb;
 }

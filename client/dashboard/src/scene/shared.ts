@@ -28,18 +28,16 @@ export function sharedScene(): Scene | undefined {
   canvas.tabIndex = 0;
   canvas.setAttribute('role', 'application');
   canvas.setAttribute('aria-label', 'Map. Arrow keys move, plus and minus zoom, 0 shows all. All objects are also in the list “In view”.');
-  try {
-    const made = new Scene(canvas);
-    scene = made;
-    window.__scene = {
-      drawn: () => made.drawn,
-      camera: () => made.camera,
-      stats: () => made.stats(),
-      project: (world) => worldToScreen(made.camera, made.size, world),
-      setCamera: (camera) => made.setCamera(camera),
-    };
-  } catch {
-    // Pages show their lists, and say why there is no map.
-  }
+  const gl = canvas.getContext('webgl2', { alpha: false, antialias: false, depth: true, powerPreference: 'high-performance' });
+  if (!gl) return undefined; // pages show their lists, and say why there is no map
+  const made = new Scene(canvas, gl);
+  scene = made;
+  window.__scene = {
+    drawn: () => made.drawn,
+    camera: () => made.camera,
+    stats: () => made.stats(),
+    project: (world) => worldToScreen(made.camera, made.size, world),
+    setCamera: (camera) => made.setCamera(camera),
+  };
   return scene;
 }

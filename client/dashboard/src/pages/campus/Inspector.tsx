@@ -173,6 +173,8 @@ function LinkFacts({ point }: { point: GraphLinkPoint }) {
   const c = point.poseWorldPlace?.covariance ?? [];
   return (
     <dl className="facts">
+      <dt>Id</dt>
+      <dd className="mono">{idOf(point.linkPoint)}</dd>
       <dt>State</dt>
       <dd>
         <Badge tone={tone}>{text}</Badge>
@@ -230,7 +232,7 @@ export function Inspector({ name, follow, setFollow }: { name: string; follow: b
   if (point) {
     return (
       <section className="inspector" aria-label="Selection">
-        <Head icon="link" kind={kindOf(point)} title={idOf(name)} />
+        <Head icon="link" kind={kindOf(point)} title={point.maps.map((map) => titleOf(site, map)).join(' – ')} />
         <LinkFacts point={point} />
       </section>
     );

@@ -3,7 +3,7 @@ import { useMemo, useRef, useState, type KeyboardEvent } from 'react';
 import { idOf } from '../../api/names';
 import { select, useSelection } from '../../app/selection';
 import { useLive, useNow } from '../../live/context';
-import { kindOf, levelsOf, stateOf } from '../../live/objects';
+import { levelsOf, stateOf, titleOf } from '../../live/objects';
 import type { LiveSite } from '../../live/site';
 import { Badge, type Tone } from '../../ui/Badge';
 import { age, count } from '../../ui/format';
@@ -35,7 +35,7 @@ function itemsOf(site: LiveSite, level: number | undefined, now: number, inView:
   for (const point of site.linkPoints.values()) {
     if (!point.poseWorldPlace || !onLevel(levelsOf(site, point)) || !inView(point.linkPoint)) continue;
     const { tone, text } = stateOf(point);
-    items.push({ name: point.linkPoint, title: `${kindOf(point)} ${idOf(point.linkPoint)}`, icon: 'link', tone, note: text.split(':')[0]! });
+    items.push({ name: point.linkPoint, title: titleOf(site, point.linkPoint), icon: 'link', tone, note: text.split(':')[0]! });
   }
   return items;
 }
@@ -74,7 +74,7 @@ export function ObjectList({ level, inView }: { level: number | undefined; inVie
           <li key={item.name} id={`object-${i}`} role="option" aria-selected={item.name === selected} className={i === active ? 'object active' : 'object'} onClick={() => { setActive(i); select(item.name); }}>
             <Icon name={item.icon} />
             <span className="object-title">{item.title}</span>
-            <Badge tone={item.tone}>{item.note}</Badge>
+            {item.note !== '' && <Badge tone={item.tone}>{item.note}</Badge>}
           </li>
         ))}
       </ul>

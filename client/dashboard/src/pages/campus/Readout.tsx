@@ -2,7 +2,7 @@
 import { useImperativeHandle, useRef, useState, type Ref } from 'react';
 import { collectionOf, idOf } from '../../api/names';
 import { useLive } from '../../live/context';
-import { kindOf, stateOf, titleOf } from '../../live/objects';
+import { stateOf, titleOf } from '../../live/objects';
 import type { LiveSite } from '../../live/site';
 import type { Point } from '../../scene/camera';
 import { sharedScene } from '../../scene/shared';
@@ -24,7 +24,7 @@ export function cardOf(site: LiveSite, name: string): Card | undefined {
   const robot = site.robots.get(name);
   if (robot) return { title: idOf(name), lines: [`in ${titleOf(site, robot.map)}`, pose(robot.poseWorld ?? robot.poseMap), sigma(robot.covariance)] };
   const link = site.linkPoints.get(name);
-  if (link) return { title: `${kindOf(link)} ${idOf(link.linkPoint)}`, lines: [stateOf(link).text, link.maps.map((map) => titleOf(site, map)).join(' – ')] };
+  if (link) return { title: titleOf(site, name), lines: [stateOf(link).text, idOf(name)] };
   const map = site.maps.get(name);
   const c = map?.poseWorldMap?.covariance;
   return map && { title: map.displayName, lines: [map.map === site.rootMap ? 'The root: its frame is the world frame' : c?.length === 9 ? sigma([c[0]!, c[1]!, c[4]!, c[8]!]) : 'not placed'] };

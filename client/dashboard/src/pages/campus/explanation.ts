@@ -3,7 +3,6 @@ import type { GlobalPose } from '../../gen/enfilade/v1/graph_pb';
 import { titleOf } from '../../live/objects';
 import type { LiveSite } from '../../live/site';
 import type { Point } from '../../scene/camera';
-import { idOf } from '../../api/names';
 
 export interface Share {
   title: string;
@@ -25,7 +24,7 @@ export function sharesOf(site: LiveSite, pose: GlobalPose): Share[] {
     title: pose.baseMap === site.rootMap ? `${base}: the root` : `${base}: as optimised`, name: pose.baseMap, variance: variance(pose.baseShare),
   });
   for (const hop of pose.hops) {
-    shares.push({ title: `${idOf(hop.linkPoint)} into ${titleOf(site, hop.toMap)}`, name: hop.linkPoint, variance: variance(hop.share) });
+    shares.push({ title: `${titleOf(site, hop.linkPoint)}, into ${titleOf(site, hop.toMap)}`, name: hop.linkPoint, variance: variance(hop.share) });
   }
   shares.push({ title: pose.robot === '' ? 'The given pose' : "The robot's own report", name: pose.robot, variance: variance(pose.robotShare) });
   const total = shares.reduce((sum, share) => sum + share.variance, 0);

@@ -76,12 +76,19 @@ float triangle(vec2 p, float r) {
 
 // An arrow head that points along x, with a notch behind.
 float arrow(vec2 p, float r) {
-  p.y = abs(p.y);
-  vec2 n = normalize(vec2(0.72, 1.75));
-  float side = dot(p - vec2(r, 0.0), n);
-  vec2 m = normalize(vec2(-0.72, 0.35));
-  float back = dot(p - vec2(-0.4 * r, 0.0), m);
-  return max(side, back);
+  vec2 v[4] = vec2[4](vec2(1.0, 0.0), vec2(-0.8, 0.78), vec2(-0.4, 0.0), vec2(-0.8, -0.78));
+  p /= r;
+  float d = dot(p - v[0], p - v[0]);
+  float s = 1.0;
+  for (int i = 0, j = 3; i < 4; j = i++) {
+    vec2 e = v[j] - v[i];
+    vec2 w = p - v[i];
+    vec2 b = w - e * clamp(dot(w, e) / dot(e, e), 0.0, 1.0);
+    d = min(d, dot(b, b));
+    bvec3 c = bvec3(p.y >= v[i].y, p.y < v[j].y, e.x * w.y > e.y * w.x);
+    if (all(c) || all(not(c))) s = -s;
+  }
+  return s * sqrt(d) * r;
 }
 
 void main() {

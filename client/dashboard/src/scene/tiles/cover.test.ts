@@ -18,7 +18,7 @@ const manifest: Manifest = {
 const here = affineOf({ x: 0, y: 0, yaw: 0 });
 const all = { minX: -100, minY: -100, maxX: 100, maxY: 100 };
 const thumbnail: Thumbnail = {
-  revision: 'r', resolution: 0.8, pose: { x: -25.6, y: -25.6, yaw: 0 }, width: 64, height: 64, cells: new Uint8Array(4096), layer: 0,
+  revision: 'r', resolution: 0.8, pose: { x: -25.6, y: -25.6, yaw: 0 }, width: 64, height: 64, cells: new Uint8Array(4096), layer: 0, middle: { x: 32, y: 32 },
 };
 
 test('takes the zoom at which a cell is at least a pixel', () => {

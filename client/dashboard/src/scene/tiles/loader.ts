@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-import { decompress } from 'fzstd';
 import { rasters } from '../../api/clients';
-import { siteName } from '../../api/names';
-import { bytesOf, hex, manifestOf, thumbnailOf, type Manifest, type Thumbnail } from './manifest';
+import { fetchOverview, fetchTiles } from './fetch';
+import { manifestOf, type Manifest, type Thumbnail } from './manifest';
 
 const BATCH = 48;
 // A browser has six connections to a host.
@@ -49,13 +48,8 @@ export class RasterLoader {
     if (!stale) return;
     this.loading = true;
     try {
-      let pageToken = '';
-      do {
-        const page = await rasters.listRasterThumbnails({ parent: siteName(this.site), pageSize: 1000, pageToken });
-        for (const answer of page.thumbnails) this.thumbnails.set(mapOf(answer.revision), thumbnailOf(answer));
-        pageToken = page.nextPageToken;
-        if (!this.stopped) this.events.thumbnails();
-      } while (pageToken !== '' && !this.stopped);
+      for (const thumbnail of await fetchOverview(this.site)) this.thumbnails.set(mapOf(thumbnail.revision), thumbnail);
+      if (!this.stopped) this.events.thumbnails();
     } catch {
       // The banner of the stream says what is wrong; tried again later.
     } finally {
@@ -113,13 +107,11 @@ export class RasterLoader {
     ++this.tileRequests;
     const left = new Set(keys);
     try {
-      const parts = rasters.readTiles({ parent: siteName(this.site), sha256: keys.map(bytesOf) });
-      for await (const { sha256, zstdCells } of parts) {
+      await fetchTiles(this.site, keys, (key, cells) => {
         if (this.stopped) return;
-        const key = hex(sha256);
         left.delete(key);
-        this.end(key, !this.events.tile(key, decompress(zstdCells)));
-      }
+        this.end(key, !this.events.tile(key, cells));
+      });
     } catch {
       // As above.
     } finally {

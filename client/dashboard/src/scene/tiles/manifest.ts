@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-import type { GetRasterManifestResponse, RasterThumbnail } from '../../gen/enfilade/v1/raster_service_pb';
-import type { Pose } from '../camera';
-import { THUMBNAIL_FREE, THUMBNAIL_OCCUPIED } from '../palette';
+import type { GetRasterManifestResponse } from '../../gen/enfilade/v1/raster_service_pb';
+import type { Point, Pose } from '../camera';
 
 export interface Tile {
   row: number;
@@ -30,15 +29,13 @@ export interface Thumbnail {
   // Of the palette: 0, THUMBNAIL_FREE, THUMBNAIL_OCCUPIED.
   cells: Uint8Array;
   layer: number;
+  // The middle of what is known, in cells: where a name belongs.
+  middle: Point;
 }
 
 export const THUMBNAIL = 64;
 
 export const hex = (bytes: Uint8Array) => Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('');
-
-export function bytesOf(key: string): Uint8Array<ArrayBuffer> {
-  return Uint8Array.from({ length: key.length / 2 }, (_, i) => parseInt(key.slice(2 * i, 2 * i + 2), 16));
-}
 
 const poseOf = (pose: { x: number; y: number; yaw: number } | undefined): Pose => ({ x: pose?.x ?? 0, y: pose?.y ?? 0, yaw: pose?.yaw ?? 0 });
 
@@ -52,12 +49,16 @@ export function manifestOf(answer: GetRasterManifestResponse): Manifest {
   return { revision: answer.revision, resolution: answer.resolutionM, pose: poseOf(answer.poseMapTiles), classes: answer.classes, levels, index };
 }
 
-export function thumbnailOf(answer: RasterThumbnail): Thumbnail {
-  const cells = answer.cells.map((value) => (value === 2 ? THUMBNAIL_OCCUPIED : value === 1 ? THUMBNAIL_FREE : 0));
-  return {
-    revision: answer.revision, resolution: answer.resolutionM, pose: poseOf(answer.poseMapThumbnail),
-    width: answer.width, height: answer.height, cells, layer: -1,
-  };
+// Of all cells that are known.
+export function middleOf(cells: Uint8Array, width: number): Point {
+  let [x, y, n] = [0, 0, 0];
+  for (let i = 0; i < cells.length; ++i) {
+    if (cells[i] === 0) continue;
+    x += (i % width) + 0.5;
+    y += Math.floor(i / width) + 0.5;
+    ++n;
+  }
+  return n === 0 ? { x: width / 2, y: cells.length / width / 2 } : { x: x / n, y: y / n };
 }
 
 // The zoom at which a cell is at least one device pixel: the smallest such, so that no detail that fits is lost.
