@@ -101,6 +101,28 @@ TEST_F(WatchTest, OpensInItsTurnOrNotAtAll) {
   EXPECT_EQ(checks_, 0);
 }
 
+TEST_F(WatchTest, SendsTheRestOfAMessageAtOnce) {
+  graph_.watch = [this](const Call&, const v1::WatchGlobalPosesRequest&) {
+    Watch<v1::WatchGlobalPosesResponse> watch = EveryThird(std::chrono::hours(1));
+    watch.check = [this](const storage::CallContext&, v1::WatchGlobalPosesResponse& message) {
+      message.set_graph_version(++checks_);
+      return absl::StatusOr<bool>(true);
+    };
+    watch.has_more = [this] { return checks_ < 5; };
+    return absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>>(watch);
+  };
+  grpc::ClientContext client;
+  const auto stream = graph_stub_->WatchGlobalPoses(&client, {});
+  v1::WatchGlobalPosesResponse message;
+  for (int part = 1; part <= 5; ++part) {
+    ASSERT_TRUE(stream->Read(&message));
+    EXPECT_EQ(message.graph_version(), part);
+  }
+  client.TryCancel();
+  EXPECT_FALSE(stream->Read(&message));
+  EXPECT_EQ(checks_, 5);
+}
+
 // So a slow reader costs one message, and gets the latest once it reads on.
 TEST_F(WatchTest, ChecksNothingWhileTheClientDoesNotRead) {
   graph_.watch = [this](const Call&, const v1::WatchGlobalPosesRequest&) {
