@@ -4,6 +4,7 @@
 package rasters
 
 import (
+	"bytes"
 	"compress/gzip"
 	"context"
 	"encoding/hex"
@@ -119,11 +120,38 @@ func (h *handlers) sendTile(w http.ResponseWriter, r *http.Request, path map[str
 		header.Set("Content-Encoding", "zstd")
 		return send(w, r, frame)
 	}
-	cells, err := inflate(frame)
+	if !accepts(r, "gzip") {
+		cells, err := inflate(frame)
+		if err != nil {
+			return err
+		}
+		return send(w, r, cells)
+	}
+	zipped, err := h.zipped(path["site"]+"/"+strings.ToLower(path["sha256"])+"/gzip", frame)
 	if err != nil {
 		return err
 	}
-	return sendCompressed(w, r, cells)
+	header.Set("Content-Encoding", "gzip")
+	return send(w, r, zipped)
+}
+
+// A frame's content by gzip, from the cache if it is there.
+func (h *handlers) zipped(key string, frame []byte) ([]byte, error) {
+	if content, ok := h.cache.get(key); ok {
+		return content, nil
+	}
+	cells, err := inflate(frame)
+	if err != nil {
+		return nil, err
+	}
+	var out bytes.Buffer
+	writer := writers.Get().(*gzip.Writer)
+	defer writers.Put(writer)
+	writer.Reset(&out)
+	_, _ = writer.Write(cells) // into memory
+	_ = writer.Close()
+	h.cache.put(key, out.Bytes())
+	return out.Bytes(), nil
 }
 
 // sendCompressed sends content, by gzip to those who take it.
