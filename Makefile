@@ -13,7 +13,7 @@ OPTIONS ?=
 MINUTES ?= 10
 CALLS ?= 100000
 KILLS ?= 1000
-.PHONY: help demo stop test programs build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
+.PHONY: help demo stop test programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -29,6 +29,9 @@ test: build ## build and run all tests
 
 programs: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server enfilade-gateway
+
+web: configure ## build the gateway with the dashboard in it
+	@cmake --build --preset $(PRESET) --target enfilade-gateway
 
 build: configure ## build everything into build/PRESET/bin (PRESET=release, dev, asan, tsan, coverage, tidy)
 	@cmake --build --preset $(PRESET) -j $(JOBS)

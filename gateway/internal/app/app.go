@@ -18,6 +18,7 @@ import (
 	"google.golang.org/grpc/health/grpc_health_v1"
 	"google.golang.org/grpc/keepalive"
 
+	"enfilade/gateway/internal/dashboard"
 	"enfilade/gateway/internal/files"
 	"enfilade/gateway/internal/guard"
 	"enfilade/gateway/internal/openapi"
@@ -108,14 +109,16 @@ func newHandler(ctx context.Context, server *grpc.ClientConn, options Options) (
 	if err := rasters.Register(api, server); err != nil {
 		return nil, err
 	}
+	pages, err := dashboard.Handler()
+	if err != nil {
+		return nil, err
+	}
 	mux := http.NewServeMux()
 	mux.Handle("/v1/", rest.Resume(api))
 	mux.HandleFunc("GET /openapi.json", openapi.Serve)
 	mux.HandleFunc("GET /healthz", func(w http.ResponseWriter, _ *http.Request) { _, _ = fmt.Fprintln(w, "ok") })
 	mux.HandleFunc("GET /readyz", readiness(grpc_health_v1.NewHealthClient(server)))
-	mux.HandleFunc("/", func(w http.ResponseWriter, r *http.Request) {
-		rest.WriteStatus(w, http.StatusNotFound, codes.NotFound, "there is nothing at "+r.URL.Path)
-	})
+	mux.Handle("/", pages)
 	return guard.Wrap(mux, options.Hosts, options.Origins, options.Limits)
 }
 
