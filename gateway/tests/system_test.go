@@ -103,8 +103,10 @@ func start(binaries string) (*system, error) {
 	if err := s.startServer(binaries); err != nil {
 		return s, err
 	}
+	limits := guard.DefaultLimits()
+	limits.Rates = guard.Rates{} // the tests are one client; limits_test.go has gateways with rates
 	options := app.Options{Listen: "127.0.0.1:0", Server: s.address, Hosts: []string{"127.0.0.1", "localhost"},
-		CallTime: 30 * time.Second, Limits: guard.DefaultLimits(), Uploads: files.DefaultUploadLimits()}
+		CallTime: 30 * time.Second, Limits: limits, Uploads: files.DefaultUploadLimits()}
 	log := slog.New(slog.NewJSONHandler(&s.log, nil))
 	slog.SetDefault(log)
 	if s.gateway, err = app.Start(context.Background(), options, log); err != nil {

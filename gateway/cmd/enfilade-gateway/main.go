@@ -46,6 +46,10 @@ func parse(arguments []string) (app.Options, error) {
 	flags.DurationVar(&options.CallTime, "call-time", 30*time.Second, "for a call that is no stream")
 	flags.Var((*names)(&options.Hosts), "host", "a host name that clients may call this gateway by, besides localhost; repeatable")
 	flags.Var((*names)(&options.Origins), "origin", "an origin whose pages may change things, such as https://maps.example.org; repeatable")
+	rates := &options.Limits.Rates
+	flags.Float64Var(&rates.CallsPerSecond, "calls-per-second", rates.CallsPerSecond, "of one address, with bursts of 4 s; 0: any number")
+	flags.Float64Var(&rates.TilesPerSecond, "tiles-per-second", rates.TilesPerSecond, "requests of tiles of one address, with bursts of 4 s; 0: any number")
+	flags.IntVar(&rates.Exports, "exports", rates.Exports, "of one address at once; 0: any number")
 	if err := flags.Parse(arguments); err != nil {
 		return options, err
 	}

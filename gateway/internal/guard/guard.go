@@ -26,11 +26,13 @@ type Limits struct {
 	Streams          int           // open at once, of all clients
 	StreamsPerClient int           // of one address
 	WriteTime        time.Duration // for the client to take what is written
+	Rates            Rates
 }
 
 // DefaultLimits suit a campus' dashboards and programs.
 func DefaultLimits() Limits {
-	return Limits{BodyBytes: 1 << 20, Streams: 500, StreamsPerClient: 64, WriteTime: 10 * time.Second}
+	return Limits{BodyBytes: 1 << 20, Streams: 500, StreamsPerClient: 64, WriteTime: 10 * time.Second,
+		Rates: DefaultRates()}
 }
 
 // The page may load nothing from elsewhere and run nothing but its own scripts.
@@ -53,6 +55,7 @@ func Wrap(next http.Handler, hosts, origins []string, limits Limits) (http.Handl
 	}))
 	handler := limitStreams(next, limits)
 	handler = checkBody(handler, limits.BodyBytes)
+	handler = limitRates(handler, limits.Rates)
 	handler = protection.Handler(handler)
 	handler = checkHost(handler, hosts)
 	return addHeaders(handler, limits.WriteTime), nil
@@ -180,9 +183,7 @@ func limitStreams(next http.Handler, limits Limits) http.Handler {
 		}
 		client := rest.CallerOf(r)
 		if !counts.take(client, limits) {
-			w.Header().Set("Retry-After", "5")
-			rest.WriteStatus(w, http.StatusTooManyRequests, codes.ResourceExhausted,
-				"too many streams are open: close some, or share one")
+			refuse(w, 5*time.Second, "too many streams are open: close some, or share one")
 			return
 		}
 		defer counts.release(client)

@@ -13,6 +13,7 @@ import (
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/metadata"
 	"google.golang.org/protobuf/encoding/protojson"
+	"google.golang.org/protobuf/proto"
 
 	pb "enfilade/gateway/gen/enfilade/v1"
 )
@@ -37,6 +38,7 @@ func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, er
 		runtime.WithMarshalerOption(EventStream, &events{slim}),
 		runtime.WithIncomingHeaderMatcher(passToServer),
 		runtime.WithOutgoingHeaderMatcher(passToClient),
+		runtime.WithForwardResponseOption(tellGraphVersion),
 		runtime.WithMetadata(callerOf),
 		runtime.WithErrorHandler(handleError),
 		runtime.WithRoutingErrorHandler(handleRoutingError),
@@ -60,7 +62,7 @@ func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, er
 // Nothing that a client sends may pass for what the gateway says of it, such as its actor.
 func passToServer(header string) (string, bool) {
 	switch textproto.CanonicalMIMEHeaderKey(header) {
-	case "Traceparent", "Tracestate", "X-Request-Id":
+	case "Traceparent", "Tracestate", "X-Request-Id", "Enfilade-Min-Graph-Version":
 		return header, true
 	}
 	return "", false
@@ -71,6 +73,17 @@ func passToClient(header string) (string, bool) {
 		return "X-Request-Id", true
 	}
 	return "", false
+}
+
+// tellGraphVersion passes on which version of the graph has a call's change. The server says it behind its answer, where
+// fetch() of a browser cannot read it; here it is a header.
+func tellGraphVersion(ctx context.Context, w http.ResponseWriter, _ proto.Message) error {
+	if told, ok := runtime.ServerMetadataFromContext(ctx); ok {
+		for _, version := range told.TrailerMD.Get("enfilade-graph-version") {
+			w.Header().Add("Enfilade-Graph-Version", version)
+		}
+	}
+	return nil
 }
 
 // CallerOf names the caller for the audit trail.

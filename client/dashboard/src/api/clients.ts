@@ -10,8 +10,9 @@ import { SessionService } from '../gen/enfilade/v1/session_service_pb';
 import { SiteService } from '../gen/enfilade/v1/site_service_pb';
 import routes from '../gen/routes.json';
 import { createRestTransport } from './transport';
+import { readOwnWrites } from './versions';
 
-const transport = createRestTransport(routes);
+const transport = createRestTransport(routes, readOwnWrites((url, init) => fetch(url, init)));
 
 export const graphs = createClient(GraphService, transport);
 export const linkPoints = createClient(LinkPointService, transport);
