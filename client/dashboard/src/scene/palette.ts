@@ -61,8 +61,8 @@ export function readPalette(classes: Uint8Array): Palette {
     cells: cellColours(classes, colour('free'), colour('occupied')),
     background: unit(colour('bg')),
     select: unit(colour('select')),
-    before: unit(dark ? [255, 140, 60] : [213, 94, 0]),
-    after: unit(dark ? [70, 170, 255] : [0, 114, 178]),
+    before: unit(parseColour(root.getPropertyValue('--compare-before'))),
+    after: unit(parseColour(root.getPropertyValue('--compare-after'))),
     colour: {
       robot: colour('robot'), stale: colour('robot-stale'), link: colour('link'), candidate: colour('candidate'),
       blocked: colour('blocked'), off: colour('off'), select: colour('select'), halo: colour('halo'), grid: colour('grid'),

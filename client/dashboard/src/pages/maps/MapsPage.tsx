@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { idOf } from '../../api/names';
-import { addressOf, Link } from '../../app/router';
+import { addressOf, Link, usePlace } from '../../app/router';
 import { onCampus, useLevel } from '../../app/selection';
 import { useLive } from '../../live/context';
 import { Badge } from '../../ui/Badge';
 import { dateTime, levelName } from '../../ui/format';
 import { Empty, Loading } from '../../ui/States';
+import { MapPage } from './MapPage';
 
 function MapTable() {
   const live = useLive();
@@ -64,6 +65,8 @@ function MapTable() {
 }
 
 export default function MapsPage() {
+  const { rest } = usePlace();
+  if (rest[0] !== undefined) return <MapPage id={rest[0]} />;
   return (
     <div className="page">
       <div className="page-head">

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { GetRasterManifestResponse } from '../../gen/enfilade/v1/raster_service_pb';
 import type { Point, Pose } from '../camera';
+import { THUMBNAIL_FREE } from '../palette';
 
 export interface Tile {
   row: number;
@@ -29,7 +30,7 @@ export interface Thumbnail {
   // Of the palette: 0, THUMBNAIL_FREE, THUMBNAIL_OCCUPIED.
   cells: Uint8Array;
   layer: number;
-  // The middle of what is known, in cells: where a name belongs.
+  // In cells: where a name belongs.
   middle: Point;
 }
 
@@ -49,16 +50,27 @@ export function manifestOf(answer: GetRasterManifestResponse): Manifest {
   return { revision: answer.revision, resolution: answer.resolutionM, pose: poseOf(answer.poseMapTiles), classes: answer.classes, levels, index };
 }
 
-// Of all cells that are known.
+// The cell that is furthest from everything that is not free: within the room itself, also where the map sees into others
+// through doors. Distances by two sweeps (Rosenfeld and Pfaltz, 1966).
 export function middleOf(cells: Uint8Array, width: number): Point {
-  let [x, y, n] = [0, 0, 0];
-  for (let i = 0; i < cells.length; ++i) {
-    if (cells[i] === 0) continue;
-    x += (i % width) + 0.5;
-    y += Math.floor(i / width) + 0.5;
-    ++n;
+  const height = cells.length / width;
+  const far = new Uint8Array(cells.length);
+  const at = (row: number, column: number) => (row < 0 || column < 0 || row >= height || column >= width ? 0 : far[row * width + column]!);
+  let best = -1;
+  for (let row = 0; row < height; ++row) {
+    for (let column = 0; column < width; ++column) {
+      const i = row * width + column;
+      far[i] = cells[i] === THUMBNAIL_FREE ? 1 + Math.min(at(row - 1, column), at(row, column - 1), at(row - 1, column - 1), at(row - 1, column + 1)) : 0;
+    }
   }
-  return n === 0 ? { x: width / 2, y: cells.length / width / 2 } : { x: x / n, y: y / n };
+  for (let row = height - 1; row >= 0; --row) {
+    for (let column = width - 1; column >= 0; --column) {
+      const i = row * width + column;
+      far[i] = Math.min(far[i]!, 1 + Math.min(at(row + 1, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column - 1)));
+      if (far[i]! > 0 && (best < 0 || far[i]! > far[best]!)) best = i;
+    }
+  }
+  return best < 0 ? { x: width / 2, y: height / 2 } : { x: (best % width) + 0.5, y: Math.floor(best / width) + 0.5 };
 }
 
 // The zoom at which a cell is at least one device pixel: the smallest such, so that no detail that fits is lost.

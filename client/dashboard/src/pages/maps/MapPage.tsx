@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+import './map.css';
+import { useQuery } from '@tanstack/react-query';
+import { useEffect, useMemo, useRef, useState } from 'react';
+import { collect, maps } from '../../api/clients';
+import { idOf, withSite } from '../../api/names';
+import { addressOf, Link, setQuery, usePlace } from '../../app/router';
+import { onCampus, select, useSelection } from '../../app/selection';
+import type { MapRevision } from '../../gen/enfilade/v1/map_pb';
+import { useLive } from '../../live/context';
+import type { Compare, RasterChoice, View } from '../../scene/model';
+import { SceneView } from '../../scene/SceneView';
+import { levelName } from '../../ui/format';
+import { Empty, Failed, Loading } from '../../ui/States';
+import { Readout, type ReadoutHandle } from '../campus/Readout';
+import { CompareBar } from './CompareBar';
+import { Downloads } from './Downloads';
+import { MapLinkPoints } from './MapLinkPoints';
+import { RevisionList } from './RevisionList';
+
+const BLINK_MS = 700;
+
+const compares: Compare[] = ['blink', 'swipe', 'difference'];
+
+function useRevisions(map: string, newest: string | undefined) {
+  return useQuery({
+    queryKey: ['revisions', map, newest],
+    placeholderData: (previous: MapRevision[] | undefined) => previous,
+    queryFn: () => collect(async (pageToken) => {
+      const page = await maps.listMapRevisions({ parent: map, pageSize: 1000, pageToken });
+      return [page.revisions, page.nextPageToken];
+    }),
+  });
+}
+
+// Which of the two is shown; stands still without animation.
+function useBlink(on: boolean): boolean {
+  const [first, setFirst] = useState(true);
+  useEffect(() => {
+    if (!on || window.matchMedia('(prefers-reduced-motion: reduce)').matches) return;
+    const timer = setInterval(() => setFirst((before) => !before), BLINK_MS);
+    return () => clearInterval(timer);
+  }, [on]);
+  return on && !first;
+}
+
+function rastersOf(map: string, shown: string, other: string | undefined, compare: Compare, blinked: boolean): RasterChoice[] {
+  if (other === undefined) return [{ map, revision: shown, role: 'only' }];
+  if (compare === 'blink') return [{ map, revision: blinked ? other : shown, role: 'only' }];
+  return [{ map, revision: other, role: 'before' }, { map, revision: shown, role: 'after' }];
+}
+
+function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) {
+  const { query } = usePlace();
+  const selected = useSelection();
+  const readout = useRef<ReadoutHandle>(null);
+  const [swipe, setSwipe] = useState(0.5);
+  const find = (id: string | null) => revisions.find(({ name }) => idOf(name) === id);
+  const shown = find(query.get('rev')) ?? revisions[0]!;
+  const found = find(query.get('with'));
+  const other = found === shown ? undefined : found;
+  const compare = compares.find((kind) => kind === query.get('cmp')) ?? 'difference';
+  const blinked = useBlink(other !== undefined && compare === 'blink');
+
+  const view = useMemo<View>(() => ({
+    map, selected, swipe, compare: other && compare, rasters: rastersOf(map, shown.name, other?.name, compare, blinked),
+  }), [map, selected, swipe, compare, shown, other, blinked]);
+  return (
+    <div className="campus">
+      <SceneView view={view} events={{ hover: (...at) => readout.current?.hover(...at), click: (what) => select(what) }}>
+        <Readout ref={readout} measured="" />
+        {other && <CompareBar shown={shown} other={other} compare={compare} blinked={blinked} swipe={swipe} setSwipe={setSwipe} />}
+      </SceneView>
+      <aside className="panel" aria-label="Details">
+        <MapHead map={map} />
+        <RevisionList revisions={revisions} shown={shown} other={other} show={(id) => setQuery({ rev: id })} compareWith={(id) => setQuery({ with: id })} />
+        <Downloads revision={shown} />
+        <MapLinkPoints map={map} />
+      </aside>
+    </div>
+  );
+}
+
+function MapHead({ map }: { map: string }) {
+  const live = useLive();
+  const state = live.maps.get(map);
+  return (
+    <div className="map-head">
+      <h1>{state?.displayName}</h1>
+      <p className="sub">
+        {levelName(state?.level ?? 0)} ·{' '}
+        {state?.poseWorldMap ? <Link href={onCampus(live.id, map, state.level)}>Show on the campus</Link> : 'Not joined to the root, so not on the campus'}
+      </p>
+    </div>
+  );
+}
+
+// One map in its own frame, with all its revisions.
+export function MapPage({ id }: { id: string }) {
+  const live = useLive();
+  const map = withSite(live.id, `maps/${id}`);
+  const state = live.maps.get(map);
+  const { data, error, refetch } = useRevisions(map, live.rasters.get(map)?.revision);
+  if (!live.complete) return <Loading />;
+  if (!state) {
+    return (
+      <Empty title="This map does not exist">
+        It may have been deleted, or merged into another one. <Link href={addressOf(live.id, 'maps')}>All maps of this site</Link>
+      </Empty>
+    );
+  }
+  if (error && !data) return <Failed error={error} retry={() => void refetch()} />;
+  if (!data) return <Loading />;
+  if (data.length === 0) {
+    return (
+      <Empty title={`“${state.displayName}” has no revision yet`} command={`enfilade --site ${live.id} map import "${state.displayName}" FILE.yaml`}>
+        Nothing has been mapped or imported. A robot that drives in it makes the first revision; a file of another program can be imported.
+      </Empty>
+    );
+  }
+  return <MapView key={map} map={map} revisions={data} />;
+}
