@@ -124,7 +124,7 @@ class Server::Impl {
     maintenance_loop = std::make_unique<MaintenanceLoop>(
         MaintenanceLoop::Options{.interval = std::chrono::duration<double>(options.retention.interval_s),
                                  .is_ready = [this] { return readiness->state().ready; },
-                                 .on_tick = [this] { UpdatePoolMetrics(); }},
+                                 .on_tick = [this] { UpdateMetrics(); }},
         MaintenanceJobs({maintenance, sessions},
                         {.undo_kept = WholeSeconds(options.retention.undo_s),
                          .idle = WholeSeconds(options.retention.idle_session_s)},
@@ -132,9 +132,10 @@ class Server::Impl {
     return absl::OkStatus();
   }
 
-  void UpdatePoolMetrics() {
+  void UpdateMetrics() {
     const storage::postgres::Pool::Stats stats = pool->stats();
     metrics->SetDatabaseConnections(stats.open, stats.busy, stats.waiting);
+    metrics->SetWatchers(pose_looks.watchers());
   }
 
   absl::Status Listen() {
@@ -232,7 +233,7 @@ class Server::Impl {
   SiteGraphs graphs{graph_store, changed_sites};
   GraphVersionWaits graph_waits{graphs, std::chrono::milliseconds(std::llround(options.graph.version_wait_s * 1000.0))};
   PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
-  RasterPyramids raster_pyramids{revisions, pyramids, blobs};
+  RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};

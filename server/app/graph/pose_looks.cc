@@ -27,16 +27,21 @@ void PoseLooks::Stop() { readers_.Stop(); }
 absl::StatusOr<PoseLooks::Watcher> PoseLooks::Admit(const SiteId& site) {
   MutexLock lock(mutex_);
   if (watchers_ >= options_.max_in_all) {
-    return ResourceExhausted("{} watchers of poses are as many as this server takes: try again in a minute", watchers_);
+    return ResourceExhausted("{} watchers are as many as this server takes: try again in a minute", watchers_);
   }
   const auto found = entries_.find(site);
   if (found != entries_.end() && found->second.watchers >= options_.max_per_site) {
-    return ResourceExhausted("sites/{} has {} watchers of poses, as many as this server takes: try again in a minute",
+    return ResourceExhausted("sites/{} has {} watchers, as many as this server takes: try again in a minute",
                              site.value(), found->second.watchers);
   }
   ++watchers_;
   ++entries_[site].watchers;
   return Watcher(this, [this, site](const void*) { Leave(site); });
+}
+
+int PoseLooks::watchers() {
+  MutexLock lock(mutex_);
+  return watchers_;
 }
 
 void PoseLooks::Leave(const SiteId& site) {

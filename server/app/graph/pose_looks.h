@@ -42,6 +42,9 @@ class PoseLooks {
   // RESOURCE_EXHAUSTED if there are too many watchers.
   absl::StatusOr<Watcher> Admit(const SiteId& site);
 
+  // Of all sites.
+  int watchers();
+
   // Calls `then`, which must not wait, with poses that are hardly older than this call, in this thread or later in
   // another. Never waits. Each answer of a site follows those before it (Following) while the site is watched.
   // NOT_FOUND if there is no such site; otherwise as SiteGraphs::Get.

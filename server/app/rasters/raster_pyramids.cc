@@ -126,6 +126,7 @@ absl::StatusOr<storage::StoredPyramid> RasterPyramids::FindOrMake(const storage:
   result.levels = pyramid.levels;
   display.made.merge(pyramid.made);
   ENFILADE_RETURN_IF_ERROR(Store(context, revision, result, display.made));
+  metrics_.CountRasterPyramidMade();
   return result;
 }
 

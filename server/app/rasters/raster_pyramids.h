@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "core/base/mutex.h"
+#include "server/app/runtime/metrics.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/pyramid_store.h"
@@ -23,8 +24,8 @@ namespace enfilade::server {
 class RasterPyramids {
  public:
   RasterPyramids(const storage::RevisionStore& revisions, const storage::PyramidStore& pyramids,
-                 const storage::BlobStore& blobs)
-      : revisions_(revisions), pyramids_(pyramids), blobs_(blobs) {}
+                 const storage::BlobStore& blobs, Metrics& metrics)
+      : revisions_(revisions), pyramids_(pyramids), blobs_(blobs), metrics_(metrics) {}
 
   // May take seconds. NOT_FOUND if the revision goes; DATA_LOSS if a tile is damaged.
   absl::StatusOr<storage::StoredPyramid> Get(const storage::CallContext& context, const storage::MapRevision& revision);
@@ -42,6 +43,7 @@ class RasterPyramids {
   const storage::RevisionStore& revisions_;
   const storage::PyramidStore& pyramids_;
   const storage::BlobStore& blobs_;
+  Metrics& metrics_;
   Mutex mutex_;
   CondVar changed_;
   std::set<Key> being_made_ ABSL_GUARDED_BY(mutex_);

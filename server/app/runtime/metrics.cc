@@ -73,6 +73,9 @@ class Metrics::Impl {
   prometheus::Counter& sessions_finished = sessions_closed.Add({{"as", "finished"}});
   prometheus::Counter& sessions_failed = sessions_closed.Add({{"as", "failed"}});
   prometheus::Gauge& sites_deleting = Gauge("enfilade_sites_deleting", "Sites that are being deleted");
+  prometheus::Gauge& watchers = Gauge("enfilade_watchers", "Open watches of poses and sites");
+  prometheus::Counter& pyramids =
+      Counter("enfilade_raster_pyramids_made_total", "Revisions whose tiles were made for viewers").Add({});
   prometheus::Gauge& ready = Gauge("enfilade_ready", "1 if the server accepts work");
   prometheus::Gauge& connections_open = Gauge("enfilade_database_connections_open", "Connections of the pool");
   prometheus::Gauge& connections_busy = Gauge("enfilade_database_connections_busy", "Connections in use");
@@ -129,6 +132,8 @@ void Metrics::CountIdleSessionsClosed(std::int64_t finished, std::int64_t failed
   impl_->sessions_failed.Increment(static_cast<double>(failed));
 }
 void Metrics::SetSitesDeleting(int sites) { impl_->sites_deleting.Set(sites); }
+void Metrics::SetWatchers(int watchers) { impl_->watchers.Set(watchers); }
+void Metrics::CountRasterPyramidMade() { impl_->pyramids.Increment(); }
 void Metrics::SetReady(bool ready) { impl_->ready.Set(ready ? 1.0 : 0.0); }
 void Metrics::SetDatabaseConnections(int open, int busy, int waiting) {
   impl_->connections_open.Set(open);

@@ -34,6 +34,10 @@ class Metrics {
   // Sessions that nobody had finished.
   void CountIdleSessionsClosed(std::int64_t finished, std::int64_t failed);
   void SetSitesDeleting(int sites);
+  // Open watches of poses and sites.
+  void SetWatchers(int watchers);
+  // For somebody who looked at a revision first.
+  void CountRasterPyramidMade();
   void SetReady(bool ready);
   void SetDatabaseConnections(int open, int busy, int waiting);
 

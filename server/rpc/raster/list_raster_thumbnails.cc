@@ -30,18 +30,18 @@ void FillThumbnail(const SiteId& site, const storage::MapThumbnail& map, v1::Ras
   out.set_cells(std::string(thumbnail.classes.begin(), thumbnail.classes.end()));
 }
 
-// False if the revision has gone meanwhile.
-absl::StatusOr<bool> MakeThumbnailOf(const Services& services, const Call& call, const SiteId& site,
-                                     storage::MapThumbnail& map) {
+// Makes none if the revision has gone meanwhile.
+absl::Status MakeThumbnailOf(const Services& services, const Call& call, const SiteId& site,
+                             storage::MapThumbnail& map) {
   const auto revision = services.revisions.Get(call.context(), site, map.map, map.revision);
-  if (absl::IsNotFound(revision.status())) return false;
+  if (absl::IsNotFound(revision.status())) return absl::OkStatus();
   ENFILADE_RETURN_IF_ERROR(revision.status());
   auto pyramid = services.raster_pyramids.Get(call.context(), *revision);
-  if (absl::IsNotFound(pyramid.status())) return false;
+  if (absl::IsNotFound(pyramid.status())) return absl::OkStatus();
   ENFILADE_RETURN_IF_ERROR(pyramid.status());
   map.lattice_min = pyramid->lattice_min;
   map.thumbnail = std::move(pyramid->thumbnail);
-  return true;
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -65,10 +65,9 @@ absl::StatusOr<v1::ListRasterThumbnailsResponse> ListRasterThumbnails(const Serv
         more = true;
         break;
       }
-      ENFILADE_ASSIGN_OR_RETURN(const bool is_there, MakeThumbnailOf(services, call, site, map));
-      if (!is_there) continue;
+      ENFILADE_RETURN_IF_ERROR(MakeThumbnailOf(services, call, site, map));
     }
-    FillThumbnail(site, map, *response.add_thumbnails());
+    if (map.thumbnail) FillThumbnail(site, map, *response.add_thumbnails());
     last = map.map;
   }
   if (more && !last.empty()) response.set_next_page_token(ToPageToken(last.value()));
