@@ -145,7 +145,7 @@ func TestNamesThatLookLikePagesOrScriptsAreText(t *testing.T) {
 		if made, _ := got["map"].(map[string]any); made["displayName"] != name {
 			t.Errorf("%q came back as %v", name, got)
 		}
-		for _, path := range []string{"/v1/" + site + "/maps", "/v1/" + site + "/maps/" + "%3Cscript%3E", "/%3Cscript%3E"} {
+		for _, path := range []string{"/v1/" + site + "/maps", "/v1/" + site + "/maps/" + "%3Cscript%3E", "/%3Cscript%3E.txt"} {
 			answer := call(t, "GET", path, nil, nil)
 			if media := answer.header.Get("Content-Type"); !strings.HasPrefix(media, "application/json") {
 				t.Errorf("%s: media type %q", path, media)

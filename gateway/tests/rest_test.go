@@ -110,7 +110,7 @@ func TestErrorsHaveTheirStatusAndSayWhy(t *testing.T) {
 		{"PATCH", "/v1/" + site + "/maps/hall?updateMask=level", `{"level": 1, "etag": "` + stale + `"}`,
 			http.StatusConflict, "changed"},
 		{"GET", "/v1/nothing", "", http.StatusNotFound, "/v1/nothing"},
-		{"GET", "/nothing", "", http.StatusNotFound, "/nothing"},
+		{"GET", "/nothing.txt", "", http.StatusNotFound, "/nothing.txt"},
 		{"PUT", "/v1/" + site, `{}`, http.StatusMethodNotAllowed, "PUT"},
 		{"GET", "/v1/" + site + "/blobs/zz", "", http.StatusBadRequest, "sha256"},
 		{"GET", "/v1/" + site + "/maps/hall/files?format=bmp", "", http.StatusBadRequest, "bmp"},
