@@ -39,6 +39,13 @@ function Content() {
   const { page } = usePlace();
   const found = pages.find(({ path }) => path === page);
   if (live.state.kind === 'refused') return <Failed error={live.state.error} />;
+  if (live.state.kind === 'lost' && !live.complete) {
+    return (
+      <Empty title="The site cannot be loaded" command="enfilade server status">
+        {`The gateway says: ${live.state.reason}. This page tries again by itself. On the computer of the server, ask how it is:`}
+      </Empty>
+    );
+  }
   if (!found) return <Empty title="There is no such page">The address names the page “{page}”. Choose one on the left.</Empty>;
   const Component = found.component;
   return (

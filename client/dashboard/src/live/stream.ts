@@ -8,6 +8,8 @@ import type { LiveSite } from './site';
 
 // The server sends something each 10 s.
 const SILENCE_MS = 15_000;
+// Then the message tells of sockets, which helps nobody here.
+const silent = [Code.Canceled, Code.DeadlineExceeded, Code.Unavailable];
 const RETRIES_MS = [500, 1000, 2000, 3000, 5000];
 
 // Keeps `site` up to date until the returned function is called. A stream that is cut goes on where it was. EventSource
@@ -56,7 +58,7 @@ export function watchSite(site: LiveSite): () => void {
       const failure = ConnectError.from(error);
       if (stopped) return;
       if (failure.code === Code.NotFound) site.setState({ kind: 'refused', error });
-      else lose(failure.code === Code.Canceled ? 'the server does not answer' : failure.rawMessage);
+      else lose(silent.includes(failure.code) ? 'the server does not answer' : failure.rawMessage);
     }
   };
 
@@ -67,8 +69,8 @@ export function watchSite(site: LiveSite): () => void {
     guard();
     source.onmessage = take;
     source.addEventListener('failed', (event) => {
-      const status = JSON.parse((event as MessageEvent<string>).data) as { message?: string };
-      lose(status.message ?? 'the server ended the stream');
+      const status = JSON.parse((event as MessageEvent<string>).data) as { code?: number; message?: string };
+      lose(silent.includes(status.code as Code) ? 'the server does not answer' : (status.message ?? 'the server ended the stream'));
     });
     source.onerror = () => {
       source?.close();

@@ -42,6 +42,8 @@ export class Scene {
   private site: LiveSite | undefined;
   private readonly motion = new Motion();
   private places = new Map<string, Pose>();
+  private seen = new Set<string>();
+  private seenFrame = -1;
   private dirty = true;
   private fitPending = true;
   private request = 0;
@@ -115,8 +117,17 @@ export class Scene {
     if (this.request === 0 && this.canvas.isConnected) this.request = requestAnimationFrame(() => this.frame());
   }
 
-  isInView(name: string): boolean {
-    return this.drawn.some((item) => item.name === name && !item.ghost && Math.abs(item.x - this.size.width / 2) < this.size.width / 2 + item.halfX && Math.abs(item.y - this.size.height / 2) < this.size.height / 2 + item.halfY);
+  // The names of what the last frame shows, without ghosts.
+  inView(): ReadonlySet<string> {
+    if (this.seenFrame === this.frames) return this.seen;
+    const { width, height } = this.size;
+    this.seen = new Set();
+    for (const item of this.drawn) {
+      const outside = Math.abs(item.x - width / 2) > width / 2 + item.halfX || Math.abs(item.y - height / 2) > height / 2 + item.halfY;
+      if (!item.ghost && !outside) this.seen.add(item.name);
+    }
+    this.seenFrame = this.frames;
+    return this.seen;
   }
 
   stats() {

@@ -71,6 +71,7 @@ function addTiles(layer: RasterLayer, frame: Frame, sources: Sources, worldMap: 
 // Draws one revision. A thumbnail is enough as long as its cells are no larger than the device's pixels.
 function addRevision(layer: RasterLayer, frame: Frame, sources: Sources, worldMap: Affine, map: string, revision: string, look: number, missing: string[]) {
   const thumbnail = sources.loader.thumbnails.get(map);
+  if (!thumbnail && !sources.loader.hasOverview) return; // one request for all of them is under way
   const bounds = mapBounds(worldMap, thumbnail);
   if (bounds && !overlap(bounds, frame.window) && thumbnail?.revision === revision) return;
   const enough = thumbnail?.revision === revision && thumbnail.resolution * frame.camera.scale * sources.deviceRatio <= 1;

@@ -81,7 +81,6 @@ function Campus() {
     taken: () => setFollow(false),
     key: onKey,
   };
-  const inView = useCallback((name: string) => scene?.isInView(name) ?? true, [scene]);
   return (
     <div className="campus">
       <SceneView view={view} events={events} tools={
@@ -95,7 +94,7 @@ function Campus() {
       <aside className="panel" aria-label="Details">
         {selected !== undefined && <Inspector name={selected} follow={follow} setFollow={setFollow} />}
         <UnplacedTray level={level} />
-        <ObjectList level={level} inView={inView} />
+        <ObjectList level={level} inView={scene?.inView()} />
       </aside>
     </div>
   );

@@ -20,20 +20,23 @@ interface Item {
 // After this a robot's pose counts as old.
 export const STALE_S = 10;
 
-function itemsOf(site: LiveSite, level: number | undefined, now: number, inView: (name: string) => boolean): Item[] {
+function itemsOf(site: LiveSite, level: number | undefined, now: number, inView: ReadonlySet<string> | undefined): Item[] {
   const items: Item[] = [];
+  const shows = (name: string) => inView?.has(name) ?? true;
   const onLevel = (levels: number[]) => level === undefined || levels.includes(level);
-  for (const robot of site.robots.all()) {
-    if (!robot.poseWorld || !onLevel([robot.level]) || !inView(robot.name)) continue;
+  for (const name of site.robots.names) {
+    if (!shows(name)) continue;
+    const robot = site.robots.get(name)!;
+    if (!robot.poseWorld || !onLevel([robot.level])) continue;
     const seconds = site.ageOf(robot.receiveTime, now);
     items.push({ name: robot.name, title: idOf(robot.name), icon: 'robot', tone: seconds > STALE_S ? 'quiet' : 'good', note: seconds > STALE_S ? `${age(seconds)} ago` : 'now' });
   }
   for (const map of site.maps.values()) {
-    if (!map.poseWorldMap || !onLevel([map.level]) || !inView(map.map)) continue;
+    if (!map.poseWorldMap || !onLevel([map.level]) || !shows(map.map)) continue;
     items.push({ name: map.map, title: map.displayName, icon: 'map', tone: 'good', note: map.map === site.rootMap ? 'root' : '' });
   }
   for (const point of site.linkPoints.values()) {
-    if (!point.poseWorldPlace || !onLevel(levelsOf(site, point)) || !inView(point.linkPoint)) continue;
+    if (!point.poseWorldPlace || !onLevel(levelsOf(site, point)) || !shows(point.linkPoint)) continue;
     const { tone, text } = stateOf(point);
     items.push({ name: point.linkPoint, title: titleOf(site, point.linkPoint), icon: 'link', tone, note: text.split(':')[0]! });
   }
@@ -43,8 +46,8 @@ function itemsOf(site: LiveSite, level: number | undefined, now: number, inView:
 // Long sites: what does not fit is found by search.
 const SHOWN = 300;
 
-// All that the canvas shows, for who does not see it: arrow keys move, Enter selects.
-export function ObjectList({ level, inView }: { level: number | undefined; inView: (name: string) => boolean }) {
+// All that the canvas shows (undefined: there is no canvas, so all that there is), for who does not see it: arrow keys move, Enter selects.
+export function ObjectList({ level, inView }: { level: number | undefined; inView: ReadonlySet<string> | undefined }) {
   const site = useLive();
   const selected = useSelection();
   const now = useNow();

@@ -25,6 +25,8 @@ const mapOf = (revision: string) => revision.slice(0, revision.lastIndexOf('/rev
 export class RasterLoader {
   readonly thumbnails = new Map<string, Thumbnail>();
   tileRequests = 0;
+  // Whether the overview has been asked for once; it may have failed.
+  hasOverview = false;
   private readonly manifests = new Map<string, Manifest>();
   private readonly pending = new Set<string>();
   private readonly failed = new Map<string, number>();
@@ -54,6 +56,7 @@ export class RasterLoader {
       // The banner of the stream says what is wrong; tried again later.
     } finally {
       this.loading = false;
+      this.hasOverview = true;
       this.thumbnailsAt = Date.now();
     }
   }
