@@ -50,6 +50,7 @@ function Content() {
   const Component = found.component;
   return (
     <Suspense fallback={<Loading />}>
+      <h1 className="hidden-text">{found.title}</h1>
       <Component />
     </Suspense>
   );
