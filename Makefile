@@ -13,7 +13,7 @@ OPTIONS ?=
 MINUTES ?= 10
 CALLS ?= 100000
 KILLS ?= 1000
-.PHONY: help demo stop test programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
+.PHONY: help demo stop test test-web programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -26,6 +26,9 @@ stop: ## stop what `make demo` started
 
 test: build ## build and run all tests
 	@ctest --preset $(PRESET) -j $(JOBS)
+
+test-web: programs ## test the dashboard in Chromium; T=NAME: only the tests whose names contain it
+	@tests/web/run $(BIN) $(T)
 
 programs: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server enfilade-gateway

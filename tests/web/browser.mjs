@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pages in a real Chromium. A message on the console, an exception or a breach of the Content-Security-Policy fails the test.
+import assert from 'node:assert/strict';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { chromium } from 'playwright-core';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+
+export const launch = () =>
+  chromium.launch({
+    executablePath: process.env.ENFILADE_CHROMIUM ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', '--enable-unsafe-swiftshader'],
+  });
+
+// Chromium's software renderer says this of every screenshot.
+const ofTheRenderer = /GL Driver Message \(OpenGL, Performance/;
+
+// Opens a page in a context of its own. `expected`: what the console may say besides, for tests that stop the server.
+export async function open(browser, url, { theme = 'light', width = 1280, height = 800, expected = /^$/ } = {}) {
+  const context = await browser.newContext({ colorScheme: theme, viewport: { width, height }, reducedMotion: 'reduce' });
+  const page = await context.newPage();
+  const problems = [];
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type()) && !expected.test(message.text()) && !ofTheRenderer.test(message.text())) problems.push(message.text());
+  });
+  page.on('pageerror', (error) => problems.push(String(error)));
+  await page.addInitScript(() => {
+    window.breaches = [];
+    addEventListener('securitypolicyviolation', (event) => window.breaches.push(`${event.violatedDirective} ${event.blockedURI}`));
+  });
+  await page.goto(url);
+  return {
+    page,
+    // Ends the page and says what went wrong in it.
+    async close() {
+      const breaches = await page.evaluate(() => window.breaches);
+      await context.close();
+      assert.deepEqual(problems, [], 'the console is empty');
+      assert.deepEqual(breaches, [], 'nothing breaks the Content-Security-Policy');
+    },
+  };
+}
+
+// Serious faults of accessibility, by axe. It is put in by the debugger, which no policy of the page hinders.
+export async function faultsOf(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => window.axe.run({ resultTypes: ['violations'] }));
+  return violations
+    .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+    .map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target.join(' ')).join(', ')}`);
+}
+
+// A picture in $ENFILADE_SCREENSHOTS, if that is set.
+export async function picture(page, name) {
+  const folder = process.env.ENFILADE_SCREENSHOTS;
+  if (!folder) return;
+  mkdirSync(folder, { recursive: true });
+  await page.screenshot({ path: join(folder, `${name}.png`) });
+}
