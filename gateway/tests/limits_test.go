@@ -170,6 +170,15 @@ func TestWithoutTheServerPagesLoadAndCallsSayWhenToTryAgain(t *testing.T) {
 			t.Errorf("%s: no Retry-After", path)
 		}
 	}
+	response, err := http.Get(url + "/v1/sites")
+	if err != nil {
+		t.Fatal(err)
+	}
+	defer response.Body.Close()
+	if body, _ := io.ReadAll(response.Body); strings.Contains(string(body), "nobody.sock") ||
+		!strings.Contains(string(body), "the map server cannot be reached") {
+		t.Errorf("the answer: %s", body)
+	}
 }
 
 func TestAClientReadsItsOwnWrites(t *testing.T) {

@@ -9,6 +9,7 @@ import (
 	"math"
 	"net/http"
 	"strconv"
+	"strings"
 
 	"github.com/grpc-ecosystem/grpc-gateway/v2/runtime"
 	"google.golang.org/genproto/googleapis/rpc/errdetails"
@@ -37,10 +38,29 @@ func handleRoutingError(_ context.Context, _ *runtime.ServeMux, _ runtime.Marsha
 	}
 }
 
+// What grpc-go says of a connection that failed has addresses and socket paths in it, and helps nobody at a browser.
+var ofTheConnection = []string{"connection error:", "error reading from server:", "transport: ", "transport is closing",
+	"name resolver error:", "the connection is draining"}
+
+// problemOf an RPC that failed, in words for the client.
+func problemOf(err error) *status.Status {
+	problem := status.Convert(err)
+	if problem.Code() != codes.Unavailable {
+		return problem
+	}
+	for _, beginning := range ofTheConnection {
+		if strings.HasPrefix(problem.Message(), beginning) {
+			slog.Warn("the server cannot be reached", "message", problem.Message())
+			return status.New(codes.Unavailable, "the map server cannot be reached")
+		}
+	}
+	return problem
+}
+
 // WriteError answers with an RPC's error: google.rpc.Status as JSON, and Retry-After where it is worth trying again.
 // What went wrong inside is logged, not told.
 func WriteError(w http.ResponseWriter, r *http.Request, err error) {
-	problem := status.Convert(err)
+	problem := problemOf(err)
 	message := problem.Message()
 	if problem.Code() == codes.Internal || problem.Code() == codes.Unknown {
 		slog.Error("the server failed", "path", r.URL.Path, "code", problem.Code().String(), "message", message)

@@ -12,6 +12,7 @@ import (
 	"github.com/grpc-ecosystem/grpc-gateway/v2/runtime"
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/metadata"
+	"google.golang.org/grpc/status"
 	"google.golang.org/protobuf/encoding/protojson"
 	"google.golang.org/protobuf/proto"
 
@@ -41,6 +42,7 @@ func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, er
 		runtime.WithForwardResponseOption(tellGraphVersion),
 		runtime.WithMetadata(callerOf),
 		runtime.WithErrorHandler(handleError),
+		runtime.WithStreamErrorHandler(func(_ context.Context, err error) *status.Status { return problemOf(err) }),
 		runtime.WithRoutingErrorHandler(handleRoutingError),
 		// A form that another site posts must reach nothing.
 		runtime.WithDisablePathLengthFallback(),
