@@ -11,6 +11,7 @@ before(async () => {
   await system.start();
   browser = await launch();
   system.enfilade('demo', 'site', 'create', 'demo', '--name', 'Simulated campus');
+  system.enfilade('empty', 'site', 'create', 'empty', '--name', 'Empty site');
   await system.drive('demo', 'r1', '--campus', 'figure1', '--rate', '20', '--map', 'Hall');
 });
 
@@ -49,7 +50,11 @@ test('campus_figure1: all maps are drawn, and link points where the graph places
   await close();
 });
 
-test('stale: without the server the page says so, keeps what it shows, and recovers', async () => {
+test('stale: without the server the page says so, keeps what it shows, and recovers', async (t) => {
+  t.after(async () => {
+    if (!system.serverRuns()) system.startServer(); // the other tests need it
+    await system.ready();
+  });
   const { page, close } = await open(browser, at('demo/campus'), { expected: /Failed to load resource|EventSource/ });
   await until('the maps are drawn', async () => (await drawnMaps(page)).length > 0);
   const maps = (await drawnMaps(page)).length;
@@ -58,7 +63,7 @@ test('stale: without the server the page says so, keeps what it shows, and recov
   await picture(page, 'stale');
   assert.equal((await drawnMaps(page)).length, maps, 'the maps stay');
   const other = await open(browser, at('demo/campus'), { expected: /Failed to load resource|EventSource/ });
-  await other.page.getByText(/cannot be loaded/).waitFor();
+  await other.page.getByText(/cannot be loaded/).first().waitFor();
   await picture(other.page, 'server-away');
   await other.close();
   system.startServer();
@@ -68,7 +73,6 @@ test('stale: without the server the page says so, keeps what it shows, and recov
 });
 
 test('empty_states: each says what to do', async () => {
-  system.enfilade('empty', 'site', 'create', 'empty', '--name', 'Empty site');
   for (const [path, words, name] of [['empty/campus', /enfilade .*robot/, 'empty-campus'], ['empty/maps', /No maps yet/, 'empty-maps'],
     ['empty/nonsense', /There is no such page/, 'no-such-page']]) {
     const { page, close } = await open(browser, at(path));

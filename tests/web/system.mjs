@@ -48,6 +48,10 @@ export class System {
       { ENFILADE_SERVER_DATABASE_URL: this.database });
   }
 
+  serverRuns() {
+    return this.server.exitCode === null && this.server.signalCode === null;
+  }
+
   async startGateway() {
     this.gateway = this.#run('enfilade-gateway', 'gateway.log',
       ['--listen', '127.0.0.1:0', '--metrics', '', '--server', `unix:${this.folder}/server.sock`,
