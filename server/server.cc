@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <utility>
 
 #include "core/base/error.h"
@@ -36,6 +37,8 @@ namespace {
 
 constexpr std::size_t kMaxQueuedCalls = 1000;
 constexpr int kBulkThreads = 3;
+constexpr int kSlowThreads = 2;
+constexpr std::size_t kMaxQueuedSlowCalls = 200;
 constexpr int kWatchThreads = 2;
 constexpr auto kReadinessTimeout = std::chrono::seconds(3);
 
@@ -51,6 +54,13 @@ storage::postgres::PoolOptions PoolOptionsOf(const ServerOptions::Database& opti
 
 std::chrono::milliseconds StepTimeout(const ServerOptions& options) {
   return std::chrono::milliseconds(std::llround(options.database.default_deadline_s * 1000.0));
+}
+
+UploadSpace::Options UploadSpaceOptionsOf(const ServerOptions& options) {
+  const std::string& directory = options.transfers.upload_directory;
+  return {.directory = directory.empty() ? std::filesystem::temp_directory_path().string() : directory,
+          .memory_bytes = options.transfers.upload_memory_bytes,
+          .disk_bytes = options.transfers.upload_disk_bytes};
 }
 
 PoseLooks::Options PoseLooksOptionsOf(const ServerOptions& options) {
@@ -89,25 +99,46 @@ class Server::Impl {
         SiteDeletions::Options{.is_ready = [this] { return readiness->state().ready; },
                                .forget = [this](const SiteId& site) { graphs.Forget(site); }},
         sites, site_deletion, *metrics);
-    services = std::make_unique<Services>(Services{options,         std::chrono::steady_clock::now(),
-                                                   executor,        bulk,
-                                                   watches,         *metrics,
-                                                   *readiness,      sites,
-                                                   robots,          maps,
-                                                   revisions,       pyramids,
-                                                   sessions,        records,
-                                                   blobs,           mappings,
-                                                   closures,        link_points,
-                                                   graph_store,     robot_poses,
-                                                   activity,        audit,
-                                                   door_verdicts,   rearrangement_store,
-                                                   ingest,          pose_reports,
-                                                   mapping,         *exports,
-                                                   raster_pyramids, graphs,
-                                                   graph_waits,     pose_looks,
-                                                   site_looks,      graph_editor,
-                                                   graph_optimizer, map_entries,
-                                                   rearrangements,  localization,
+    services = std::make_unique<Services>(Services{options,
+                                                   std::chrono::steady_clock::now(),
+                                                   executor,
+                                                   bulk,
+                                                   slow,
+                                                   watches,
+                                                   *metrics,
+                                                   *readiness,
+                                                   sites,
+                                                   robots,
+                                                   maps,
+                                                   revisions,
+                                                   pyramids,
+                                                   sessions,
+                                                   records,
+                                                   blobs,
+                                                   mappings,
+                                                   closures,
+                                                   link_points,
+                                                   graph_store,
+                                                   robot_poses,
+                                                   activity,
+                                                   audit,
+                                                   door_verdicts,
+                                                   rearrangement_store,
+                                                   uploads,
+                                                   ingest,
+                                                   pose_reports,
+                                                   mapping,
+                                                   *exports,
+                                                   raster_pyramids,
+                                                   graphs,
+                                                   graph_waits,
+                                                   pose_looks,
+                                                   site_looks,
+                                                   graph_editor,
+                                                   graph_optimizer,
+                                                   map_entries,
+                                                   rearrangements,
+                                                   localization,
                                                    *site_deletions});
     api = std::make_unique<Api>(*services);
     if (options.survey.share > 0.0) {
@@ -191,6 +222,7 @@ class Server::Impl {
     pose_reports.Stop();  // its answers use the executor
     executor.Stop();      // an answered call may still be returning from its handler
     bulk.Stop();
+    slow.Stop();
     pose_looks.Stop();
     site_looks.Stop();
     watches.Stop();
@@ -223,8 +255,12 @@ class Server::Impl {
   const storage::Maintenance maintenance{*pool};
   const storage::SiteDeletion site_deletion{*pool};
   WakeSignal doors_wake;
+  UploadSpace uploads{UploadSpaceOptionsOf(options), [this](const UploadSpace::Use& use) {
+                        metrics->SetUploadsHeld(use.memory_bytes, use.disk_bytes);
+                      }};
   Executor executor;
   Executor bulk{kBulkThreads, kMaxQueuedCalls};
+  Executor slow{kSlowThreads, kMaxQueuedSlowCalls};
   Executor watches{kWatchThreads, kMaxQueuedCalls};
   Mapping mapping;
   Ingest ingest;

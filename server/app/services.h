@@ -21,6 +21,7 @@
 #include "server/app/runtime/readiness.h"
 #include "server/app/sites/site_deletions.h"
 #include "server/app/watch/site_looks.h"
+#include "server/app/uploads/upload_space.h"
 #include "server/config/server_options.h"
 #include "storage/graph/door_verdict_store.h"
 #include "storage/graph/graph_store.h"
@@ -48,6 +49,7 @@ struct Services {
   std::chrono::steady_clock::time_point start_time;
   Executor& executor;
   Executor& bulk;     // makes large answers
+  Executor& slow;     // calls that compute for seconds
   Executor& watches;  // makes messages of watches
   Metrics& metrics;
   const Readiness& readiness;
@@ -71,6 +73,7 @@ struct Services {
   const storage::DoorVerdictStore& door_verdicts;
   const storage::RearrangementStore& rearrangement_store;
 
+  UploadSpace& uploads;
   Ingest& ingest;
   PoseReports& pose_reports;
   Mapping& mapping;

@@ -45,6 +45,9 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("transfers.cache_directory", options.transfers.cache_directory);
   visit("transfers.cache_bytes", options.transfers.cache_bytes);
   visit("transfers.max_import_bytes", options.transfers.max_import_bytes);
+  visit("transfers.upload_memory_bytes", options.transfers.upload_memory_bytes);
+  visit("transfers.upload_disk_bytes", options.transfers.upload_disk_bytes);
+  visit("transfers.upload_directory", options.transfers.upload_directory);
   visit("survey.share", options.survey.share);
   visit("survey.cache_bytes", options.survey.cache_bytes);
   visit("retention.interval_s", options.retention.interval_s);
@@ -187,7 +190,9 @@ absl::Status ServerOptions::Validate() const {
         std::pair{"ingest.total_buffer_bytes", ingest.total_buffer_bytes},
         std::pair{"ingest.transaction_bytes", ingest.transaction_bytes},
         std::pair{"survey.cache_bytes", survey.cache_bytes}, std::pair{"transfers.cache_bytes", transfers.cache_bytes},
-        std::pair{"transfers.max_import_bytes", transfers.max_import_bytes}}) {
+        std::pair{"transfers.max_import_bytes", transfers.max_import_bytes},
+        std::pair{"transfers.upload_memory_bytes", transfers.upload_memory_bytes},
+        std::pair{"transfers.upload_disk_bytes", transfers.upload_disk_bytes}}) {
     ENFILADE_RETURN_IF_ERROR(RequireAtLeast(key, static_cast<double>(value), 1 << 20));
   }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("mapping.lease_s", mapping.lease_s, 1.0));

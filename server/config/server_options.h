@@ -92,6 +92,12 @@ struct ServerOptions {
     std::int64_t cache_bytes = 2LL << 30;
     // The largest import, bytes.
     std::int64_t max_import_bytes = 1LL << 30;
+    // What uploads under way may hold in memory and on disk, bytes. Beyond that they are refused for a while.
+    std::int64_t upload_memory_bytes = 128LL << 20;
+    std::int64_t upload_disk_bytes = 8LL << 30;
+    // Where large ones are kept meanwhile, in files that nobody else sees; empty: the system's folder for temporary
+    // files.
+    std::string upload_directory;
   } transfers;
 
   struct Retention {

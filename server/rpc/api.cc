@@ -53,35 +53,29 @@ namespace {
                                 v1::Rpc##Response* response) override {                                \
     return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc));                       \
   }
-// It changes the graph of its site.
-#define ENFILADE_UNARY_CHANGES_GRAPH(Rpc)                                                              \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
-                                v1::Rpc##Response* response) override {                                \
-    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc));        \
+// It changes the graph of its site. Of these and those that need the graph, a second argument is the lane.
+#define ENFILADE_UNARY_CHANGES_GRAPH(Rpc, ...)                                                                   \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,           \
+                                v1::Rpc##Response* response) override {                                          \
+    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc), In(__VA_ARGS__)); \
   }
 // It needs the graph of its site.
-#define ENFILADE_UNARY_ON_GRAPH(Rpc)                                                                   \
+#define ENFILADE_UNARY_ON_GRAPH(Rpc, ...)                                                              \
   grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
                                 v1::Rpc##Response* response) override {                                \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), OnGraph());            \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), OnGraph(__VA_ARGS__)); \
   }
 // Both.
-#define ENFILADE_UNARY_CHANGES_READ_GRAPH(Rpc)                                                             \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,     \
-                                v1::Rpc##Response* response) override {                                    \
-    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc), OnGraph()); \
+#define ENFILADE_UNARY_CHANGES_READ_GRAPH(Rpc, ...)                                                                   \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,                \
+                                v1::Rpc##Response* response) override {                                               \
+    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc), OnGraph(__VA_ARGS__)); \
   }
 // Its answer takes long to make.
-#define ENFILADE_BULK_UNARY(Rpc)                                                                         \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,   \
-                                v1::Rpc##Response* response) override {                                  \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), CallTurn{.bulk = true}); \
-  }
-// It needs the graph, and its answer is large.
-#define ENFILADE_BULK_UNARY_ON_GRAPH(Rpc)                                                                \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,   \
-                                v1::Rpc##Response* response) override {                                  \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), OnGraph(/*bulk=*/true)); \
+#define ENFILADE_BULK_UNARY(Rpc)                                                                       \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
+                                v1::Rpc##Response* response) override {                                \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), In(CallLane::kBulk));  \
   }
 // It needs the graph of its site, and its Try##Rpc() may answer immediately, without the executor.
 #define ENFILADE_UNARY_ON_GRAPH_OR_NOW(Rpc)                                                                            \
@@ -98,7 +92,7 @@ namespace {
   grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,              \
                                                    const v1::Rpc##Request* request) override {        \
     return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc), \
-                                              OnGraph(/*bulk=*/true));                                \
+                                              OnGraph(CallLane::kBulk));                              \
   }
 #define ENFILADE_RAW_SERVER_STREAM(Rpc)                                                                  \
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Rpc(grpc::CallbackServerContext* context,                  \
@@ -156,9 +150,9 @@ class MapApi final : public ApiOf<v1::MapService::WithRawCallbackMethod_ExportMa
   ENFILADE_UNARY(ListMapRevisions)
   ENFILADE_RAW_SERVER_STREAM(ExportMap)
   ENFILADE_CLIENT_STREAM(ImportMap)
-  ENFILADE_UNARY_CHANGES_GRAPH(MergeMaps)
-  ENFILADE_UNARY_CHANGES_GRAPH(SplitMap)
-  ENFILADE_UNARY_CHANGES_GRAPH(UndoRearrangement)
+  ENFILADE_UNARY_CHANGES_GRAPH(MergeMaps, CallLane::kSlow)
+  ENFILADE_UNARY_CHANGES_GRAPH(SplitMap, CallLane::kSlow)
+  ENFILADE_UNARY_CHANGES_GRAPH(UndoRearrangement, CallLane::kSlow)
   ENFILADE_UNARY(ListRearrangements)
 };
 
@@ -203,13 +197,13 @@ class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
  public:
   using ApiOf::ApiOf;
 
-  ENFILADE_BULK_UNARY_ON_GRAPH(GetGraph)
+  ENFILADE_UNARY_ON_GRAPH(GetGraph, CallLane::kBulk)
   ENFILADE_UNARY(ListGraphVersions)
-  ENFILADE_UNARY_CHANGES_READ_GRAPH(OptimizeGraph)
+  ENFILADE_UNARY_CHANGES_READ_GRAPH(OptimizeGraph, CallLane::kSlow)
   ENFILADE_UNARY_ON_GRAPH_OR_NOW(GetGlobalPose)
   ENFILADE_WATCH(WatchGlobalPoses)
   ENFILADE_UNARY_ON_GRAPH(TransformPoses)
-  ENFILADE_UNARY_ON_GRAPH(FindRoutes)
+  ENFILADE_UNARY_ON_GRAPH(FindRoutes, CallLane::kSlow)
   ENFILADE_SERVER_STREAM_ON_GRAPH(ExportGraph)
   ENFILADE_UNARY_CHANGES_READ_GRAPH(SetGeoreference)
   ENFILADE_UNARY_ON_GRAPH(GetGeoreference)
@@ -219,7 +213,7 @@ class LocalizationApi final : public ApiOf<v1::LocalizationService::CallbackServ
  public:
   using ApiOf::ApiOf;
 
-  ENFILADE_UNARY_ON_GRAPH(LocalizeRobot)
+  ENFILADE_UNARY_ON_GRAPH(LocalizeRobot, CallLane::kSlow)
 };
 
 class IngestApi final : public ApiOf<v1::IngestService::CallbackService> {
@@ -262,7 +256,6 @@ class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
 #undef ENFILADE_UNARY_CHANGES_READ_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH
 #undef ENFILADE_BULK_UNARY
-#undef ENFILADE_BULK_UNARY_ON_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH_OR_NOW
 #undef ENFILADE_SERVER_STREAM
 #undef ENFILADE_SERVER_STREAM_ON_GRAPH
@@ -275,6 +268,7 @@ CallEnvironment EnvironmentOf(const Services& services) {
   const std::chrono::duration<double> timeout(services.options.database.default_deadline_s);
   return {.executor = services.executor,
           .bulk = &services.bulk,
+          .slow = &services.slow,
           .watches = &services.watches,
           .metrics = services.metrics,
           .logger = spdlog::default_logger(),

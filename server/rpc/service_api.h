@@ -87,8 +87,9 @@ class ApiOf : public Service {
       open(services_, call, request, std::move(opened));
     };
   }
+  static CallTurn In(CallLane lane = CallLane::kUsual) { return {.lane = lane}; }
   // For RPCs that need the graph of their site: no thread of the executor waits until it has been read.
-  CallTurn OnGraph(bool bulk = false) const {
+  CallTurn OnGraph(CallLane lane = CallLane::kUsual) const {
     const auto read = [this](const Call& call, std::function<void(const absl::Status&)> next) {
       if (call.site().empty()) return next(absl::OkStatus());  // the handler says what is wrong
       const absl::StatusOr<std::int64_t> minimum = call.MinGraphVersion();
@@ -102,7 +103,7 @@ class ApiOf : public Service {
       const auto graph = services_.graphs.FindCurrent(SiteId(call.site()));
       return graph != nullptr && graph->graph().version() >= *minimum;
     };
-    return {.before = read, .may_answer_now = has_minimum, .bulk = bulk};
+    return {.before = read, .may_answer_now = has_minimum, .lane = lane};
   }
 
   const Services& services_;

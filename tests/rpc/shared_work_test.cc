@@ -82,7 +82,8 @@ TEST_F(SharedWorkTest, CallsThatNeedAGraphThatIsBeingReadHoldNoThreads) {
 TEST_F(SharedWorkTest, ExportsThatWaitForTheirFilesHoldNoThreads) {
   constexpr storage::postgres::Statement kLock{"locking",
                                                "LOCK TABLE enfilade.map_revision_tiles IN ACCESS EXCLUSIVE MODE"};
-  const std::string pixels(64 * 32, '\xFE');
+  std::string pixels(64 * 32, '\xFE');
+  pixels[0] = '\0';  // a raster of one value has no tiles
   ASSERT_OK(client::ImportMap(*connection_, "sites/s/maps/m", v1::MAP_DIALECT_UNSPECIFIED,
                               {{{"hall.pgm", "P5\n64 32\n255\n" + pixels},
                                 {"hall.yaml",
@@ -110,6 +111,27 @@ TEST_F(SharedWorkTest, ExportsThatWaitForTheirFilesHoldNoThreads) {
   }
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(answered, kCallers);
+}
+
+TEST_F(SharedWorkTest, CallsThatComputeForSecondsHaveThreadsOfTheirOwn) {
+  constexpr storage::postgres::Statement kLock{"locking", "LOCK TABLE enfilade.site_leases IN ACCESS EXCLUSIVE MODE"};
+  v1::OptimizeGraphRequest request;
+  request.set_site("sites/s");
+  std::atomic<int> answered{0};
+  std::vector<std::thread> callers;
+  {
+    const storage::postgres::Transaction lock = LockTable(kLock);
+    for (int i = 0; i < kCallers; ++i) {
+      callers.emplace_back([this, &request, &answered] {
+        EXPECT_OK(Call(&v1::GraphService::Stub::OptimizeGraph, request));
+        ++answered;
+      });
+    }
+    AwaitHeldUp("enfilade.site_leases");
+    ExpectQuickCallsAreAnswered();
+    EXPECT_EQ(answered, 0);
+  }
+  for (std::thread& caller : callers) caller.join();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/status_macros.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -163,13 +164,17 @@ void Ingest::Write(std::vector<Work>& work) {
 void Ingest::WriteBlobs(std::vector<Work>& work) {
   for (Work& one : work) {
     if (one.entries.size() != 1 || one.stream->failed) continue;
-    const auto* blob = std::get_if<IngestBlob>(&one.entries.front().item);
+    auto* blob = std::get_if<IngestBlob>(&one.entries.front().item);
     if (!blob) continue;
-    const storage::BlobView view{blob->sha256, blob->data};
-    const absl::Status status = blobs_.Put(storage::CallContext::WithTimeout(kWriteTimeout), one.stream->session.site,
-                                           absl::MakeConstSpan(&view, 1));
+    const absl::Status status = WriteBlob(one.stream->session.site, *blob);
     if (!status.ok()) one.events.push_back(Failed{status});
   }
+}
+
+absl::Status Ingest::WriteBlob(const SiteId& site, IngestBlob& blob) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::string data, blob.data.Take());
+  const storage::BlobView view{blob.sha256, data};
+  return blobs_.Put(storage::CallContext::WithTimeout(kWriteTimeout), site, absl::MakeConstSpan(&view, 1));
 }
 
 void Ingest::WriteBatches(std::vector<Work>& work) {

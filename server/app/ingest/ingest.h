@@ -19,6 +19,7 @@
 #include "core/sensor/record.h"
 #include "proto/convert/names.h"
 #include "server/app/runtime/metrics.h"
+#include "server/app/uploads/uploaded_file.h"
 #include "server/config/server_options.h"
 #include "storage/maps/blob_store.h"
 #include "storage/sessions/record_store.h"
@@ -41,7 +42,7 @@ struct IngestBatch {
 };
 struct IngestBlob {
   std::string sha256;
-  std::string data;
+  UploadedFile data;
 };
 using IngestItem = std::variant<IngestBatch, IngestBlob, Refusal>;
 
@@ -90,6 +91,7 @@ class Ingest {
   std::vector<Work> TakeWork() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Write(std::vector<Work>& work);
   void WriteBlobs(std::vector<Work>& work);
+  absl::Status WriteBlob(const SiteId& site, IngestBlob& blob);
   void WriteBatches(std::vector<Work>& work);
   // Counts and logs the result.
   IngestEvent ReportResult(const storage::RecordBatch& batch, const absl::StatusOr<storage::AppendResult>& result);

@@ -57,6 +57,12 @@ class Metrics::Impl {
   prometheus::Counter& duplicates = Counter("enfilade_records_duplicate_total", "Records sent again").Add({});
   prometheus::Counter& refused = Counter("enfilade_batches_refused_total", "Batches refused").Add({});
   prometheus::Gauge& buffered = Gauge("enfilade_ingest_buffered_bytes", "Received and not yet stored");
+  prometheus::Family<prometheus::Gauge>& uploads = prometheus::BuildGauge()
+                                                       .Name("enfilade_uploads_held_bytes")
+                                                       .Help("What uploads under way hold")
+                                                       .Register(*registry);
+  prometheus::Gauge& uploads_memory = uploads.Add({{"in", "memory"}});
+  prometheus::Gauge& uploads_disk = uploads.Add({{"in", "disk"}});
   prometheus::Gauge& streams = Gauge("enfilade_streams_open", "Open record streams");
   Counters& scans = Counter("enfilade_scans_mapped_total", "Scans by whether they were used in the trajectory");
   prometheus::Counter& scans_used = scans.Add({{"used", "true"}});
@@ -114,6 +120,10 @@ void Metrics::CountRecordsStored(std::int64_t inserted, std::int64_t duplicates)
 }
 void Metrics::CountBatchRefused() { impl_->refused.Increment(); }
 void Metrics::AddIngestBuffered(std::int64_t bytes) { impl_->buffered.Increment(static_cast<double>(bytes)); }
+void Metrics::SetUploadsHeld(std::int64_t memory_bytes, std::int64_t disk_bytes) {
+  impl_->uploads_memory.Set(static_cast<double>(memory_bytes));
+  impl_->uploads_disk.Set(static_cast<double>(disk_bytes));
+}
 void Metrics::AddStreamsOpen(int streams) { impl_->streams.Increment(streams); }
 void Metrics::CountScansMapped(std::int64_t used, std::int64_t not_used) {
   impl_->scans_used.Increment(static_cast<double>(used));

@@ -24,6 +24,8 @@ class Metrics {
   void CountRecordsStored(std::int64_t inserted, std::int64_t duplicates);
   void CountBatchRefused();
   void AddIngestBuffered(std::int64_t bytes);  // negative when written
+  // What uploads under way hold.
+  void SetUploadsHeld(std::int64_t memory_bytes, std::int64_t disk_bytes);
   void AddStreamsOpen(int streams);
   void CountScansMapped(std::int64_t used, std::int64_t not_used);
   void AddSessionsMapping(int sessions);

@@ -9,12 +9,15 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
+#include "server/app/runtime/retry_hint.h"
 #include "server/rpc/call/request_id.h"
 #include "server/rpc/call/site_of.h"
 #include "server/rpc/call/status.h"
 
 namespace enfilade::server {
 namespace {
+
+constexpr auto kRetryAfter = std::chrono::seconds(1);
 
 using std::chrono::steady_clock;
 
@@ -90,7 +93,7 @@ absl::Status Call::CheckAdmitted(const storage::CallContext& context) const {
 }
 
 absl::Status Call::TooManyCalls() {
-  return absl::ResourceExhaustedError("too many calls are waiting: try again later");
+  return WithRetryHint(absl::ResourceExhaustedError("too many calls are waiting: try again later"), kRetryAfter);
 }
 
 void Call::Finish(const absl::Status& status) const {
@@ -103,6 +106,13 @@ void Call::Finish(const absl::Status& status) const {
                          std::chrono::duration_cast<std::chrono::milliseconds>(took).count(),
                          absl::StatusCodeToString(status.code()), BoundedMessage(status), request_id_, peer_,
                          principal_.name, site_));
+}
+
+Executor& Call::ExecutorOf(CallLane lane) const {
+  Executor* const own = lane == CallLane::kBulk   ? environment_.bulk
+                        : lane == CallLane::kSlow ? environment_.slow
+                                                  : nullptr;
+  return own != nullptr ? *own : environment_.executor;
 }
 
 }  // namespace enfilade::server

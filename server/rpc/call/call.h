@@ -27,6 +27,9 @@ struct CallEnvironment {
   Executor& executor;
   // Makes large answers: few threads, so that they leave processors to other calls. Null: `executor`.
   Executor* bulk = nullptr;
+  // Calls that compute for seconds, or take much memory: few threads, so that neither processors nor connections to the
+  // database are taken from other calls. Null: `executor`.
+  Executor* slow = nullptr;
   // Makes messages of watches, however many there are, so that other calls do not wait for them. Null: `executor`.
   Executor* watches = nullptr;
   Metrics& metrics;
@@ -47,6 +50,9 @@ struct IncomingCall {
   std::vector<std::string> min_graph_versions = {};
   std::optional<std::chrono::steady_clock::time_point> deadline = {};  // unset: the client set none
 };
+
+// Where a call's work is done: lanes have threads and queues of their own, so that none fills another.
+enum class CallLane { kUsual, kBulk, kSlow };
 
 // One call of the API, whatever its shape, from its arrival to its end. Every RPC gets one. Authentication, quotas and
 // tracing belong here and in the functions that this calls. Thread-safe except for set_site().
@@ -83,30 +89,23 @@ class Call {
   // The client has gone. May be repeated.
   void Cancel() { cancellation_.request_stop(); }
 
-  // Calls task(status, context) on the executor in its turn: with OK, or with the reason why it must not do its work,
-  // because nobody waits for the answer any more (CANCELLED, DEADLINE_EXCEEDED), because its site is being deleted
+  // Calls task(status, context) in its turn: with OK, or with the reason why it must not do its work, because nobody
+  // waits for the answer any more (CANCELLED, DEADLINE_EXCEEDED), because its site is being deleted
   // (FAILED_PRECONDITION) or, from this thread, because too many calls wait (RESOURCE_EXHAUSTED). Quotas belong here.
   template <typename Task>
-  void Run(Task task) const {
-    RunOn(environment_.executor, task);
-  }
-  // The same for making a large answer.
-  template <typename Task>
-  void RunBulk(Task task) const {
-    RunOn(bulk_executor(), task);
+  void Run(CallLane lane, Task task) const {
+    RunWith(context_, lane, task);
   }
   // The same with StepContext().
   template <typename Task>
-  void RunStep(Task task) const {
-    const storage::CallContext step = StepContext();
-    const auto run = [this, task, step] { task(CheckAdmitted(step), step); };
-    if (!environment_.executor.Post(run)) task(TooManyCalls(), step);
+  void RunStep(CallLane lane, Task task) const {
+    RunWith(StepContext(), lane, task);
   }
   // Queues the next step of a stream that has begun, however many calls wait.
   void Continue(std::function<void()> step) const { environment_.executor.PostNext(std::move(step)); }
 
   // The same for making messages of a stream that the server sends.
-  void ContinueBulk(std::function<void()> step) const { bulk_executor().PostNext(std::move(step)); }
+  void ContinueBulk(std::function<void()> step) const { ExecutorOf(CallLane::kBulk).PostNext(std::move(step)); }
   // The same for a watch.
   void ContinueWatch(std::function<void()> step) const {
     (environment_.watches != nullptr ? *environment_.watches : environment_.executor).PostNext(std::move(step));
@@ -117,11 +116,11 @@ class Call {
 
  private:
   template <typename Task>
-  void RunOn(Executor& executor, Task task) const {
-    const auto run = [this, task] { task(CheckAdmitted(context_), context_); };
-    if (!executor.Post(run)) task(TooManyCalls(), context_);
+  void RunWith(const storage::CallContext& context, CallLane lane, Task task) const {
+    const auto run = [this, task, context] { task(CheckAdmitted(context), context); };
+    if (!ExecutorOf(lane).Post(run)) task(TooManyCalls(), context);
   }
-  Executor& bulk_executor() const { return environment_.bulk != nullptr ? *environment_.bulk : environment_.executor; }
+  Executor& ExecutorOf(CallLane lane) const;
   static absl::Status CheckAwaited(const storage::CallContext& context);
   absl::Status CheckAdmitted(const storage::CallContext& context) const;
   static absl::Status TooManyCalls();
@@ -148,7 +147,7 @@ struct CallTurn {
   BeforeCall before = nullptr;
   // Whether the call may be answered at once, without `before`. Null: it may.
   std::function<bool(const Call& call)> may_answer_now = nullptr;
-  bool bulk = false;  // its answer is large
+  CallLane lane = CallLane::kUsual;
 };
 
 }  // namespace enfilade::server

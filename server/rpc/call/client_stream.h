@@ -13,13 +13,12 @@
 #include "grpcpp/support/server_callback.h"
 #include "server/rpc/call/grpc_call.h"
 #include "server/rpc/call/site_of.h"
-#include "server/rpc/call/status.h"
 
 namespace enfilade::server {
 
 // The body of every client-streaming RPC. `make_handler()` makes its handler, whose Take(request) is called for
 // each message, on gRPC's threads, and must not block. After the client's last message Answer(context, response) runs
-// on the executor, with a deadline that starts then.
+// in the lane of slow calls, with a deadline that starts then: the uploads that are taken into memory are few.
 //
 // An upload may take as long as it makes progress, unless the client has set a deadline: it ends with DEADLINE_EXCEEDED
 // when no message has come for the default timeout.
@@ -28,7 +27,8 @@ class ClientStreamReactor final : public grpc::ServerReadReactor<Request> {
  public:
   template <typename MakeHandler>
   ClientStreamReactor(const CallEntry& entry, Response* response, const MakeHandler& make_handler)
-      : call_(BeginCall(entry)),
+      : context_(entry.context),
+        call_(BeginCall(entry)),
         response_(response),
         handler_(make_handler()),
         patience_(entry.environment.default_timeout) {
@@ -92,20 +92,18 @@ class ClientStreamReactor final : public grpc::ServerReadReactor<Request> {
   }
 
   void EndOfRequests() {
-    call_.RunStep([this](const absl::Status& admitted, const storage::CallContext& context) {
+    call_.RunStep(CallLane::kSlow, [this](const absl::Status& admitted, const storage::CallContext& context) {
       End(admitted.ok() ? handler_.Answer(context, *response_) : admitted);
     });
   }
 
-  void End(const absl::Status& status) {
-    call_.Finish(status);
-    this->Finish(ToGrpcStatus(status));
-  }
+  void End(const absl::Status& status) { this->Finish(FinishCall(call_, context_, status)); }
 
   void Release() {
     if (users_.fetch_sub(1) == 1) delete this;
   }
 
+  grpc::CallbackServerContext& context_;
   Call call_;
   Response* const response_;
   Request request_;

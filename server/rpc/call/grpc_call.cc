@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "server/app/runtime/retry_hint.h"
 #include "server/rpc/call/request_id.h"
+#include "server/rpc/call/status.h"
 
 namespace enfilade::server {
 namespace {
@@ -15,6 +17,7 @@ namespace {
 constexpr char kActorKey[] = "enfilade-actor";
 constexpr char kRequestIdKey[] = "x-request-id";
 constexpr char kGraphVersionKey[] = "enfilade-graph-version";
+constexpr char kRetryPushbackKey[] = "grpc-retry-pushback-ms";
 constexpr char kMinGraphVersionKey[] = "enfilade-min-graph-version";
 
 std::string_view MetadataOf(const grpc::CallbackServerContext& context, const char* key) {
@@ -54,6 +57,14 @@ Call BeginCall(const CallEntry& entry) {
   incoming.request_id = request_id;
   entry.context.AddInitialMetadata(kRequestIdKey, request_id);
   return Call(entry.environment, incoming);
+}
+
+grpc::Status FinishCall(const Call& call, grpc::CallbackServerContext& context, const absl::Status& status) {
+  call.Finish(status);
+  if (const auto after = RetryHintOf(status)) {
+    context.AddTrailingMetadata(kRetryPushbackKey, std::to_string(after->count()));
+  }
+  return ToGrpcStatus(status);
 }
 
 void TellGraphVersion(grpc::CallbackServerContext& context, const std::string& site, std::int64_t version) {

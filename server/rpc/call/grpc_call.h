@@ -23,6 +23,10 @@ IncomingCall ReadIncomingCall(const CallEntry& entry);
 // it.
 Call BeginCall(const CallEntry& entry);
 
+// Ends the call (Call::Finish), and gives the status to send. An error that will be over soon says in the trailing
+// metadata "grpc-retry-pushback-ms" when to try again, as gRPC's own retries expect it.
+grpc::Status FinishCall(const Call& call, grpc::CallbackServerContext& context, const absl::Status& status);
+
 // Sends the version of the site's graph that has a call's change, in the trailing metadata "enfilade-graph-version".
 void TellGraphVersion(grpc::CallbackServerContext& context, const std::string& site, std::int64_t version);
 

@@ -18,7 +18,6 @@
 #include "grpcpp/support/server_callback.h"
 #include "server/rpc/call/grpc_call.h"
 #include "server/rpc/call/site_of.h"
-#include "server/rpc/call/status.h"
 
 namespace enfilade::server {
 
@@ -41,7 +40,7 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   // open(call, opened) runs on the executor.
   ServerStreamReactor(const CallEntry& entry, std::string site, std::function<void(const Call&, Opened<Response>)> open,
                       const CallTurn& turn)
-      : call_(BeginCall(entry)), open_(std::move(open)), bulk_(turn.bulk) {
+      : context_(entry.context), call_(BeginCall(entry)), open_(std::move(open)), lane_(turn.lane) {
     call_.set_site(std::move(site));
     if (turn.before) {
       turn.before(call_, [this](const absl::Status& ready) { ready.ok() ? Open() : OnOpened(ready); });
@@ -75,11 +74,10 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
   static constexpr std::uint64_t kAhead = 4;
 
   void Open() {
-    const auto open = [this](const absl::Status& admitted, const storage::CallContext&) {
+    call_.Run(lane_, [this](const absl::Status& admitted, const storage::CallContext&) {
       if (!admitted.ok()) return OnOpened(admitted);
       open_(call_, [this](absl::StatusOr<MessageSource<Response>> source) { OnOpened(std::move(source)); });
-    };
-    bulk_ ? call_.RunBulk(open) : call_.Run(open);
+    });
   }
 
   void OnOpened(absl::StatusOr<MessageSource<Response>> source) {
@@ -145,13 +143,13 @@ class ServerStreamReactor final : public grpc::ServerWriteReactor<Response> {
 
   void EndCall() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     finished_ = true;
-    call_.Finish(status_);
-    this->Finish(ToGrpcStatus(status_));
+    this->Finish(FinishCall(call_, context_, status_));
   }
 
+  grpc::CallbackServerContext& context_;
   Call call_;
   const std::function<void(const Call&, Opened<Response>)> open_;
-  const bool bulk_;
+  const CallLane lane_;
   MessageSource<Response> source_;
   std::array<Response, kAhead> ring_;
 

@@ -8,7 +8,6 @@
 #include "grpcpp/support/server_callback.h"
 #include "server/rpc/call/grpc_call.h"
 #include "server/rpc/call/site_of.h"
-#include "server/rpc/call/status.h"
 
 namespace enfilade::server {
 
@@ -17,7 +16,11 @@ template <typename Request, typename Response, typename Handle>
 class UnaryReactor final : public grpc::ServerUnaryReactor {
  public:
   UnaryReactor(const CallEntry& entry, const Request* request, Response* response, Handle handle)
-      : call_(BeginCall(entry)), request_(request), response_(response), handle_(std::move(handle)) {
+      : context_(entry.context),
+        call_(BeginCall(entry)),
+        request_(request),
+        response_(response),
+        handle_(std::move(handle)) {
     call_.set_site(SiteOf(*request_));
   }
 
@@ -28,7 +31,7 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
     if (!turn.may_answer_now || turn.may_answer_now(call_)) {
       if (const std::optional<absl::Status> status = try_now(*request_, *response_)) return End(*status);
     }
-    bulk_ = turn.bulk;
+    lane_ = turn.lane;
     if (!turn.before) return Run();
     turn.before(call_, [this](const absl::Status& ready) { ready.ok() ? Run() : End(ready); });
   }
@@ -40,22 +43,19 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
 
  private:
   void Run() {
-    const auto run = [this](const absl::Status& admitted, const storage::CallContext&) {
+    call_.Run(lane_, [this](const absl::Status& admitted, const storage::CallContext&) {
       End(admitted.ok() ? handle_(call_, *request_, *response_) : admitted);
-    };
-    bulk_ ? call_.RunBulk(run) : call_.Run(run);
+    });
   }
 
-  void End(const absl::Status& status) {
-    call_.Finish(status);
-    this->Finish(ToGrpcStatus(status));
-  }
+  void End(const absl::Status& status) { this->Finish(FinishCall(call_, context_, status)); }
 
+  grpc::CallbackServerContext& context_;
   Call call_;
   const Request* const request_;
   Response* const response_;
   const Handle handle_;
-  bool bulk_ = false;
+  CallLane lane_ = CallLane::kUsual;
 };
 
 template <typename Request, typename Response, typename Handle, typename TryNow>

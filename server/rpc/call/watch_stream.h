@@ -14,7 +14,6 @@
 #include "grpcpp/support/server_callback.h"
 #include "server/rpc/call/grpc_call.h"
 #include "server/rpc/call/site_of.h"
-#include "server/rpc/call/status.h"
 
 namespace enfilade::server {
 
@@ -41,7 +40,8 @@ template <typename Response>
 class WatchReactor final : public grpc::ServerWriteReactor<Response> {
  public:
   template <typename Request, typename Open>
-  WatchReactor(const CallEntry& entry, const Request& request, const Open& open) : call_(BeginCall(entry)) {
+  WatchReactor(const CallEntry& entry, const Request& request, const Open& open)
+      : context_(entry.context), call_(BeginCall(entry)) {
     call_.set_site(SiteOf(request));
     absl::StatusOr<Watch<Response>> watch = open(call_, request);
     if (watch.ok()) {
@@ -75,7 +75,7 @@ class WatchReactor final : public grpc::ServerWriteReactor<Response> {
 
   void Begin() {
     if (!watch_.open) return Look();
-    call_.RunStep([this](const absl::Status& admitted, const storage::CallContext& context) {
+    call_.RunStep(CallLane::kUsual, [this](const absl::Status& admitted, const storage::CallContext& context) {
       const absl::Status status = admitted.ok() ? watch_.open(context) : admitted;
       status.ok() ? Look() : End(status);
     });
@@ -129,11 +129,9 @@ class WatchReactor final : public grpc::ServerWriteReactor<Response> {
     Look();
   }
 
-  void End(const absl::Status& status) {
-    call_.Finish(status);
-    this->Finish(ToGrpcStatus(status));
-  }
+  void End(const absl::Status& status) { this->Finish(FinishCall(call_, context_, status)); }
 
+  grpc::CallbackServerContext& context_;
   Call call_;
   Watch<Response> watch_;
   std::chrono::steady_clock::time_point due_;  // of the next check

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
 #include "proto/convert/record.h"
 
 namespace enfilade::server {
@@ -56,26 +56,34 @@ absl::StatusOr<bool> BlobAssembly::Add(const v1::BlobChunk& chunk) {
       return InvalidArgument("blob_chunk.blob: expected a SHA-256 of 32 bytes (got {}) and a size of 1 to {} (got {})",
                              chunk.blob().sha256().size(), sensor::kMaxBlobBytes, chunk.blob().size_bytes());
     }
-    blob_ = {chunk.blob().sha256(), {}};
-    size_ = static_cast<std::size_t>(chunk.blob().size_bytes());
+    Begin(chunk.blob().sha256(), chunk.blob().size_bytes());
   }
-  if (chunk.blob().sha256() != blob_.sha256 || chunk.offset() != static_cast<std::int64_t>(blob_.data.size()) ||
-      chunk.data().size() > size_ - blob_.data.size()) {
+  const std::int64_t received = blob_.data.size();
+  if (chunk.blob().sha256() != blob_.sha256 || chunk.offset() != received ||
+      static_cast<std::int64_t>(chunk.data().size()) > size_ - received) {
     return InvalidArgument(
         "blob_chunk at offset {} with {} bytes does not follow: {} of {} bytes of a blob have been received",
-        chunk.offset(), chunk.data().size(), blob_.data.size(), size_);
+        chunk.offset(), chunk.data().size(), received, size_);
   }
-  blob_.data += chunk.data();
+  digest_.Add(chunk.data());
+  ENFILADE_RETURN_IF_ERROR(blob_.data.Append(chunk.data()));
   if (blob_.data.size() < size_) return false;
-  if (Sha256(blob_.data) != blob_.sha256) {
-    return DataLoss("the blob of {} bytes does not have the announced SHA-256", blob_.data.size());
+  if (digest_.Finish() != blob_.sha256) {
+    return DataLoss("the blob of {} bytes does not have the announced SHA-256", size_);
   }
   return true;
 }
 
 IngestBlob BlobAssembly::Take() {
-  size_ = 0;
-  return std::exchange(blob_, {});
+  IngestBlob whole = std::move(blob_);
+  Begin("", 0);
+  return whole;
+}
+
+void BlobAssembly::Begin(std::string sha256, std::int64_t size) {
+  blob_ = {std::move(sha256), UploadedFile(*space_)};
+  digest_ = Sha256Stream();
+  size_ = size;
 }
 
 }  // namespace enfilade::server

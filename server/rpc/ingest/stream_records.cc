@@ -10,7 +10,6 @@
 #include "core/base/mutex.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
-#include "server/rpc/call/status.h"
 #include "server/rpc/ingest/batch.h"
 #include "server/rpc/ingest/stream_messages.h"
 #include "server/rpc/session/door_verdict.h"
@@ -27,7 +26,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
                                    public std::enable_shared_from_this<StreamRecordsReactor> {
  public:
   StreamRecordsReactor(const Services& services, const CallEntry& entry)
-      : services_(services), call_(BeginCall(entry)) {}
+      : services_(services), context_(entry.context), call_(BeginCall(entry)), blob_(services.uploads) {}
 
   void Begin() {
     self_ = shared_from_this();
@@ -87,8 +86,8 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
       MutexLock lock(mutex_);  // EndReading() reads the site
       call_.set_site(name->site.value());
     }
-    call_.RunStep([self = shared_from_this(), name = *std::move(name)](const absl::Status& admitted,
-                                                                       const storage::CallContext& context) {
+    call_.RunStep(CallLane::kUsual, [self = shared_from_this(), name = *std::move(name)](
+                                        const absl::Status& admitted, const storage::CallContext& context) {
       if (admitted.ok()) return self->Open(context, name);
       self->EndReading(admitted);
     });
@@ -142,7 +141,7 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
     if (!complete.ok()) return EndReading(complete.status());
     if (!*complete) return ReadOn();
     IngestBlob blob = blob_.Take();
-    const std::size_t bytes = blob.data.size();
+    const auto bytes = static_cast<std::size_t>(blob.data.size());
     Offer(std::move(blob), bytes);
   }
 
@@ -268,12 +267,12 @@ class StreamRecordsReactor final : public grpc::ServerBidiReactor<v1::StreamReco
       StartWrite(&response_);
     } else if (ending_ && (unanswered_ == 0 || !status_.ok())) {
       finished_ = true;
-      call_.Finish(status_);
-      Finish(ToGrpcStatus(status_));
+      Finish(FinishCall(call_, context_, status_));
     }
   }
 
   const Services& services_;
+  grpc::CallbackServerContext& context_;
   Call call_;
   std::shared_ptr<StreamRecordsReactor> self_;  // until OnDone()
 

@@ -12,7 +12,7 @@ namespace {
 
 class EvidenceTaker {
  public:
-  explicit EvidenceTaker(const Services& services) : services_(services) {}
+  explicit EvidenceTaker(const Services& services) : services_(services), blob_(services.uploads) {}
 
   absl::Status Take(const v1::AttachEvidenceRequest& request) {
     if (request.has_manifest() && !begun_) {
@@ -36,8 +36,9 @@ class EvidenceTaker {
     if (!begun_) return InvalidArgument("the first message must be the manifest");
     if (has_chunks_ && !complete_) return InvalidArgument("the chunks end before the blob does");
     if (complete_) {
-      const IngestBlob blob = blob_.Take();
-      ENFILADE_RETURN_IF_ERROR(services_.blobs.Put(context, name_.site, {{evidence_.content.sha256, blob.data}}));
+      IngestBlob blob = blob_.Take();
+      ENFILADE_ASSIGN_OR_RETURN(const std::string data, blob.data.Take());
+      ENFILADE_RETURN_IF_ERROR(services_.blobs.Put(context, name_.site, {{evidence_.content.sha256, data}}));
     }
     ENFILADE_RETURN_IF_ERROR(services_.graph_editor.PutEvidence(context, name_.site, evidence_));
     *response.mutable_evidence() = ToProto(name_.site, evidence_);

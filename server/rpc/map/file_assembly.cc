@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/map/file_assembly.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/sha256.h"
+#include "core/base/status_macros.h"
 
 namespace enfilade::server {
 namespace {
@@ -30,44 +31,43 @@ absl::Status FileAssembly::Begin(const google::protobuf::RepeatedPtrField<v1::Fi
                              entry.name(), entry.size_bytes(), max_bytes);
     }
     total += entry.size_bytes();
-    entries_.push_back(entry);
-    files_.push_back({entry.name(), {}});
+    files_.push_back({entry, UploadedFile(*space_)});
   }
   return absl::OkStatus();
 }
 
 absl::Status FileAssembly::Add(const v1::FileChunk& chunk) {
-  while (current_ < files_.size() &&
-         static_cast<std::int64_t>(files_[current_].bytes.size()) == entries_[current_].size_bytes()) {
-    ++current_;
-  }
+  while (current_ < files_.size() && files_[current_].is_complete()) ++current_;
   if (current_ == files_.size()) return InvalidArgument("chunk: all files of the manifest are already complete");
-  std::string& bytes = files_[current_].bytes;
-  const auto missing = static_cast<std::size_t>(entries_[current_].size_bytes()) - bytes.size();
-  if (chunk.file() != static_cast<std::int32_t>(current_) ||
-      chunk.offset() != static_cast<std::int64_t>(bytes.size()) || chunk.data().empty() ||
+  File& file = files_[current_];
+  const std::int64_t received = file.bytes.size();
+  const auto missing = static_cast<std::size_t>(file.entry.size_bytes() - received);
+  if (chunk.file() != static_cast<std::int32_t>(current_) || chunk.offset() != received || chunk.data().empty() ||
       chunk.data().size() > kMaxFileChunkBytes || chunk.data().size() > missing) {
     return InvalidArgument(
         "chunk (file {}, offset {}, {} bytes) does not follow: expected file {}, offset {} and 1 to {} bytes",
-        chunk.file(), chunk.offset(), chunk.data().size(), current_, bytes.size(),
-        std::min(kMaxFileChunkBytes, missing));
+        chunk.file(), chunk.offset(), chunk.data().size(), current_, received, std::min(kMaxFileChunkBytes, missing));
   }
-  bytes += chunk.data();
-  return absl::OkStatus();
+  file.digest.Add(chunk.data());
+  return file.bytes.Append(chunk.data());
 }
 
 absl::StatusOr<std::vector<grid::MapFile>> FileAssembly::Finish() {
   if (files_.empty()) return InvalidArgument("the first message must be the manifest");
-  for (std::size_t i = 0; i < files_.size(); ++i) {
-    if (static_cast<std::int64_t>(files_[i].bytes.size()) != entries_[i].size_bytes()) {
-      return InvalidArgument("file \"{}\" ends after {} of {} bytes", entries_[i].name(), files_[i].bytes.size(),
-                             entries_[i].size_bytes());
-    }
-    if (Sha256(files_[i].bytes) != entries_[i].sha256()) {
-      return DataLoss("file \"{}\" does not have the SHA-256 of the manifest: send it again", entries_[i].name());
-    }
+  for (const File& file : files_) {
+    if (file.is_complete()) continue;
+    return InvalidArgument("file \"{}\" ends after {} of {} bytes", file.entry.name(), file.bytes.size(),
+                           file.entry.size_bytes());
   }
-  return std::exchange(files_, {});
+  std::vector<grid::MapFile> whole;
+  for (File& file : files_) {
+    if (file.digest.Finish() != file.entry.sha256()) {
+      return DataLoss("file \"{}\" does not have the SHA-256 of the manifest: send it again", file.entry.name());
+    }
+    ENFILADE_ASSIGN_OR_RETURN(std::string bytes, file.bytes.Take());
+    whole.push_back({file.entry.name(), std::move(bytes)});
+  }
+  return whole;
 }
 
 }  // namespace enfilade::server

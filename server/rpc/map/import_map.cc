@@ -14,7 +14,7 @@ namespace {
 
 class MapImporter {
  public:
-  explicit MapImporter(const Services& services) : services_(services) {}
+  explicit MapImporter(const Services& services) : services_(services), assembly_(services.uploads) {}
 
   absl::Status Take(const v1::ImportMapRequest& request) {
     if (request.has_chunk()) return assembly_.Add(request.chunk());

@@ -18,36 +18,38 @@ v1::BlobChunk Chunk(const std::string& whole, std::size_t offset, std::size_t si
   return chunk;
 }
 
+UploadSpace blob_space({.directory = ::testing::TempDir(), .memory_bytes = 1 << 20, .disk_bytes = 1 << 20});
+
 TEST(BlobAssembly, PutsBlobsTogetherOneAfterTheOther) {
-  BlobAssembly assembly;
+  BlobAssembly assembly(blob_space);
   for (const std::string whole : {"abcdef", "x", "abcdef"}) {
     for (std::size_t offset = 0; offset < whole.size(); offset += 4) {
       const absl::StatusOr<bool> complete = assembly.Add(Chunk(whole, offset, 4));
       ASSERT_OK(complete);
       EXPECT_EQ(*complete, offset + 4 >= whole.size());
     }
-    EXPECT_EQ(assembly.Take().data, whole);
+    EXPECT_EQ(*assembly.Take().data.Take(), whole);
   }
 }
 
 TEST(BlobAssembly, RefusesChunksThatDoNotFollow) {
   const std::string whole = "abcdef";
-  EXPECT_CODE(BlobAssembly().Add(Chunk(whole, 2, 2)), absl::StatusCode::kInvalidArgument) << "not the first";
-  BlobAssembly gap;
+  EXPECT_CODE(BlobAssembly(blob_space).Add(Chunk(whole, 2, 2)), absl::StatusCode::kInvalidArgument) << "not the first";
+  BlobAssembly gap(blob_space);
   ASSERT_OK(gap.Add(Chunk(whole, 0, 2)));
   EXPECT_CODE(gap.Add(Chunk(whole, 4, 2)), absl::StatusCode::kInvalidArgument);
-  BlobAssembly other;
+  BlobAssembly other(blob_space);
   ASSERT_OK(other.Add(Chunk(whole, 0, 2)));
   EXPECT_CODE(other.Add(Chunk("ABcdef", 2, 2)), absl::StatusCode::kInvalidArgument);
   v1::BlobChunk empty = Chunk(whole, 0, 2);
   empty.clear_data();
-  EXPECT_CODE(BlobAssembly().Add(empty), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(BlobAssembly(blob_space).Add(empty), absl::StatusCode::kInvalidArgument);
   v1::BlobChunk long_chunk = Chunk(whole, 0, 6);
   long_chunk.mutable_blob()->set_size_bytes(3);
-  EXPECT_CODE(BlobAssembly().Add(long_chunk), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(BlobAssembly(blob_space).Add(long_chunk), absl::StatusCode::kInvalidArgument);
   v1::BlobChunk lying = Chunk(whole, 0, 6);
   lying.mutable_blob()->set_sha256(std::string(32, 'x'));
-  EXPECT_CODE(BlobAssembly().Add(lying), absl::StatusCode::kDataLoss);
+  EXPECT_CODE(BlobAssembly(blob_space).Add(lying), absl::StatusCode::kDataLoss);
 }
 
 TEST(ReadBatch, IsBoundedInRecordsAndBytes) {
@@ -122,10 +124,10 @@ TEST(ReadBatch, NamesTheRecordAtFaultAndTheBatchesFirst) {
 }
 
 TEST(BlobAssembly, BeginsAnewWithAChunkAtTheStart) {
-  BlobAssembly assembly;
+  BlobAssembly assembly(blob_space);
   ASSERT_OK(assembly.Add(Chunk("abandoned", 0, 3)));
   for (const std::size_t offset : {0, 4}) ASSERT_OK(assembly.Add(Chunk("abcdefgh", offset, 4)));
-  EXPECT_EQ(assembly.Take().data, "abcdefgh");
+  EXPECT_EQ(*assembly.Take().data.Take(), "abcdefgh");
 }
 
 TEST(BlobAssembly, BoundsDigestSizeAndChunk) {
@@ -142,7 +144,8 @@ TEST(BlobAssembly, BoundsDigestSizeAndChunk) {
         Case{"does not follow", [](v1::BlobChunk& c) { c.set_offset(-1); }}}) {
     v1::BlobChunk chunk = Chunk("abcdef", 0, 6);
     test.change(chunk);
-    EXPECT_STATUS(BlobAssembly().Add(chunk), absl::StatusCode::kInvalidArgument, ::testing::HasSubstr(test.message));
+    EXPECT_STATUS(BlobAssembly(blob_space).Add(chunk), absl::StatusCode::kInvalidArgument,
+                  ::testing::HasSubstr(test.message));
   }
 }
 

@@ -36,8 +36,10 @@ v1::FileChunk Chunk(int file, std::int64_t offset, const std::string& data) {
   return chunk;
 }
 
+UploadSpace file_space({.directory = ::testing::TempDir(), .memory_bytes = 1 << 20, .disk_bytes = 1 << 20});
+
 TEST(FileAssembly, PutsFilesTogether) {
-  FileAssembly assembly;
+  FileAssembly assembly(file_space);
   ASSERT_OK(assembly.Begin(Entries({{"a.yaml", "hello"}, {"a.pgm", "wo"}}), 100));
   ASSERT_OK(assembly.Add(Chunk(0, 0, "hel")));
   ASSERT_OK(assembly.Add(Chunk(0, 3, "lo")));
@@ -48,10 +50,10 @@ TEST(FileAssembly, PutsFilesTogether) {
 }
 
 TEST(FileAssembly, RefusesTooMuchAndWhatDoesNotFollow) {
-  EXPECT_STATUS(FileAssembly().Begin(Entries({{"a", std::string(60, 'x')}, {"b", std::string(60, 'x')}}), 100),
+  EXPECT_STATUS(FileAssembly(file_space).Begin(Entries({{"a", std::string(60, 'x')}, {"b", std::string(60, 'x')}}), 100),
                 absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""));
-  EXPECT_FALSE(FileAssembly().Begin({}, 100).ok());
-  FileAssembly assembly;
+  EXPECT_FALSE(FileAssembly(file_space).Begin({}, 100).ok());
+  FileAssembly assembly(file_space);
   ASSERT_OK(assembly.Begin(Entries({{"a", "hello"}}), 100));
   EXPECT_FALSE(assembly.Add(Chunk(0, 1, "h")).ok());
   EXPECT_FALSE(assembly.Add(Chunk(1, 0, "h")).ok());
@@ -68,7 +70,7 @@ TEST(FileAssembly, IsIndifferentToTheSizeOfChunks) {
   const std::vector<std::pair<std::string, std::string>> given = {
       {"a.yaml", "0123456789"}, {"b", "x"}, {"c.pgm", std::string(1000, 'p')}};
   for (std::size_t size = 1; size <= 11; ++size) {
-    FileAssembly assembly;
+    FileAssembly assembly(file_space);
     ASSERT_OK(assembly.Begin(Entries(given), 2000));
     for (std::size_t file = 0; file < given.size(); ++file) {
       const std::string& bytes = given[file].second;
@@ -88,23 +90,24 @@ TEST(FileAssembly, IsIndifferentToTheSizeOfChunks) {
 
 TEST(FileAssembly, BoundsTheManifest) {
   std::vector<std::pair<std::string, std::string>> files = {{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}};
-  EXPECT_OK(FileAssembly().Begin(Entries(files), 4)) << "exactly as much as allowed";
-  EXPECT_STATUS(FileAssembly().Begin(Entries(files), 3), absl::StatusCode::kInvalidArgument, HasSubstr("\"d\""));
+  EXPECT_OK(FileAssembly(file_space).Begin(Entries(files), 4)) << "exactly as much as allowed";
+  EXPECT_STATUS(FileAssembly(file_space).Begin(Entries(files), 3), absl::StatusCode::kInvalidArgument, HasSubstr("\"d\""));
   files.emplace_back("e", "5");
-  EXPECT_STATUS(FileAssembly().Begin(Entries(files), 100), absl::StatusCode::kInvalidArgument, HasSubstr("5 entries"));
+  EXPECT_STATUS(FileAssembly(file_space).Begin(Entries(files), 100), absl::StatusCode::kInvalidArgument,
+                HasSubstr("5 entries"));
   auto entries = Entries({{"a", "1"}});
   entries[0].set_sha256("short");
-  EXPECT_STATUS(FileAssembly().Begin(entries, 100), absl::StatusCode::kInvalidArgument, HasSubstr("sha256"));
+  EXPECT_STATUS(FileAssembly(file_space).Begin(entries, 100), absl::StatusCode::kInvalidArgument, HasSubstr("sha256"));
   entries = Entries({{"a", "1"}, {"b", "2"}});
   entries[1].set_size_bytes(-5);
-  EXPECT_STATUS(FileAssembly().Begin(entries, 100), absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""));
+  EXPECT_STATUS(FileAssembly(file_space).Begin(entries, 100), absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""));
   entries[1].set_size_bytes(std::numeric_limits<std::int64_t>::max());
-  EXPECT_STATUS(FileAssembly().Begin(entries, 100), absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""))
+  EXPECT_STATUS(FileAssembly(file_space).Begin(entries, 100), absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""))
       << "the sum must not overflow";
 }
 
 TEST(FileAssembly, NeedsItsManifestFirst) {
-  FileAssembly assembly;
+  FileAssembly assembly(file_space);
   EXPECT_CODE(assembly.Add(Chunk(0, 0, "x")), absl::StatusCode::kInvalidArgument);
   EXPECT_STATUS(assembly.Finish(), absl::StatusCode::kInvalidArgument, HasSubstr("manifest"));
 }

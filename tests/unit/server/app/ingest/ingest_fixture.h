@@ -18,6 +18,14 @@
 
 namespace enfilade::server {
 
+inline UploadSpace test_uploads({.directory = ::testing::TempDir(), .memory_bytes = 1 << 20, .disk_bytes = 1 << 20});
+
+inline UploadedFile Uploaded(const std::string& bytes) {
+  UploadedFile file(test_uploads);
+  EXPECT_OK(file.Append(bytes));
+  return file;
+}
+
 inline const SiteId kSite("campus");
 
 // A record store that can hold back its transactions, fail them, and that remembers them.

@@ -126,7 +126,7 @@ TEST_F(IngestTest, ABlobIsStoredBeforeTheRecordThatRefersToIt) {
   records_.Hold();
   client.Send(1, 1);
   records_.AwaitTransactions(1);
-  client.Offer(IngestBlob{ref.sha256, content});
+  client.Offer(IngestBlob{ref.sha256, Uploaded(content)});
   client.Offer(
       IngestBatch{{{2, sensor::Image{kNsPerSecond, sensor::Camera::kFront, sensor::ImageEncoding::kPng, ref}}}});
   records_.LetGo();
@@ -137,7 +137,7 @@ TEST_F(IngestTest, ABlobIsStoredBeforeTheRecordThatRefersToIt) {
 TEST_F(IngestTest, ABlobThatCannotBeStoredFailsTheStream) {
   Start();
   Client client(*ingest_, NewSession("s"));
-  client.Offer(IngestBlob{Sha256("something else"), "a blob"});
+  client.Offer(IngestBlob{Sha256("something else"), Uploaded("a blob")});
   EXPECT_THAT(client.AwaitEvents(1), ElementsAre("INVALID_ARGUMENT"));
 }
 

@@ -34,10 +34,10 @@ class CallTest : public CallFixture {
     return done.get();
   }
   static Turn AwaitRun(const Call& call) {
-    return Await([&call](auto task) { call.Run(task); });
+    return Await([&call](auto task) { call.Run(CallLane::kUsual, task); });
   }
   static Turn AwaitStep(const Call& call) {
-    return Await([&call](auto task) { call.RunStep(task); });
+    return Await([&call](auto task) { call.RunStep(CallLane::kUsual, task); });
   }
   // Keeps the executor's only thread busy until it is destroyed.
   class Blockage {
@@ -126,7 +126,8 @@ TEST_F(CallTest, OutlivesItsCancellation) {
 TEST_F(CallTest, RunsItsTaskOnTheExecutorWithItsContext) {
   const Call call(*environment_, {.rpc = "GetSite", .actor = "ann"});
   std::thread::id thread;
-  call.Run([&thread](const absl::Status&, const storage::CallContext&) { thread = std::this_thread::get_id(); });
+  call.Run(CallLane::kUsual,
+           [&thread](const absl::Status&, const storage::CallContext&) { thread = std::this_thread::get_id(); });
   const Turn turn = AwaitRun(call);
   EXPECT_OK(turn.admitted);
   EXPECT_EQ(turn.context.deadline, call.context().deadline);
@@ -163,8 +164,9 @@ TEST_F(CallTest, NoticesWhatHappensWhileItWaitsForItsTurn) {
   absl::Status of_late;
   {
     const Blockage blockage(executor_);
-    cancelled.Run([&](const absl::Status& admitted, const storage::CallContext&) { of_cancelled = admitted; });
-    late.Run([&](const absl::Status& admitted, const storage::CallContext&) { of_late = admitted; });
+    cancelled.Run(CallLane::kUsual,
+                  [&](const absl::Status& admitted, const storage::CallContext&) { of_cancelled = admitted; });
+    late.Run(CallLane::kUsual, [&](const absl::Status& admitted, const storage::CallContext&) { of_late = admitted; });
     cancelled.Cancel();
     std::this_thread::sleep_until(late.context().deadline);
   }
@@ -191,10 +193,10 @@ TEST_F(BoundedCallTest, RefusesWhatTheExecutorCannotTakeAndQueuesStepsAllTheSame
   const auto note = [&admitted](const absl::Status& status, const storage::CallContext&) {
     admitted.push_back(status);
   };
-  call.Run(note);  // fills the queue
+  call.Run(CallLane::kUsual, note);  // fills the queue
   EXPECT_TRUE(admitted.empty());
-  call.Run(note);
-  call.RunStep(note);
+  call.Run(CallLane::kUsual, note);
+  call.RunStep(CallLane::kUsual, note);
   ASSERT_EQ(admitted.size(), 2U);
   EXPECT_STATUS(admitted[0], absl::StatusCode::kResourceExhausted, ::testing::HasSubstr("try again"));
   EXPECT_CODE(admitted[1], absl::StatusCode::kResourceExhausted);

@@ -71,14 +71,14 @@ class GraphService final : public v1::GraphService::CallbackService {
           now.mutable_graph()->set_graph_version(version_at_hand);
           return absl::OkStatus();
         },
-        CallTurn{.before = before, .bulk = bulk});
+        CallTurn{.before = before, .lane = lane});
   }
   grpc::ServerWriteReactor<v1::ExportGraphResponse>* ExportGraph(grpc::CallbackServerContext* context,
                                                                  const v1::ExportGraphRequest* request) override {
     const auto open_now = [this](const Call& call, const v1::ExportGraphRequest& given,
                                  Opened<v1::ExportGraphResponse> opened) { opened(open(call, given)); };
     return RunServerStream<v1::ExportGraphResponse>(CallEntry{environment_, "ExportGraph", *context}, request, open_now,
-                                                    {.before = before, .bulk = bulk});
+                                                    {.before = before, .lane = lane});
   }
   grpc::ServerWriteReactor<v1::WatchGlobalPosesResponse>* WatchGlobalPoses(
       grpc::CallbackServerContext* context, const v1::WatchGlobalPosesRequest* request) override {
@@ -86,8 +86,8 @@ class GraphService final : public v1::GraphService::CallbackService {
                                                   watch);
   }
 
-  BeforeCall before;  // of GetGraph and ExportGraph
-  bool bulk = false;  // of the same
+  BeforeCall before;                 // of GetGraph and ExportGraph
+  CallLane lane = CallLane::kUsual;  // of the same
   server::GetGraph get;
   std::atomic<std::int64_t> version_at_hand = 0;
   server::ExportGraph open;

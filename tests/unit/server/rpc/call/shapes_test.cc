@@ -208,7 +208,7 @@ TEST_F(ShapesTest, CallsThatWaitBeforeTheirTurnHoldNoThread) {
 TEST_F(ShapesTest, LargeAnswersAreMadeByThreadsOfTheirOwn) {
   Executor bulk(1, 100);
   environment_->bulk = &bulk;
-  graph_.bulk = true;
+  graph_.lane = CallLane::kBulk;
   graph_.get = [](const Call&, const v1::GetGraphRequest&, v1::GetGraphResponse&) { return absl::OkStatus(); };
   graph_.open = [](const Call&, const v1::ExportGraphRequest&) {
     return MessageSource<v1::ExportGraphResponse>([](v1::ExportGraphResponse&) { return absl::StatusOr<bool>(false); });
