@@ -248,7 +248,8 @@ class Server::Impl {
   const storage::ActivityStore activity{*pool};
   const storage::AuditStore audit{*pool};
   const storage::DoorVerdictStore door_verdicts{*pool};
-  const storage::postgres::SiteLeaseStore site_leases{*pool};
+  const storage::postgres::SiteLeaseStore site_leases{*pool, storage::SiteRight::kChange};
+  const storage::postgres::SiteLeaseStore solver_leases{*pool, storage::SiteRight::kSolve};
   const storage::postgres::SurveyStore surveys{*pool};
   const storage::postgres::RearrangementStore rearrangement_store{*pool};
   const storage::FeatureStore features{*pool};
@@ -272,7 +273,7 @@ class Server::Impl {
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
-  GraphOptimizer graph_optimizer{graph_store, site_leases, graphs, changed_sites};
+  GraphOptimizer graph_optimizer{graph_store, {solver_leases, site_leases}, graphs, changed_sites};
   const Rearranger rearranger{{sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs};
   const MapRearrangements rearrangements{{sessions, mappings, maps, revisions, blobs, rearrangement_store},
                                          site_leases,

@@ -13,15 +13,22 @@
 
 namespace enfilade::storage {
 
-// The right to judge a site's doors or to solve its graph: one holder at a time among all processes. The token grows
-// with every holder and fences the earlier ones: what they write under their lease is refused.
+// A right on a site: one holder at a time among all processes. The token grows with every holder and fences the earlier
+// ones: what they write under their lease is refused.
 struct SiteLease {
   SiteId site;
   std::string owner;
   std::int64_t token = 0;
 };
 
-// Leases expire by the database's clock. Thread-safe; errors common to all stores: see SiteStore.
+// What one process at a time does with a site. Each has its own leases.
+enum class SiteRight {
+  kChange,  // judge doors, rearrange maps, store a solution of the graph
+  kSolve,   // compute a solution of the graph
+};
+
+// The leases on one right. They expire by the database's clock. Thread-safe; errors common to all stores: see
+// SiteStore.
 class SiteLeaseStore {
  public:
   virtual ~SiteLeaseStore() = default;

@@ -6,13 +6,17 @@
 
 namespace enfilade::testing {
 
+LeaseRow& InMemorySiteLeaseStore::LeaseOf(SiteRows& rows) const {
+  return right_ == storage::SiteRight::kSolve ? rows.solver_lease : rows.lease;
+}
+
 absl::StatusOr<std::optional<storage::SiteLease>> InMemorySiteLeaseStore::Acquire(const storage::CallContext& context,
                                                                                   const SiteId& site,
                                                                                   const std::string& owner,
                                                                                   std::chrono::milliseconds ttl) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_ASSIGN_OR_RETURN(SiteRows* const rows, access.GetSite(site));
-  LeaseRow& lease = rows->lease;
+  LeaseRow& lease = LeaseOf(*rows);
   if (lease.token > 0 && lease.expires_at > access.Now()) return std::nullopt;
   lease = {owner, lease.token + 1, access.Now() + ttl, 0};
   return storage::SiteLease{site, owner, lease.token};
@@ -22,10 +26,10 @@ absl::Status InMemorySiteLeaseStore::Renew(const storage::CallContext& context, 
                                            std::chrono::milliseconds ttl) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   SiteRows* const rows = access.FindSite(lease.site);
-  if (rows == nullptr || rows->lease.owner != lease.owner || rows->lease.token != lease.token) {
+  if (rows == nullptr || LeaseOf(*rows).owner != lease.owner || LeaseOf(*rows).token != lease.token) {
     return Aborted("{} has lost the lease on {}", lease.owner, NameOf(lease.site));
   }
-  rows->lease.expires_at = access.Now() + ttl;
+  LeaseOf(*rows).expires_at = access.Now() + ttl;
   return absl::OkStatus();
 }
 
@@ -33,9 +37,11 @@ absl::Status InMemorySiteLeaseStore::Release(const storage::CallContext& context
                                              const storage::SiteLease& lease) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   SiteRows* const rows = access.FindSite(lease.site);
-  if (rows == nullptr || rows->lease.owner != lease.owner || rows->lease.token != lease.token) return absl::OkStatus();
-  rows->lease.owner.clear();
-  rows->lease.expires_at = access.Now();
+  if (rows == nullptr) return absl::OkStatus();
+  LeaseRow& held = LeaseOf(*rows);
+  if (held.owner != lease.owner || held.token != lease.token) return absl::OkStatus();
+  held.owner.clear();
+  held.expires_at = access.Now();
   return absl::OkStatus();
 }
 

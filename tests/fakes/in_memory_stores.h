@@ -221,7 +221,7 @@ class InMemoryGraphStore final : public storage::GraphStore {
 
 class InMemorySiteLeaseStore final : public storage::SiteLeaseStore {
  public:
-  explicit InMemorySiteLeaseStore(InMemoryDatabase& database) : database_(database) {}
+  InMemorySiteLeaseStore(InMemoryDatabase& database, storage::SiteRight right) : database_(database), right_(right) {}
 
   absl::StatusOr<std::optional<storage::SiteLease>> Acquire(const storage::CallContext& context, const SiteId& site,
                                                             const std::string& owner,
@@ -231,7 +231,10 @@ class InMemorySiteLeaseStore final : public storage::SiteLeaseStore {
   absl::Status Release(const storage::CallContext& context, const storage::SiteLease& lease) const override;
 
  private:
+  LeaseRow& LeaseOf(SiteRows& rows) const;
+
   InMemoryDatabase& database_;
+  const storage::SiteRight right_;
 };
 
 class InMemoryRobotPoseStore final : public storage::RobotPoseStore {
@@ -284,7 +287,8 @@ struct InMemoryStores {
   InMemoryMappingStore mappings{database};
   InMemoryLinkPointStore link_points{database};
   InMemoryGraphStore graphs{database};
-  InMemorySiteLeaseStore site_leases{database};
+  InMemorySiteLeaseStore site_leases{database, storage::SiteRight::kChange};
+  InMemorySiteLeaseStore solver_leases{database, storage::SiteRight::kSolve};
   InMemoryRobotPoseStore robot_poses{database};
   InMemoryRearrangementStore rearrangements{database};
 };

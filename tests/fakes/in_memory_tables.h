@@ -124,6 +124,7 @@ struct SiteRows {
   GraphRows graph;
   std::map<rearrange::RearrangementId, RearrangementRow> rearrangements;
   LeaseRow lease;
+  LeaseRow solver_lease;
 };
 
 using Tables = std::map<SiteId, SiteRows>;

@@ -25,7 +25,11 @@ constexpr int kWorkers = 2;
 // A large graph keeps a processor busy for seconds, and calls must not feel it.
 constexpr int kWorkerNiceness = 5;
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
+// Then another process may solve the same graph, which does no harm.
 constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
+constexpr auto kStoreLeaseTime = std::chrono::seconds(30);
+// How long a worker waits while doors are judged. Then other sites have their turn.
+constexpr auto kStoreTimeout = std::chrono::seconds(2);
 // Solutions that differ by less are equal, m and rad.
 constexpr double kPoseTolerance = 1e-6;
 
@@ -62,16 +66,10 @@ absl::StatusOr<storage::GraphSolution> StoredSolution(const SiteGraph& graph, co
   return ToStored(graph, graph::WorldPoses(std::move(solved)), solution);
 }
 
-absl::StatusOr<std::int64_t> Store(const storage::GraphStore& store, const storage::CallContext& context,
-                                   const SiteId& site, const SiteGraph& graph, const graph::SolvedGraph& solution) {
-  ENFILADE_ASSIGN_OR_RETURN(const storage::GraphSolution stored, StoredSolution(graph, solution));
-  return store.Apply(context, site, graph.graph().version(), stored);
-}
-
 }  // namespace
 
-GraphOptimizer::GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases,
-                               SiteGraphs& graphs, ChangedSites& changed)
+GraphOptimizer::GraphOptimizer(const storage::GraphStore& store, const Leases& leases, SiteGraphs& graphs,
+                               ChangedSites& changed)
     : store_(store), leases_(leases), graphs_(graphs), changed_(changed), owner_(NewUuid() + "/graph") {
   for (int i = 0; i < kWorkers; ++i) workers_.emplace_back([this] { Run(); });
 }
@@ -85,21 +83,27 @@ void GraphOptimizer::Stop() { stop_.Set(); }
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const storage::CallContext& context, const SiteId& site) {
   ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
-                            HeldSiteLease::Await(leases_, context, site, owner_, kSolveLeaseTime, &stop_));
-  return SolveAndStore(context, site);
+                            HeldSiteLease::Await(leases_.solve, context, site, owner_, kSolveLeaseTime, &stop_));
+  return SolveAndStore(context, site, {});
 }
 
-absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::CallContext& context, const SiteId& site) {
+absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::CallContext& context, const SiteId& site,
+                                                             Solved last) {
   for (int attempt = 0; attempt < kOptimisticAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
-    ENFILADE_ASSIGN_OR_RETURN(graph::SolvedGraph solution, graph::OptimizeGraph(graph->graph()));
-    const absl::StatusOr<std::int64_t> version = Store(store_, context, site, *graph, solution);
-    graphs_.MarkChanged(site);
-    if (version.ok()) {
-      Remember(site, graph, solution);
-      return OptimizedGraph{*version, std::move(solution)};
+    std::optional<graph::SolvedGraph> solution;
+    if (last.graph != nullptr) solution = graph::ExtendSolution(last.graph->graph(), *last.solution, graph->graph());
+    if (!solution) {
+      ENFILADE_ASSIGN_OR_RETURN(solution, graph::OptimizeGraph(graph->graph()));
     }
-    if (!absl::IsAborted(version.status())) return version.status();
+    bool is_outdated = false;
+    const absl::StatusOr<std::int64_t> version = Store(context, site, *graph, *solution, is_outdated);
+    if (version.ok()) {
+      Remember(site, graph, *solution);
+      return OptimizedGraph{*version, *std::move(solution)};
+    }
+    if (!is_outdated) return version.status();
+    last = {graph, std::make_shared<const graph::SolvedGraph>(*std::move(solution))};
   }
   return SolveLocked(context, site);
 }
@@ -178,6 +182,7 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   if (absl::IsNotFound(graph.status())) {
     MutexLock lock(mutex_);
     solved_.erase(site);
+    unstored_.erase(site);
   }
   ENFILADE_RETURN_IF_ERROR(graph.status());
   if ((*graph)->graph().root().empty()) return absl::OkStatus();
@@ -185,32 +190,55 @@ absl::Status GraphOptimizer::OptimizeIfDue(const SiteId& site) {
   std::optional<graph::SolvedGraph> solution;
   if (last.graph != nullptr) solution = graph::ExtendSolution(last.graph->graph(), *last.solution, (*graph)->graph());
   if (solution && solution->map_poses.size() == last.solution->map_poses.size()) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.Acquire(context, site, owner_, kSolveLeaseTime));
-  if (!lease) return Aborted("another process is optimising site {} or judging its doors", site.value());
-  absl::Status optimized;
-  if (!solution) {
-    absl::StatusOr<graph::SolvedGraph> solved = graph::OptimizeGraph((*graph)->graph());
-    optimized = solved.status();
-    if (solved.ok()) solution = *std::move(solved);
-  }
-  if (optimized.ok()) optimized = OptimizeChanged(context, site, **graph, *solution);
-  if (optimized.ok()) {
-    Remember(site, *graph, *std::move(solution));
-  } else if (absl::IsAborted(optimized)) {  // it was edited meanwhile
-    optimized = SolveAndStore(context, site).status();
-  }
-  (void)leases_.Release(context, *lease);
+  ENFILADE_ASSIGN_OR_RETURN(const auto lease, leases_.solve.Acquire(context, site, owner_, kSolveLeaseTime));
+  if (!lease) return Aborted("another process is solving the graph of site {}", site.value());
+  const absl::Status optimized = SolveIfChanged(site, *graph, std::move(solution));
+  (void)leases_.solve.Release(storage::CallContext::WithTimeout(kStoreTimeout), *lease);
   return optimized;
 }
 
-absl::Status GraphOptimizer::OptimizeChanged(const storage::CallContext& context, const SiteId& site,
-                                             const SiteGraph& graph, const graph::SolvedGraph& solution) {
-  if (IsSame(graph.graph(), solution)) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, Store(store_, context, site, graph, solution));
-  spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off{}",
-               site.value(), version, solution.map_poses.size(), solution.chi2_before, solution.chi2_after,
-               solution.switched_off.size(), FirstNames(solution.switched_off));
+absl::Status GraphOptimizer::SolveIfChanged(const SiteId& site, const std::shared_ptr<const SiteGraph>& graph,
+                                            std::optional<graph::SolvedGraph> solution) {
+  if (!solution) solution = TakeUnstored(site, *graph);
+  if (!solution) {
+    ENFILADE_ASSIGN_OR_RETURN(solution, graph::OptimizeGraph(graph->graph()));
+  }
+  if (!IsSame(graph->graph(), *solution)) {
+    bool is_outdated = false;
+    const absl::StatusOr<std::int64_t> version =
+        Store(storage::CallContext::WithTimeout(kStoreTimeout), site, *graph, *solution, is_outdated);
+    if (absl::IsAborted(version.status())) {
+      const Solved found{graph, std::make_shared<const graph::SolvedGraph>(*std::move(solution))};
+      if (is_outdated) return SolveAndStore(storage::CallContext::WithTimeout(kSolveTimeout), site, found).status();
+      MutexLock lock(mutex_);
+      unstored_[site] = found;
+    }
+    ENFILADE_RETURN_IF_ERROR(version.status());
+    spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off{}",
+                 site.value(), *version, solution->map_poses.size(), solution->chi2_before, solution->chi2_after,
+                 solution->switched_off.size(), FirstNames(solution->switched_off));
+  }
+  Remember(site, graph, *std::move(solution));
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::int64_t> GraphOptimizer::Store(const storage::CallContext& context, const SiteId& site,
+                                                   const SiteGraph& graph, const graph::SolvedGraph& solution,
+                                                   bool& is_outdated) {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::GraphSolution stored, StoredSolution(graph, solution));
+  ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
+                            HeldSiteLease::Await(leases_.change, context, site, owner_, kStoreLeaseTime, &stop_));
+  absl::StatusOr<std::int64_t> version = store_.Apply(context, site, graph.graph().version(), stored);
+  is_outdated = absl::IsAborted(version.status());
+  graphs_.MarkChanged(site);
+  return version;
+}
+
+std::optional<graph::SolvedGraph> GraphOptimizer::TakeUnstored(const SiteId& site, const SiteGraph& graph) {
+  MutexLock lock(mutex_);
+  const auto found = unstored_.extract(site);
+  if (found.empty() || found.mapped().graph->graph().version() != graph.graph().version()) return std::nullopt;
+  return *found.mapped().solution;
 }
 
 }  // namespace enfilade::server

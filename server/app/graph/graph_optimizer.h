@@ -31,21 +31,26 @@ struct OptimizedGraph {
 };
 
 // Optimises sites' graphs: on request, and automatically soon after their measurements have changed; two sites at a
-// time, so that a large one delays others less. What only adds maps at the rim extends the last solution. The site's
-// lease, shared with the closure of doors, ensures that only one process optimises a site at a time. A solution is
-// stored only if the graph is still at the version that it was computed from; if that fails repeatedly because the
-// graph is edited without a pause, the last attempt locks the graph, and editors wait for it. Readers never wait.
-// Thread-safe.
+// time, so that a large one delays others less. What only adds maps at the rim extends the last solution. A lease
+// ensures that only one process solves a site's graph at a time; the lease under which doors are judged is held only
+// while the solution is stored, so that judging does not wait for seconds, and is not upset while it is under way. A
+// solution is stored only if the graph is still at the version that it was computed from; if that fails repeatedly
+// because the graph is edited without a pause, the last attempt locks the graph, and editors wait for it. Readers never
+// wait. Thread-safe.
 class GraphOptimizer {
  public:
-  GraphOptimizer(const storage::GraphStore& store, const storage::SiteLeaseStore& leases, SiteGraphs& graphs,
-                 ChangedSites& changed);
+  struct Leases {
+    const storage::SiteLeaseStore& solve;
+    const storage::SiteLeaseStore& change;
+  };
+
+  GraphOptimizer(const storage::GraphStore& store, const Leases& leases, SiteGraphs& graphs, ChangedSites& changed);
   ~GraphOptimizer();
   GraphOptimizer(const GraphOptimizer&) = delete;
   GraphOptimizer& operator=(const GraphOptimizer&) = delete;
 
-  // Optimises immediately, even if nothing has changed. Waits for the site's lease. FAILED_PRECONDITION if the site has
-  // no maps; ABORTED if another holder keeps the lease until the deadline; NOT_FOUND.
+  // Optimises immediately, even if nothing has changed. Waits for the site's leases. FAILED_PRECONDITION if the site
+  // has no maps; ABORTED if another holder keeps one until the deadline; NOT_FOUND.
   absl::StatusOr<OptimizedGraph> Optimize(const storage::CallContext& context, const SiteId& site);
 
   // Asks the workers to stop, without waiting; the destructor waits.
@@ -63,18 +68,26 @@ class GraphOptimizer {
   std::optional<SiteId> TakeWaiting();
   // The site remains to be optimised if that fails; after an error it is left alone for a while.
   void TryToOptimize(const SiteId& site);
-  // No-op if the graph's measurements are those that were last solved. ABORTED if another holder has the lease.
+  // No-op if the graph's measurements are those that were last solved. ABORTED if another holder has a lease.
   absl::Status OptimizeIfDue(const SiteId& site);
-  // The next three: the caller holds the site's lease.
-  absl::StatusOr<OptimizedGraph> SolveAndStore(const storage::CallContext& context, const SiteId& site);
+  // The next five: the caller holds the lease on solving.
+  // `solution`: if it is known already.
+  absl::Status SolveIfChanged(const SiteId& site, const std::shared_ptr<const SiteGraph>& graph,
+                              std::optional<graph::SolvedGraph> solution);
+  // `last`: of an earlier version, from which the solution may follow.
+  absl::StatusOr<OptimizedGraph> SolveAndStore(const storage::CallContext& context, const SiteId& site, Solved last);
   absl::StatusOr<OptimizedGraph> SolveLocked(const storage::CallContext& context, const SiteId& site);
-  absl::Status OptimizeChanged(const storage::CallContext& context, const SiteId& site, const SiteGraph& graph,
-                               const graph::SolvedGraph& solution);
+  // Waits for the lease on changes. ABORTED if the graph is no longer at its version, which `is_outdated` says, or if
+  // another holder keeps the lease.
+  absl::StatusOr<std::int64_t> Store(const storage::CallContext& context, const SiteId& site, const SiteGraph& graph,
+                                     const graph::SolvedGraph& solution, bool& is_outdated);
+  // What the last solution of `graph` is, if that was found and not stored. Unset: none.
+  std::optional<graph::SolvedGraph> TakeUnstored(const SiteId& site, const SiteGraph& graph);
   Solved LastSolved(const SiteId& site);
   void Remember(const SiteId& site, std::shared_ptr<const SiteGraph> graph, graph::SolvedGraph solution);
 
   const storage::GraphStore& store_;
-  const storage::SiteLeaseStore& leases_;
+  const Leases leases_;
   SiteGraphs& graphs_;
   ChangedSites& changed_;
   StopSignal stop_;
@@ -83,6 +96,8 @@ class GraphOptimizer {
   std::set<SiteId> waiting_ ABSL_GUARDED_BY(mutex_);
   std::set<SiteId> taken_ ABSL_GUARDED_BY(mutex_);  // by a worker
   std::unordered_map<SiteId, Solved> solved_ ABSL_GUARDED_BY(mutex_);
+  // Found, but the lease for storing them was not to be had.
+  std::unordered_map<SiteId, Solved> unstored_ ABSL_GUARDED_BY(mutex_);
   SiteBackoff backoff_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::thread> workers_;
 };

@@ -7,27 +7,38 @@
 namespace enfilade::storage::postgres {
 namespace {
 
-constexpr Statement kTakeSiteLease{
-    "taking the site's lease",
-    "INSERT INTO enfilade.site_leases AS l (site_id, owner, token, expires_at)"
-    " VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond')"
-    " ON CONFLICT (site_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"
-    " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= EXCLUDED.expires_at - $3 * interval '1 millisecond'"
-    " RETURNING token"};
-constexpr Statement kRenewSiteLease{"renewing the site's lease",
-                                    "UPDATE enfilade.site_leases"
-                                    " SET expires_at = now() + $4 * interval '1 millisecond'"
-                                    " WHERE site_id = $1 AND owner = $2 AND token = $3"};
-constexpr Statement kReleaseSiteLease{"releasing the site's lease",
-                                      "UPDATE enfilade.site_leases SET owner = '', expires_at = now()"
-                                      " WHERE site_id = $1 AND owner = $2 AND token = $3"};
+// Of the leases in one table.
+struct LeaseStatements {
+  Statement take, renew, release;
+};
+#define ENFILADE_LEASES_IN(table)                                                                                  \
+  {                                                                                                                \
+    {"taking the site's lease",                                                                                    \
+     "INSERT INTO enfilade." table                                                                                 \
+     " AS l (site_id, owner, token, expires_at)"                                                                   \
+     " VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond')"                                      \
+     " ON CONFLICT (site_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"                           \
+     " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= EXCLUDED.expires_at - $3 * interval '1 millisecond'" \
+     " RETURNING token"},                                                                                          \
+        {"renewing the site's lease", "UPDATE enfilade." table                                                     \
+                                      " SET expires_at = now() + $4 * interval '1 millisecond'"                    \
+                                      " WHERE site_id = $1 AND owner = $2 AND token = $3"},                        \
+        {"releasing the site's lease", "UPDATE enfilade." table                                                    \
+                                       " SET owner = '', expires_at = now()"                                       \
+                                       " WHERE site_id = $1 AND owner = $2 AND token = $3"},                       \
+  }
+constexpr LeaseStatements kChangeLeases = ENFILADE_LEASES_IN("site_leases");
+constexpr LeaseStatements kSolverLeases = ENFILADE_LEASES_IN("solver_leases");
+#undef ENFILADE_LEASES_IN
+
+const LeaseStatements& Of(SiteRight right) { return right == SiteRight::kSolve ? kSolverLeases : kChangeLeases; }
 
 }  // namespace
 
 absl::StatusOr<std::optional<SiteLease>> SiteLeaseStore::Acquire(const CallContext& context, const SiteId& site,
                                                                  const std::string& owner,
                                                                  std::chrono::milliseconds ttl) const {
-  const auto taken = ExecuteAlone(pool_, context, kTakeSiteLease, Params(site, owner, std::int64_t{ttl.count()}));
+  const auto taken = ExecuteAlone(pool_, context, Of(right_).take, Params(site, owner, std::int64_t{ttl.count()}));
   if (SqlStateOf(taken.status()) == "23503") return NotFound("{} does not exist", NameOf(site));
   ENFILADE_RETURN_IF_ERROR(taken.status());
   if (taken->rows() == 0) return std::nullopt;
@@ -39,14 +50,14 @@ absl::StatusOr<std::optional<SiteLease>> SiteLeaseStore::Acquire(const CallConte
 absl::Status SiteLeaseStore::Renew(const CallContext& context, const SiteLease& lease,
                                    std::chrono::milliseconds ttl) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto renewed,
-                            ExecuteAlone(pool_, context, kRenewSiteLease,
+                            ExecuteAlone(pool_, context, Of(right_).renew,
                                          Params(lease.site, lease.owner, lease.token, std::int64_t{ttl.count()})));
   if (renewed.affected() > 0) return absl::OkStatus();
   return Aborted("{} has lost the lease on {}", lease.owner, NameOf(lease.site));
 }
 
 absl::Status SiteLeaseStore::Release(const CallContext& context, const SiteLease& lease) const {
-  return ExecuteAlone(pool_, context, kReleaseSiteLease, Params(lease.site, lease.owner, lease.token)).status();
+  return ExecuteAlone(pool_, context, Of(right_).release, Params(lease.site, lease.owner, lease.token)).status();
 }
 
 }  // namespace enfilade::storage::postgres

@@ -8,7 +8,7 @@ namespace enfilade::storage::postgres {
 
 class SiteLeaseStore final : public storage::SiteLeaseStore {
  public:
-  explicit SiteLeaseStore(Pool& pool) : pool_(pool) {}
+  SiteLeaseStore(Pool& pool, SiteRight right) : pool_(pool), right_(right) {}
 
   absl::StatusOr<std::optional<SiteLease>> Acquire(const CallContext& context, const SiteId& site,
                                                    const std::string& owner,
@@ -18,6 +18,7 @@ class SiteLeaseStore final : public storage::SiteLeaseStore {
 
  private:
   Pool& pool_;
+  const SiteRight right_;
 };
 
 }  // namespace enfilade::storage::postgres

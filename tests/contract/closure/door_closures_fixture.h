@@ -60,7 +60,7 @@ class Workers {
   const storage::postgres::RobotPoseStore robot_poses_{pool_};
   const storage::postgres::LinkPointStore link_points_{pool_};
   const storage::DoorVerdictStore verdicts_{pool_};
-  const storage::postgres::SiteLeaseStore leases_{pool_};
+  const storage::postgres::SiteLeaseStore leases_{pool_, storage::SiteRight::kChange};
   const storage::postgres::GraphStore graph_store_{pool_};
   const std::unique_ptr<server::Metrics> metrics_;
   const closure::DoorClosureOptions options_;

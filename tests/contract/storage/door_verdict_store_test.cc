@@ -79,7 +79,7 @@ class DoorVerdictStoreTest : public StoreTest {
     return change;
   }
 
-  const storage::postgres::SiteLeaseStore leases_{*pool_};
+  const storage::postgres::SiteLeaseStore leases_{*pool_, storage::SiteRight::kChange};
   const storage::DoorVerdictStore verdicts_{*pool_};
   SessionId first_;
   SessionId second_;

@@ -133,6 +133,7 @@ SELECT pg_temp.fill('robot_poses', jsonb_build_object('robot_id', 'r', 'map_id',
 SELECT pg_temp.fill('audit_log', '{"audit_id": 1000000, "actor": "", "action": 1, "resource": "maps/m1",
   "after": {}}');
 
+SELECT pg_temp.fill('solver_leases', '{"owner": "o", "token": 1, "expires_at": "2026-01-01"}');
 SELECT pg_temp.fill('site_leases', '{"owner": "o", "token": 1, "expires_at": "2026-01-01"}');
 SELECT pg_temp.fill('door_verdicts', '{"session_id": "doors", "sequence": 2, "decision": 1,
   "evidence": [1], "reason": "-", "graph_version": 1}');

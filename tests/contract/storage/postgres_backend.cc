@@ -91,7 +91,7 @@ class PostgresBackend final : public Backend {
   const storage::postgres::MappingStore mappings_{*pool_};
   const storage::postgres::LinkPointStore link_points_{*pool_};
   const storage::postgres::GraphStore graphs_{*pool_};
-  const storage::postgres::SiteLeaseStore site_leases_{*pool_};
+  const storage::postgres::SiteLeaseStore site_leases_{*pool_, storage::SiteRight::kChange};
   const storage::postgres::RobotPoseStore robot_poses_{*pool_};
   const storage::postgres::RearrangementStore rearrangements_{*pool_};
 };

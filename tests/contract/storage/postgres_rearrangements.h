@@ -12,7 +12,7 @@ namespace enfilade::testing {
 
 class PostgresRearrangementStores : public StoreTest {
  protected:
-  const storage::postgres::SiteLeaseStore leases_{*pool_};
+  const storage::postgres::SiteLeaseStore leases_{*pool_, storage::SiteRight::kChange};
   const storage::postgres::RearrangementStore store_{*pool_};
 };
 

@@ -62,7 +62,7 @@ class SiteDeletionTest : public StoreTest {
   }
 
   storage::SiteDeletion deletion_{*pool_};
-  storage::postgres::SiteLeaseStore site_leases_{*pool_};
+  storage::postgres::SiteLeaseStore site_leases_{*pool_, storage::SiteRight::kChange};
   SessionId session_;
 };
 

@@ -50,8 +50,9 @@ TEST(FileAssembly, PutsFilesTogether) {
 }
 
 TEST(FileAssembly, RefusesTooMuchAndWhatDoesNotFollow) {
-  EXPECT_STATUS(FileAssembly(file_space).Begin(Entries({{"a", std::string(60, 'x')}, {"b", std::string(60, 'x')}}), 100),
-                absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""));
+  EXPECT_STATUS(
+      FileAssembly(file_space).Begin(Entries({{"a", std::string(60, 'x')}, {"b", std::string(60, 'x')}}), 100),
+      absl::StatusCode::kInvalidArgument, HasSubstr("\"b\""));
   EXPECT_FALSE(FileAssembly(file_space).Begin({}, 100).ok());
   FileAssembly assembly(file_space);
   ASSERT_OK(assembly.Begin(Entries({{"a", "hello"}}), 100));
@@ -91,7 +92,8 @@ TEST(FileAssembly, IsIndifferentToTheSizeOfChunks) {
 TEST(FileAssembly, BoundsTheManifest) {
   std::vector<std::pair<std::string, std::string>> files = {{"a", "1"}, {"b", "2"}, {"c", "3"}, {"d", "4"}};
   EXPECT_OK(FileAssembly(file_space).Begin(Entries(files), 4)) << "exactly as much as allowed";
-  EXPECT_STATUS(FileAssembly(file_space).Begin(Entries(files), 3), absl::StatusCode::kInvalidArgument, HasSubstr("\"d\""));
+  EXPECT_STATUS(FileAssembly(file_space).Begin(Entries(files), 3), absl::StatusCode::kInvalidArgument,
+                HasSubstr("\"d\""));
   files.emplace_back("e", "5");
   EXPECT_STATUS(FileAssembly(file_space).Begin(Entries(files), 100), absl::StatusCode::kInvalidArgument,
                 HasSubstr("5 entries"));

@@ -43,7 +43,9 @@ class GraphOptimizerTest : public AppGraphTest {
   // Doors that do not fit exactly, so that a solution differs from the chain of link points.
   GraphOptimizerTest() { Join("ac", "a", "c", {20.3, 0, 0}); }
 
-  void StartOptimizer() { optimizer_.emplace(probe_, stores_.site_leases, *graphs_, changed_); }
+  void StartOptimizer() {
+    optimizer_.emplace(probe_, GraphOptimizer::Leases{stores_.solver_leases, stores_.site_leases}, *graphs_, changed_);
+  }
   void StartAll() {
     Start();
     StartOptimizer();
@@ -174,6 +176,33 @@ TEST_F(GraphOptimizerTest, ARequestWaitsForTheLease) {
   EXPECT_GT(LastSolution(site_), 0);
 }
 
+TEST_F(GraphOptimizerTest, DoorsAreJudgedWhileAGraphIsSolvedAndNotWhileASolutionIsStored) {
+  probe_.set_listening(Listening::kBroken);
+  StartAll();
+  std::atomic<bool> free_while_stored{true};
+  probe_.set_before_apply([&] { free_while_stored = IsLeaseFree(); });
+  const auto solving = stores_.solver_leases.Acquire(Soon(), site_, "another process", kSiteLeaseTime);
+  ASSERT_TRUE(solving.ok() && *solving);
+  EXPECT_TRUE(IsLeaseFree()) << "another process solves the graph";
+  ASSERT_OK(stores_.solver_leases.Release(Soon(), **solving));
+  ASSERT_OK(optimizer_->Optimize(Soon(), site_));
+  EXPECT_FALSE(free_while_stored);
+  EXPECT_TRUE(IsLeaseFree());
+}
+
+TEST_F(GraphOptimizerTest, WhatWasSolvedWhileADoorWasJudgedIsNotSolvedAgain) {
+  const CountingLeases leases(stores_.solver_leases);
+  const storage::SiteLease judging = HoldLease();
+  StartListening();
+  optimizer_.emplace(probe_, GraphOptimizer::Leases{leases, stores_.site_leases}, *graphs_, changed_);
+  MoveDoor(10.1);
+  while (leases.count() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(5));  // it comes back
+  EXPECT_EQ(LastSolution(site_), 0);
+  EXPECT_OK(stores_.site_leases.Release(Soon(), judging));
+  AwaitSolution(site_, 0);
+  optimizer_.reset();
+}
+
 TEST_F(GraphOptimizerTest, StopEndsTheWaitForTheLease) {
   probe_.set_listening(Listening::kBroken);
   StartAll();
@@ -215,10 +244,10 @@ TEST_F(GraphOptimizerTest, ChangesThatNoSolutionDependsOnMakeNoVersion) {
 }
 
 TEST_F(GraphOptimizerTest, TheWorkerDoesNotRepeatWhatARequestHasSolved) {
-  const CountingLeases leases(stores_.site_leases);
+  const CountingLeases leases(stores_.solver_leases);
   StartListening();
   ASSERT_OK_AND_ASSIGN(const OptimizedGraph optimized, [&] {
-    optimizer_.emplace(probe_, leases, *graphs_, changed_);
+    optimizer_.emplace(probe_, GraphOptimizer::Leases{leases, stores_.site_leases}, *graphs_, changed_);
     return optimizer_->Optimize(Soon(), site_);
   }());
   AwaitVersion(optimized.version);
