@@ -80,6 +80,9 @@ void VisitSlamOptions(Options& o, Visit visit) {
   visit("loop.yaw_floor", o.loop.yaw_floor);
   visit("loop.min_agreeing", o.loop.min_agreeing);
   visit("loop.min_agreeing_length", o.loop.min_agreeing_length);
+  visit("loop.last_pass_length", o.loop.last_pass_length);
+  visit("loop.last_pass_range", o.loop.last_pass_range);
+  visit("loop.last_pass_widening", o.loop.last_pass_widening);
   visit("loop.cached_submaps", o.loop.cached_submaps);
   visit("graph.kernel_width", o.graph.kernel_width);
   visit("graph.max_chi2", o.graph.max_chi2);

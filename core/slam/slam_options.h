@@ -126,7 +126,12 @@ struct LoopOptions {
   // Closures that the graph rejects hold against it if so many agree with one another, from keyframes so far apart.
   int min_agreeing = 3;
   double min_agreeing_length = 1.0;  // m
-  int cached_submaps = 8;            // decompressed, about 5 MB each
+  // When the session finishes, submaps that are tied to each other only by ways longer than this are compared, by what
+  // the later one shows so far around a keyframe.
+  double last_pass_length = 20.0;   // m
+  double last_pass_range = 12.0;    // m
+  double last_pass_widening = 2.0;  // of the possible drift
+  int cached_submaps = 8;           // decompressed, about 5 MB each
 };
 
 // How the pose graph is solved.

@@ -9,6 +9,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/slam/loops/edge_information.h"
+#include "core/slam/loops/last_pass.h"
 #include "core/slam/loops/loop_closer.h"
 #include "core/slam/loops/reconsider.h"
 #include "core/slam/loops/slam_graph.h"
@@ -83,11 +84,14 @@ class Mapper::Impl {
   }
 
   void Finish() {
-    if (!state_.ended && state_.active) FinishActive(std::nullopt);
+    const bool is_first = !state_.ended;
+    if (is_first && state_.active) FinishActive(std::nullopt);
     state_.ended = true;
     if (!options_.match_scans) return;
     Solve();
-    if (options_.close_loops) Reconsider();
+    if (!options_.close_loops) return;
+    Reconsider();
+    if (is_first) JoinUnjoined();
   }
 
   SlamDelta TakeDelta() { return changes_.Take(state_); }
@@ -180,8 +184,8 @@ class Mapper::Impl {
     content.scans.push_back(rays);
   }
 
-  void CloseLoops(const SlamNode& node, const grid::ScanRays& rays) {
-    for (LoopClosure& closure : TryLoopClosures(state_, node, rays, options_, cache_)) {
+  void Add(std::vector<LoopClosure> closures) {
+    for (LoopClosure& closure : closures) {
       changes_.MarkLoopClosure(closure.id);
       if (closure.state == LoopClosureState::kAccepted) {
         state_.unsolved_closures = true;
@@ -190,6 +194,22 @@ class Mapper::Impl {
       }
       state_.loop_closures[closure.id] = std::move(closure);
     }
+  }
+
+  // Compares what no closure has joined, when there are no more scans.
+  void JoinUnjoined() {
+    LastPass pass(options_);
+    while (const std::optional<UnjoinedPair> pair = pass.Next(state_)) {
+      Add(pass.Try(state_, *pair, cache_));
+      if (!state_.unsolved_closures) continue;
+      Solve();
+      Reconsider();
+      pass.Forget();
+    }
+  }
+
+  void CloseLoops(const SlamNode& node, const grid::ScanRays& rays) {
+    Add(TryLoopClosures(state_, node, rays, options_, cache_));
     const auto nodes = static_cast<std::int64_t>(state_.nodes.size());
     if (state_.unsolved_closures && IsSolveDue(nodes, state_.nodes_at_solve, state_.urgent_closures, options_.graph)) {
       Solve();

@@ -7,29 +7,43 @@
 namespace enfilade::storage::postgres {
 namespace {
 
-// Of the leases in one table.
-struct LeaseStatements {
-  Statement take, renew, release;
-};
-#define ENFILADE_LEASES_IN(table)                                                                                  \
-  {                                                                                                                \
-    {"taking the site's lease",                                                                                    \
-     "INSERT INTO enfilade." table                                                                                 \
-     " AS l (site_id, owner, token, expires_at)"                                                                   \
-     " VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond')"                                      \
-     " ON CONFLICT (site_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"                           \
-     " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= EXCLUDED.expires_at - $3 * interval '1 millisecond'" \
-     " RETURNING token"},                                                                                          \
-        {"renewing the site's lease", "UPDATE enfilade." table                                                     \
-                                      " SET expires_at = now() + $4 * interval '1 millisecond'"                    \
-                                      " WHERE site_id = $1 AND owner = $2 AND token = $3"},                        \
-        {"releasing the site's lease", "UPDATE enfilade." table                                                    \
-                                       " SET owner = '', expires_at = now()"                                       \
-                                       " WHERE site_id = $1 AND owner = $2 AND token = $3"},                       \
+// Leases on each right are in a table of their own.
+#define ENFILADE_TAKE_LEASE(table)                                                                                    \
+  Statement {                                                                                                         \
+    "taking the site's lease",                                                                                        \
+        "INSERT INTO enfilade." table                                                                                 \
+        " AS l (site_id, owner, token, expires_at)"                                                                   \
+        " VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond')"                                      \
+        " ON CONFLICT (site_id) DO UPDATE SET owner = EXCLUDED.owner, token = l.token + 1,"                           \
+        " expires_at = EXCLUDED.expires_at WHERE l.expires_at <= EXCLUDED.expires_at - $3 * interval '1 millisecond'" \
+        " RETURNING token"                                                                                            \
   }
-constexpr LeaseStatements kChangeLeases = ENFILADE_LEASES_IN("site_leases");
-constexpr LeaseStatements kSolverLeases = ENFILADE_LEASES_IN("solver_leases");
-#undef ENFILADE_LEASES_IN
+#define ENFILADE_RENEW_LEASE(table)                                                        \
+  Statement {                                                                              \
+    "renewing the site's lease", "UPDATE enfilade." table                                  \
+                                 " SET expires_at = now() + $4 * interval '1 millisecond'" \
+                                 " WHERE site_id = $1 AND owner = $2 AND token = $3"       \
+  }
+#define ENFILADE_RELEASE_LEASE(table)                                                 \
+  Statement {                                                                         \
+    "releasing the site's lease", "UPDATE enfilade." table                            \
+                                  " SET owner = '', expires_at = now()"               \
+                                  " WHERE site_id = $1 AND owner = $2 AND token = $3" \
+  }
+constexpr Statement kTakeChange = ENFILADE_TAKE_LEASE("site_leases");
+constexpr Statement kRenewChange = ENFILADE_RENEW_LEASE("site_leases");
+constexpr Statement kReleaseChange = ENFILADE_RELEASE_LEASE("site_leases");
+constexpr Statement kTakeSolve = ENFILADE_TAKE_LEASE("solver_leases");
+constexpr Statement kRenewSolve = ENFILADE_RENEW_LEASE("solver_leases");
+constexpr Statement kReleaseSolve = ENFILADE_RELEASE_LEASE("solver_leases");
+
+struct LeaseStatements {
+  const Statement& take;
+  const Statement& renew;
+  const Statement& release;
+};
+constexpr LeaseStatements kChangeLeases = {kTakeChange, kRenewChange, kReleaseChange};
+constexpr LeaseStatements kSolverLeases = {kTakeSolve, kRenewSolve, kReleaseSolve};
 
 const LeaseStatements& Of(SiteRight right) { return right == SiteRight::kSolve ? kSolverLeases : kChangeLeases; }
 

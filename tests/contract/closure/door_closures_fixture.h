@@ -61,13 +61,14 @@ class Workers {
   const storage::postgres::LinkPointStore link_points_{pool_};
   const storage::DoorVerdictStore verdicts_{pool_};
   const storage::postgres::SiteLeaseStore leases_{pool_, storage::SiteRight::kChange};
+  const storage::postgres::SiteLeaseStore solver_leases_{pool_, storage::SiteRight::kSolve};
   const storage::postgres::GraphStore graph_store_{pool_};
   const std::unique_ptr<server::Metrics> metrics_;
   const closure::DoorClosureOptions options_;
   server::WakeSignal wake_;
   server::ChangedSites changed_;
   server::SiteGraphs graphs_{graph_store_, changed_};
-  server::GraphOptimizer optimizer_{graph_store_, leases_, graphs_, changed_};
+  server::GraphOptimizer optimizer_{graph_store_, {solver_leases_, leases_}, graphs_, changed_};
   std::optional<server::Mapping> mapping_;
   std::optional<server::DoorClosures> closures_;
 };
