@@ -387,22 +387,5 @@ TEST(MapperBadInput, TakesNoScansAfterFinish) {
   EXPECT_FALSE(mapper.AddScan(log[1]).used);
 }
 
-// The robot comes back to where it began, and its log ends soon after.
-TEST(MapperSlam, WhatIsUnjoinedWhenTheSessionEndsIsComparedOnceMore) {
-  const auto walls = RingOfCorridors();
-  const std::vector<Pose2> truth =
-      Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 2.5}, {6.5, 2.5}}, 0.25);
-  const auto log = testing::Record(walls, truth, {}, kPoorOdometry, 3);
-  SlamOptions options;
-  options.loop.max_attempts = 0;  // while it records
-  SlamOptions without = options;
-  without.loop.last_pass_length = 1e6;
-  const MappedDrive mapped = MapLog(log, options);
-  const MappedDrive unjoined = MapLog(log, without);
-  EXPECT_EQ(Accepted(unjoined.map), 0);
-  EXPECT_GE(Accepted(mapped.map), 1);
-  EXPECT_LE(WorstError(mapped, truth), WorstError(unjoined, truth));
-}
-
 }  // namespace
 }  // namespace enfilade::slam
