@@ -85,10 +85,13 @@ func serve(w http.ResponseWriter, r *http.Request, files map[string]file) {
 	}
 	header := w.Header()
 	// The build names its files by their content; the first page names them.
-	if strings.HasPrefix(name, "assets/") {
+	switch {
+	case strings.HasPrefix(name, "assets/"):
 		header.Set("Cache-Control", "public, max-age=31536000, immutable")
-	} else {
+	case name == indexName:
 		header.Set("Cache-Control", "no-cache")
+	default: // the icon, which browsers ask for with each address
+		header.Set("Cache-Control", "public, max-age=86400")
 	}
 	header.Set("Content-Type", found.mediaType)
 	header.Set("Vary", "Accept-Encoding")

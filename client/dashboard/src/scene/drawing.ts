@@ -160,7 +160,7 @@ export function addRobots(glyphs: InstanceList, palette: Palette, frame: Frame, 
     const at = motion.at(robots.names[row]!, pose, frame.now);
     if (!inside(frame.window, at.x, at.y, 20)) continue;
     const ghost = !own && view.level !== undefined && robots.level[row] !== view.level;
-    addRobot(glyphs, frame, palette, row, at.x, at.y, at.yaw, site.ageOf(robots.receiveTime[row]!, frame.wall), ghost);
+    addRobot(glyphs, frame, palette, row, at, site.ageOf(robots.receiveTime[row]!, frame.wall), ghost);
   }
 }
 

@@ -3,6 +3,7 @@ import { expect, test } from 'vitest';
 import { affineOf, apply, between, boundsOf, composed, inverted } from './affine';
 import { fitted, formatView, panned, parseView, screenToWorld, viewOf, worldToScreen, zoomedAt } from './camera';
 import { ellipse95 } from './ellipse';
+import { turnOf } from './glyphs';
 
 const size = { width: 800, height: 600 };
 const camera = { x: 10, y: -5, scale: 4 };
@@ -79,4 +80,12 @@ test('the ellipse is the contour of 95 %', () => {
       expect((yy * x * x - 2 * xy * x * y + xx * y * y) / det).toBeCloseTo(5.9915, 3);
     }
   }
+});
+
+test('an ellipse turns with its map, on the page of the map', () => {
+  const robots = { placed: [1, 0], map: [0, 0, 0.5, 0, 0, 2], world: [0, 0, 1.2, 0, 0, 0] };
+  const frame = (map?: string) => ({ site: { robots }, view: { map } }) as unknown as Parameters<typeof turnOf>[0];
+  expect(turnOf(frame('sites/s/maps/m'), 0)).toBeCloseTo(-0.7);
+  expect(turnOf(frame('sites/s/maps/m'), 1)).toBe(0); // its covariance is that of its map
+  expect(turnOf(frame(), 0)).toBe(0);
 });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { LinkPoint_Kind, LinkPoint_State, LinkPoint_Use } from '../gen/enfilade/v1/link_point_pb';
 import type { GraphLinkPoint } from '../gen/enfilade/v1/graph_pb';
+import type { Pose } from './camera';
 import { ellipse95 } from './ellipse';
 import { addGlyph, shape } from './gl/glyphLayer';
 import type { InstanceList } from './gl/program';
@@ -67,8 +68,14 @@ export function addSelection(list: InstanceList, palette: Palette, x: number, y:
   addGlyph(list, { x, y, halfX: radius, halfY: radius, angle: 0, shape: shape.disc, stroke: 2, dash: 0, line: rgba(palette.colour.select), fill: rgba(palette.colour.select, 0.15) });
 }
 
+// The covariance has the axes of the world, if the robot is placed there. On a map's own page those of the map are drawn.
+export function turnOf({ site: { robots }, view }: Frame, row: number): number {
+  if (view.map === undefined || !robots.placed[row]) return 0;
+  return robots.map[3 * row + 2]! - robots.world[3 * row + 2]!;
+}
+
 // `age` in seconds. The heading is the arrow's; the ellipse contains the robot with 95 %.
-export function addRobot(list: InstanceList, frame: Frame, palette: Palette, row: number, x: number, y: number, yaw: number, age: number, ghost: boolean) {
+export function addRobot(list: InstanceList, frame: Frame, palette: Palette, row: number, { x, y, yaw }: Pose, age: number, ghost: boolean) {
   const { robots } = frame.site;
   const name = robots.names[row]!;
   const [px, py] = [across(frame, x), up(frame, y)];
@@ -77,7 +84,9 @@ export function addRobot(list: InstanceList, frame: Frame, palette: Palette, row
   const colour = stale ? palette.colour.stale : palette.colour.robot;
   const half = Math.max(ROBOT_PX, ROBOT_M * frame.camera.scale);
   const c = robots.covariance;
-  const { major, minor, angle } = ellipse95(c[4 * row]!, c[4 * row + 1]!, c[4 * row + 2]!);
+  const ellipse = ellipse95(c[4 * row]!, c[4 * row + 1]!, c[4 * row + 2]!);
+  const { major, minor } = ellipse;
+  const angle = ellipse.angle + turnOf(frame, row);
   const glyph = { x: px, y: py, dash: 0 };
   if (major * frame.camera.scale > half) {
     addGlyph(list, {
