@@ -103,7 +103,7 @@ test('a11y: axe finds nothing serious on any page in either theme', async () => 
   const paths = await links.evaluateAll((all) => all.map((link) => new URL(link.href).pathname));
   await first.close();
   for (const theme of ['light', 'dark']) {
-    for (const path of [...paths, '/', '/s/empty/campus', '/s/empty/maps']) {
+    for (const path of [...paths, '/s/demo/history/audit', '/', '/s/empty/campus', '/s/empty/maps']) {
       const { page, close } = await open(browser, system.url + path, { theme });
       await page.locator('main').getByText(/./).first().waitFor();
       await until('nothing is being loaded', async () => (await page.getByRole('status', { name: 'Loading' }).count()) === 0);
