@@ -36,5 +36,8 @@ export function bytes(count: number): string {
 
 export const levelName = (level: number) => (level === 0 ? 'Ground floor' : `Level ${level}`);
 
+// A name with the beginnings of its UUIDs, which tell one thing from another.
+export const shortened = (name: string) => name.replace(/\b([0-9a-f]{8})-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}\b/g, '$1');
+
 // 1 map, 2 maps.
 export const count = (n: number, one: string, many = `${one}s`) => `${n} ${n === 1 ? one : many}`;

@@ -6,7 +6,7 @@ import { siteName, withoutSite } from '../../api/names';
 import { AuditEntry_Action as Action, type AuditEntry } from '../../gen/enfilade/v1/site_service_pb';
 import { useLive } from '../../live/context';
 import { DataTable, type Column } from '../../ui/DataTable';
-import { dateTime } from '../../ui/format';
+import { dateTime, shortened } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
 
 const SHOWN = 1000;
@@ -52,7 +52,7 @@ const columns: Column<AuditEntry>[] = [
   { title: 'Time', order: ({ time }) => (time ? timestampMs(time) : 0), cell: ({ time }) => time && dateTime(timestampMs(time)) },
   { title: 'Who', order: ({ actor }) => actor, cell: ({ actor }) => actor || <span className="sub">unknown</span> },
   { title: 'Did', order: ({ action }) => actions[action], cell: ({ action }) => actions[action] },
-  { title: 'What', order: resourceOf, cell: (entry) => <span className="mono">{resourceOf(entry)}</span> },
+  { title: 'What', order: resourceOf, cell: (entry) => <span className="mono" title={resourceOf(entry)}>{shortened(resourceOf(entry))}</span> },
   { title: 'Difference', cell: (entry) => <Difference entry={entry} /> },
 ];
 

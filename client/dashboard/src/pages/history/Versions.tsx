@@ -6,7 +6,7 @@ import { siteName } from '../../api/names';
 import { GraphVersion_Cause as Cause, type GraphVersion } from '../../gen/enfilade/v1/graph_pb';
 import { useLive } from '../../live/context';
 import { DataTable, type Column } from '../../ui/DataTable';
-import { count, dateTime } from '../../ui/format';
+import { count, dateTime, shortened } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
 
 // The newest; older ones are for programs.
@@ -36,7 +36,7 @@ const columns: Column<GraphVersion>[] = [
   { title: 'Version', number: true, order: ({ graphVersion }) => Number(graphVersion), cell: ({ graphVersion }) => String(graphVersion) },
   { title: 'Time', order: ({ createTime }) => (createTime ? timestampMs(createTime) : 0), cell: ({ createTime }) => createTime && dateTime(timestampMs(createTime)) },
   { title: 'What', order: ({ cause }) => causes[cause], cell: ({ cause }) => causes[cause] },
-  { title: 'Of', cell: ({ resource }) => (resource === '' ? <span className="sub">the whole graph</span> : <span className="mono">{resource}</span>) },
+  { title: 'Of', cell: ({ resource }) => (resource === '' ? <span className="sub">the whole graph</span> : <span className="mono" title={resource}>{shortened(resource)}</span>) },
   { title: 'Who', order: ({ actor }) => actor, cell: ({ actor, cause }) => actor || <span className="sub">{cause === Cause.OPTIMIZED ? 'the server' : 'unknown'}</span> },
   { title: 'Chi-squared', cell: agreement },
 ];
