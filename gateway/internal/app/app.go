@@ -23,6 +23,7 @@ import (
 	"enfilade/gateway/internal/guard"
 	"enfilade/gateway/internal/openapi"
 	"enfilade/gateway/internal/rasters"
+	"enfilade/gateway/internal/reference"
 	"enfilade/gateway/internal/rest"
 	"enfilade/gateway/internal/telemetry"
 )
@@ -113,8 +114,14 @@ func newHandler(ctx context.Context, server *grpc.ClientConn, options Options) (
 	if err != nil {
 		return nil, err
 	}
+	docs, err := reference.Handler()
+	if err != nil {
+		return nil, err
+	}
 	mux := http.NewServeMux()
 	mux.Handle("/v1/", rest.Resume(api))
+	mux.Handle(reference.Path, docs)
+	mux.Handle(reference.Path+"/", docs)
 	mux.HandleFunc("GET /openapi.json", openapi.Serve)
 	mux.HandleFunc("GET /healthz", func(w http.ResponseWriter, _ *http.Request) { _, _ = fmt.Fprintln(w, "ok") })
 	mux.HandleFunc("GET /readyz", readiness(grpc_health_v1.NewHealthClient(server)))

@@ -221,7 +221,7 @@ func answer(w http.ResponseWriter, response proto.Message, err error) error {
 	if err != nil {
 		return err
 	}
-	encoded, err := protojson.MarshalOptions{EmitUnpopulated: true}.Marshal(response)
+	encoded, err := protojson.MarshalOptions{EmitDefaultValues: true}.Marshal(response)
 	if err != nil {
 		return fmt.Errorf("encoding the answer: %w", err)
 	}

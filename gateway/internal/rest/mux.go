@@ -20,7 +20,7 @@ import (
 )
 
 // EventStream and Lines are the media types in which a client can ask for a stream. Without either it gets JSON, one
-// object a line, as with Lines.
+// object a line, as with Lines, and with all fields.
 const (
 	EventStream = "text/event-stream"
 	Lines       = "application/x-ndjson"
@@ -32,9 +32,10 @@ type register func(context.Context, *runtime.ServeMux, *grpc.ClientConn) error
 func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, error) {
 	// Streams leave out fields that have their default value: these are a third of a pose's bytes.
 	slim := runtime.JSONPb{UnmarshalOptions: protojson.UnmarshalOptions{}}
-	full := runtime.JSONPb{MarshalOptions: protojson.MarshalOptions{EmitUnpopulated: true}}
+	// Unset messages are left out: null would be of no type.
+	full := runtime.JSONPb{MarshalOptions: protojson.MarshalOptions{EmitDefaultValues: true}}
 	mux := runtime.NewServeMux(
-		runtime.WithMarshalerOption(runtime.MIMEWildcard, &full),
+		runtime.WithMarshalerOption(runtime.MIMEWildcard, &answers{full}),
 		runtime.WithMarshalerOption(Lines, &lines{slim}),
 		runtime.WithMarshalerOption(EventStream, &events{slim}),
 		runtime.WithIncomingHeaderMatcher(passToServer),

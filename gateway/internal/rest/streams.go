@@ -12,6 +12,11 @@ import (
 	"google.golang.org/protobuf/reflect/protoreflect"
 )
 
+// answers are JSON; those of a stream are lines.
+type answers struct{ runtime.JSONPb }
+
+func (*answers) StreamContentType(any) string { return Lines }
+
 // lines encodes a stream as JSON, one object {"result": ...} or {"error": ...} a line.
 type lines struct{ runtime.JSONPb }
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { faultsOf, launch, open, picture } from './browser.mjs';
+import { System } from './system.mjs';
+
+const system = new System();
+let browser;
+
+before(async () => {
+  await system.start();
+  browser = await launch();
+});
+
+after(async () => {
+  await browser?.close();
+  await system.stop();
+});
+
+test('docs: the reference lists every operation, opens one, and loads nothing from elsewhere', async () => {
+  const document = await (await fetch(`${system.url}/openapi.json`)).json();
+  const operations = Object.values(document.paths).flatMap((item) => Object.values(item).filter(({ operationId }) => operationId));
+  for (const theme of ['light', 'dark']) {
+    const asked = [];
+    const { page, close } = await open(browser, 'about:blank', { theme });
+    page.on('request', (request) => asked.push(new URL(request.url()).origin));
+    await page.goto(`${system.url}/docs`);
+    await page.locator('.opblock-tag').first().waitFor();
+    const closed = page.locator('.opblock-tag[data-is-open="false"]');
+    while ((await closed.count()) > 0) await closed.first().click();
+    assert.equal(await page.locator('.opblock').count(), operations.length);
+    await page.locator('#operations-SiteService-ListSites button.opblock-summary-control').click();
+    await page.getByText('From the previous answer; empty for the first page.').waitFor();
+    await picture(page, `docs-${theme}`);
+    await page.evaluate(() => scrollTo(0, 0));
+    await picture(page, `docs-top-${theme}`);
+    assert.deepEqual([...new Set(asked)], [system.url]);
+    // Swagger UI puts an operation's link into the button that opens it.
+    assert.deepEqual((await faultsOf(page)).filter((fault) => !fault.startsWith('nested-interactive')), []);
+    await close();
+  }
+});
+
+test('docs: a call can be tried', async () => {
+  system.enfilade('tried', 'site', 'create', 'tried', '--name', 'Tried');
+  const { page, close } = await open(browser, `${system.url}/docs#/SiteService/ListSites`);
+  await page.getByRole('button', { name: 'Try it out' }).click();
+  await page.getByRole('button', { name: 'Execute' }).click();
+  await page.locator('.live-responses-table').getByText('sites/tried').first().waitFor();
+  await close();
+});
