@@ -36,22 +36,28 @@ type tileManifest struct {
 	}
 }
 
-// withHall imports a map with a wall in column 3 and returns its manifest and its site.
-func withHall(t *testing.T) (string, answer, tileManifest) {
+// importHall into a map: 30 m x 15 m with a wall in one column.
+func importHall(t *testing.T, site, id string, wall int) {
 	t.Helper()
-	site := newSite(t)
 	const width, height = 600, 300
 	pixels := bytes.Repeat([]byte{254}, width*height)
 	for row := range height {
-		pixels[row*width+3] = 0
+		pixels[row*width+wall] = 0
 	}
 	image := append(fmt.Appendf(nil, "P5\n%d %d\n255\n", width, height), pixels...)
 	text := strings.Replace(description, "[-1.0, -2.0, 0.0]", "[0, 0, 0]", 1)
-	imported := upload(t, "/v1/"+site+"/maps/hall:import", map[string]string{"dialect": "nav2"},
+	imported := upload(t, "/v1/"+site+"/maps/"+id+":import", map[string]string{"dialect": "nav2"},
 		map[string][]byte{"hall.pgm": image, "hall.yaml": []byte(text)})
 	if imported.status != http.StatusOK {
 		t.Fatalf("status %d: %s", imported.status, imported.body)
 	}
+}
+
+// withHall imports a map with a wall in column 3 and returns its manifest and its site.
+func withHall(t *testing.T) (string, answer, tileManifest) {
+	t.Helper()
+	site := newSite(t)
+	importHall(t, site, "hall", 3)
 	got := call(t, "GET", "/v1/"+site+"/maps/hall/revisions/1/manifest", nil, nil)
 	if got.status != http.StatusOK {
 		t.Fatalf("status %d: %s", got.status, got.body)

@@ -116,7 +116,7 @@ func isTile(path string) bool {
 }
 
 func isExport(path string) bool {
-	for _, end := range []string{":export", "/files", "/graph.geojson", "/trajectory.csv"} {
+	for _, end := range []string{":export", "/files", "/graph.geojson", "/trajectory.csv", "/composite.png"} {
 		if strings.HasSuffix(path, end) {
 			return true
 		}

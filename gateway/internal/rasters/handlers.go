@@ -11,7 +11,6 @@ import (
 	"encoding/json"
 	"fmt"
 	"image"
-	"image/color"
 	"image/png"
 	"io"
 	"net/http"
@@ -41,12 +40,13 @@ const (
 
 type handlers struct {
 	rasters pb.RasterServiceClient
+	graphs  pb.GraphServiceClient
 	cache   *cache
 }
 
 // Register adds the routes of tiles and pictures to `mux`; they go before those of the RPCs.
 func Register(mux *runtime.ServeMux, server *grpc.ClientConn) error {
-	h := &handlers{pb.NewRasterServiceClient(server), newCache(cacheBytes, cacheKept)}
+	h := &handlers{pb.NewRasterServiceClient(server), pb.NewGraphServiceClient(server), newCache(cacheBytes, cacheKept)}
 	for _, route := range []struct {
 		methods, pattern string
 		handle           func(http.ResponseWriter, *http.Request, map[string]string) error
@@ -55,6 +55,7 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn) error {
 		{"GET HEAD", "/v1/{site=sites/*}/tiles/{sha256}", h.sendTileOrPicture},
 		{"POST", "/v1/{site=sites/*}/tiles:batch", h.sendBatch},
 		{"GET HEAD", "/v1/{site=sites/*}/overview", h.sendOverview},
+		{"GET HEAD", "/v1/{site=sites/*}/composite.png", h.sendComposite},
 	} {
 		handle := route.handle
 		for _, method := range strings.Fields(route.methods) {
@@ -121,7 +122,7 @@ func (h *handlers) sendManifest(w http.ResponseWriter, r *http.Request, path map
 	if immutable(w, r, hex.EncodeToString(digest[:])) {
 		return nil
 	}
-	body, err := protojson.MarshalOptions{EmitUnpopulated: true}.Marshal(manifest)
+	body, err := protojson.MarshalOptions{EmitDefaultValues: true}.Marshal(manifest)
 	if err != nil {
 		return err
 	}
@@ -134,11 +135,15 @@ func (h *handlers) sendTileOrPicture(w http.ResponseWriter, r *http.Request, pat
 	if !isPicture {
 		return h.sendTile(w, r, path)
 	}
+	palette, err := parsePalette(r.URL.Query().Get("palette"))
+	if err != nil {
+		return err
+	}
 	frame, err := h.frameOf(contextOf(r), path["site"], digest)
 	if err != nil {
 		return err
 	}
-	if immutable(w, r, strings.ToLower(digest)+".png") {
+	if immutable(w, r, strings.ToLower(digest)+".png"+string(palette)) {
 		return nil
 	}
 	cells, err := inflate(frame)
@@ -149,19 +154,13 @@ func (h *handlers) sendTileOrPicture(w http.ResponseWriter, r *http.Request, pat
 	if r.Method == http.MethodHead {
 		return nil
 	}
-	_ = (&png.Encoder{CompressionLevel: png.BestSpeed}).Encode(w, pictureOf(cells)) // else the client is gone
+	_ = (&png.Encoder{CompressionLevel: png.BestSpeed}).Encode(w, pictureOf(cells, palette)) // else the client is gone
 	return nil
 }
 
-// pictureOf a tile: white free, black occupied, and transparent where nothing is known. The highest row comes first.
-func pictureOf(cells []byte) image.Image {
-	palette := make(color.Palette, 256)
-	palette[0] = color.NRGBA{}
-	for value := 1; value < 256; value++ {
-		grey := uint8(255 - value)
-		palette[value] = color.NRGBA{grey, grey, grey, 255}
-	}
-	picture := image.NewPaletted(image.Rect(0, 0, TileSide, TileSide), palette)
+// pictureOf a tile. The highest row comes first.
+func pictureOf(cells []byte, name paletteName) image.Image {
+	picture := image.NewPaletted(image.Rect(0, 0, TileSide, TileSide), name.values())
 	for row := range TileSide {
 		copy(picture.Pix[(TileSide-1-row)*picture.Stride:], cells[row*TileSide:(row+1)*TileSide])
 	}
