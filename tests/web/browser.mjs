@@ -8,10 +8,10 @@ import { chromium } from 'playwright-core';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
-export const launch = () =>
+export const launch = (options = []) =>
   chromium.launch({
     executablePath: process.env.ENFILADE_CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--enable-unsafe-swiftshader'],
+    args: ['--no-sandbox', '--enable-unsafe-swiftshader', ...options],
   });
 
 // Chromium's software renderer says this of every screenshot.

@@ -82,6 +82,21 @@ test('empty_states: each says what to do', async () => {
   }
 });
 
+test('no_webgl: a browser that cannot draw the maps shows the server\'s picture of them', async () => {
+  const without = await launch(['--disable-3d-apis']);
+  try {
+    const { page, close } = await open(without, at('demo/campus'));
+    const composite = page.getByRole('img', { name: /All maps of the level/ });
+    await until('the picture is there', () => composite.evaluate((image) => image.complete && image.naturalWidth === 1024));
+    await page.getByText(/needs WebGL2/).waitFor();
+    await picture(page, 'no-webgl');
+    assert.deepEqual(await faultsOf(page), []);
+    await close();
+  } finally {
+    await without.close();
+  }
+});
+
 test('security: names of HTML and of scripts are text', async () => {
   system.enfilade('odd', 'site', 'create', 'odd', '--name', '<img src=x onerror=alert(1)>');
   const names = ['<script>window.executed = 1</script>', '<img src=x onerror="window.executed = 1">', 'javascript:window.executed=1'];

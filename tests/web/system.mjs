@@ -52,9 +52,10 @@ export class System {
     return this.server.exitCode === null && this.server.signalCode === null;
   }
 
+  // Again at the address that it had.
   async startGateway() {
     this.gateway = this.#run('enfilade-gateway', 'gateway.log',
-      ['--listen', '127.0.0.1:0', '--metrics', '', '--server', `unix:${this.folder}/server.sock`,
+      ['--listen', this.url ? new URL(this.url).host : '127.0.0.1:0', '--metrics', '', '--server', `unix:${this.folder}/server.sock`,
         '--calls-per-second', '0', '--tiles-per-second', '0']);
     const line = await until('the gateway listens', () => /.*"msg":"listening".*/.exec(this.log('gateway.log'))?.[0]);
     this.url = `http://${JSON.parse(line).address}`;

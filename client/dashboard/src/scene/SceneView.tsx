@@ -3,7 +3,7 @@ import './scene.css';
 import { useEffect, useRef, type ReactNode } from 'react';
 import { useLive } from '../live/context';
 import { Icon, type IconName } from '../ui/Icon';
-import { Empty } from '../ui/States';
+import { Composite } from './Composite';
 import type { View } from './model';
 import type { SceneEvents } from './Scene';
 import { sharedScene } from './shared';
@@ -40,10 +40,7 @@ export function SceneView({ view, events, tools, children }: { view: View; event
   if (!scene) {
     return (
       <div className="scene">
-        <Empty title="This browser cannot draw the map">
-          The map needs WebGL2, which this browser does not have or has switched off. The lists on this page work without it; another browser, or
-          hardware acceleration in the settings of this one, brings the map back.
-        </Empty>
+        <Composite view={view} />
       </div>
     );
   }
