@@ -43,6 +43,15 @@ export async function open(browser, url, { theme = 'light', width = 1280, height
   };
 }
 
+// Waits until the page loads nothing more, and the map shows all that it can show.
+export async function settled(page) {
+  await page.locator('main').getByText(/./).first().waitFor();
+  await page.waitForFunction(() => {
+    if (document.querySelector('[role=status][aria-label=Loading]')) return false;
+    return !document.querySelector('.scene-canvas') || window.__scene.settled();
+  });
+}
+
 // Serious faults of accessibility, by axe. It is put in by the debugger, which no policy of the page hinders.
 export async function faultsOf(page) {
   await page.evaluate(axe);
@@ -51,6 +60,8 @@ export async function faultsOf(page) {
     .filter(({ impact }) => impact === 'serious' || impact === 'critical')
     .map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target.join(' ')).join(', ')}`);
 }
+
+export const drawnMaps = (page) => page.evaluate(() => (window.__scene?.drawn() ?? []).filter(({ kind }) => kind === 'map'));
 
 // A picture in $ENFILADE_SCREENSHOTS, if that is set.
 export async function picture(page, name) {

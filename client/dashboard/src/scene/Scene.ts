@@ -117,6 +117,11 @@ export class Scene {
     if (this.request === 0 && this.canvas.isConnected) this.request = requestAnimationFrame(() => this.frame());
   }
 
+  // Whether the canvas shows all that there is to show: no frame is due and nothing is being fetched.
+  settled(): boolean {
+    return !this.dirty && !this.fitPending && (this.surface.loader?.idle ?? false);
+  }
+
   // The names of what the last frame shows, without ghosts.
   inView(): ReadonlySet<string> {
     if (this.seenFrame === this.frames) return this.seen;

@@ -10,6 +10,7 @@ declare global {
       drawn(): Drawn[];
       camera(): Camera;
       stats(): Stats;
+      settled(): boolean;
       project(world: Point): Point;
       setCamera(camera: Camera): void;
     };
@@ -36,6 +37,7 @@ export function sharedScene(): Scene | undefined {
     drawn: () => made.drawn,
     camera: () => made.camera,
     stats: () => made.stats(),
+    settled: () => made.settled(),
     project: (world) => worldToScreen(made.camera, made.size, world),
     setCamera: (camera) => made.setCamera(camera),
   };

@@ -38,6 +38,11 @@ export class RasterLoader {
 
   constructor(private readonly site: string, private readonly events: LoaderEvents) {}
 
+  // Whether nothing is being fetched.
+  get idle() {
+    return !this.loading && this.pending.size === 0;
+  }
+
   stop() {
     this.stopped = true;
   }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of README.md and docs/web.md, and what a page must still have for its picture to be true.
+import { readFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { settled } from './browser.mjs';
+import { Robots } from './robots.mjs';
+
+export const root = join(dirname(fileURLToPath(import.meta.url)), '../..');
+export const folder = 'docs/images/dashboard';
+export const structuresFile = join(root, folder, 'structures.json');
+export const viewport = { width: 1280, height: 800 };
+
+const idOf = (name) => name.split('/').pop();
+
+// The session of which most is to be seen: its passage through a door was compared with the most link points.
+async function sessionToShow(system) {
+  const { sessions } = await system.call('sites/demo/sessions');
+  const compared = [];
+  for (const { name } of sessions) {
+    const { verdicts = [] } = await system.call(`${name}/doorVerdicts`);
+    compared.push([verdicts.reduce((sum, { comparisons = [] }) => sum + comparisons.length, 0), idOf(name)]);
+  }
+  return compared.reduce((a, b) => (b[0] > a[0] ? b : a))[1];
+}
+
+// The pages by the names of their pictures.
+export async function picturesOf(system) {
+  const { maps } = await system.call('sites/demo/maps');
+  const hall = idOf(maps.find(({ displayName }) => displayName === 'Hall').name);
+  const session = await sessionToShow(system);
+  const path = (rest) => `${system.url}/s/demo/${rest}`;
+  return {
+    campus: { url: path('campus'), theme: 'light' },
+    'campus-dark': { url: path('campus?sel=robots%2Fr1'), theme: 'dark' },
+    maps: { url: path('maps'), theme: 'light' },
+    map: { url: path(`maps/${hall}`), theme: 'light' },
+    'link-points': { url: path('linkPoints'), theme: 'light' },
+    robots: { url: path('robots'), theme: 'light' },
+    sessions: { url: path('sessions'), theme: 'light' },
+    session: { url: path(`sessions/${session}`), theme: 'light' },
+    history: { url: path('history'), theme: 'light' },
+    audit: { url: path('history/audit'), theme: 'light' },
+    health: { url: path('health'), theme: 'light' },
+  };
+}
+
+// Lets the robots of the campus say where they stand, until the returned function is called: the pictures show live robots.
+export async function standing(system, names) {
+  const robots = new Robots(system, 'demo');
+  const reports = [];
+  for (const name of names) {
+    const { globalPose } = await system.call(`sites/demo/robots/${name}/globalPose`);
+    const { map, poseMapRobot } = globalPose.mapPose;
+    const id = idOf(map);
+    await robots.begin(name, id);
+    reports.push(() => robots.report(name, id, poseMapRobot.pose, poseMapRobot.covariance));
+  }
+  const report = () => reports.forEach((one) => one());
+  report();
+  const timer = setInterval(report, 1000);
+  return () => {
+    clearInterval(timer);
+    robots.close();
+  };
+}
+
+export async function show(page, { url, theme }) {
+  await page.emulateMedia({ colorScheme: theme, reducedMotion: 'reduce' });
+  await page.goto(url);
+  await settled(page);
+}
+
+// What a page consists of, without what depends on the campus: landmarks, headings, controls and columns, in their order.
+// Digits and ids are #, so that counts and times do not matter.
+export function structureOf(page) {
+  return page.evaluate(() => {
+    const parts = 'header, nav, main, aside, h1, h2, h3, th, button, select, input, summary, [role=tab], [role=toolbar], nav a, section[aria-label]';
+    const nameOf = (element) =>
+      (element.getAttribute('aria-label') ?? (element.matches('header, nav, main, aside, section, select, [role=toolbar]') ? '' : element.textContent)).trim().replace(/\b[0-9a-f]{8}\b|\d+/g, '#');
+    const shown = [...document.querySelectorAll(parts)].filter((element) => !element.closest('tbody, [role=listbox], ul, ol, dl, [hidden]'));
+    return [...new Set(shown.map((element) => `${element.tagName.toLowerCase()} ${nameOf(element)}`.trim()))];
+  });
+}
+
+export const storedStructures = () => JSON.parse(readFileSync(structuresFile, 'utf8'));
