@@ -29,6 +29,7 @@ struct DoorClosureOptions {
   double search_base = 20.0;   // m: R = base + factor * sqrt(5.991 lambda_max), as in map_manager
   double search_factor = 2.0;  // of the 95 % ellipse's larger semi-axis
   int max_compared = 40;       // places whose images are compared, the nearest first
+  int max_searched = 40;       // maps in which the scans are looked for, the nearest first
   int max_registered = 4;      // places whose clouds are registered, those with the best images first
 
   // --- Images.
@@ -112,6 +113,7 @@ void VisitPlaceOptions(Options& o, Visit& visit) {
   visit("search_base", o.search_base);
   visit("search_factor", o.search_factor);
   visit("max_compared", o.max_compared);
+  visit("max_searched", o.max_searched);
   visit("max_registered", o.max_registered);
   visit("images_now", o.images_now);
   visit("images_kept", o.images_kept);

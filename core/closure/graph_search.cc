@@ -235,12 +235,12 @@ absl::StatusOr<std::vector<ComparedPlace>> GraphSearch::FindPlaces(const DoorKno
   return places;
 }
 
-// With a link point within the search radius of the predicted pose. Maps that no link points lead to are left out:
-// scans alone do not tell one room from another.
+// With a link point within the search radius of the predicted pose, by id; of more than max_searched the nearest. Maps
+// that no link points lead to are left out: scans alone do not tell one room from another.
 absl::StatusOr<std::vector<SearchedMap>> GraphSearch::FindMaps(const DoorKnowledge& knowledge) {
   ENFILADE_ASSIGN_OR_RETURN(graph::TransformsTo * to_this, TransformsToSessionMap(knowledge));
   const graph::GraphSnapshot& graph = *knowledge.graph;
-  std::vector<SearchedMap> maps;
+  std::vector<std::pair<double, SearchedMap>> near;  // how far the nearest link point is
   for (const graph::MapInGraph* map : FindMapsNear(knowledge)) {
     ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this->Find(map->id));
     if (!transform) continue;
@@ -251,9 +251,19 @@ absl::StatusOr<std::vector<SearchedMap>> GraphSearch::FindMaps(const DoorKnowled
       nearest = std::min(nearest, (anchor.T_map_place.translation() - robot.pose.translation()).norm());
     }
     if (nearest <= graph::SearchRadius(robot.covariance, RadiusOptions(knowledge.options))) {
-      maps.push_back({.map = map, .predicted = robot});
+      near.push_back({nearest, {.map = map, .predicted = robot}});
     }
   }
+  // A graph that is not sure of the robot's place predicts it in all maps for hundreds of metres around.
+  const auto limit = static_cast<std::size_t>(knowledge.options.max_searched);
+  if (near.size() > limit) {
+    std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    near.resize(limit);
+    std::sort(near.begin(), near.end(),
+              [](const auto& a, const auto& b) { return a.second.map->id < b.second.map->id; });
+  }
+  std::vector<SearchedMap> maps;
+  for (auto& [distance, map] : near) maps.push_back(std::move(map));
   return maps;
 }
 

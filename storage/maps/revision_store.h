@@ -61,7 +61,7 @@ struct NewRevision {
 // A map's revision consists of layers, overlaid from the bottom: what was imported, then what each session has seen, in
 // the order of the sessions' first revisions. An import is the whole map: it replaces all layers.
 struct MapLayer {
-  std::optional<SessionId> session;  // unset: imported, or half of a run
+  std::optional<SessionId> session;  // unset: imported, merged, or half of a run
   StoredRaster raster;
   // Places in the order of layers. A run is that of all layers from the first to the last.
   std::int64_t first = 0;
@@ -87,6 +87,12 @@ struct NewLayerRun {
   std::int64_t layers_version = 0;
   std::optional<StoredRaster> reset;  // unset: unknown everywhere
   StoredRaster content;
+};
+
+// Layers next to one another, from the bottom, that no session changes any more.
+struct OrphanedLayers {
+  std::int64_t version = 0;  // LayersBeside::version
+  std::vector<MapLayer> layers;
 };
 
 // ABORTED, with AreLayersChanged.
@@ -145,6 +151,15 @@ class RevisionStore {
   // naming a blob that is missing.
   virtual absl::Status AddRun(const CallContext& context, const SiteId& site, const MapId& map,
                               const NewLayerRun& run) const = 0;
+  // The lowest layers next to one another whose sessions are deleted, `least` of them or more, and layers that
+  // MergeLayers made beside them; at most `limit`. Imports are not among them. None while a rearrangement of the map's
+  // layers can be undone: that restores them as they were.
+  virtual absl::StatusOr<OrphanedLayers> ReadOrphanedLayers(const CallContext& context, const SiteId& site,
+                                                            const MapId& map, int least, int limit) const = 0;
+  // Puts the rasters of `merged` in the place of the layers from its first to its last, for good. Raises the layers'
+  // version. Errors as AddRun.
+  virtual absl::Status MergeLayers(const CallContext& context, const SiteId& site, const MapId& map,
+                                   const NewLayerRun& merged) const = 0;
   // The next tiles of `revision` after `after` (unset: from the first) in the order of TileKey: at least one, about
   // `max_bytes` in total. Empty at the end, or if there is no such revision. Holds no connection between calls.
   virtual absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,

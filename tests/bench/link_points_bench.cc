@@ -19,6 +19,7 @@
 #include "storage/postgres/graph/link_point_search.h"
 #include "tests/bench/support/bench_system.h"
 #include "tests/bench/support/load_generator.h"
+#include "tests/bench/support/processor_time.h"
 #include "tests/support/command.h"
 
 namespace {
@@ -200,19 +201,47 @@ Load AskAll(const std::string& address, int clients, int seconds, unsigned seed)
   return all;
 }
 
+// Processor time, us for each call: the generators run on the same processors, and cost the more the faster they are
+// answered.
+struct Cost {
+  double us = 0.0;
+  double calls = 0.0;
+
+  template <typename Clock, typename Run>
+  double Add(const Clock& processor_s, const Run& run) {
+    const double before = processor_s();
+    const double done = run();
+    us += 1e6 * (processor_s() - before);
+    calls += done;
+    return done;
+  }
+  double per_call() const { return us / calls; }
+};
+
 nlohmann::json Measure(BenchSystem& system, const std::string& script, int clients, int rounds, int seconds) {
   const std::string& address = system.server().address();
   AskAll(address, clients, 1, 0);
   PgbenchRate(system, script, clients, 1);
+  Cost server;
+  Cost database;
+  const auto server_s = [&] { return ProcessorSeconds(system.server().process().pid()); };
+  const auto database_s = [&] { return ProcessorSecondsOfTree(system.database_pid()); };
+  const auto query = [&] {
+    return database.Add(database_s, [&] { return PgbenchRate(system, script, clients, seconds) * seconds; }) / seconds;
+  };
   std::vector<double> served;
   std::vector<double> queried;
   std::vector<double> ratios;
   std::vector<double> latencies;
   std::int64_t found = 0;
   for (int i = 0; i < rounds; ++i) {
-    const double before = PgbenchRate(system, script, clients, seconds);
-    const Load load = AskAll(address, clients, 2 * seconds, static_cast<unsigned>(i + 1));
-    queried.push_back((before + PgbenchRate(system, script, clients, seconds)) / 2.0);
+    const double before = query();
+    Load load;
+    server.Add(server_s, [&] {
+      load = AskAll(address, clients, 2 * seconds, static_cast<unsigned>(i + 1));
+      return static_cast<double>(load.latency_ms.size());
+    });
+    queried.push_back((before + query()) / 2.0);
     served.push_back(load.rate);
     ratios.push_back(served.back() / queried.back());
     latencies.insert(latencies.end(), load.latency_ms.begin(), load.latency_ms.end());
@@ -229,6 +258,8 @@ nlohmann::json Measure(BenchSystem& system, const std::string& script, int clien
           {"ratio", Percentile(ratios, 0.5)},
           {"ratio_min", Percentile(ratios, 0.0)},
           {"ratio_max", Percentile(ratios, 1.0)},
+          {"server_us_per_call", server.per_call()},
+          {"database_us_per_query", database.per_call()},
           {"p50_ms", Percentile(latencies, 0.5)},
           {"p99_ms", Percentile(latencies, 0.99)}};
 }

@@ -34,6 +34,12 @@ void SortTiles(storage::StoredRaster& raster) {
             [](const storage::TileRef& a, const storage::TileRef& b) { return a.key < b.key; });
 }
 
+std::map<storage::TileKey, std::string> TilesOf(const storage::StoredRaster& raster) {
+  std::map<storage::TileKey, std::string> tiles;
+  for (const storage::TileRef& tile : raster.tiles) tiles.emplace(tile.key, tile.sha256);
+  return tiles;
+}
+
 void SetLayer(MapRow& row, const storage::NewRevision& revision) {
   const storage::StoredRaster whole{revision.raster_header, revision.tiles};
   if (!revision.session) {
@@ -53,6 +59,26 @@ void SetLayer(MapRow& row, const storage::NewRevision& revision) {
                 [&](const storage::NewLayerRun& run) { return run.first <= layer->first && run.last >= layer->last; });
 }
 
+bool IsImport(const MapRow& row, const storage::MapLayer& layer) {
+  return !layer.session && std::any_of(row.revisions.begin(), row.revisions.end(), [&](const RevisionRow& revision) {
+    if (revision.revision.source != storage::RevisionSource::kImport) return false;
+    return revision.revision.raster_header == layer.raster.header && TilesOf(layer.raster) == revision.tiles;
+  });
+}
+
+bool IsOrphaned(const SiteRows& site, const MapRow& row, const storage::MapLayer& layer) {
+  if (!layer.session) return !IsImport(row, layer);
+  const auto session = site.sessions.find(*layer.session);
+  return session != site.sessions.end() && session->second.deleted;
+}
+
+// Whether undoing a rearrangement restores the map's layers.
+bool CanBeRestored(const SiteRows& site, const MapId& map) {
+  return std::any_of(site.rearrangements.begin(), site.rearrangements.end(), [&](const auto& rearrangement) {
+    return rearrangement.second.images_before.contains({"layers", map.value()});
+  });
+}
+
 // The run's layers, from the bottom.
 std::vector<storage::MapLayer> LayersOf(const storage::NewLayerRun& run) {
   std::vector<storage::MapLayer> layers;
@@ -60,6 +86,16 @@ std::vector<storage::MapLayer> LayersOf(const storage::NewLayerRun& run) {
   layers.push_back({std::nullopt, run.content, run.first, run.last});
   for (storage::MapLayer& layer : layers) SortTiles(layer.raster);
   return layers;
+}
+
+// The map whose layers are those that the run was made from, and whose blobs are stored.
+absl::StatusOr<MapRow*> GetMapForRun(InMemoryDatabase::Access& access, const SiteId& site, const MapId& map,
+                                     const storage::NewLayerRun& run) {
+  const auto row = access.GetMap(site, map);
+  if (!row.ok() || (*row)->layers_version != run.layers_version) return storage::LayersChanged(site, map);
+  ENFILADE_RETURN_IF_ERROR(CheckTiles(*access.FindSite(site), run.content.tiles, {}));
+  if (run.reset) ENFILADE_RETURN_IF_ERROR(CheckTiles(*access.FindSite(site), run.reset->tiles, {}));
+  return *row;
 }
 
 }  // namespace
@@ -225,13 +261,54 @@ absl::StatusOr<storage::LayersBeside> InMemoryRevisionStore::ReadRunsBeside(cons
 absl::Status InMemoryRevisionStore::AddRun(const storage::CallContext& context, const SiteId& site, const MapId& map,
                                            const storage::NewLayerRun& run) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  const auto row = access.GetMap(site, map);
-  if (!row.ok() || (*row)->layers_version != run.layers_version) return storage::LayersChanged(site, map);
-  ENFILADE_RETURN_IF_ERROR(CheckTiles(*access.FindSite(site), run.content.tiles, {}));
-  if (run.reset) ENFILADE_RETURN_IF_ERROR(CheckTiles(*access.FindSite(site), run.reset->tiles, {}));
-  std::erase_if((*row)->runs,
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, GetMapForRun(access, site, map, run));
+  std::erase_if(row->runs,
                 [&](const storage::NewLayerRun& other) { return other.first <= run.last && other.last >= run.first; });
-  (*row)->runs.push_back(run);
+  row->runs.push_back(run);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<storage::OrphanedLayers> InMemoryRevisionStore::ReadOrphanedLayers(const storage::CallContext& context,
+                                                                                  const SiteId& site, const MapId& map,
+                                                                                  int least, int limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  const auto row = access.GetMap(site, map);
+  if (!row.ok()) return storage::OrphanedLayers{};
+  const SiteRows& rows = *access.FindSite(site);
+  if (CanBeRestored(rows, map)) return storage::OrphanedLayers{};
+  const auto& layers = (*row)->layers;
+  const auto orphaned = [&](const storage::MapLayer& layer) { return IsOrphaned(rows, **row, layer); };
+  for (auto begin = layers.begin(); begin != layers.end();) {
+    begin = std::find_if(begin, layers.end(), orphaned);
+    const auto end = std::find_if_not(begin, layers.end(), orphaned);
+    if (std::count_if(begin, end, [](const auto& layer) { return layer.session.has_value(); }) >= least) {
+      return storage::OrphanedLayers{(*row)->layers_version,
+                                     {begin, std::min(end, begin + std::min<std::ptrdiff_t>(limit, end - begin))}};
+    }
+    begin = end;
+  }
+  return storage::OrphanedLayers{};
+}
+
+absl::Status InMemoryRevisionStore::MergeLayers(const storage::CallContext& context, const SiteId& site,
+                                                const MapId& map, const storage::NewLayerRun& merged) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(MapRow* const row, GetMapForRun(access, site, map, merged));
+  const std::int64_t version = ++row->layers_version;
+  std::erase_if(row->runs, [&](const storage::NewLayerRun& run) {
+    const bool has_all = run.first <= merged.first && run.last >= merged.last;
+    return run.first <= merged.last && run.last >= merged.first && !has_all;
+  });
+  const auto is_merged = [&](const storage::MapLayer& layer) {
+    return layer.first >= merged.first && layer.last <= merged.last;
+  };
+  const auto first = std::find_if(row->layers.begin(), row->layers.end(), is_merged);
+  auto place = row->layers.erase(first, std::find_if_not(first, row->layers.end(), is_merged));
+  place = row->layers.insert(place, {std::nullopt, merged.content, merged.last, merged.last, version});
+  SortTiles(place->raster);
+  if (!merged.reset) return absl::OkStatus();
+  place = row->layers.insert(place, {std::nullopt, *merged.reset, merged.first, merged.first, version});
+  SortTiles(place->raster);
   return absl::OkStatus();
 }
 

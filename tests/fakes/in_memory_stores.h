@@ -114,6 +114,10 @@ class InMemoryRevisionStore final : public storage::RevisionStore {
                                                        double resolution) const override;
   absl::Status AddRun(const storage::CallContext& context, const SiteId& site, const MapId& map,
                       const storage::NewLayerRun& run) const override;
+  absl::StatusOr<storage::OrphanedLayers> ReadOrphanedLayers(const storage::CallContext& context, const SiteId& site,
+                                                             const MapId& map, int least, int limit) const override;
+  absl::Status MergeLayers(const storage::CallContext& context, const SiteId& site, const MapId& map,
+                           const storage::NewLayerRun& merged) const override;
   absl::StatusOr<std::vector<storage::Tile>> ReadTiles(const storage::CallContext& context,
                                                        const storage::MapRevision& revision,
                                                        std::optional<storage::TileKey> after,

@@ -21,15 +21,21 @@ absl::StatusOr<grid::OccupancyGrid> OverlayOrTooFar(const grid::OccupancyGrid& u
 
 }  // namespace
 
-absl::StatusOr<grid::OccupancyGrid> ReadLayer(const storage::CallContext& context, const storage::BlobStore& blobs,
-                                              const SiteId& site, const storage::StoredRaster& raster,
-                                              double resolution) {
+absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::BlobStore& blobs,
+                                           const SiteId& site, const storage::StoredRaster& raster) {
   ENFILADE_ASSIGN_OR_RETURN(grid::RasterAssembler assembler, grid::RasterAssembler::Create(raster.header));
   for (const storage::TileRef& tile : raster.tiles) {
     ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, blobs.Get(context, site, tile.sha256));
     ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, bytes));
   }
-  return OnMapLattice(std::move(assembler).Finish(), resolution);
+  return std::move(assembler).Finish();
+}
+
+absl::StatusOr<grid::OccupancyGrid> ReadLayer(const storage::CallContext& context, const storage::BlobStore& blobs,
+                                              const SiteId& site, const storage::StoredRaster& raster,
+                                              double resolution) {
+  ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster stored, ReadRaster(context, blobs, site, raster));
+  return OnMapLattice(stored, resolution);
 }
 
 absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Compose(const storage::CallContext& context,

@@ -6,12 +6,17 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
+#include "core/grid/map_raster.h"
 #include "core/grid/occupancy_grid.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/revision_store.h"
 
 namespace enfilade::server {
+
+// A layer as it is stored. DATA_LOSS.
+absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::BlobStore& blobs,
+                                           const SiteId& site, const storage::StoredRaster& raster);
 
 // A layer on the lattice of the map's frame, with cells of `resolution` m. Errors as OnMapLattice; DATA_LOSS.
 absl::StatusOr<grid::OccupancyGrid> ReadLayer(const storage::CallContext& context, const storage::BlobStore& blobs,

@@ -63,10 +63,7 @@ absl::StatusOr<bool> LayerRuns::Make(const storage::CallContext& context, double
   run.last = layers[span.end - 1].last;
   run.resolution = resolution;
   run.layers_version = version;
-  if (!overlaid.reset.cells.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(run.reset, Put(context, std::move(overlaid.reset)));
-  }
-  ENFILADE_ASSIGN_OR_RETURN(run.content, Put(context, std::move(overlaid.content)));
+  ENFILADE_ASSIGN_OR_RETURN(run, Put(context, std::move(run), std::move(overlaid)));
   const absl::Status added = revisions_.AddRun(context, site_, map_, run);
   if (storage::AreLayersChanged(added)) return false;
   ENFILADE_RETURN_IF_ERROR(added);
@@ -77,8 +74,47 @@ absl::StatusOr<bool> LayerRuns::Make(const storage::CallContext& context, double
   return true;
 }
 
-absl::StatusOr<storage::StoredRaster> LayerRuns::Put(const storage::CallContext& context,
-                                                     grid::OccupancyGrid grid) const {
+absl::StatusOr<bool> LayerRuns::MergeOrphaned(const storage::CallContext& context) const {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::OrphanedLayers orphaned,
+                            revisions_.ReadOrphanedLayers(context, site_, map_, kMinSettledLayers, kMaxLayersAtATime));
+  storage::NewLayerRun run;
+  run.layers_version = orphaned.version;
+  grid::LayerRun overlaid;
+  int layers = 0;
+  for (const storage::MapLayer& layer : orphaned.layers) {
+    ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, blobs_, site_, layer.raster));
+    if (layers > 0 && raster.geometry.resolution != run.resolution) {
+      if (layers >= kMinSettledLayers) break;
+      overlaid = {};
+      layers = 0;
+    }
+    if (layers++ == 0) {
+      run.first = layer.first;
+      run.resolution = raster.geometry.resolution;
+    }
+    run.last = layer.last;
+    ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid grid, OnMapLattice(raster, run.resolution));
+    ENFILADE_ASSIGN_OR_RETURN(overlaid, grid::Extend(overlaid, grid));
+  }
+  if (layers < kMinSettledLayers || overlaid.content.cells.empty()) return false;
+  ENFILADE_ASSIGN_OR_RETURN(run, Put(context, std::move(run), std::move(overlaid)));
+  const absl::Status merged = revisions_.MergeLayers(context, site_, map_, run);
+  if (storage::AreLayersChanged(merged)) return false;
+  ENFILADE_RETURN_IF_ERROR(merged);
+  return true;
+}
+
+absl::StatusOr<storage::NewLayerRun> LayerRuns::Put(const storage::CallContext& context, storage::NewLayerRun run,
+                                                    grid::LayerRun overlaid) const {
+  if (!overlaid.reset.cells.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(run.reset, PutRaster(context, std::move(overlaid.reset)));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(run.content, PutRaster(context, std::move(overlaid.content)));
+  return run;
+}
+
+absl::StatusOr<storage::StoredRaster> LayerRuns::PutRaster(const storage::CallContext& context,
+                                                           grid::OccupancyGrid grid) const {
   ENFILADE_ASSIGN_OR_RETURN(const RasterRevision raster, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
   ENFILADE_RETURN_IF_ERROR(PutTiles(context, blobs_, site_, raster, {}));
   return storage::StoredRaster{raster.revision.raster_header, raster.revision.tiles};

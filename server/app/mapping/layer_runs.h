@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
+#include "core/grid/overlay.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/revision_store.h"
@@ -31,8 +32,8 @@ struct LayerSpan {
 // The next layers to become one run. None if that is not worth while yet. `version`: LayersBeside::version.
 std::optional<LayerSpan> SelectRun(const std::vector<storage::MapLayer>& layers, std::int64_t version);
 
-// Overlays settled layers of a map beforehand and stores the run, so that a revision does not cost more the more
-// sessions the map has had. Revisions stay the same cell by cell, and so does what is stored of the layers.
+// Overlays layers of a map beforehand, so that a revision does not cost more the more sessions the map has had: settled
+// ones as runs, beside which they stay, and those of deleted sessions for good. Revisions stay the same cell by cell.
 class LayerRuns {
  public:
   LayerRuns(const storage::BlobStore& blobs, const storage::RevisionStore& revisions, SiteId site, MapId map)
@@ -43,10 +44,17 @@ class LayerRuns {
   absl::StatusOr<bool> MakeNext(const storage::CallContext& context, double resolution,
                                 storage::LayersBeside& beside) const;
 
+  // Merges the lowest layers of deleted sessions into one or two, if there are kMinSettledLayers with cells of one size
+  // next to one another: nothing changes them any more. False as MakeNext.
+  absl::StatusOr<bool> MergeOrphaned(const storage::CallContext& context) const;
+
  private:
   absl::StatusOr<bool> Make(const storage::CallContext& context, double resolution, std::int64_t version,
                             LayerSpan span, std::vector<storage::MapLayer>& layers) const;
-  absl::StatusOr<storage::StoredRaster> Put(const storage::CallContext& context, grid::OccupancyGrid grid) const;
+  // `run` with its rasters.
+  absl::StatusOr<storage::NewLayerRun> Put(const storage::CallContext& context, storage::NewLayerRun run,
+                                           grid::LayerRun overlaid) const;
+  absl::StatusOr<storage::StoredRaster> PutRaster(const storage::CallContext& context, grid::OccupancyGrid grid) const;
 
   const storage::BlobStore& blobs_;
   const storage::RevisionStore& revisions_;

@@ -200,6 +200,10 @@ absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, 
   ENFILADE_RETURN_IF_ERROR(PutTiles(MappingContext(), stores_.blobs, site_, layer, stored_tiles_));
   std::set<std::string> tiles;
   for (const storage::TileRef& tile : layer.revision.tiles) tiles.insert(tile.sha256);
+  if (step.final_state) {
+    const LayerRuns runs(stores_.blobs, stores_.revisions, site_, map_);
+    ENFILADE_RETURN_IF_ERROR(runs.MergeOrphaned(MappingContext()).status());
+  }
   absl::Status status;
   for (int attempt = 0; attempt < kMaxCompositions; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside beside, ReadLayersBeside(own.geometry.resolution));

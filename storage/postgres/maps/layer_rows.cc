@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/maps/tile_columns.h"
 
 namespace enfilade::storage::postgres {
 namespace {
@@ -136,19 +137,6 @@ LayerPart ReadLayerPart(Row& row) {
   return part;
 }
 
-// Views of tiles as columns.
-struct TileColumns {
-  explicit TileColumns(const std::vector<TileRef>& tiles) {
-    for (const TileRef& tile : tiles) {
-      rows.push_back(tile.key.row);
-      columns.push_back(tile.key.column);
-      digests.push_back(Bytes{tile.sha256});
-    }
-  }
-  std::vector<std::int32_t> rows, columns;
-  std::vector<Bytes> digests;
-};
-
 }  // namespace
 
 absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
@@ -172,13 +160,17 @@ absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, 
   return beside;
 }
 
-absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLayerRun& run) {
+absl::Status LockLayers(Transaction& transaction, const MapKey& key, std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(const Result locked, transaction.Execute(kLockLayers, Params(key.site, key.map)));
   if (locked.rows() == 0) return LayersChanged(key.site, key.map);
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version,
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored,
                             ReadOne(
                                 locked, [](Row& row) { return row.Int64(); }, "the layers' version"));
-  if (version != run.layers_version) return LayersChanged(key.site, key.map);
+  return stored == version ? absl::OkStatus() : LayersChanged(key.site, key.map);
+}
+
+absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLayerRun& run) {
+  ENFILADE_RETURN_IF_ERROR(LockLayers(transaction, key, run.layers_version));
   std::optional<Bytes> reset;
   if (run.reset) reset = Bytes{run.reset->header};
   transaction.Queue(kForgetOverlappingRuns, Params(key.site, key.map, run.first, run.last));

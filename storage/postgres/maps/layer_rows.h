@@ -17,6 +17,9 @@ namespace enfilade::storage::postgres {
 absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
                                         const SessionId& session, std::optional<double> resolution);
 
+// LayersChanged if they are no longer those of `version`.
+absl::Status LockLayers(Transaction& transaction, const MapKey& key, std::int64_t version);
+
 // As RevisionStore::AddRun. Partly queued, as AddRevision.
 absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLayerRun& run);
 

@@ -5,6 +5,7 @@
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/maps/blob_store.h"
 #include "storage/postgres/maps/layer_rows.h"
+#include "storage/postgres/maps/tile_columns.h"
 
 namespace enfilade::storage::postgres {
 namespace {
@@ -37,19 +38,14 @@ constexpr Statement kReviewMap{"having the map's revisions reviewed",
                                " DO UPDATE SET due_time = excluded.due_time WHERE r.due_time > excluded.due_time"};
 
 void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
-  std::vector<std::int32_t> rows, columns;
-  std::vector<Bytes> digests;
-  for (const TileRef& tile : revision.tiles) {
-    rows.push_back(tile.key.row);
-    columns.push_back(tile.key.column);
-    digests.push_back(Bytes{tile.sha256});
-  }
+  const TileColumns tiles(revision.tiles);
   const grid::GridGeometry& grid = revision.geometry;
-  transaction.Queue(kInsertRevision, Params(key.site, key.map, number, static_cast<std::int16_t>(revision.source),
-                                            revision.session, grid.resolution, grid.T_map_grid.x, grid.T_map_grid.y,
-                                            grid.T_map_grid.yaw, std::int32_t{grid.width}, std::int32_t{grid.height},
-                                            Bytes{revision.raster_header}, Bytes{revision.content_sha256}, digests));
-  transaction.Queue(kInsertTiles, Params(key.site, key.map, number, rows, columns, digests));
+  transaction.Queue(
+      kInsertRevision,
+      Params(key.site, key.map, number, static_cast<std::int16_t>(revision.source), revision.session, grid.resolution,
+             grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw, std::int32_t{grid.width},
+             std::int32_t{grid.height}, Bytes{revision.raster_header}, Bytes{revision.content_sha256}, tiles.digests));
+  transaction.Queue(kInsertTiles, Params(key.site, key.map, number, tiles.rows, tiles.columns, tiles.digests));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/maps/layer_rows.h"
+#include "storage/postgres/maps/orphaned_layers.h"
 #include "storage/postgres/maps/revision_rows.h"
 
 namespace enfilade::storage::postgres {
@@ -134,6 +135,19 @@ absl::Status RevisionStore::AddRun(const CallContext& context, const SiteId& sit
                                    const NewLayerRun& run) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   absl::Status status = StoreRun(transaction, {site, map}, run);
+  if (status.ok()) status = transaction.FlushAndCommit().status();
+  return status.ok() ? status : ExplainRevisionError(status, site, map);
+}
+
+absl::StatusOr<OrphanedLayers> RevisionStore::ReadOrphanedLayers(const CallContext& context, const SiteId& site,
+                                                                 const MapId& map, int least, int limit) const {
+  return postgres::ReadOrphanedLayers(pool_, context, {site, map}, least, limit);
+}
+
+absl::Status RevisionStore::MergeLayers(const CallContext& context, const SiteId& site, const MapId& map,
+                                        const NewLayerRun& merged) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  absl::Status status = StoreMergedLayers(transaction, {site, map}, merged);
   if (status.ok()) status = transaction.FlushAndCommit().status();
   return status.ok() ? status : ExplainRevisionError(status, site, map);
 }

@@ -24,6 +24,10 @@ class RevisionStore final : public storage::RevisionStore {
                                               const SessionId& session, double resolution) const override;
   absl::Status AddRun(const CallContext& context, const SiteId& site, const MapId& map,
                       const NewLayerRun& run) const override;
+  absl::StatusOr<OrphanedLayers> ReadOrphanedLayers(const CallContext& context, const SiteId& site, const MapId& map,
+                                                    int least, int limit) const override;
+  absl::Status MergeLayers(const CallContext& context, const SiteId& site, const MapId& map,
+                           const NewLayerRun& merged) const override;
   absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,
                                               std::optional<TileKey> after, std::int64_t max_bytes) const override;
 

@@ -43,6 +43,7 @@ struct FleetOptions {
   std::uint64_t first_seed = 9101;
   double drain_s = 300.0;
   double sample_s = 5.0;
+  int retention_s = 0;  // 0: sites keep all
   std::vector<std::string> settings;
   std::string plot;
 };
@@ -60,6 +61,9 @@ FleetOptions ParseOptions(int argc, char** argv) {
   app.add_option("--first-seed", options.first_seed, "Of the buildings")->capture_default_str();
   app.add_option("--drain", options.drain_s, "How long to wait for mapping afterwards, s")->capture_default_str();
   app.add_option("--sample", options.sample_s, "Between two samples of memory and such, s")->capture_default_str();
+  app.add_option("--retention", options.retention_s, "Of sessions, revisions and history, s; 0: sites keep all")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--setting", options.settings, "Of the server, KEY=VALUE");
   app.add_option("--plot", options.plot, "Draw the samples over time into this SVG file");
   try {
@@ -76,12 +80,23 @@ T Must(absl::StatusOr<T> value) {
   return *std::move(value);
 }
 
-std::vector<SiteId> CreateSites(const client::Connection& connection, int count) {
+void SetRetention(v1::Site& site, int seconds) {
+  constexpr int kRevisions = 3;
+  for (google::protobuf::Duration* const retention :
+       {site.mutable_raw_retention(), site.mutable_session_retention(), site.mutable_history_retention(),
+        site.mutable_audit_retention(), site.mutable_revision_retention()->mutable_age()}) {
+    retention->set_seconds(seconds);
+  }
+  site.mutable_revision_retention()->set_newest(kRevisions);
+}
+
+std::vector<SiteId> CreateSites(const client::Connection& connection, const FleetOptions& options) {
   std::vector<SiteId> sites;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < options.sites; ++i) {
     v1::CreateSiteRequest request;
     request.set_site_id(fmt::format("site-{}", i));
     request.mutable_site()->set_display_name(fmt::format("Site {}", i));
+    if (options.retention_s > 0) SetRetention(*request.mutable_site(), options.retention_s);
     Must(connection.Call(&v1::SiteService::Stub::CreateSite, request));
     sites.emplace_back(request.site_id());
   }
@@ -184,7 +199,7 @@ nlohmann::json Run(const FleetOptions& options) {
   if (migrate.exit_code != 0) throw std::runtime_error("the migrations failed:\n" + migrate.output);
   testing::ServerProcess server(directory.path(), "server", cluster.url(), options.settings);
   server.StartAndWait();
-  const std::vector<SiteId> sites = CreateSites(server.Connect(), options.sites);
+  const std::vector<SiteId> sites = CreateSites(server.Connect(), options);
 
   ResourceSampler sampler(server.process().pid(), cluster.pid(), cluster.url(),
                           std::chrono::duration<double>(options.sample_s));
@@ -200,6 +215,7 @@ nlohmann::json Run(const FleetOptions& options) {
                              {"robots", options.robots},
                              {"sites", options.sites},
                              {"seconds", options.seconds},
+                             {"retention_s", options.retention_s},
                              {"batch_s", kBatchSeconds},
                              {"fleet", SummaryOf(robots)},
                              {"get_site", Summary(std::move(read.get_site_ms))},

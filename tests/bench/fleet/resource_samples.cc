@@ -2,48 +2,16 @@
 #include "tests/bench/fleet/resource_samples.h"
 
 #include <libpq-fe.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <sstream>
 #include <stdexcept>
 
+#include "tests/bench/support/processor_time.h"
 #include "tests/support/process.h"
 
 namespace enfilade::bench {
 namespace {
-
-// Of a process: its parent and the processor time that it has used, s. Zeros: there is no such process.
-struct ProcessTimes {
-  pid_t parent = 0;
-  double cpu_s = 0.0;
-};
-
-ProcessTimes TimesOf(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  const std::string stat{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t name_end = stat.rfind(')');  // a name may have spaces
-  if (name_end == std::string::npos) return {};
-  std::istringstream fields(stat.substr(name_end + 2));
-  std::vector<std::string> values{std::istream_iterator<std::string>(fields), {}};
-  if (values.size() < 13) return {};
-  const double ticks = static_cast<double>(std::stoll(values[11]) + std::stoll(values[12]));
-  return {std::stoi(values[1]), ticks / static_cast<double>(sysconf(_SC_CLK_TCK))};
-}
-
-double CpuOfTree(pid_t root) {
-  double total = TimesOf(root).cpu_s;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    const std::string name = entry.path().filename();
-    if (!std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; })) continue;
-    const ProcessTimes times = TimesOf(std::stoi(name));
-    if (times.parent == root) total += times.cpu_s;
-  }
-  return total;
-}
 
 int OpenFiles(pid_t pid) {
   std::error_code error;
@@ -56,7 +24,7 @@ constexpr char kSample[] =
     " pg_database_size(current_database()), coalesce(sum(behind), 0), count(*)"
     " FROM (SELECT s.acknowledged_sequence - coalesce(c.mapped_sequence, 0) AS behind FROM enfilade.sessions s"
     "   LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)"
-    "   WHERE s.map_id IS NOT NULL AND s.state IN (1, 2)) b WHERE behind > 0";
+    "   WHERE s.delete_time IS NULL AND s.state IN (1, 2)) b WHERE behind > 0";
 constexpr char kLargest[] =
     "SELECT relname, pg_total_relation_size(relid) FROM pg_stat_user_tables ORDER BY 2 DESC, 1 LIMIT ";
 
@@ -101,8 +69,8 @@ ResourceSample ResourceSampler::Take() {
   sample.at = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   sample.server_bytes = testing::ResidentBytes(server_);
   sample.server_files = OpenFiles(server_);
-  sample.server_cpu_s = TimesOf(server_).cpu_s;
-  sample.database_cpu_s = CpuOfTree(database_);
+  sample.server_cpu_s = ProcessorSeconds(server_);
+  sample.database_cpu_s = ProcessorSecondsOfTree(database_);
   const std::vector<std::string> row = Query(kSample).at(0);
   sample.connections = std::stoi(row[0]);
   sample.database_bytes = std::stoll(row[1]);

@@ -21,14 +21,15 @@ namespace enfilade::bench {
 
 // What a server and its database use and hold, and how far mapping is behind, at one moment.
 struct ResourceSample {
-  double at = 0.0;                    // s
-  std::int64_t server_bytes = 0;      // resident
-  int server_files = 0;               // open
-  double server_cpu_s = 0.0;          // since its start
-  double database_cpu_s = 0.0;        // of all processes of the cluster that run now
-  int connections = 0;                // of the server to the database
-  std::int64_t database_bytes = 0;    // tables and indexes
-  std::int64_t backlog_records = 0;   // acknowledged and not yet mapped
+  double at = 0.0;                  // s
+  std::int64_t server_bytes = 0;    // resident
+  int server_files = 0;             // open
+  double server_cpu_s = 0.0;        // since its start
+  double database_cpu_s = 0.0;      // of all processes of the cluster
+  int connections = 0;              // of the server to the database
+  std::int64_t database_bytes = 0;  // tables and indexes
+  std::int64_t backlog_records =
+      0;  // acknowledged and not yet mapped, those of sessions that wait for their map included
   std::int64_t backlog_sessions = 0;  // with such records
 };
 

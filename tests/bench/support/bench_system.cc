@@ -73,10 +73,14 @@ std::int64_t BenchSystem::Settle(const std::string& site) {
   find.set_parent(site);
   find.set_radius_m(1.0);
   find.mutable_point_world();
-  while (Must(connection.Call(&v1::LinkPointService::Stub::FindLinkPoints, find)).graph_version() < version) {
+  // Reading a large graph for the first time takes longer than a call waits for a version.
+  const auto give_up = std::chrono::steady_clock::now() + kSettleTimeout;
+  while (std::chrono::steady_clock::now() < give_up) {
+    auto found = connection.Call(&v1::LinkPointService::Stub::FindLinkPoints, find);
+    if (!absl::IsUnavailable(found.status()) && Must(std::move(found)).graph_version() >= version) return version;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  return version;
+  throw std::runtime_error(site + " did not settle");
 }
 
 }  // namespace enfilade::bench

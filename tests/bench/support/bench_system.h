@@ -19,6 +19,7 @@ class BenchSystem {
   explicit BenchSystem(std::vector<std::string> settings = {});
 
   const std::string& database_url() const { return cluster_.url(); }
+  pid_t database_pid() const { return cluster_.pid(); }
   testing::ServerProcess& server() { return server_; }
   const std::filesystem::path& directory() const { return directory_.path(); }
 

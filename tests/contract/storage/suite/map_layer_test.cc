@@ -71,6 +71,15 @@ class MapLayerTest : public StoreContractTest {
     return run;
   }
   absl::Status AddRun(const storage::NewLayerRun& run) { return revisions_.AddRun(Soon(), site_, map_, run); }
+  absl::Status Merge(const storage::NewLayerRun& merged) { return revisions_.MergeLayers(Soon(), site_, map_, merged); }
+  std::vector<storage::MapLayer> Orphaned(int least, int limit = 100) {
+    const auto orphaned = revisions_.ReadOrphanedLayers(Soon(), site_, map_, least, limit);
+    EXPECT_OK(orphaned);
+    if (!orphaned->layers.empty()) {
+      EXPECT_EQ(orphaned->version, Beside("none").version);
+    }
+    return orphaned->layers;
+  }
   // The first tile of each layer; runs in brackets.
   static std::string Drawn(const storage::LayersBeside& beside) {
     std::string text;
@@ -223,6 +232,59 @@ TEST_F(MapLayerTest, ARunOfOldLayersIsRefused) {
   EXPECT_CODE(AddRun(missing), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(WithRuns("none").below, SizeIs(4));
   EXPECT_TRUE(storage::AreLayersChanged(revisions_.AddRun(Soon(), site_, MapId("nowhere"), run)));
+}
+
+TEST_F(MapLayerTest, LayersOfDeletedSessionsAreMergedForGood) {
+  ASSERT_NO_FATAL_FAILURE(AddFourLayers());
+  EXPECT_THAT(Orphaned(1), IsEmpty());
+  for (const char* id : {"s2", "s3"}) ASSERT_OK(sessions_.Delete(Soon(), site_, SessionId(id)));
+  EXPECT_THAT(Orphaned(3), IsEmpty()) << "too few";
+  const std::vector<storage::MapLayer> orphaned = Orphaned(2);
+  ASSERT_THAT(orphaned, SizeIs(2));
+  EXPECT_EQ(orphaned[0].session, second_);
+  EXPECT_EQ(orphaned[0].raster.header, "header");
+  EXPECT_THAT(DigestsOf(orphaned[0]), ElementsAre(DigestOf("s2")));
+  EXPECT_THAT(Orphaned(2, 1), SizeIs(1));
+  const std::int64_t version = Beside("none").version;
+  storage::NewLayerRun merged = RunOf(orphaned[0].first, orphaned[1].last);
+  ASSERT_OK(Merge(merged));
+  EXPECT_EQ(Drawn(Beside("none")), "s1 reset content s4 | ");
+  EXPECT_EQ(Drawn(Beside("s4")), "s1 reset content | ");
+  EXPECT_GT(Beside("none").version, version);
+  EXPECT_THAT(DigestsOf(Beside("none").below[2]), ElementsAre(DigestOf("content"), DigestOf("more")));
+  EXPECT_TRUE(storage::AreLayersChanged(Merge(merged))) << "of layers that are gone";
+  // With the next sessions that are deleted, they are merged again.
+  EXPECT_THAT(Orphaned(1), IsEmpty());
+  ASSERT_OK(sessions_.Delete(Soon(), site_, SessionId("s4")));
+  const std::vector<storage::MapLayer> next = Orphaned(1);
+  ASSERT_THAT(next, SizeIs(3));
+  merged = RunOf(next[0].first, next[2].last);
+  merged.reset.reset();
+  ASSERT_OK(Merge(merged));
+  EXPECT_EQ(Drawn(Beside("none")), "s1 content | ");
+}
+
+TEST_F(MapLayerTest, AnImportIsNotMerged) {
+  ASSERT_OK(Add(RevisionOf(std::nullopt, {"import"})));
+  storage::NewRevision above = RevisionOf(first_, {"on import"});
+  above.layer = RasterOf({"s1"});
+  ASSERT_OK(Add(above));
+  ASSERT_OK(sessions_.Delete(Soon(), site_, first_));
+  ASSERT_THAT(Orphaned(1), SizeIs(1));
+  EXPECT_EQ(Orphaned(1)[0].session, first_);
+}
+
+TEST_F(MapLayerTest, MergingForgetsRunsOfSomeOfTheLayersOnly) {
+  ASSERT_NO_FATAL_FAILURE(AddFourLayers());
+  const std::vector<storage::MapLayer> layers = Beside("none").below;
+  ASSERT_OK(AddRun(RunOf(layers[0].first, layers[3].last)));
+  storage::NewLayerRun merged = RunOf(layers[1].first, layers[2].last);
+  ASSERT_OK(Merge(merged));
+  EXPECT_EQ(Drawn(WithRuns("none")), "[reset] [content] | ") << "a run of all of them, and of others, is what it was";
+  ASSERT_OK(AddRun(RunOf(layers[2].first, layers[3].last)));
+  merged = RunOf(layers[0].first, layers[2].last);
+  ASSERT_OK(Merge(merged));
+  EXPECT_EQ(Drawn(WithRuns("none")), "reset content s4 | ");
 }
 
 }  // namespace

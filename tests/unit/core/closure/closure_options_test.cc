@@ -35,6 +35,7 @@ TEST(DoorClosureOptions, ValidateNamesTheOptionThatIsOutOfRange) {
       {"search_base is nan", [](DoorClosureOptions& o) { o.search_base = NAN; }},
       {"patience is inf", [](DoorClosureOptions& o) { o.patience = INFINITY; }},
       {"max_compared is -1", [](DoorClosureOptions& o) { o.max_compared = -1; }},
+      {"max_searched is -1", [](DoorClosureOptions& o) { o.max_searched = -1; }},
       {"sigmas", [](DoorClosureOptions& o) { o.place_sigma = 0.0; }},
       {"sigmas", [](DoorClosureOptions& o) { o.origin_yaw_sigma = 0.0; }},
       {"cloud_voxel", [](DoorClosureOptions& o) { o.cloud_voxel = 0.0; }},

@@ -108,6 +108,8 @@ TEST(GraphSearch, MapsAreThoseThatThePredictionReaches) {
   EXPECT_THAT(FindMaps(scenario), ElementsAre("room")) << "the hall's link point is 30 m away, the island has no way";
   scenario.knowledge().options.search_base = 31.0;
   EXPECT_THAT(FindMaps(scenario), ElementsAre("hall", "room"));
+  scenario.knowledge().options.max_searched = 1;
+  EXPECT_THAT(FindMaps(scenario), ElementsAre("room")) << "the nearest";
   scenario.knowledge().report.entered_level = 1;
   EXPECT_THAT(FindMaps(scenario), ElementsAre("attic"));
 }

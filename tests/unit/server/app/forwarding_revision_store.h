@@ -44,6 +44,14 @@ class ForwardingRevisionStore : public storage::RevisionStore {
                       const storage::NewLayerRun& run) const override {
     return store_.AddRun(context, site, map, run);
   }
+  absl::StatusOr<storage::OrphanedLayers> ReadOrphanedLayers(const storage::CallContext& context, const SiteId& site,
+                                                             const MapId& map, int least, int limit) const override {
+    return store_.ReadOrphanedLayers(context, site, map, least, limit);
+  }
+  absl::Status MergeLayers(const storage::CallContext& context, const SiteId& site, const MapId& map,
+                           const storage::NewLayerRun& merged) const override {
+    return store_.MergeLayers(context, site, map, merged);
+  }
   absl::StatusOr<std::vector<storage::Tile>> ReadTiles(const storage::CallContext& context,
                                                        const storage::MapRevision& revision,
                                                        std::optional<storage::TileKey> after,

@@ -202,6 +202,49 @@ TEST_F(LayerRunsTest, ASessionAmongOldLayersIsTakenOutOfItsRun) {
   EXPECT_LT(among.above.size(), 12U);
 }
 
+TEST_F(LayerRunsTest, LayersOfDeletedSessionsAreMergedAndRevisionsStayTheSame) {
+  for (int i = 0; i < 30; ++i) {
+    NewSession("old" + std::to_string(i), map_.value());
+    ASSERT_NO_FATAL_FAILURE(AddOldLayer(i));
+  }
+  const auto compose = [&] {
+    LayerOverlay overlay(stores_.blobs, site_);
+    return *overlay.Compose(Soon(), *stores_.revisions.ReadLayersBeside(Soon(), site_, map_, SessionId()),
+                            SeenBy(1000));
+  };
+  const auto count_layers = [&] {
+    return stores_.revisions.ReadLayersBeside(Soon(), site_, map_, SessionId())->below.size();
+  };
+  const grid::OccupancyGrid expected = compose();
+  const LayerRuns runs(stores_.blobs, stores_.revisions, site_, map_);
+  EXPECT_FALSE(*runs.MergeOrphaned(Soon()));
+  // All but the layers at 5 and 20.
+  for (int i = 0; i < 30; ++i) {
+    if (i == 5 || i == 20) continue;
+    ASSERT_OK(stores_.sessions.Delete(Soon(), site_, SessionId("old" + std::to_string(i))));
+  }
+  ASSERT_TRUE(*runs.MergeOrphaned(Soon())) << "6 to 19: below there are too few";
+  EXPECT_EQ(count_layers(), 30U - 14U + 2U);
+  ASSERT_TRUE(*runs.MergeOrphaned(Soon())) << "21 to 29";
+  EXPECT_EQ(count_layers(), 30U - 14U + 2U - 9U + 2U);
+  EXPECT_FALSE(*runs.MergeOrphaned(Soon()));
+  EXPECT_EQ(compose(), expected);
+  ASSERT_OK(stores_.sessions.Delete(Soon(), site_, SessionId("old5")));
+  EXPECT_FALSE(*runs.MergeOrphaned(Soon())) << "only six are deleted since, beside what was merged";
+  EXPECT_EQ(compose(), expected);
+}
+
+TEST_F(LayerRunsTest, ASessionThatIsMappedMergesTheLayersOfDeletedOnes) {
+  Waiting next = Begin("next", mapping_stores());
+  for (int i = 0; i < 12; ++i) {
+    NewSession("old" + std::to_string(i), map_.value());
+    ASSERT_NO_FATAL_FAILURE(AddOldLayer(i));
+    ASSERT_OK(stores_.sessions.Delete(Soon(), site_, SessionId("old" + std::to_string(i))));
+  }
+  ASSERT_NO_FATAL_FAILURE(MapToItsEnd(next));
+  EXPECT_EQ(stores_.revisions.ReadLayersBeside(Soon(), site_, map_, SessionId())->below.size(), 3U);
+}
+
 TEST(SelectRun, TakesNeighboursThatHaveNotChangedForAWhile) {
   const auto layers = [](std::vector<std::int64_t> versions) {
     std::vector<storage::MapLayer> result;
