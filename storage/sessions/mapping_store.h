@@ -68,6 +68,10 @@ bool IsToBeMapped(const Session& session, std::int64_t read_sequence);
 struct MappingBacklog {
   std::int64_t sessions = 0;
   double oldest_s = 0.0;  // for how long, at most, the record has waited that has waited longest; 0: none waits
+  // Sessions that have no map until the door is judged through which they came from a session that has ended, and for
+  // how long the longest of them has waited since that one's end.
+  std::int64_t without_map = 0;
+  double longest_without_map_s = 0.0;
 };
 
 // ABORTED: another holder has taken over.

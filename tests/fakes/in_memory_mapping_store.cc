@@ -136,6 +136,14 @@ absl::StatusOr<storage::MappingBacklog> InMemoryMappingStore::GetBacklog(const s
   storage::MappingBacklog backlog;
   for (const auto& [site_id, site] : access.tables()) {
     for (const auto& [id, row] : site.sessions) {
+      const auto& previous = row.session.entry.previous;
+      if (previous && !row.session.map && !row.deleted) {
+        if (const auto finished = site.sessions.at(*previous).session.finish_time) {
+          ++backlog.without_map;
+          backlog.longest_without_map_s =
+              std::max(backlog.longest_without_map_s, 1e-9 * static_cast<double>(access.Timestamp() - *finished));
+        }
+      }
       if (!row.work) continue;
       ++backlog.sessions;
       const std::chrono::duration<double> waited = access.Now() - row.work->waiting_since;

@@ -228,7 +228,7 @@ void Mapping::RenewLeases() {
 // While the database is unreachable, the metric stays as it was.
 void Mapping::ReportBacklog() {
   const auto backlog = stores_.mappings.GetBacklog(storage::CallContext::WithTimeout(LeaseTime(options_) / 3));
-  if (backlog.ok()) metrics_.SetMappingBacklog(backlog->sessions, backlog->oldest_s);
+  if (backlog.ok()) metrics_.SetMappingBacklog(*backlog);
 }
 
 }  // namespace enfilade::server

@@ -72,6 +72,10 @@ class Metrics::Impl {
       Gauge("enfilade_mapping_waiting_sessions", "Sessions with records to map, of all processes");
   prometheus::Gauge& mapping_lag =
       Gauge("enfilade_mapping_lag_seconds", "How long the oldest record that is not mapped has waited, at most");
+  prometheus::Gauge& without_map =
+      Gauge("enfilade_sessions_without_map", "Sessions that wait for the verdict on the door that they came through");
+  prometheus::Gauge& door_lag =
+      Gauge("enfilade_door_lag_seconds", "How long the longest of them has waited since the session before it ended");
   Counters& rows_deleted =
       Counter("enfilade_rows_deleted_total", "Rows deleted in the background, by what they were of");
   Counters& sessions_closed =
@@ -130,9 +134,11 @@ void Metrics::CountScansMapped(std::int64_t used, std::int64_t not_used) {
   impl_->scans_not_used.Increment(static_cast<double>(not_used));
 }
 void Metrics::AddSessionsMapping(int sessions) { impl_->mapping.Increment(sessions); }
-void Metrics::SetMappingBacklog(std::int64_t sessions, double oldest_s) {
-  impl_->mapping_waiting.Set(static_cast<double>(sessions));
-  impl_->mapping_lag.Set(oldest_s);
+void Metrics::SetMappingBacklog(const storage::MappingBacklog& backlog) {
+  impl_->mapping_waiting.Set(static_cast<double>(backlog.sessions));
+  impl_->mapping_lag.Set(backlog.oldest_s);
+  impl_->without_map.Set(static_cast<double>(backlog.without_map));
+  impl_->door_lag.Set(backlog.longest_without_map_s);
 }
 void Metrics::CountRowsDeleted(const std::string& of, std::int64_t rows) {
   impl_->rows_deleted.Add({{"of", of}}).Increment(static_cast<double>(rows));

@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "storage/sessions/mapping_store.h"
 
 namespace enfilade::server {
 
@@ -30,7 +31,7 @@ class Metrics {
   void CountScansMapped(std::int64_t used, std::int64_t not_used);
   void AddSessionsMapping(int sessions);
   // Of all processes: how many sessions wait to be mapped, and for how long the oldest unmapped record has waited.
-  void SetMappingBacklog(std::int64_t sessions, double oldest_s);
+  void SetMappingBacklog(const storage::MappingBacklog& backlog);
   // Rows that retention and deletion in the background have deleted, by what they belonged to.
   void CountRowsDeleted(const std::string& of, std::int64_t rows);
   // Sessions that nobody had finished.

@@ -22,16 +22,22 @@ constexpr Statement kSelectGraph{"reading the graph's version",
                                  " AND s.delete_time IS NULL"};
 constexpr Statement kShareGraph{"locking the graph's version",
                                 "SELECT graph_version FROM enfilade.site_graphs WHERE site_id = $1 FOR SHARE"};
-constexpr Statement kSelectMaps{
-    "reading the graph's maps",
-    "SELECT m.map_id, m.display_name, m.level, m.environment, ST_AsBinary(m.outline, 'NDR'), g.x IS NOT NULL,"
-    " coalesce(g.x, 0), coalesce(g.y, 0), coalesce(g.yaw, 0), coalesce(g.covariance, '{}'), g.changed_version"
-    " FROM enfilade.graph_maps g JOIN enfilade.maps m ON m.site_id = g.site_id AND m.map_id = g.map_id"
-    " WHERE g.site_id = $1 AND g.changed_version > $2 ORDER BY m.map_id"};
-constexpr Statement kSelectLinkPoints{
-    "reading the graph's link points",
-    "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS
-    " WHERE p.site_id = $1 AND p.changed_version > $2 ORDER BY p.link_point_id, a.ordinal"};
+// All and what has changed are statements of their own: PostgreSQL plans a statement for whatever its parameters are if
+// that costs no more on average, and reading all costs so much that reading changes would be planned like it.
+#define ENFILADE_SELECT_MAPS                                                                                 \
+  "SELECT m.map_id, m.display_name, m.level, m.environment, ST_AsBinary(m.outline, 'NDR'), g.x IS NOT NULL," \
+  " coalesce(g.x, 0), coalesce(g.y, 0), coalesce(g.yaw, 0), coalesce(g.covariance, '{}'), g.changed_version" \
+  " FROM enfilade.graph_maps g JOIN enfilade.maps m ON m.site_id = g.site_id AND m.map_id = g.map_id"        \
+  " WHERE g.site_id = $1"
+#define ENFILADE_SELECT_LINK_POINTS \
+  "SELECT " ENFILADE_LINK_POINT_COLUMNS " FROM enfilade.link_points p" ENFILADE_JOIN_ANCHORS " WHERE p.site_id = $1"
+constexpr Statement kSelectMaps{"reading the graph's maps", ENFILADE_SELECT_MAPS " ORDER BY m.map_id"};
+constexpr Statement kSelectChangedMaps{"reading the graph's changed maps",
+                                       ENFILADE_SELECT_MAPS " AND g.changed_version > $2 ORDER BY m.map_id"};
+constexpr Statement kSelectLinkPoints{"reading the graph's link points",
+                                      ENFILADE_SELECT_LINK_POINTS " ORDER BY p.link_point_id, a.ordinal"};
+constexpr Statement kSelectChangedLinkPoints{"reading the graph's changed link points", ENFILADE_SELECT_LINK_POINTS
+                                             " AND p.changed_version > $2 ORDER BY p.link_point_id, a.ordinal"};
 constexpr Statement kSelectRemovals{"reading removals from the graph",
                                     "SELECT kind, id FROM enfilade.graph_removals"
                                     " WHERE site_id = $1 AND removed_version > $2 ORDER BY kind, id"};
@@ -91,8 +97,13 @@ absl::Status ReadRowsInto(const Result& maps, const Result& link_points, const R
 
 void QueueChanges(Transaction& transaction, const SiteId& site, std::int64_t since) {
   transaction.Queue(kSelectGraph, Params(site));
-  transaction.Queue(kSelectMaps, Params(site, since));
-  transaction.Queue(kSelectLinkPoints, Params(site, since));
+  if (since == 0) {
+    transaction.Queue(kSelectMaps, Params(site));
+    transaction.Queue(kSelectLinkPoints, Params(site));
+  } else {
+    transaction.Queue(kSelectChangedMaps, Params(site, since));
+    transaction.Queue(kSelectChangedLinkPoints, Params(site, since));
+  }
   transaction.Queue(kSelectRemovals, Params(site, since));
   transaction.Queue(kSelectGraph, Params(site));
 }

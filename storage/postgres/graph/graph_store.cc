@@ -51,11 +51,13 @@ constexpr Statement kListVersions{
 constexpr Statement kLastOptimization{
     "looking for the last optimisation",
     "SELECT coalesce(max(version), 0) FROM enfilade.graph_versions WHERE site_id = $1 AND version > $2 AND cause = $3"};
-constexpr Statement kSelectMapPoses{
-    "reading maps' poses",
-    "SELECT DISTINCT ON (map_id) map_id, coalesce(x, 0), coalesce(y, 0), coalesce(yaw, 0), coalesce(covariance, '{}'),"
-    " x IS NOT NULL FROM enfilade.map_poses WHERE site_id = $1 AND version <= $2 AND version > $3"
-    " ORDER BY map_id, version DESC"};
+// Two statements: see graph_changes.cc.
+#define ENFILADE_SELECT_MAP_POSES                                                                                     \
+  "SELECT DISTINCT ON (map_id) map_id, coalesce(x, 0), coalesce(y, 0), coalesce(yaw, 0), coalesce(covariance, '{}')," \
+  " x IS NOT NULL FROM enfilade.map_poses WHERE site_id = $1 AND version <= $2"
+constexpr Statement kSelectMapPoses{"reading maps' poses", ENFILADE_SELECT_MAP_POSES " ORDER BY map_id, version DESC"};
+constexpr Statement kSelectChangedMapPoses{"reading maps' changed poses",
+                                           ENFILADE_SELECT_MAP_POSES " AND version > $3 ORDER BY map_id, version DESC"};
 constexpr Statement kIsKept{"looking for an optimisation",
                             "SELECT count(*) FROM (SELECT version FROM enfilade.graph_versions WHERE site_id = $1"
                             "   AND cause = 7 ORDER BY version DESC LIMIT $3) kept WHERE version = $2"};
@@ -184,7 +186,11 @@ absl::StatusOr<std::int64_t> GraphStore::FindLastOptimization(const CallContext&
 absl::StatusOr<MapPoseChanges> GraphStore::GetMapPoses(const CallContext& context, const SiteId& site,
                                                        std::int64_t version, std::int64_t since) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
-  transaction.Queue(kSelectMapPoses, Params(site, version, since));
+  if (since == 0) {
+    transaction.Queue(kSelectMapPoses, Params(site, version));
+  } else {
+    transaction.Queue(kSelectChangedMapPoses, Params(site, version, since));
+  }
   // Afterwards: a version that is still kept has lost nothing.
   transaction.Queue(kIsKept, Params(site, version, std::int64_t{kKeptOptimizations}));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());

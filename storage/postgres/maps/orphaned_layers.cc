@@ -41,7 +41,7 @@ constexpr Statement kSelectOrphaned{
 
 // Before the layers' lock, in which order whoever stores a revision takes both.
 constexpr Statement kLockMergedMap{"locking the map",
-                             "SELECT FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR NO KEY UPDATE"};
+                                   "SELECT FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR NO KEY UPDATE"};
 constexpr Statement kRaiseVersion{
     "raising the version of the map's layers",
     "UPDATE enfilade.map_layer_stacks SET version = version + 1 WHERE site_id = $1 AND map_id = $2"};

@@ -44,8 +44,13 @@ constexpr Statement kRequeueWork{
     " SET waiting_since = greatest(w.waiting_since, $3), turn_time = EXCLUDED.turn_time"};
 constexpr Statement kSelectBacklog{
     "counting sessions to map",
-    "SELECT count(*), coalesce(extract(epoch FROM clock_timestamp() - min(waiting_since))::double precision, 0)"
-    " FROM enfilade.mapping_work"};
+    "SELECT b.count, b.oldest, u.count, u.oldest FROM"
+    " (SELECT count(*), coalesce(extract(epoch FROM clock_timestamp() - min(waiting_since))::double precision, 0)"
+    "   AS oldest FROM enfilade.mapping_work) b,"
+    " (SELECT count(*), coalesce(extract(epoch FROM clock_timestamp() - min(p.finish_time))::double precision, 0)"
+    "   AS oldest FROM enfilade.sessions n JOIN enfilade.sessions p"
+    "   ON p.site_id = n.site_id AND p.session_id = n.previous_session_id WHERE n.previous_session_id IS NOT NULL"
+    "   AND n.map_id IS NULL AND n.delete_time IS NULL AND p.finish_time IS NOT NULL) u"};
 
 struct LockedWork {
   bool to_be_mapped = false;
@@ -113,6 +118,8 @@ absl::StatusOr<MappingBacklog> ReadMappingBacklog(Pool& pool, const CallContext&
         MappingBacklog backlog;
         backlog.sessions = row.Int64();
         backlog.oldest_s = row.Double();
+        backlog.without_map = row.Int64();
+        backlog.longest_without_map_s = row.Double();
         return backlog;
       },
       "the backlog of mapping");

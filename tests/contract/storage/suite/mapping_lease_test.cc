@@ -180,6 +180,22 @@ TEST_F(MappingStoreTest, TheBacklogHasTheSessionsThatWait) {
   EXPECT_EQ(after.sessions, 1);
 }
 
+TEST_F(MappingStoreTest, TheBacklogHasTheSessionsThatWaitForTheirMap) {
+  const SessionId previous = NewSession("s1");
+  storage::Session next = MakeSession(site_, SessionId("s2"), robot_, std::nullopt);
+  next.entry.previous = previous;
+  ASSERT_OK(sessions_.Create(Soon(), next, ""));
+  ASSERT_OK_AND_ASSIGN(const storage::MappingBacklog before, mapping_.GetBacklog(Soon()));
+  EXPECT_EQ(before.without_map, 0) << "the robot may still be before the door";
+  ASSERT_OK(sessions_.Finish(Soon(), site_, previous, 0));
+  ASSERT_OK_AND_ASSIGN(const storage::MappingBacklog after, mapping_.GetBacklog(Soon()));
+  EXPECT_EQ(after.without_map, 1);
+  EXPECT_GT(after.longest_without_map_s, 0.0);
+  ASSERT_OK(sessions_.Delete(Soon(), site_, SessionId("s2")));
+  ASSERT_OK_AND_ASSIGN(const storage::MappingBacklog deleted, mapping_.GetBacklog(Soon()));
+  EXPECT_EQ(deleted.without_map, 0);
+}
+
 TEST_F(MappingStoreTest, DeletingTheSessionTakesTheLeaseAway) {
   const SessionId session = SessionWithRecords("s1", 3);
   const storage::LeasedSession leased = AcquireOne();

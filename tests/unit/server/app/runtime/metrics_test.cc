@@ -83,7 +83,7 @@ TEST_F(MetricsTest, ServesCountersAndGauges) {
   metrics_->AddIngestBuffered(100);
   metrics_->AddIngestBuffered(-40);
   metrics_->CountScansMapped(5, 1);
-  metrics_->SetMappingBacklog(3, 1.5);
+  metrics_->SetMappingBacklog({3, 1.5, 2, 0.5});
   metrics_->CountIdleSessionsClosed(2, 1);
   metrics_->SetReady(true);
   metrics_->SetDatabaseConnections(4, 3, 2);
@@ -95,6 +95,7 @@ TEST_F(MetricsTest, ServesCountersAndGauges) {
             HasSubstr("enfilade_idle_sessions_closed_total{as=\"finished\"} 2\n"),
             HasSubstr("enfilade_idle_sessions_closed_total{as=\"failed\"} 1\n"),
             HasSubstr("enfilade_mapping_waiting_sessions 3\n"), HasSubstr("enfilade_mapping_lag_seconds 1.5\n"),
+            HasSubstr("enfilade_sessions_without_map 2\n"), HasSubstr("enfilade_door_lag_seconds 0.5\n"),
             HasSubstr("enfilade_scans_mapped_total{used=\"false\"} 1\n"), HasSubstr("enfilade_ready 1\n"),
             HasSubstr("enfilade_database_connections_open 4\n"), HasSubstr("enfilade_database_connections_busy 3\n"),
             HasSubstr("enfilade_database_connections_waiting 2\n")));
