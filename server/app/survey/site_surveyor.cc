@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/survey/site_surveyor.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -102,6 +104,8 @@ bool SiteSurveyor::SurveyPending() {
   if (site == pending->end()) return false;
   const absl::Status status = Survey(*site);
   caches_.Trim();
+  // A survey works with large grids. Freed, they would stay with this thread's part of the heap.
+  malloc_trim(0);
   if (status.ok()) {
     failing_.erase(*site);
   } else if (!stop_.is_set()) {
