@@ -176,16 +176,34 @@ void AddEdges(const GraphSnapshot& graph, const GraphSnapshot::MapNode& node, Wr
   }
 }
 
+void AddTrack(const Track& track, Writer& writer) {
+  Json geometry;
+  if (const PoseWithCovariance* T_world_map = writer.FindWorld(track.map)) {
+    std::vector<Eigen::Vector2d> p_world;
+    p_world.reserve(track.p_map.size());
+    for (const Eigen::Vector2d& p_map : track.p_map) p_world.push_back(T_world_map->pose * p_map);
+    geometry = writer.Line(p_world);
+  }
+  writer.Add("sessions/" + track.session.value() + "/track", std::move(geometry),
+             {{"kind", "track"},
+              {"session", track.session.value()},
+              {"robot", track.robot.value()},
+              {"map", track.map.value()}});
+}
+
 }  // namespace
 
-std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference, bool with_edges) {
+std::string GraphToGeoJson(const WorldPoses& poses, const geo::Georeference* georeference, bool with_edges,
+                           const std::vector<Track>& tracks) {
   const GraphSnapshot& graph = poses.graph();
   Writer writer(poses, georeference, graph.version());
   const std::vector<const MapInGraph*> maps = graph.ListMaps();
   for (const MapInGraph* map : maps) AddMap(*map, writer);
   for (const LinkPoint* link_point : graph.ListLinkPoints()) AddLinkPoint(poses, *link_point, writer);
-  if (!with_edges) return writer.Text();
-  for (const MapInGraph* map : maps) AddEdges(graph, graph.map_node(graph.MapSlot(map->id)), writer);
+  if (with_edges) {
+    for (const MapInGraph* map : maps) AddEdges(graph, graph.map_node(graph.MapSlot(map->id)), writer);
+  }
+  for (const Track& track : tracks) AddTrack(track, writer);
   return writer.Text();
 }
 

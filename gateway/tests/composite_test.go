@@ -11,6 +11,7 @@ import (
 	"net/http"
 	"strings"
 	"testing"
+	"time"
 )
 
 // withYard adds a copy of the hall, a quarter turn to the left and at (10, 10) in the world.
@@ -21,6 +22,15 @@ func withYard(t *testing.T, site string) {
 	must(t, "POST", "/v1/"+site+"/linkPoints", fmt.Sprintf(`{"kind": "KIND_DOOR", "anchors": [
 		{"map": "%[1]s/maps/hall", "poseMapPlace": {"pose": {"x": 10, "y": 10}}},
 		{"map": "%[1]s/maps/yard", "poseMapPlace": {"pose": {"yaw": -1.5707963267948966}}}]}`, site))
+	// The graph is optimised soon after, by itself; until then its version is about to change.
+	for range 600 {
+		graph := must(t, "GET", "/v1/"+site+"/graph", "")["graph"].(map[string]any)
+		if graph["solutionVersion"] != "0" {
+			return
+		}
+		time.Sleep(100 * time.Millisecond)
+	}
+	t.Fatal("the graph is not optimised")
 }
 
 func composite(t *testing.T, site, query string) (image.Image, answer) {

@@ -26,6 +26,7 @@ import (
 	"enfilade/gateway/internal/reference"
 	"enfilade/gateway/internal/rest"
 	"enfilade/gateway/internal/telemetry"
+	"enfilade/gateway/internal/vectors"
 )
 
 // Options of the gateway; see the command's flags.
@@ -108,6 +109,9 @@ func newHandler(ctx context.Context, server *grpc.ClientConn, options Options) (
 		return nil, err
 	}
 	if err := rasters.Register(api, server); err != nil {
+		return nil, err
+	}
+	if err := vectors.Register(api, server); err != nil {
 		return nil, err
 	}
 	pages, err := dashboard.Handler()

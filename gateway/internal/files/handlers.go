@@ -17,7 +17,6 @@ import (
 	"github.com/grpc-ecosystem/grpc-gateway/v2/runtime"
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
-	"google.golang.org/grpc/metadata"
 	"google.golang.org/grpc/status"
 
 	pb "enfilade/gateway/gen/enfilade/v1"
@@ -68,11 +67,6 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimit
 	return nil
 }
 
-// The call's context, with its caller; ends with the request.
-func contextOf(r *http.Request) context.Context {
-	return metadata.AppendToOutgoingContext(r.Context(), "enfilade-actor", rest.CallerOf(r))
-}
-
 // Formats by the name that a client gives: pgm, png, json.
 func formatOf(name string) (pb.MapFormat, error) {
 	if name == "" {
@@ -118,7 +112,7 @@ type fileLink struct {
 
 // The files of a map's newest or given revision, with the paths at which they are found.
 func (h *handlers) listMapFiles(w http.ResponseWriter, r *http.Request, path map[string]string) error {
-	ctx, cancel := context.WithCancel(contextOf(r))
+	ctx, cancel := context.WithCancel(rest.ContextOf(r))
 	defer cancel()
 	format := r.URL.Query().Get("format")
 	export, err := h.openMap(ctx, path["name"], format)
@@ -144,7 +138,7 @@ var mediaTypes = map[string]string{
 }
 
 func (h *handlers) sendMapFile(w http.ResponseWriter, r *http.Request, variables map[string]string) error {
-	ctx, cancel := context.WithCancel(contextOf(r))
+	ctx, cancel := context.WithCancel(rest.ContextOf(r))
 	defer cancel()
 	format := r.URL.Query().Get("format")
 	if format == "" { // the image of a pair may tell
@@ -196,10 +190,11 @@ func chunksOf(index int32, receive func() (*pb.FileChunk, error)) func() ([]byte
 }
 
 func (h *handlers) sendGraph(w http.ResponseWriter, r *http.Request, path map[string]string) error {
-	ctx, cancel := context.WithCancel(contextOf(r))
+	ctx, cancel := context.WithCancel(rest.ContextOf(r))
 	defer cancel()
 	stream, err := h.graphs.ExportGraph(ctx, &pb.ExportGraphRequest{
-		Site: path["site"], WithoutEdges: r.URL.Query().Get("edges") == "false"})
+		Site: path["site"], WithoutEdges: r.URL.Query().Get("edges") == "false",
+		WithTracks: r.URL.Query().Get("tracks") == "true"})
 	if err != nil {
 		return err
 	}
@@ -221,7 +216,7 @@ func (h *handlers) sendGraph(w http.ResponseWriter, r *http.Request, path map[st
 
 // One line a pose: time (s since 1970, UTC), x (m), y (m), yaw (rad), in the session's map.
 func (h *handlers) sendTrajectory(w http.ResponseWriter, r *http.Request, variables map[string]string) error {
-	stream, err := h.sessions.ExportTrajectory(contextOf(r), &pb.ExportTrajectoryRequest{Name: variables["name"]})
+	stream, err := h.sessions.ExportTrajectory(rest.ContextOf(r), &pb.ExportTrajectoryRequest{Name: variables["name"]})
 	if err != nil {
 		return err
 	}
@@ -259,7 +254,7 @@ func (h *handlers) sendBlob(w http.ResponseWriter, r *http.Request, path map[str
 	if err != nil || len(digest) != 32 {
 		return status.Errorf(codes.InvalidArgument, "sha256: %q is not 64 hexadecimal digits", path["sha256"])
 	}
-	ctx, cancel := context.WithCancel(contextOf(r))
+	ctx, cancel := context.WithCancel(rest.ContextOf(r))
 	defer cancel()
 	stream, err := h.ingest.DownloadBlob(ctx, &pb.DownloadBlobRequest{Parent: path["parent"], Sha256: digest})
 	if err != nil {

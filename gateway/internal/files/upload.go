@@ -20,6 +20,7 @@ import (
 	"google.golang.org/protobuf/proto"
 
 	pb "enfilade/gateway/gen/enfilade/v1"
+	"enfilade/gateway/internal/rest"
 )
 
 // UploadLimits bound what one upload may hold.
@@ -159,7 +160,7 @@ func (h *handlers) importMap(w http.ResponseWriter, r *http.Request, path map[st
 	for _, file := range upload.files {
 		manifest.Files = append(manifest.Files, &pb.FileEntry{Name: file.name, SizeBytes: file.size, Sha256: file.digest})
 	}
-	stream, err := h.maps.ImportMap(contextOf(r))
+	stream, err := h.maps.ImportMap(rest.ContextOf(r))
 	if err != nil {
 		return err
 	}
@@ -201,7 +202,7 @@ func (h *handlers) attachEvidence(w http.ResponseWriter, r *http.Request, path m
 	default:
 		return status.Error(codes.InvalidArgument, "evidence: has neither an image nor a cloud")
 	}
-	stream, err := h.points.AttachEvidence(contextOf(r))
+	stream, err := h.points.AttachEvidence(rest.ContextOf(r))
 	if err != nil {
 		return err
 	}

@@ -112,11 +112,11 @@ func (c *clients) endExport(name string) {
 }
 
 func isTile(path string) bool {
-	return strings.Contains(path, "/tiles/") || strings.Contains(path, "/tiles:")
+	return strings.Contains(path, "/tiles/") || strings.Contains(path, "/tiles:") || strings.Contains(path, "/mvt/")
 }
 
 func isExport(path string) bool {
-	for _, end := range []string{":export", "/files", "/graph.geojson", "/trajectory.csv", "/composite.png"} {
+	for _, end := range []string{":export", "/files", "/graph.geojson", "/trajectory.csv", "/composite.png", "/mvt.json"} {
 		if strings.HasSuffix(path, end) {
 			return true
 		}

@@ -19,6 +19,8 @@ import (
 	"google.golang.org/grpc/status"
 
 	pb "enfilade/gateway/gen/enfilade/v1"
+	"enfilade/gateway/internal/answer"
+	"enfilade/gateway/internal/rest"
 )
 
 const (
@@ -91,7 +93,7 @@ func (h *handlers) sendComposite(w http.ResponseWriter, r *http.Request, path ma
 	if err != nil {
 		return err
 	}
-	ctx, cancel := context.WithTimeout(contextOf(r), callTime)
+	ctx, cancel := context.WithTimeout(rest.ContextOf(r), callTime)
 	defer cancel()
 	scene, err := h.readScene(ctx, path["site"], request.level)
 	if err != nil {
@@ -109,7 +111,7 @@ func (h *handlers) sendComposite(w http.ResponseWriter, r *http.Request, path ma
 	header.Set("Cache-Control", "private, no-cache")
 	header.Set("Enfilade-Graph-Version", fmt.Sprintf("%s=%d", path["site"], scene.graphVersion))
 	header.Set("Enfilade-Bbox-World", bounds.String())
-	if has(w, r, scene.tag(canvas, request.palette)) {
+	if answer.Has(w, r, scene.tag(canvas, request.palette)) {
 		return nil
 	}
 	for _, placed := range scene.maps {
@@ -122,7 +124,7 @@ func (h *handlers) sendComposite(w http.ResponseWriter, r *http.Request, path ma
 		return err
 	}
 	header.Set("Content-Type", "image/png")
-	return send(w, r, encoded.Bytes())
+	return answer.Send(w, r, encoded.Bytes())
 }
 
 // scene is what a picture shows: maps that have a revision and a place in the world.

@@ -21,12 +21,13 @@ import (
 	"github.com/grpc-ecosystem/grpc-gateway/v2/runtime"
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
-	"google.golang.org/grpc/metadata"
 	"google.golang.org/grpc/status"
 	"google.golang.org/protobuf/encoding/protojson"
 	"google.golang.org/protobuf/proto"
 
 	pb "enfilade/gateway/gen/enfilade/v1"
+	"enfilade/gateway/internal/answer"
+	"enfilade/gateway/internal/cache"
 	"enfilade/gateway/internal/rest"
 )
 
@@ -41,12 +42,12 @@ const (
 type handlers struct {
 	rasters pb.RasterServiceClient
 	graphs  pb.GraphServiceClient
-	cache   *cache
+	cache   *cache.Cache[[]byte]
 }
 
 // Register adds the routes of tiles and pictures to `mux`; they go before those of the RPCs.
 func Register(mux *runtime.ServeMux, server *grpc.ClientConn) error {
-	h := &handlers{pb.NewRasterServiceClient(server), pb.NewGraphServiceClient(server), newCache(cacheBytes, cacheKept)}
+	h := &handlers{pb.NewRasterServiceClient(server), pb.NewGraphServiceClient(server), cache.New(cacheBytes, cacheKept, func(content []byte) int { return len(content) })}
 	for _, route := range []struct {
 		methods, pattern string
 		handle           func(http.ResponseWriter, *http.Request, map[string]string) error
@@ -73,42 +74,9 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn) error {
 	return nil
 }
 
-func contextOf(r *http.Request) context.Context {
-	return metadata.AppendToOutgoingContext(r.Context(), "enfilade-actor", rest.CallerOf(r))
-}
-
-func send(w http.ResponseWriter, r *http.Request, content []byte) error {
-	w.Header().Set("Content-Length", strconv.Itoa(len(content)))
-	if r.Method != http.MethodHead {
-		_, _ = w.Write(content) // else the client is gone
-	}
-	return nil
-}
-
-// has sets the ETag, and answers 304 if the client has it. The tag is weak: the content comes in several encodings.
-func has(w http.ResponseWriter, r *http.Request, tag string) bool {
-	header := w.Header()
-	header.Set("ETag", `W/"`+tag+`"`)
-	header.Set("Vary", "Accept-Encoding")
-	for _, candidate := range strings.Split(r.Header.Get("If-None-Match"), ",") {
-		candidate = strings.TrimPrefix(strings.TrimSpace(candidate), "W/")
-		if candidate == `"`+tag+`"` || candidate == "*" {
-			w.WriteHeader(http.StatusNotModified)
-			return true
-		}
-	}
-	return false
-}
-
-// immutable does the same for an address that names its content.
-func immutable(w http.ResponseWriter, r *http.Request, tag string) bool {
-	w.Header().Set("Cache-Control", "private, max-age=31536000, immutable")
-	return has(w, r, tag)
-}
-
 // The manifest as the RPC's JSON, which never changes.
 func (h *handlers) sendManifest(w http.ResponseWriter, r *http.Request, path map[string]string) error {
-	ctx, cancel := context.WithTimeout(contextOf(r), callTime)
+	ctx, cancel := context.WithTimeout(rest.ContextOf(r), callTime)
 	defer cancel()
 	manifest, err := h.rasters.GetRasterManifest(ctx, &pb.GetRasterManifestRequest{Name: path["name"]})
 	if err != nil {
@@ -119,7 +87,7 @@ func (h *handlers) sendManifest(w http.ResponseWriter, r *http.Request, path map
 		return err
 	}
 	digest := sha256.Sum256(encoded)
-	if immutable(w, r, hex.EncodeToString(digest[:])) {
+	if answer.Immutable(w, r, hex.EncodeToString(digest[:])) {
 		return nil
 	}
 	body, err := protojson.MarshalOptions{EmitDefaultValues: true}.Marshal(manifest)
@@ -127,7 +95,7 @@ func (h *handlers) sendManifest(w http.ResponseWriter, r *http.Request, path map
 		return err
 	}
 	w.Header().Set("Content-Type", "application/json")
-	return sendCompressed(w, r, body)
+	return answer.SendCompressed(w, r, body)
 }
 
 func (h *handlers) sendTileOrPicture(w http.ResponseWriter, r *http.Request, path map[string]string) error {
@@ -139,11 +107,11 @@ func (h *handlers) sendTileOrPicture(w http.ResponseWriter, r *http.Request, pat
 	if err != nil {
 		return err
 	}
-	frame, err := h.frameOf(contextOf(r), path["site"], digest)
+	frame, err := h.frameOf(rest.ContextOf(r), path["site"], digest)
 	if err != nil {
 		return err
 	}
-	if immutable(w, r, strings.ToLower(digest)+".png"+string(palette)) {
+	if answer.Immutable(w, r, strings.ToLower(digest)+".png"+string(palette)) {
 		return nil
 	}
 	cells, err := inflate(frame)
@@ -194,13 +162,13 @@ func (h *handlers) sendBatch(w http.ResponseWriter, r *http.Request, path map[st
 	isRaw := r.URL.Query().Get("encoding") != "zstd"
 	begun := false
 	var out io.Writer = w
-	if isRaw && accepts(r, "gzip") {
-		writer := writers.Get().(*gzip.Writer)
-		defer writers.Put(writer)
+	if isRaw && answer.Accepts(r, "gzip") {
+		writer := answer.Writers.Get().(*gzip.Writer)
+		defer answer.Writers.Put(writer)
 		writer.Reset(w)
 		out = writer
 	}
-	err := h.readTiles(contextOf(r), path["site"], digests, func(digest, content []byte) error {
+	err := h.readTiles(rest.ContextOf(r), path["site"], digests, func(digest, content []byte) error {
 		if isRaw {
 			cells, err := inflate(content)
 			if err != nil {
@@ -239,7 +207,7 @@ func (h *handlers) sendOverview(w http.ResponseWriter, r *http.Request, path map
 		}
 		request.Level = proto.Int32(int32(level))
 	}
-	thumbnails, err := h.listThumbnails(contextOf(r), request)
+	thumbnails, err := h.listThumbnails(rest.ContextOf(r), request)
 	if err != nil {
 		return err
 	}
@@ -249,11 +217,11 @@ func (h *handlers) sendOverview(w http.ResponseWriter, r *http.Request, path map
 	}
 	digest := sha256.Sum256(body)
 	w.Header().Set("Cache-Control", "private, no-cache")
-	if has(w, r, hex.EncodeToString(digest[:])) {
+	if answer.Has(w, r, hex.EncodeToString(digest[:])) {
 		return nil
 	}
 	w.Header().Set("Content-Type", "application/octet-stream")
-	return sendCompressed(w, r, body)
+	return answer.SendCompressed(w, r, body)
 }
 
 func (h *handlers) listThumbnails(ctx context.Context, request *pb.ListRasterThumbnailsRequest) ([]*pb.RasterThumbnail, error) {

@@ -18,6 +18,8 @@ import (
 	"google.golang.org/grpc/status"
 
 	pb "enfilade/gateway/gen/enfilade/v1"
+	"enfilade/gateway/internal/answer"
+	"enfilade/gateway/internal/rest"
 )
 
 // TileSide is the width and height of a tile in cells; a cell is one byte.
@@ -79,7 +81,7 @@ func (h *handlers) frameOf(ctx context.Context, site, name string) ([]byte, erro
 		return nil, err
 	}
 	key := site + "/" + string(digest)
-	if frame, ok := h.cache.get(key); ok {
+	if frame, ok := h.cache.Get(key); ok {
 		return frame, nil
 	}
 	var frame []byte
@@ -88,56 +90,44 @@ func (h *handlers) frameOf(ctx context.Context, site, name string) ([]byte, erro
 		return nil
 	})
 	if err == nil {
-		h.cache.put(key, frame)
+		h.cache.Put(key, frame)
 	}
 	return frame, err
 }
 
-// accepts tells whether a client takes an encoding. Without "Accept-Encoding" it takes none.
-func accepts(r *http.Request, encoding string) bool {
-	for _, entry := range strings.Split(r.Header.Get("Accept-Encoding"), ",") {
-		name, weight, _ := strings.Cut(strings.TrimSpace(entry), ";")
-		if strings.TrimSpace(name) == encoding {
-			weight = strings.ReplaceAll(weight, " ", "")
-			return weight != "q=0" && weight != "q=0.0" && weight != "q=0.00" && weight != "q=0.000"
-		}
-	}
-	return false
-}
-
 // One tile: 65,536 bytes, a cell each, row by row from the lowest. The stored frame itself for who takes zstd.
 func (h *handlers) sendTile(w http.ResponseWriter, r *http.Request, path map[string]string) error {
-	frame, err := h.frameOf(contextOf(r), path["site"], path["sha256"])
+	frame, err := h.frameOf(rest.ContextOf(r), path["site"], path["sha256"])
 	if err != nil {
 		return err
 	}
-	if immutable(w, r, strings.ToLower(path["sha256"])) {
+	if answer.Immutable(w, r, strings.ToLower(path["sha256"])) {
 		return nil
 	}
 	header := w.Header()
 	header.Set("Content-Type", "application/octet-stream")
-	if accepts(r, "zstd") {
+	if answer.Accepts(r, "zstd") {
 		header.Set("Content-Encoding", "zstd")
-		return send(w, r, frame)
+		return answer.Send(w, r, frame)
 	}
-	if !accepts(r, "gzip") {
+	if !answer.Accepts(r, "gzip") {
 		cells, err := inflate(frame)
 		if err != nil {
 			return err
 		}
-		return send(w, r, cells)
+		return answer.Send(w, r, cells)
 	}
 	zipped, err := h.zipped(path["site"]+"/"+strings.ToLower(path["sha256"])+"/gzip", frame)
 	if err != nil {
 		return err
 	}
 	header.Set("Content-Encoding", "gzip")
-	return send(w, r, zipped)
+	return answer.Send(w, r, zipped)
 }
 
 // A frame's content by gzip, from the cache if it is there.
 func (h *handlers) zipped(key string, frame []byte) ([]byte, error) {
-	if content, ok := h.cache.get(key); ok {
+	if content, ok := h.cache.Get(key); ok {
 		return content, nil
 	}
 	cells, err := inflate(frame)
@@ -145,35 +135,11 @@ func (h *handlers) zipped(key string, frame []byte) ([]byte, error) {
 		return nil, err
 	}
 	var out bytes.Buffer
-	writer := writers.Get().(*gzip.Writer)
-	defer writers.Put(writer)
+	writer := answer.Writers.Get().(*gzip.Writer)
+	defer answer.Writers.Put(writer)
 	writer.Reset(&out)
 	_, _ = writer.Write(cells) // into memory
 	_ = writer.Close()
-	h.cache.put(key, out.Bytes())
+	h.cache.Put(key, out.Bytes())
 	return out.Bytes(), nil
 }
-
-// sendCompressed sends content, by gzip to those who take it.
-func sendCompressed(w http.ResponseWriter, r *http.Request, content []byte) error {
-	if !accepts(r, "gzip") {
-		return send(w, r, content)
-	}
-	w.Header().Set("Content-Encoding", "gzip")
-	if r.Method == http.MethodHead {
-		return nil
-	}
-	writer := writers.Get().(*gzip.Writer)
-	defer writers.Put(writer)
-	writer.Reset(w)
-	if _, err := writer.Write(content); err != nil {
-		return nil // the client is gone
-	}
-	_ = writer.Close()
-	return nil
-}
-
-var writers = sync.Pool{New: func() any {
-	writer, _ := gzip.NewWriterLevel(nil, gzip.BestSpeed)
-	return writer
-}}

@@ -98,6 +98,11 @@ func CallerOf(r *http.Request) string {
 	return "gateway:" + host
 }
 
+// ContextOf a call for a request, with its caller; ends with the request.
+func ContextOf(r *http.Request) context.Context {
+	return metadata.AppendToOutgoingContext(r.Context(), "enfilade-actor", CallerOf(r))
+}
+
 func callerOf(_ context.Context, r *http.Request) metadata.MD {
 	return metadata.Pairs("enfilade-actor", CallerOf(r))
 }

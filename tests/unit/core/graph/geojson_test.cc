@@ -53,6 +53,16 @@ TEST(GeoJsonTest, WritesMapsLinkPointsAndEdges) {
   EXPECT_EQ(FeatureOf(graph, "maps/b/edges/x/y")["properties"]["length_m"], 2.0);
 }
 
+TEST(GeoJsonTest, WritesTracks) {
+  const std::vector<Track> tracks = {{SessionId("s"), RobotId("r"), M("b"), {{0, 0}, {1, 2}}},
+                                     {SessionId("far"), RobotId("r"), M("far"), {{0, 0}, {1, 2}}}};
+  const json graph = json::parse(GraphToGeoJson(WorldPoses(TwoRooms()), nullptr, false, tracks));
+  const json track = FeatureOf(graph, "sessions/s/track");
+  EXPECT_EQ(track["geometry"], json::parse(R"({"type":"LineString","coordinates":[[6,1],[7,3]]})"));
+  EXPECT_EQ(track["properties"], json::parse(R"({"kind":"track","session":"s","robot":"r","map":"b"})"));
+  EXPECT_TRUE(FeatureOf(graph, "sessions/far/track")["geometry"].is_null());
+}
+
 TEST(GeoJsonTest, DisconnectedFeaturesHaveNoGeometry) {
   const json graph = json::parse(GraphToGeoJson(WorldPoses(TwoRooms())));
   EXPECT_TRUE(FeatureOf(graph, "maps/far")["geometry"].is_null());
