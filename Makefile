@@ -15,7 +15,7 @@ CALLS ?= 100000
 KILLS ?= 1000
 # Calls of each operation of the OpenAPI document.
 EXAMPLES ?= 1000
-.PHONY: help demo stop test test-web screenshots programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
+.PHONY: help demo stop test test-web soak screenshots programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -34,6 +34,9 @@ test-web: programs ## test the dashboard in Chromium; T=NAME: only the tests who
 
 screenshots: programs ## make the pictures of README.md and docs/web.md: the dashboard with the campus of `make demo`
 	@tests/web/screenshots $(BIN)
+
+soak: programs ## keep a tab open for MINUTES=10 before 500 busy robots; what it takes over time in build/soak
+	@tests/web/soak $(BIN) build/soak $(MINUTES)
 
 programs: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server enfilade-gateway
