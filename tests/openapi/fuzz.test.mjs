@@ -7,7 +7,7 @@ import { join, resolve } from 'node:path';
 import { test } from 'node:test';
 import { System } from '../web/system.mjs';
 
-const system = new System();
+let system;
 const here = import.meta.dirname;
 
 // Two sites with a map that a robot has mapped.
@@ -38,6 +38,7 @@ async function names() {
 const ended = (child) => new Promise((resolve, reject) => child.once('exit', resolve).once('error', reject));
 
 test('fuzz: no call is answered by a fault of the server', async (t) => {
+  system = new System();
   t.after(() => system.stop());
   await prepare();
   const report = process.env.ENFILADE_OUT ? resolve(process.env.ENFILADE_OUT) : system.folder;

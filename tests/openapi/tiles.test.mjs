@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { PbfReader } from 'pbf';
 import { System } from '../web/system.mjs';
 
-const system = new System();
+let system;
 const zoom = 22; // a unit of a tile is 2.3 mm at the equator
 
 const get = (path) => fetch(path.startsWith('http') ? path : `${system.url}/v1/${path}`);
@@ -61,6 +61,7 @@ async function georeference() {
 }
 
 test('mvt: tiles of a version have link points, outlines and tracks within 1 cm', async (t) => {
+  system = new System();
   t.after(() => system.stop());
   await prepare();
   assert.equal((await get('sites/tiles/mvt.json')).status, 404, 'without a georeference there are no tiles');
