@@ -158,7 +158,8 @@ class Server::Impl {
                                  .on_tick = [this] { UpdateMetrics(); }},
         MaintenanceJobs({maintenance, sessions},
                         {.undo_kept = WholeSeconds(options.retention.undo_s),
-                         .idle = WholeSeconds(options.retention.idle_session_s)},
+                         .idle = WholeSeconds(options.retention.idle_session_s),
+                         .unused_blob = WholeSeconds(options.retention.unused_blob_s)},
                         *metrics));
     return absl::OkStatus();
   }

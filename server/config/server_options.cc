@@ -53,6 +53,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("retention.interval_s", options.retention.interval_s);
   visit("retention.undo_s", options.retention.undo_s);
   visit("retention.idle_session_s", options.retention.idle_session_s);
+  visit("retention.unused_blob_s", options.retention.unused_blob_s);
   visit("metrics.address", options.metrics.address);
   visit("log.level", options.log.level);
   visit("log.format", options.log.format);
@@ -211,6 +212,10 @@ absl::Status ServerOptions::Validate() const {
   if (idle_s != 0.0 && !(idle_s >= 60.0 && idle_s <= kCentury)) {
     return InvalidArgument("retention.idle_session_s is {}: expected 0, or 60 to {}, which is a century", idle_s,
                            kCentury);
+  }
+  if (!(retention.unused_blob_s >= 60.0 && retention.unused_blob_s <= kCentury)) {
+    return InvalidArgument("retention.unused_blob_s is {}: expected 60 to {}, which is a century",
+                           retention.unused_blob_s, kCentury);
   }
   for (const char* level : {"trace", "debug", "info", "warn", "error"}) {
     if (log.level == level) {

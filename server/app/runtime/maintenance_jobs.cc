@@ -15,9 +15,6 @@ using storage::CallContext;
 using storage::Maintenance;
 using storage::MaintenancePortion;
 
-// After an outage, a robot may send the record that refers to a blob long after the blob.
-constexpr auto kBlobGrace = std::chrono::hours(24);
-
 using Deletion = std::function<absl::StatusOr<std::int64_t>(const CallContext& context, std::int64_t limit)>;
 
 MaintenanceJob Deleting(std::string what, Metrics& metrics, Deletion deletion) {
@@ -79,10 +76,11 @@ std::vector<MaintenanceJob> MaintenanceJobs(const MaintenanceStores& stores, con
                             [&maintenance](const CallContext& context, std::int64_t limit) {
                               return maintenance.DeleteRevisions(context, limit);
                             }));
-  jobs.push_back(Collecting("blobs that may be unused", "unused blobs", metrics,
-                            [&maintenance](const CallContext& context, std::int64_t limit) {
-                              return maintenance.CollectBlobs(context, kBlobGrace, limit);
-                            }));
+  jobs.push_back(
+      Collecting("blobs that may be unused", "unused blobs", metrics,
+                 [&maintenance, unused = limits.unused_blob](const CallContext& context, std::int64_t limit) {
+                   return maintenance.CollectBlobs(context, unused, limit);
+                 }));
   return jobs;
 }
 
