@@ -15,6 +15,7 @@ export default defineConfig({
   build: {
     target: 'es2022',
     assetsInlineLimit: 0,
+    cssCodeSplit: false, // it is small, and each file is a request
     modulePreload: { polyfill: false },
     reportCompressedSize: true,
   },

@@ -2,7 +2,9 @@
 // Pages that have nothing to show, or nothing new.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { drawnMaps, faultsOf, launch, open, picture } from '../browser.mjs';
+import { drawnMaps, faultsOf, launch, open, picture, settled } from '../browser.mjs';
+import { importMap, pgmOf } from '../maps.mjs';
+import { Robots } from '../robots.mjs';
 import { until } from '../system.mjs';
 
 export function addStates({ system, browser, at, campus }) {
@@ -29,6 +31,38 @@ export function addStates({ system, browser, at, campus }) {
     await close();
   });
 
+  test('stale: a robot that reports no longer is shown as old after 10 s, and stays', async (t) => {
+    system.enfilade('old', 'site', 'create', 'old');
+    await importMap(system, 'old', 'm', pgmOf(200, 200, (x, y) => x === 0 || y === 0));
+    const robots = new Robots(system, 'old');
+    t.after(() => robots.close());
+    const name = await robots.begin('r', 'm');
+    const report = () => robots.report('r', 'm', { x: 5, y: 5, yaw: 0 });
+    report();
+    const timer = setInterval(report, 1000);
+    t.after(() => clearInterval(timer));
+    const { page, close } = await open(browser(), at('old/campus'), { expected: /Failed to load resource|EventSource/ });
+    const robot = page.getByRole('option', { name: /^r\b/ });
+    await robot.getByText('now').waitFor();
+    clearInterval(timer);
+    await robot.getByText(/1\d s ago/).waitFor();
+    await picture(page, 'stale-robot');
+    const isDrawn = () => page.evaluate((wanted) => window.__scene.drawn().some((item) => item.name === wanted), name);
+    assert.ok(await isDrawn(), 'an old robot is drawn');
+    t.after(async () => {
+      if (!system.serverRuns()) system.startServer();
+      await system.ready();
+    });
+    await system.kill('server');
+    await page.getByText(/Not live since/).waitFor();
+    system.startServer();
+    await system.ready();
+    await page.getByText(/Not live since/).waitFor({ state: 'detached', timeout: 60_000 });
+    await robot.getByText(/ago/).waitFor();
+    assert.ok(await isDrawn(), 'it stays when the stream has come back');
+    await close();
+  });
+
   test('empty_states: each says what to do', async () => {
     for (const [path, words, name] of [['empty/campus', /enfilade .*robot/, 'empty-campus'], ['empty/maps', /No maps yet/, 'empty-maps'],
       ['empty/nonsense', /There is no such page/, 'no-such-page']]) {
@@ -37,6 +71,50 @@ export function addStates({ system, browser, at, campus }) {
       await picture(page, name);
       await close();
     }
+  });
+
+  test('empty_states: maps and robots that cannot be shown are listed, with what to do', async (t) => {
+    system.enfilade('bare', 'site', 'create', 'bare');
+    for (const [id, name] of [['root', 'Root without content'], ['lone', 'Not joined']]) await system.call(`sites/bare/maps?mapId=${id}`, { displayName: name });
+    await importMap(system, 'bare', 'away', pgmOf(100, 100, (x) => x === 0), 'Mapped, not joined');
+    await system.call('sites/bare/robots?robotId=silent', { displayName: 'Silent' });
+    const robots = new Robots(system, 'bare');
+    t.after(() => robots.close());
+    await robots.begin('lost', 'away');
+    robots.report('lost', 'away', { x: 1, y: 1, yaw: 0 });
+    const { page, close } = await open(browser(), at('bare/campus'));
+    const tray = page.locator('.unplaced');
+    await tray.getByText('Not placed (4)').waitFor();
+    await tray.locator('summary').click();
+    for (const words of [/Root without content.*Nothing is mapped in it yet. Drive a robot/, /Mapped, not joined.*Drive a robot through one of its doors/, /lost.*not joined to the root/]) {
+      await tray.getByRole('listitem').filter({ hasText: words }).waitFor();
+    }
+    await picture(page, 'nothing-placed');
+    assert.deepEqual(await faultsOf(page), []);
+    await page.goto(at('bare/robots'));
+    await page.getByRole('row', { name: /Silent/ }).getByText('No pose yet').waitFor();
+    await close();
+  });
+
+  test('empty_states: a map whose graphics are lost says so, and is drawn again', async () => {
+    system.enfilade('graphics', 'site', 'create', 'graphics');
+    await importMap(system, 'graphics', 'm', pgmOf(400, 400, (x, y) => x === 0 || y === 0 || x === y));
+    const { page, close } = await open(browser(), at('graphics/campus'), { expected: /WebGL/ });
+    await until('the map is drawn', async () => (await drawnMaps(page)).length === 1);
+    await settled(page);
+    const shot = () => page.locator('.scene-canvas').screenshot();
+    const before = await shot();
+    const context = await page.evaluateHandle(() => document.querySelector('.scene-canvas').getContext('webgl2').getExtension('WEBGL_lose_context'));
+    await context.evaluate((extension) => extension.loseContext());
+    await page.getByText(/graphics card has dropped the map/).waitFor();
+    await page.getByRole('button', { name: 'Load again' }).waitFor();
+    await picture(page, 'context-lost');
+    assert.deepEqual(await faultsOf(page), []);
+    await context.evaluate((extension) => extension.restoreContext());
+    await page.getByText(/graphics card has dropped the map/).waitFor({ state: 'detached' });
+    await settled(page);
+    assert.ok(before.equals(await shot()), 'the same picture is back');
+    await close();
   });
 
   test('no_webgl: a browser that cannot draw the maps shows the server\'s picture of them', async () => {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { lazy, type ComponentType } from 'react';
 import type { LiveSite } from '../live/site';
+import CampusPage from '../pages/campus/CampusPage';
 import type { IconName } from '../ui/Icon';
 
 export interface Page {
@@ -13,9 +14,9 @@ export interface Page {
   count?: (site: LiveSite) => number;
 }
 
-// The rail, from above.
+// The rail, from above. The campus is where most begin: it comes with the first script, the others when they are opened.
 export const pages: Page[] = [
-  { path: 'campus', title: 'Campus', icon: 'campus', component: lazy(() => import('../pages/campus/CampusPage')) },
+  { path: 'campus', title: 'Campus', icon: 'campus', component: CampusPage },
   { path: 'maps', title: 'Maps', icon: 'map', component: lazy(() => import('../pages/maps/MapsPage')), count: (site) => site.maps.size },
   { path: 'linkPoints', title: 'Link points', icon: 'link', component: lazy(() => import('../pages/linkpoints/LinkPointsPage')), count: (site) => site.linkPoints.size },
   { path: 'robots', title: 'Robots', icon: 'robot', component: lazy(() => import('../pages/robots/RobotsPage')), count: (site) => site.robots.count },

@@ -16,12 +16,17 @@ const mapReason = (site: LiveSite, map: string) =>
     ? 'Its link points join it to no map that is joined to the root. Drive a robot through a door to a placed map, or add an anchor there.'
     : 'It has no link points. Drive a robot through one of its doors, or add a link point by hand.';
 
+// A map that nobody has mapped has a place at most, but no picture.
+const EMPTY = 'Nothing is mapped in it yet. Drive a robot in it, or import a file by “enfilade map import”.';
+
 // Maps and robots that cannot be drawn; never left out in silence.
 export function unplacedOf(site: LiveSite, level: number | undefined): Unplaced[] {
   const found: Unplaced[] = [];
   for (const map of site.maps.values()) {
-    if (map.poseWorldMap || (level !== undefined && map.level !== level)) continue;
-    found.push({ name: map.map, title: map.displayName, kind: 'map', reason: mapReason(site, map.map) });
+    if (level !== undefined && map.level !== level) continue;
+    const drawable = site.rasters.has(map.map);
+    if (map.poseWorldMap && drawable) continue;
+    found.push({ name: map.map, title: map.displayName, kind: 'map', reason: drawable ? mapReason(site, map.map) : EMPTY });
   }
   const { robots } = site;
   for (let row = 0; row < robots.count; ++row) {

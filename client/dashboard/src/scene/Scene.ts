@@ -3,12 +3,13 @@ import type { LiveSite } from '../live/site';
 import { onThemeChange } from '../ui/theme';
 import { affineOf, apply, united } from './affine';
 import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Pose, type Size } from './camera';
-import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds, placesOf, thumbnailAffine } from './drawing';
+import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds, placesOf } from './drawing';
 import { Surface } from './Surface';
 import { listen } from './input';
 import { Labels } from './labels';
 import type { Drawn, Frame, View } from './model';
 import { Motion } from './motion';
+import { thumbnailAffine } from './outlines';
 import { knowsCell, pickIcon } from './pick';
 
 export interface SceneEvents {
@@ -20,6 +21,8 @@ export interface SceneEvents {
   // The person has moved the camera.
   taken?: () => void;
   key?: (key: string) => boolean;
+  // The graphics card has dropped the picture, or has given it back.
+  lost?: (lost: boolean) => void;
 }
 
 const SAMPLES = 600;
@@ -46,6 +49,9 @@ export class Scene {
   private seenFrame = -1;
   private dirty = true;
   private fitPending = true;
+  private toldLost = false;
+  private toldScale = 0;
+  private readonly scaleListeners = new Set<() => void>();
   private request = 0;
   private unsubscribe = () => {};
   private cameraTimer: ReturnType<typeof setTimeout> | undefined;
@@ -112,6 +118,17 @@ export class Scene {
     this.moveByHand(zoomedAt(this.camera, this.size, { x: this.size.width / 2, y: this.size.height / 2 }, factor));
   }
 
+  // Whether the graphics card has dropped the picture.
+  get lost(): boolean {
+    return this.surface.lost;
+  }
+
+  // Tells when the camera's scale has changed, whoever changed it. Returns how to stop.
+  onScale(listener: () => void): () => void {
+    this.scaleListeners.add(listener);
+    return () => this.scaleListeners.delete(listener);
+  }
+
   touch() {
     this.dirty = true;
     if (this.request === 0 && this.canvas.isConnected) this.request = requestAnimationFrame(() => this.frame());
@@ -152,12 +169,17 @@ export class Scene {
     this.request = 0;
     const { site } = this;
     if (!site || !this.dirty || !this.canvas.isConnected) return;
+    if (this.surface.lost !== this.toldLost) this.events.lost?.((this.toldLost = this.surface.lost));
     this.dirty = false;
     const begin = performance.now();
     if (this.fitPending && this.surface.hasPictures(site) && this.size.width > 1 && this.fit()) this.fitPending = false;
     if (this.view.follow && this.view.selected !== undefined) {
       const at = this.placeOf(this.view.selected);
       if (at) this.camera = { ...this.camera, x: at.x, y: at.y };
+    }
+    if (this.camera.scale !== this.toldScale) {
+      this.toldScale = this.camera.scale;
+      for (const listener of this.scaleListeners) listener();
     }
     const frame: Frame = {
       site, view: this.view, camera: this.camera, size: this.size, window: viewOf(this.camera, this.size), now: begin, wall: Date.now(), drawn: [],

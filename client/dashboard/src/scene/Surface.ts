@@ -6,6 +6,7 @@ import { GlyphLayer } from './gl/glyphLayer';
 import { RasterLayer } from './gl/rasterLayer';
 import type { Frame } from './model';
 import { defaultClasses, readPalette, type Palette } from './palette';
+import { Outlines } from './outlines';
 import { RasterLoader } from './tiles/loader';
 import { THUMBNAIL } from './tiles/manifest';
 import { createPage, fillLayer, TilePages } from './tiles/pages';
@@ -15,13 +16,15 @@ export class Surface {
   loader: RasterLoader | undefined;
   tiles!: TilePages;
   palette!: Palette;
+  private readonly outlines = new Outlines();
   private rasters!: RasterLayer;
   private glyphs!: GlyphLayer;
   private thumbnailPage: WebGLTexture | undefined;
   private thumbnailLayers = 0;
   private thumbnailsStale = false;
   private frame = 0;
-  private lost = false;
+  // The graphics card has dropped all that it had; the browser says when it gives it back.
+  lost = false;
   private graphSeen = -1;
   private rasterSeen = -1;
 
@@ -30,6 +33,7 @@ export class Surface {
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.lost = true;
+      this.changed();
     });
     canvas.addEventListener('webglcontextrestored', () => {
       this.lost = false;
@@ -53,6 +57,7 @@ export class Surface {
       },
     });
     this.graphSeen = this.rasterSeen = -1;
+    this.outlines.clear();
   }
 
   // Whether there is something to fit the camera to: all pictures, or nothing that would have one.
@@ -85,7 +90,7 @@ export class Surface {
   }
 
   sources(): Sources {
-    return { loader: this.loader!, tiles: this.tiles, thumbnailPage: this.thumbnailPage, frame: this.frame, deviceRatio: devicePixelRatio };
+    return { loader: this.loader!, tiles: this.tiles, thumbnailPage: this.thumbnailPage, outlines: this.outlines, frame: this.frame, deviceRatio: devicePixelRatio };
   }
 
   // Returns the number of draw calls.

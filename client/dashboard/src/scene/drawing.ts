@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a site's state to quads and glyphs of one frame.
 import { levelsOf } from '../live/objects';
-import { affineOf, apply, boundsOf, composed, inverted, overlap, type Affine } from './affine';
+import { affineOf, boundsOf, composed, inverted, overlap, type Affine } from './affine';
 import { worldToScreen, type Bounds, type Pose } from './camera';
 import { addCircle, addLine, addLinkPoint, addRobot } from './glyphs';
 import { addGlyph, shape } from './gl/glyphLayer';
@@ -9,6 +9,7 @@ import type { InstanceList } from './gl/program';
 import { style, type RasterLayer } from './gl/rasterLayer';
 import type { Frame, RasterChoice } from './model';
 import type { Motion } from './motion';
+import { thumbnailAffine, type Outline, type Outlines } from './outlines';
 import { rgba, type Palette } from './palette';
 import { coverOf, latticeOf } from './tiles/cover';
 import type { RasterLoader } from './tiles/loader';
@@ -19,6 +20,7 @@ export interface Sources {
   loader: RasterLoader;
   tiles: TilePages;
   thumbnailPage: WebGLTexture | undefined;
+  outlines: Outlines;
   // Counts frames.
   frame: number;
   deviceRatio: number;
@@ -31,8 +33,6 @@ function toClip({ camera, size }: Frame): Affine {
   return { a: sx, b: 0, c: 0, d: sy, e: -camera.x * sx, f: -camera.y * sy };
 }
 
-export const thumbnailAffine = (worldMap: Affine, { pose, resolution }: Thumbnail) => composed(worldMap, affineOf(pose, resolution));
-
 // Of a map's picture in the world; undefined if it has none yet.
 export function mapBounds(worldMap: Affine, thumbnail: Thumbnail | undefined): Bounds | undefined {
   return thumbnail && boundsOf(thumbnailAffine(worldMap, thumbnail), 0, 0, thumbnail.width, thumbnail.height);
@@ -44,9 +44,9 @@ function styleOf(frame: Frame, map: string, ghost: boolean, choice: RasterChoice
   return frame.view.selected === map && !frame.view.map ? style.selected : style.plain;
 }
 
-function addThumbnail(layer: RasterLayer, frame: Frame, sources: Sources, worldMap: Affine, thumbnail: Thumbnail, look: number) {
+function addThumbnail(layer: RasterLayer, frame: Frame, sources: Sources, { cells, thumbnail }: Outline, look: number) {
   if (!sources.thumbnailPage || thumbnail.layer < 0) return;
-  const { a, b, c, d, e, f } = composed(toClip(frame), thumbnailAffine(worldMap, thumbnail));
+  const { a, b, c, d, e, f } = composed(toClip(frame), cells);
   const { width, height } = thumbnail;
   layer.add(sources.thumbnailPage, { clip: { a: a * width, b: b * width, c: c * height, d: d * height, e, f }, u0: 0, v0: 0, u1: width, v1: height, layer: thumbnail.layer, style: look });
 }
@@ -69,15 +69,14 @@ function addTiles(layer: RasterLayer, frame: Frame, sources: Sources, worldMap: 
 }
 
 // Draws one revision. A thumbnail is enough as long as its cells are no larger than the device's pixels.
-function addRevision(layer: RasterLayer, frame: Frame, sources: Sources, worldMap: Affine, map: string, revision: string, look: number, missing: string[]) {
-  const thumbnail = sources.loader.thumbnails.get(map);
+function addRevision(layer: RasterLayer, frame: Frame, sources: Sources, pose: Pose, outline: Outline | undefined, revision: string, look: number, missing: string[]) {
+  const thumbnail = outline?.thumbnail;
   if (!thumbnail && !sources.loader.hasOverview) return; // one request for all of them is under way
-  const bounds = mapBounds(worldMap, thumbnail);
-  if (bounds && !overlap(bounds, frame.window) && thumbnail?.revision === revision) return;
+  if (outline && !overlap(outline.bounds, frame.window) && thumbnail?.revision === revision) return;
   const enough = thumbnail?.revision === revision && thumbnail.resolution * frame.camera.scale * sources.deviceRatio <= 1;
   const manifest = enough ? undefined : sources.loader.manifest(revision);
-  if (manifest) addTiles(layer, frame, sources, worldMap, manifest, thumbnail, look, missing);
-  else if (thumbnail) addThumbnail(layer, frame, sources, worldMap, thumbnail, look);
+  if (manifest) addTiles(layer, frame, sources, affineOf(pose), manifest, thumbnail, look, missing);
+  else if (outline) addThumbnail(layer, frame, sources, outline, look);
 }
 
 // Where the maps are in this frame: by name, what the graph says or, on a map's own page, that one alone at the origin.
@@ -91,18 +90,16 @@ export function placesOf(frame: Frame, motion: Motion): Map<string, Pose> {
   return places;
 }
 
-function addMapBox(frame: Frame, glyphs: InstanceList, palette: Palette, map: string, worldMap: Affine, thumbnail: Thumbnail, ghost: boolean) {
-  const t = thumbnailAffine(worldMap, thumbnail);
-  const [w, h] = [thumbnail.width / 2, thumbnail.height / 2];
-  const [x, y] = [t.a * w + t.c * h + t.e, t.b * w + t.d * h + t.f];
-  const scale = Math.hypot(t.a, t.b) * frame.camera.scale;
-  const px = (x - frame.camera.x) * frame.camera.scale;
-  const py = (y - frame.camera.y) * frame.camera.scale;
-  const angle = Math.atan2(t.b, t.a);
-  const label = worldToScreen(frame.camera, frame.size, apply(t, thumbnail.middle));
-  frame.drawn.push({ name: map, kind: 'map', x: frame.size.width / 2 + px, y: frame.size.height / 2 - py, halfX: w * scale, halfY: h * scale, angle, ghost, label });
+function addMapBox(frame: Frame, glyphs: InstanceList, palette: Palette, map: string, { middle, halfX, halfY, angle, label }: Outline, ghost: boolean) {
+  const { camera, size } = frame;
+  const at = worldToScreen(camera, size, middle);
+  const [halfW, halfH] = [halfX * camera.scale, halfY * camera.scale];
+  frame.drawn.push({ name: map, kind: 'map', x: at.x, y: at.y, halfX: halfW, halfY: halfH, angle, ghost, label: worldToScreen(camera, size, label) });
   if (frame.view.selected === map && frame.view.map === undefined) {
-    addGlyph(glyphs, { x: px, y: py, halfX: w * scale + 4, halfY: h * scale + 4, angle, shape: shape.frame, stroke: 2, dash: 0, line: rgba(palette.colour.select), fill: 0 });
+    addGlyph(glyphs, {
+      x: at.x - size.width / 2, y: size.height / 2 - at.y, halfX: halfW + 4, halfY: halfH + 4, angle, shape: shape.frame, stroke: 2, dash: 0,
+      line: rgba(palette.colour.select), fill: 0,
+    });
   }
 }
 
@@ -114,13 +111,12 @@ export function addMaps(layer: RasterLayer, glyphs: InstanceList, palette: Palet
       const level = site.maps.get(map)?.level;
       const ghost = view.map === undefined && view.level !== undefined && level !== view.level;
       if (ghost !== ghostly) continue;
-      const worldMap = affineOf(pose);
+      const outline = sources.outlines.of(map, pose, sources.loader.thumbnails.get(map));
       const choices = view.rasters?.filter((choice) => choice.map === map);
       const revision = site.rasters.get(map)?.revision;
-      if (choices?.length) for (const choice of choices) addRevision(layer, frame, sources, worldMap, map, choice.revision, styleOf(frame, map, ghost, choice), missing);
-      else if (revision !== undefined) addRevision(layer, frame, sources, worldMap, map, revision, styleOf(frame, map, ghost, undefined), missing);
-      const thumbnail = sources.loader.thumbnails.get(map);
-      if (thumbnail) addMapBox(frame, glyphs, palette, map, worldMap, thumbnail, ghost);
+      if (choices?.length) for (const choice of choices) addRevision(layer, frame, sources, pose, outline, choice.revision, styleOf(frame, map, ghost, choice), missing);
+      else if (revision !== undefined) addRevision(layer, frame, sources, pose, outline, revision, styleOf(frame, map, ghost, undefined), missing);
+      if (outline) addMapBox(frame, glyphs, palette, map, outline, ghost);
     }
   }
   return missing;

@@ -51,17 +51,16 @@ export function addLinkPoint(list: InstanceList, frame: Frame, palette: Palette,
   const half = Math.max(LINK_PX, LINK_M * frame.camera.scale);
   const { colour, filled, dash } = lookOf(point, palette);
   const fade = ghost ? 0.3 : 1;
-  const glyph = { x: px, y: py, angle: 0, dash: 0 };
   if (frame.view.selected === point.linkPoint) addSelection(list, palette, px, py, half + 6);
   const kind = point.maps.length < 2 ? shape.disc : kindShape[point.kind];
   addGlyph(list, {
-    ...glyph, halfX: half, halfY: half, shape: kind, stroke: 4, line: rgba(palette.colour.halo, 0.9 * fade), fill: rgba(palette.colour.halo, 0.9 * fade),
+    x: px, y: py, halfX: half, halfY: half, angle: 0, shape: kind, stroke: 4, dash: 0, line: rgba(palette.colour.halo, 0.9 * fade), fill: rgba(palette.colour.halo, 0.9 * fade),
   });
   addGlyph(list, {
-    ...glyph, halfX: half, halfY: half, shape: kind, stroke: 2, dash, line: rgba(colour, fade), fill: rgba(colour, filled ? fade : 0),
+    x: px, y: py, halfX: half, halfY: half, angle: 0, shape: kind, stroke: 2, dash, line: rgba(colour, fade), fill: rgba(colour, filled ? fade : 0),
   });
-  const at = { x: frame.size.width / 2 + px, y: frame.size.height / 2 - py };
-  frame.drawn.push({ name: point.linkPoint, kind: 'link', ...at, halfX: half, halfY: half, angle: 0, ghost, label: { x: at.x, y: at.y + half + 11 } });
+  const [x0, y0] = [frame.size.width / 2 + px, frame.size.height / 2 - py];
+  frame.drawn.push({ name: point.linkPoint, kind: 'link', x: x0, y: y0, halfX: half, halfY: half, angle: 0, ghost, label: { x: x0, y: y0 + half + 11 } });
 }
 
 export function addSelection(list: InstanceList, palette: Palette, x: number, y: number, radius: number) {
@@ -87,22 +86,23 @@ export function addRobot(list: InstanceList, frame: Frame, palette: Palette, row
   const ellipse = ellipse95(c[4 * row]!, c[4 * row + 1]!, c[4 * row + 2]!);
   const { major, minor } = ellipse;
   const angle = ellipse.angle + turnOf(frame, row);
-  const glyph = { x: px, y: py, dash: 0 };
   if (major * frame.camera.scale > half) {
     addGlyph(list, {
-      ...glyph, halfX: major * frame.camera.scale, halfY: Math.max(1, minor * frame.camera.scale), angle, shape: shape.ellipse, stroke: 1.5,
+      x: px, y: py, halfX: major * frame.camera.scale, halfY: Math.max(1, minor * frame.camera.scale), angle, shape: shape.ellipse, stroke: 1.5, dash: 0,
       line: rgba(colour, 0.8 * fade), fill: rgba(colour, 0.12 * fade),
     });
   }
   if (frame.view.selected === name) addSelection(list, palette, px, py, half + 6);
-  addGlyph(list, { ...glyph, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 4, line: rgba(palette.colour.halo, fade), fill: rgba(palette.colour.halo, fade) });
   addGlyph(list, {
-    ...glyph, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, line: rgba(colour, fade), fill: rgba(colour, stale ? 0 : fade),
+    x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 4, dash: 0, line: rgba(palette.colour.halo, fade), fill: rgba(palette.colour.halo, fade),
   });
-  const at = { x: frame.size.width / 2 + px, y: frame.size.height / 2 - py };
+  addGlyph(list, {
+    x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, dash: 0, line: rgba(colour, fade), fill: rgba(colour, stale ? 0 : fade),
+  });
+  const [x0, y0] = [frame.size.width / 2 + px, frame.size.height / 2 - py];
   frame.drawn.push({
-    name, kind: 'robot', ...at, halfX: major * frame.camera.scale, halfY: minor * frame.camera.scale, angle, ghost,
-    label: { x: at.x, y: at.y + half + 11 },
+    name, kind: 'robot', x: x0, y: y0, halfX: major * frame.camera.scale, halfY: minor * frame.camera.scale, angle, ghost,
+    label: { x: x0, y: y0 + half + 11 },
   });
 }
 

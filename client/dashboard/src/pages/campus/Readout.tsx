@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useImperativeHandle, useRef, useState, type Ref } from 'react';
+import { useCallback, useImperativeHandle, useRef, useState, useSyncExternalStore, type Ref } from 'react';
 import { collectionOf, idOf } from '../../api/names';
 import { useLive } from '../../live/context';
 import { stateOf, titleOf } from '../../live/objects';
@@ -56,7 +56,8 @@ export function Readout({ ref, measured }: { ref: Ref<ReadoutHandle>; measured: 
     },
   }));
   const scene = sharedScene();
-  const bar = scaleBar(scene?.camera.scale ?? 1);
+  const subscribe = useCallback((changed: () => void) => scene?.onScale(changed) ?? (() => {}), [scene]);
+  const bar = scaleBar(useSyncExternalStore(subscribe, () => scene?.camera.scale ?? 1));
   const card = at?.what === undefined ? undefined : cardOf(site, at.what);
   const map = at?.what !== undefined && collectionOf(at.what) === 'maps' ? at.what : undefined;
   const inMap = map !== undefined && at ? scene?.inMap(map, at.world) : undefined;
