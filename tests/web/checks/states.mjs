@@ -112,8 +112,7 @@ export function addStates({ system, browser, at, campus }) {
     assert.deepEqual(await faultsOf(page), []);
     await context.evaluate((extension) => extension.restoreContext());
     await page.getByText(/graphics card has dropped the map/).waitFor({ state: 'detached' });
-    await settled(page);
-    assert.ok(before.equals(await shot()), 'the same picture is back');
+    await until('the same picture is back', async () => before.equals(await shot()));
     await close();
   });
 
