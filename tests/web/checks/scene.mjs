@@ -86,9 +86,13 @@ export function addScene({ system, browser, at, campus }) {
       });
     }, graph.linkPoints.filter(({ poseWorldPlace }) => poseWorldPlace));
     assert.ok(away.length >= 5 && Math.max(...away) < 1, `pixels between link points and their places: ${away}`);
-    await page.getByRole('listbox', { name: 'Objects in view' }).focus();
+    const list = page.getByRole('listbox', { name: 'Objects in view' });
+    await until('the list has what is drawn', async () => await list.getByRole('option').count() >= names.size);
+    await list.focus();
+    await page.keyboard.press('ArrowDown');
     await page.keyboard.press('Enter');
     await until('the selection is in the address', () => page.url().includes('sel='));
+    assert.equal(await list.getByRole('option', { selected: true }).count(), 1);
     await close();
   });
 

@@ -2,6 +2,7 @@
 // Addresses: /s/SITE/PAGE[/REST]?l=LEVEL&sel=maps/hall&v=X,Y,SCALE. What is selected is in the address, so that it can be
 // sent to somebody else, and survives a reload.
 import { createElement, useSyncExternalStore, type ComponentProps, type MouseEvent } from 'react';
+import { Signal } from '../signal';
 
 export interface Place {
   site?: string;
@@ -27,12 +28,12 @@ export function addressOf(site: string, page: string, rest: string[] = [], query
   return `/${path}${search === '' ? '' : `?${search}`}`;
 }
 
-const listeners = new Set<() => void>();
+const changed = new Signal();
 let place = parsePlace(location.pathname, location.search);
 
 function moved() {
   place = parsePlace(location.pathname, location.search);
-  for (const listener of [...listeners]) listener();
+  changed.tell();
 }
 
 window.addEventListener('popstate', moved);
@@ -51,14 +52,7 @@ export function setQuery(changes: Record<string, string | undefined>, how: 'push
 
 export const currentPlace = () => place;
 
-export const usePlace = (): Place =>
-  useSyncExternalStore(
-    (listener) => {
-      listeners.add(listener);
-      return () => listeners.delete(listener);
-    },
-    () => place,
-  );
+export const usePlace = (): Place => useSyncExternalStore(changed.subscribe, () => place);
 
 // A link within the dashboard.
 export function Link({ href, ...rest }: ComponentProps<'a'> & { href: string }) {

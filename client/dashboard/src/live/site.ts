@@ -2,6 +2,7 @@
 import { timestampMs } from '@bufbuild/protobuf/wkt';
 import type { GraphLinkPoint, GraphMap } from '../gen/enfilade/v1/graph_pb';
 import type { GraphDelta, SessionState, SiteHealth, WatchSiteResponse } from '../gen/enfilade/v1/watch_service_pb';
+import { Signal } from '../signal';
 import { RobotTable } from './robots';
 
 export interface Raster {
@@ -41,16 +42,13 @@ export class LiveSite {
   poseRevision = 0;
 
   private version = 0;
-  private readonly listeners = new Set<() => void>();
+  private readonly changed = new Signal();
   private timer: ReturnType<typeof setTimeout> | undefined;
   private lastTold = 0;
 
   constructor(readonly id: string) {}
 
-  readonly subscribe = (listener: () => void) => {
-    this.listeners.add(listener);
-    return () => this.listeners.delete(listener);
-  };
+  readonly subscribe = this.changed.subscribe;
 
   readonly snapshot = () => this.version;
 
@@ -126,6 +124,6 @@ export class LiveSite {
     this.timer = undefined;
     this.lastTold = Date.now();
     ++this.version;
-    for (const listener of [...this.listeners]) listener();
+    this.changed.tell();
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveSite } from '../live/site';
+import { Signal } from '../signal';
 import { onThemeChange } from '../ui/theme';
 import { affineOf, apply, united } from './affine';
 import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Pose, type Size } from './camera';
@@ -27,11 +28,16 @@ export interface SceneEvents {
 
 const SAMPLES = 600;
 const PAN_PX = 64;
+const SEEN_MS = 200;
 
 // The picture of a site on one canvas, drawn only when something has changed. It reads the live state each frame; React tells
 // it what to look at.
 export class Scene {
   readonly labels = new Labels();
+  // The camera's scale has changed, whoever changed it.
+  readonly scaleChanged = new Signal();
+  // What is in view has changed.
+  readonly seenChanged = new Signal();
   camera: Camera = { x: 0, y: 0, scale: 20 };
   size: Size = { width: 1, height: 1 };
   events: SceneEvents = {};
@@ -45,13 +51,12 @@ export class Scene {
   private site: LiveSite | undefined;
   private readonly motion = new Motion();
   private places = new Map<string, Pose>();
-  private seen = new Set<string>();
-  private seenFrame = -1;
+  private seen: ReadonlySet<string> = new Set();
+  private seenTimer: ReturnType<typeof setTimeout> | undefined;
   private dirty = true;
   private fitPending = true;
   private toldLost = false;
   private toldScale = 0;
-  private readonly scaleListeners = new Set<() => void>();
   private request = 0;
   private unsubscribe = () => {};
   private cameraTimer: ReturnType<typeof setTimeout> | undefined;
@@ -123,12 +128,6 @@ export class Scene {
     return this.surface.lost;
   }
 
-  // Tells when the camera's scale has changed, whoever changed it. Returns how to stop.
-  onScale(listener: () => void): () => void {
-    this.scaleListeners.add(listener);
-    return () => this.scaleListeners.delete(listener);
-  }
-
   touch() {
     this.dirty = true;
     if (this.request === 0 && this.canvas.isConnected) this.request = requestAnimationFrame(() => this.frame());
@@ -139,16 +138,8 @@ export class Scene {
     return !this.dirty && !this.fitPending && (this.surface.loader?.idle ?? false);
   }
 
-  // The names of what the last frame shows, without ghosts.
+  // The names of what is in view, without ghosts: the same set until `seenChanged` tells of another.
   inView(): ReadonlySet<string> {
-    if (this.seenFrame === this.frames) return this.seen;
-    const { width, height } = this.size;
-    this.seen = new Set();
-    for (const item of this.drawn) {
-      const outside = Math.abs(item.x - width / 2) > width / 2 + item.halfX || Math.abs(item.y - height / 2) > height / 2 + item.halfY;
-      if (!item.ghost && !outside) this.seen.add(item.name);
-    }
-    this.seenFrame = this.frames;
     return this.seen;
   }
 
@@ -179,7 +170,7 @@ export class Scene {
     }
     if (this.camera.scale !== this.toldScale) {
       this.toldScale = this.camera.scale;
-      for (const listener of this.scaleListeners) listener();
+      this.scaleChanged.tell();
     }
     const frame: Frame = {
       site, view: this.view, camera: this.camera, size: this.size, window: viewOf(this.camera, this.size), now: begin, wall: Date.now(), drawn: [],
@@ -193,9 +184,23 @@ export class Scene {
     this.drawCalls = this.surface.end(frame, missing);
     this.drawn = frame.drawn;
     this.labels.draw(frame);
+    this.seenTimer ??= setTimeout(() => this.see(), SEEN_MS);
     ++this.frames;
     if (this.frameMs.push(performance.now() - begin) > SAMPLES) this.frameMs.shift();
     if (this.motion.moving(performance.now())) this.touch();
+  }
+
+  private see() {
+    this.seenTimer = undefined;
+    const { width, height } = this.size;
+    const seen = new Set<string>();
+    for (const item of this.drawn) {
+      const outside = Math.abs(item.x - width / 2) > width / 2 + item.halfX || Math.abs(item.y - height / 2) > height / 2 + item.halfY;
+      if (!item.ghost && !outside) seen.add(item.name);
+    }
+    if (seen.size === this.seen.size && [...seen].every((name) => this.seen.has(name))) return;
+    this.seen = seen;
+    this.seenChanged.tell();
   }
 
   private bounds(): Bounds | undefined {

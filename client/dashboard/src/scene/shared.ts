@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { useSyncExternalStore } from 'react';
 import type { Drawn, Stats } from './model';
 import { worldToScreen, type Camera, type Point } from './camera';
 import { Scene } from './Scene';
@@ -42,4 +43,18 @@ export function sharedScene(): Scene | undefined {
     setCamera: (camera) => made.setCamera(camera),
   };
   return scene;
+}
+
+const never = () => () => {};
+
+// Pixels per metre.
+export function useScale(): number {
+  const shared = sharedScene();
+  return useSyncExternalStore(shared?.scaleChanged.subscribe ?? never, () => shared?.camera.scale ?? 1);
+}
+
+// The names of what the canvas shows; undefined: there is no canvas.
+export function useInView(): ReadonlySet<string> | undefined {
+  const shared = sharedScene();
+  return useSyncExternalStore(shared?.seenChanged.subscribe ?? never, () => shared?.inView());
 }

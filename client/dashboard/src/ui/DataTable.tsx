@@ -3,7 +3,7 @@
 // sent to somebody else and survives a reload.
 import type { ReactNode } from 'react';
 import { setQuery, usePlace } from '../app/router';
-import { count } from './format';
+import { byName, count } from './format';
 
 export interface Column<T> {
   title: string;
@@ -29,7 +29,7 @@ const PAGE = 50;
 
 function compare(a: number | string, b: number | string): number {
   if (typeof a === 'number' && typeof b === 'number') return a - b;
-  return String(a).localeCompare(String(b), undefined, { numeric: true });
+  return byName(String(a), String(b));
 }
 
 // "2" sorts by the third column, "-2" the other way round.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useSyncExternalStore } from 'react';
+import { Signal } from '../signal';
 
 export type Theme = 'auto' | 'light' | 'dark';
 export type Shade = 'light' | 'dark';
 
 const KEY = 'enfilade.theme';
 const dark = window.matchMedia('(prefers-color-scheme: dark)');
-const listeners = new Set<() => void>();
+const changed = new Signal();
 
 function read(): Theme {
   try {
@@ -23,7 +24,7 @@ export const shade = (): Shade => (theme === 'auto' ? (dark.matches ? 'dark' : '
 
 function show() {
   document.documentElement.dataset.theme = shade();
-  for (const listener of [...listeners]) listener();
+  changed.tell();
 }
 
 export function setTheme(next: Theme) {
@@ -36,10 +37,7 @@ export function setTheme(next: Theme) {
   show();
 }
 
-export function onThemeChange(listener: () => void) {
-  listeners.add(listener);
-  return () => listeners.delete(listener);
-}
+export const onThemeChange = changed.subscribe;
 
 export const useTheme = () => useSyncExternalStore(onThemeChange, () => theme);
 

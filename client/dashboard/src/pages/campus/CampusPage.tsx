@@ -94,7 +94,7 @@ function Campus() {
       <aside className="panel" aria-label="Details">
         {selected !== undefined && <Inspector name={selected} follow={follow} setFollow={setFollow} />}
         <UnplacedTray level={level} />
-        <ObjectList level={level} inView={scene?.inView()} />
+        <ObjectList level={level} />
       </aside>
     </div>
   );

@@ -5,8 +5,9 @@ import { select, useSelection } from '../../app/selection';
 import { useLive, useNow } from '../../live/context';
 import { levelsOf, stateOf, titleOf } from '../../live/objects';
 import type { LiveSite } from '../../live/site';
+import { useInView } from '../../scene/shared';
 import { Badge, type Tone } from '../../ui/Badge';
-import { age, count } from '../../ui/format';
+import { age, byName, count } from '../../ui/format';
 import { Icon, type IconName } from '../../ui/Icon';
 
 interface Item {
@@ -24,14 +25,14 @@ function itemsOf(site: LiveSite, level: number | undefined, now: number, inView:
   const items: Item[] = [];
   const shows = (name: string) => inView?.has(name) ?? true;
   const onLevel = (levels: number[]) => level === undefined || levels.includes(level);
-  for (const name of site.robots.names) {
+  for (const name of [...site.robots.names].sort(byName)) {
     if (!shows(name)) continue;
     const robot = site.robots.get(name)!;
     if (!robot.poseWorld || !onLevel([robot.level])) continue;
     const seconds = site.ageOf(robot.receiveTime, now);
     items.push({ name: robot.name, title: idOf(robot.name), icon: 'robot', tone: seconds > STALE_S ? 'quiet' : 'good', note: seconds > STALE_S ? `${age(seconds)} ago` : 'now' });
   }
-  for (const map of site.maps.values()) {
+  for (const map of [...site.maps.values()].sort((a, b) => byName(a.displayName, b.displayName))) {
     if (!map.poseWorldMap || !onLevel([map.level]) || !shows(map.map)) continue;
     items.push({ name: map.map, title: map.displayName, icon: 'map', tone: 'good', note: map.map === site.rootMap ? 'root' : '' });
   }
@@ -47,21 +48,24 @@ function itemsOf(site: LiveSite, level: number | undefined, now: number, inView:
 const SHOWN = 300;
 
 // All that the canvas shows (undefined: there is no canvas, so all that there is), for who does not see it: arrow keys move, Enter selects.
-export function ObjectList({ level, inView }: { level: number | undefined; inView: ReadonlySet<string> | undefined }) {
+export function ObjectList({ level }: { level: number | undefined }) {
   const site = useLive();
   const selected = useSelection();
   const now = useNow();
-  const [active, setActive] = useState(0);
+  const inView = useInView();
+  const [activeName, setActiveName] = useState<string>();
   const list = useRef<HTMLUListElement>(null);
   const items = useMemo(() => itemsOf(site, level, now, inView), [site, level, now, inView]);
   const shown = items.slice(0, SHOWN);
+  // What comes and goes around it does not change which one is active.
+  const active = Math.max(0, shown.findIndex(({ name }) => name === activeName));
 
   const onKeyDown = (event: KeyboardEvent) => {
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     if (step !== undefined) {
       event.preventDefault();
       const next = Math.min(shown.length - 1, Math.max(0, active + step));
-      setActive(next);
+      setActiveName(shown[next]?.name);
       list.current?.children[next]?.scrollIntoView({ block: 'nearest' });
     } else if (event.key === 'Enter' && shown[active]) {
       select(shown[active].name);
@@ -74,7 +78,7 @@ export function ObjectList({ level, inView }: { level: number | undefined; inVie
       </h2>
       <ul ref={list} role="listbox" aria-label="Objects in view" tabIndex={0} onKeyDown={onKeyDown} aria-activedescendant={shown[active] && `object-${active}`}>
         {shown.map((item, i) => (
-          <li key={item.name} id={`object-${i}`} role="option" aria-selected={item.name === selected} className={i === active ? 'object active' : 'object'} onClick={() => { setActive(i); select(item.name); }}>
+          <li key={item.name} id={`object-${i}`} role="option" aria-selected={item.name === selected} className={i === active ? 'object active' : 'object'} onClick={() => { setActiveName(item.name); select(item.name); }}>
             <Icon name={item.icon} />
             <span className="object-title">{item.title}</span>
             {item.note !== '' && <Badge tone={item.tone}>{item.note}</Badge>}

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useCallback, useImperativeHandle, useRef, useState, useSyncExternalStore, type Ref } from 'react';
+import { useImperativeHandle, useRef, useState, type Ref } from 'react';
 import { collectionOf, idOf } from '../../api/names';
 import { useLive } from '../../live/context';
 import { stateOf, titleOf } from '../../live/objects';
 import type { LiveSite } from '../../live/site';
 import type { Point } from '../../scene/camera';
-import { sharedScene } from '../../scene/shared';
+import { sharedScene, useScale } from '../../scene/shared';
 import { degrees, metres, pose } from '../../ui/format';
 
 export interface ReadoutHandle {
@@ -56,8 +56,7 @@ export function Readout({ ref, measured }: { ref: Ref<ReadoutHandle>; measured: 
     },
   }));
   const scene = sharedScene();
-  const subscribe = useCallback((changed: () => void) => scene?.onScale(changed) ?? (() => {}), [scene]);
-  const bar = scaleBar(useSyncExternalStore(subscribe, () => scene?.camera.scale ?? 1));
+  const bar = scaleBar(useScale());
   const card = at?.what === undefined ? undefined : cardOf(site, at.what);
   const map = at?.what !== undefined && collectionOf(at.what) === 'maps' ? at.what : undefined;
   const inMap = map !== undefined && at ? scene?.inMap(map, at.world) : undefined;

@@ -4,7 +4,7 @@ import { addressOf, Link, usePlace } from '../../app/router';
 import { onCampus, useLevel } from '../../app/selection';
 import { useLive } from '../../live/context';
 import { Badge } from '../../ui/Badge';
-import { dateTime, levelName } from '../../ui/format';
+import { byName, dateTime, levelName } from '../../ui/format';
 import { Empty, Loading } from '../../ui/States';
 import { MapPage } from './MapPage';
 
@@ -13,7 +13,7 @@ function MapTable() {
   const level = useLevel();
   const maps = [...live.maps.values()]
     .filter((map) => level === undefined || map.level === level)
-    .sort((a, b) => a.level - b.level || a.displayName.localeCompare(b.displayName, undefined, { numeric: true }));
+    .sort((a, b) => a.level - b.level || byName(a.displayName, b.displayName));
   if (!live.complete) return <Loading />;
   if (maps.length === 0) {
     return (
