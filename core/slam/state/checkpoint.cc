@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "core/base/binary.h"
+#include "core/base/compression.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/pose_codec.h"
-#include "core/slam/submaps/compression.h"
 
 namespace enfilade::slam {
 namespace {

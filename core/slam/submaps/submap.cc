@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "core/base/compression.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/pose_codec.h"
-#include "core/slam/submaps/compression.h"
 
 namespace enfilade::slam {
 namespace {

@@ -4,16 +4,34 @@
 #include <iterator>
 #include <utility>
 
+#include "core/base/compression.h"
 #include "core/base/status_macros.h"
 
 namespace enfilade::server {
 
-absl::StatusOr<const MappedDrive*> DriveCache::Get(const std::string& id,
-                                                   const std::function<absl::Status(CachedDrive&)>& update) {
+PackedDrive::PackedDrive(MappedDrive drive) : rest_(std::move(drive)), cell_count_(rest_.grid.cells.size()) {
+  const std::vector<std::uint8_t> cells = std::exchange(rest_.grid.cells, {});
+  cells_ = Compress({reinterpret_cast<const char*>(cells.data()), cells.size()});
+}
+
+absl::StatusOr<MappedDrive> PackedDrive::Unpack() const {
+  MappedDrive drive = rest_;
+  if (cell_count_ == 0) return drive;
+  ENFILADE_ASSIGN_OR_RETURN(const std::string cells, Decompress(cells_, cell_count_));
+  drive.grid.cells.assign(cells.begin(), cells.end());
+  return drive;
+}
+
+std::size_t PackedDrive::bytes() const {
+  return sizeof(*this) + cells_.size() + rest_.trajectory.size() * sizeof(slam::StampedPose);
+}
+
+absl::StatusOr<MappedDrive> DriveCache::Get(const std::string& id,
+                                            const std::function<absl::Status(CachedDrive&)>& update) {
   Entry& entry = drives_[id];
   entry.used = true;
   ENFILADE_RETURN_IF_ERROR(update(entry.drive));
-  return &entry.drive.mapped;
+  return entry.drive.mapped.Unpack();
 }
 
 void DriveCache::DropUnused() {

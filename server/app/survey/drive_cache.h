@@ -12,20 +12,35 @@
 
 namespace enfilade::server {
 
+// A mapped drive whose grid, most of which is unknown, is compressed: about a thirtieth of its size.
+class PackedDrive {
+ public:
+  PackedDrive() = default;
+  explicit PackedDrive(MappedDrive drive);
+
+  absl::StatusOr<MappedDrive> Unpack() const;
+  std::size_t bytes() const;
+
+ private:
+  MappedDrive rest_;  // without the grid's cells
+  std::size_t cell_count_ = 0;
+  std::string cells_;  // compressed
+};
+
 struct CachedDrive {
-  std::string before;                   // the drives before it, which it was begun in
-  std::string records;                  // those that it contains (KeyOf); empty: a new one
-  std::optional<GrowingDrive> growing;  // unset: a new one, or nothing says where the drive is
-  MappedDrive mapped;
+  std::string before;   // identifies the drives before it, which it was begun in
+  std::string records;  // those that it contains (KeyOf); empty: a new one
+  // Unset: a new one, nothing says where the drive is, or it is not expected to go on.
+  std::optional<GrowingDrive> growing;
+  PackedDrive mapped;
 };
 
 // The drives that the last survey of a site has mapped: while robots drive, and while a survey's rearrangements are
 // applied, the site is surveyed again and again from the same records and some new ones. Not thread-safe.
 class DriveCache {
  public:
-  // The drive `id` after `update` has mapped what is new of it. Valid until DropUnused.
-  absl::StatusOr<const MappedDrive*> Get(const std::string& id,
-                                         const std::function<absl::Status(CachedDrive&)>& update);
+  // The drive `id` after `update` has mapped what is new of it.
+  absl::StatusOr<MappedDrive> Get(const std::string& id, const std::function<absl::Status(CachedDrive&)>& update);
 
   // Forgets the drives that were not asked for since the last call.
   void DropUnused();

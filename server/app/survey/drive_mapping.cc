@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
 #include "fmt/format.h"
@@ -37,6 +38,17 @@ absl::StatusOr<std::map<MapId, storage::Map>> ListMaps(const SurveyStores& store
   }
 }
 
+// `sessions`: oldest first.
+std::set<SessionId> NewestOfRobots(const std::vector<storage::Session>& sessions) {
+  std::map<RobotId, SessionId> newest;
+  for (const storage::Session& session : sessions) {
+    if (IsMapped(session)) newest.insert_or_assign(session.robot, session.id);
+  }
+  std::set<SessionId> ids;
+  for (const auto& [robot, session] : newest) ids.insert(session);
+  return ids;
+}
+
 bool IsBefore(const slam::StampedPose& pose, TimeNs time) { return pose.time < time; }
 
 // Between the scans before and after; `trajectory` by time, not empty.
@@ -52,8 +64,15 @@ Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
 class LevelMapper {
  public:
   LevelMapper(const SurveyStores& stores, const SurveyMappingOptions& options, const SiteGraph& graph,
-              const SiteId& site, const SurveyRun& run, bool continue_drives)
-      : stores_(stores), options_(options), graph_(graph), site_(site), run_(run), continue_drives_(continue_drives) {}
+              const SiteId& site, const SurveyRun& run, bool continue_drives,
+              const std::set<SessionId>& newest_of_robots)
+      : stores_(stores),
+        options_(options),
+        graph_(graph),
+        site_(site),
+        run_(run),
+        continue_drives_(continue_drives),
+        newest_of_robots_(newest_of_robots) {}
 
   absl::StatusOr<MappedLevel> Run(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
@@ -74,6 +93,14 @@ class LevelMapper {
   }
 
  private:
+  struct DriveToMap {
+    const StoredDrive& stored;
+    Environment environment;
+    std::string records;    // KeyOf
+    bool by_scans = false;  // nothing but its scans may say where it is
+    std::optional<slam::ExistingMapEntry> start = {};
+  };
+
   // False: nothing says where the drive is.
   absl::StatusOr<bool> AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
     if (!IsDrivenByDoors(stored)) return true;
@@ -82,46 +109,58 @@ class LevelMapper {
                                     [](const survey::SurveyedSession& session) { return !session.visits.empty(); });
     if (first == drive.end()) return true;
     const Environment environment = maps.at(first->map).environment;
-    const slam::SlamOptions& slam = *options_.slam.Find(
-        environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor);
     const bool begins_level = level_.survey.drives.empty();
-    std::optional<slam::ExistingMapEntry> start;
-    if (!begins_level) start = StartByGraph(*first);
-    const bool by_scans = !begins_level && !start;
-    const std::string id = ids_before_ + (by_scans ? "?" : "") + BeginningOf(stored, environment);
-    const std::string records = KeyOf(stored, environment);
-    const auto update = [&](CachedDrive& cached) -> absl::Status {
-      const bool may_continue = continue_drives_ || cached.before == mapped_before_;
-      if (may_continue && cached.records == records) return absl::OkStatus();
-      std::size_t known = 0;
-      if (may_continue && cached.growing) known = CountSessionsOf(cached.records, stored, environment);
-      if (known == 0) {
-        if (by_scans) {
-          ENFILADE_ASSIGN_OR_RETURN(start, StartByScans(stored));
-        }
-        cached = {};
-        cached.before = mapped_before_;
-        if (start || !by_scans) cached.growing.emplace(options_.pairing, slam, ExistingMapOf(start));
-      }
-      if (cached.growing) ENFILADE_RETURN_IF_ERROR(Extend(stored, known, cached));
-      cached.records = records;
-      return absl::OkStatus();
-    };
-    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive* mapped, run_.cache.Get(id, update));
-    if (mapped->grid.cells.empty()) return !by_scans;
+    DriveToMap to_map{.stored = stored, .environment = environment, .records = KeyOf(stored, environment)};
+    if (!begins_level) to_map.start = StartByGraph(*first);
+    to_map.by_scans = !begins_level && !to_map.start;
+    const std::string id = Sha256(ids_before_ + (to_map.by_scans ? "?" : "") + BeginningOf(stored, environment));
+    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive mapped,
+                              run_.cache.Get(id, [&](CachedDrive& cached) { return BringUpToDate(to_map, cached); }));
+    if (mapped.grid.cells.empty()) return !to_map.by_scans;
     ids_before_ = id;
-    mapped_before_ += records;
+    mapped_before_ = Sha256(mapped_before_ + to_map.records);
     if (begins_level) {
-      level_.grid = mapped->grid;
+      level_.grid = mapped.grid;
     } else {
-      ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, mapped->grid));
+      ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, mapped.grid));
     }
-    PlaceVisits(mapped->trajectory, drive);
+    PlaceVisits(mapped.trajectory, drive);
     double& factor = level_.survey.variance_factor;
-    factor = level_.survey.drives.empty() ? mapped->variance_factor : std::max(factor, mapped->variance_factor);
-    ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, mapped->trajectory));
+    factor = level_.survey.drives.empty() ? mapped.variance_factor : std::max(factor, mapped.variance_factor);
+    ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, mapped.trajectory));
     level_.survey.drives.push_back(std::move(drive));
     return true;
+  }
+
+  absl::Status BringUpToDate(DriveToMap& drive, CachedDrive& cached) const {
+    const bool may_continue = continue_drives_ || cached.before == mapped_before_;
+    if (!may_continue || cached.records != drive.records) {
+      std::size_t known = 0;
+      if (may_continue && cached.growing) known = CountSessionsOf(cached.records, drive.stored, drive.environment);
+      if (known == 0) {
+        ENFILADE_RETURN_IF_ERROR(Begin(drive, cached));
+      }
+      if (cached.growing) {
+        ENFILADE_RETURN_IF_ERROR(Extend(drive.stored, known, cached));
+      }
+      cached.records = drive.records;
+    }
+    // If a drive of a robot that has begun another one goes on nevertheless, it is mapped from its start again.
+    if (!newest_of_robots_.contains(drive.stored.back()->id)) cached.growing.reset();
+    return absl::OkStatus();
+  }
+
+  absl::Status Begin(DriveToMap& drive, CachedDrive& cached) const {
+    if (drive.by_scans) {
+      ENFILADE_ASSIGN_OR_RETURN(drive.start, StartByScans(drive.stored));
+    }
+    cached = {};
+    cached.before = mapped_before_;
+    if (drive.by_scans && !drive.start) return absl::OkStatus();
+    const char* profile =
+        drive.environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor;
+    cached.growing.emplace(options_.pairing, *options_.slam.Find(profile), ExistingMapOf(drive.start));
+    return absl::OkStatus();
   }
 
   // Where a drive begins, by where the graph or the drives before it have its first map.
@@ -162,7 +201,8 @@ class LevelMapper {
       }
       return absl::OkStatus();
     };
-    ENFILADE_ASSIGN_OR_RETURN(cached.mapped, cached.growing->Extend(feed));
+    ENFILADE_ASSIGN_OR_RETURN(MappedDrive mapped, cached.growing->Extend(feed));
+    cached.mapped = PackedDrive(std::move(mapped));
     return absl::OkStatus();
   }
 
@@ -301,8 +341,9 @@ class LevelMapper {
   const SiteId& site_;
   const SurveyRun& run_;
   const bool continue_drives_;
-  std::string ids_before_;     // of the level and the drives so far
-  std::string mapped_before_;  // their records
+  const std::set<SessionId>& newest_of_robots_;  // the last mapped session of each robot
+  std::string ids_before_;                       // identifies the level and the drives so far
+  std::string mapped_before_;                    // identifies their records
   MappedLevel level_;
 };
 
@@ -322,9 +363,10 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
     if (IsMapped(session) && maps.contains(*session.map)) levels.insert(maps.at(*session.map).level);
   }
   const bool continue_drives = run.continue_drives || std::any_of(sessions.begin(), sessions.end(), IsUnderWay);
+  const std::set<SessionId> newest = NewestOfRobots(sessions);
   for (const int level : levels) {
-    ENFILADE_ASSIGN_OR_RETURN(
-        MappedLevel mapped, LevelMapper(stores, options, graph, site, run, continue_drives).Run(level, sessions, maps));
+    LevelMapper mapper(stores, options, graph, site, run, continue_drives, newest);
+    ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped, mapper.Run(level, sessions, maps));
     if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
   }
   run.cache.DropUnused();

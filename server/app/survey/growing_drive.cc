@@ -17,10 +17,6 @@ slam::LogMapper MakeMapper(const sensor::ScanPairingOptions& pairing, const slam
 
 }  // namespace
 
-std::size_t MappedDrive::bytes() const {
-  return sizeof(*this) + grid.cells.size() + trajectory.size() * sizeof(slam::StampedPose);
-}
-
 GrowingDrive::GrowingDrive(const sensor::ScanPairingOptions& pairing, const slam::SlamOptions& slam,
                            const std::optional<slam::ExistingMap>& existing)
     : pairing_(pairing), slam_(slam) {

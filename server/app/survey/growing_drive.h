@@ -23,8 +23,6 @@ struct MappedDrive {
   grid::OccupancyGrid grid;                   // of this drive alone; no cells: nothing could be mapped
   std::vector<slam::StampedPose> trajectory;  // by time
   double variance_factor = 1.0;               // of its SLAM
-
-  std::size_t bytes() const;
 };
 
 // Maps a drive that may go on: what is added later costs hardly more than if it had been there at once, and the map is

@@ -26,10 +26,17 @@ TEST(RoomCache, FindsRoomsAgainWhenTheLevelHasChanged) {
   expect_as_without(localization::UniqueRoom().Grid(), way);
 }
 
+// Bytes.
+PackedDrive DriveOfAtLeast(std::size_t size) {
+  MappedDrive drive;
+  drive.trajectory.resize(size / sizeof(slam::StampedPose) + 1);
+  return PackedDrive(std::move(drive));
+}
+
 TEST(SiteCaches, ForgetThoseNotAskedForLongestWhenTheyDoNotFit) {
   const auto fill = [](SiteCache& cache) {
     ASSERT_OK(cache.drives.Get("a", [](CachedDrive& drive) {
-      drive.mapped.grid.cells.resize(1000);
+      drive.mapped = DriveOfAtLeast(1000);
       return absl::OkStatus();
     }));
   };
@@ -49,7 +56,7 @@ TEST(SiteCaches, KeepTheLastSiteHoweverLarge) {
   SiteCaches caches(1);
   for (const char* site : {"a", "b"}) {
     ASSERT_OK(caches.Get(SiteId(site)).drives.Get("a", [](CachedDrive& drive) {
-      drive.mapped.grid.cells.resize(1000);
+      drive.mapped = DriveOfAtLeast(1000);
       return absl::OkStatus();
     }));
     caches.Trim();

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace enfilade::slam {
+namespace enfilade {
 
 // zstd, level 3. Deterministic.
 std::string Compress(std::string_view bytes);
@@ -14,4 +14,4 @@ std::string Compress(std::string_view bytes);
 // DATA_LOSS if `compressed` is not the result of Compress or claims to hold more than `max_size` bytes.
 absl::StatusOr<std::string> Decompress(std::string_view compressed, std::size_t max_size);
 
-}  // namespace enfilade::slam
+}  // namespace enfilade

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/submaps/compression.h"
+#include "core/base/compression.h"
 
 #include <zstd.h>
 
 #include "core/base/error.h"
 
-namespace enfilade::slam {
+namespace enfilade {
 
 std::string Compress(std::string_view bytes) {
   std::string compressed(ZSTD_compressBound(bytes.size()), '\0');
@@ -29,4 +29,4 @@ absl::StatusOr<std::string> Decompress(std::string_view compressed, std::size_t 
   return bytes;
 }
 
-}  // namespace enfilade::slam
+}  // namespace enfilade

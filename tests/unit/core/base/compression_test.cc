@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/submaps/compression.h"
+#include "core/base/compression.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "tests/support/status_assertions.h"
 
-namespace enfilade::slam {
+namespace enfilade {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(Compression, RefusesBytesThatAreNotCompressed) {
 }
 
 }  // namespace
-}  // namespace enfilade::slam
+}  // namespace enfilade
