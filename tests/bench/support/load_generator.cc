@@ -19,17 +19,17 @@
 #include "proto/convert/record.h"
 
 namespace enfilade::bench {
+
+grpc::ByteBuffer Serialize(const google::protobuf::MessageLite& message) {
+  grpc::ByteBuffer buffer;
+  bool own = false;
+  grpc::GenericSerialize<grpc::ProtoBufferWriter, google::protobuf::MessageLite>(message, &buffer, &own);
+  return buffer;
+}
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-template <typename Message>
-grpc::ByteBuffer Serialize(const Message& message) {
-  grpc::ByteBuffer buffer;
-  bool own = false;
-  grpc::GenericSerialize<grpc::ProtoBufferWriter, Message>(message, &buffer, &own);
-  return buffer;
-}
 
 // One robot. A read is always under way; writes while the window has room.
 class Robot final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {

@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "core/sensor/record.h"
+#include "google/protobuf/message_lite.h"
 #include "grpcpp/support/byte_buffer.h"
 
 namespace enfilade::bench {
+
+grpc::ByteBuffer Serialize(const google::protobuf::MessageLite& message);
 
 // `count` records with scans of 180 beams at random ranges, as of a 10 Hz scanner; sequences from 1.
 std::vector<sensor::Record> RandomScans(int count, std::uint64_t seed);
