@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/binary.h"
-#include "core/base/compression.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/compression/compression.h"
 #include "core/geometry/pose_codec.h"
 
 namespace enfilade::slam {

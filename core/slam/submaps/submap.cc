@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "core/base/compression.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/compression/compression.h"
 #include "core/geometry/pose_codec.h"
 
 namespace enfilade::slam {

@@ -4,8 +4,8 @@
 #include <iterator>
 #include <utility>
 
-#include "core/base/compression.h"
 #include "core/base/status_macros.h"
+#include "core/compression/compression.h"
 
 namespace enfilade::server {
 

@@ -6,7 +6,7 @@
 
 #include <functional>
 
-#include "core/base/compression.h"
+#include "core/compression/compression.h"
 #include "core/slam/submaps/robot_rays.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/chain_of_submaps.h"

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/base/compression.h"
+#include "core/compression/compression.h"
 #include "core/slam/submaps/robot_rays.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/slam/synthetic_drive.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/base/compression.h"
+#include "core/compression/compression.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
