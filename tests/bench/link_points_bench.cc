@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints JSON: rate and latency of FindLinkPoints in a site of 10,000 maps and 100,000 link points, beside pgbench with
-// the same SQL prepared; and how long a global pose takes after a link point was changed. usage: bench_link_points
-// [--quick]
+// the same SQL prepared, asked by a bare client and by gRPC's; and how long a global pose takes after a link point was
+// changed. usage: bench_link_points [--quick]
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -18,6 +18,7 @@
 #include "grpcpp/support/proto_buffer_reader.h"
 #include "nlohmann/json.hpp"
 #include "storage/postgres/graph/link_point_search.h"
+#include "tests/bench/support/bare_caller.h"
 #include "tests/bench/support/bench_system.h"
 #include "tests/bench/support/load_generator.h"
 #include "tests/bench/support/processor_time.h"
@@ -148,21 +149,59 @@ struct Load {
   std::int64_t found = 0;          // link points, over all calls, about
 };
 
-std::int64_t CountFound(grpc::ByteBuffer& bytes) {
+std::int64_t CountFound(std::string_view bytes) {
+  v1::FindLinkPointsResponse response;
+  if (!response.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    throw std::runtime_error("an answer cannot be read");
+  }
+  return response.found_size();
+}
+
+std::int64_t CountFound(grpc::ByteBuffer bytes) {
   v1::FindLinkPointsResponse response;
   grpc::ProtoBufferReader reader(&bytes);
   if (!response.ParseFromZeroCopyStream(&reader)) throw std::runtime_error("an answer cannot be read");
   return response.found_size();
 }
 
-// One client, with a connection of its own. It decodes every 100th answer only: it stands for another machine, and
-// pgbench, which is the yardstick, drops its rows unread, too.
+// The same with gRPC's client, on a connection of its own.
+class GrpcCaller {
+ public:
+  GrpcCaller(const std::string& address, const std::string& method)
+      : stub_(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), Arguments())), method_(method) {}
+
+  grpc::ByteBuffer Call(const v1::FindLinkPointsRequest& request) {
+    grpc::ClientContext context;
+    grpc::ByteBuffer response;
+    grpc::Status status;
+    const auto call = stub_.PrepareUnaryCall(&context, method_, Serialize(request), &queue_);
+    call->StartCall();
+    call->Finish(&response, &status, nullptr);
+    void* tag = nullptr;
+    bool ok = false;
+    queue_.Next(&tag, &ok);
+    if (!status.ok()) throw std::runtime_error(status.error_message());
+    return response;
+  }
+
+ private:
+  static grpc::ChannelArguments Arguments() {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);  // pgbench repeats nothing, either
+    return arguments;
+  }
+
+  grpc::GenericStub stub_;
+  const std::string method_;
+  grpc::CompletionQueue queue_;
+};
+
+// One client. It decodes every 100th answer only: it stands for another machine, and pgbench, which is the yardstick,
+// drops its rows unread, too.
+template <typename Caller>
 Load Ask(const std::string& address, unsigned seed, Clock::time_point until) {
-  grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);  // pgbench repeats nothing, either
-  grpc::GenericStub stub(grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
-  grpc::CompletionQueue queue;
+  Caller caller(address, kMethod);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> anywhere(0.0, kSide);
   v1::FindLinkPointsRequest request;
@@ -172,23 +211,15 @@ Load Ask(const std::string& address, unsigned seed, Clock::time_point until) {
   while (Clock::now() < until) {
     request.mutable_point_world()->set_x(anywhere(random));
     request.mutable_point_world()->set_y(anywhere(random));
-    grpc::ClientContext context;
-    grpc::ByteBuffer response;
-    grpc::Status status;
     const Clock::time_point begin = Clock::now();
-    const auto call = stub.PrepareUnaryCall(&context, kMethod, Serialize(request), &queue);
-    call->StartCall();
-    call->Finish(&response, &status, nullptr);
-    void* tag = nullptr;
-    bool ok = false;
-    queue.Next(&tag, &ok);
-    if (!status.ok()) throw std::runtime_error(status.error_message());
+    const auto response = caller.Call(request);
     load.latency_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
     if (load.latency_ms.size() % kDecoded == 0) load.found += kDecoded * CountFound(response);
   }
   return load;
 }
 
+template <typename Caller>
 Load AskAll(const std::string& address, int clients, int seconds, unsigned seed) {
   const Clock::time_point until = Clock::now() + std::chrono::seconds(seconds);
   std::vector<Load> loads(static_cast<std::size_t>(clients));
@@ -197,7 +228,7 @@ Load AskAll(const std::string& address, int clients, int seconds, unsigned seed)
   for (std::size_t i = 0; i < loads.size(); ++i) {
     threads.emplace_back([&, i] {
       try {
-        loads[i] = Ask(address, seed * 100 + static_cast<unsigned>(i), until);
+        loads[i] = Ask<Caller>(address, seed * 100 + static_cast<unsigned>(i), until);
       } catch (const std::exception& failure) {
         errors[i] = failure.what();
       }
@@ -233,9 +264,10 @@ struct Cost {
   double per_call() const { return us / calls; }
 };
 
+template <typename Caller>
 nlohmann::json Measure(BenchSystem& system, const std::string& script, int clients, int rounds, int seconds) {
   const std::string& address = system.server().address();
-  AskAll(address, clients, 1, 0);
+  AskAll<Caller>(address, clients, 1, 0);
   PgbenchRate(system, script, clients, 1);
   Cost server;
   Cost database;
@@ -253,7 +285,7 @@ nlohmann::json Measure(BenchSystem& system, const std::string& script, int clien
     const double before = query();
     Load load;
     server.Add(server_s, [&] {
-      load = AskAll(address, clients, 2 * seconds, static_cast<unsigned>(i + 1));
+      load = AskAll<Caller>(address, clients, 2 * seconds, static_cast<unsigned>(i + 1));
       return static_cast<double>(load.latency_ms.size());
     });
     queried.push_back((before + query()) / 2.0);
@@ -325,7 +357,10 @@ int main(int argc, char** argv) {
     nlohmann::json document = {
         {"benchmark", "link points"}, {"maps", 10'000}, {"link_points", 100'000}, {"radius_m", kRadius}};
     for (const int clients : {1, 4}) {
-      document["search"].push_back(Measure(system, script, clients, quick ? 3 : 7, quick ? 1 : 3));
+      const int rounds = quick ? 3 : 7;
+      const int seconds = quick ? 1 : 3;
+      document["search"].push_back(Measure<BareCaller>(system, script, clients, rounds, seconds));
+      document["search_by_grpc_client"].push_back(Measure<GrpcCaller>(system, script, clients, rounds, seconds));
     }
     document["pose_after_change"] = MeasureChanges(system, quick ? 10 : 30);
     std::cout << document.dump(2) << '\n';

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kBatchSeconds = 0.2;
 constexpr double kMinute = 60.0;
-constexpr int kTables = 8;
+constexpr std::size_t kToldTables = 12;  // told of, the largest
 constexpr auto kDrainPoll = std::chrono::seconds(1);
 
 struct FleetOptions {
@@ -61,8 +61,9 @@ FleetOptions ParseOptions(int argc, char** argv) {
   app.add_option("--first-seed", options.first_seed, "Of the buildings")->capture_default_str();
   app.add_option("--drain", options.drain_s, "How long to wait for mapping afterwards, s")->capture_default_str();
   app.add_option("--sample", options.sample_s, "Between two samples of memory and such, s")->capture_default_str();
-  app.add_option("--retention", options.retention_s, "Of sessions, revisions and history, s; 0: sites keep all")
-      ->check(CLI::NonNegativeNumber)
+  app.add_option("--retention", options.retention_s,
+                 "Of sessions, revisions, history, unused blobs and what undoing needs, s; 0: all is kept")
+      ->check(CLI::Range(60, 86'400) | CLI::IsMember({0}))
       ->capture_default_str();
   app.add_option("--setting", options.settings, "Of the server, KEY=VALUE");
   app.add_option("--plot", options.plot, "Draw the samples over time into this SVG file");
@@ -88,6 +89,18 @@ void SetRetention(v1::Site& site, int seconds) {
     retention->set_seconds(seconds);
   }
   site.mutable_revision_retention()->set_newest(kRevisions);
+}
+
+// Of the server: what its operator sets so that retentions of seconds are kept.
+std::vector<std::string> SettingsOf(const FleetOptions& options) {
+  std::vector<std::string> settings;
+  if (options.retention_s > 0) {
+    settings = {fmt::format("retention.interval_s={}", options.retention_s / 10.0),
+                fmt::format("retention.unused_blob_s={}", options.retention_s),
+                fmt::format("retention.undo_s={}", options.retention_s)};
+  }
+  settings.insert(settings.end(), options.settings.begin(), options.settings.end());
+  return settings;
 }
 
 std::vector<SiteId> CreateSites(const client::Connection& connection, const FleetOptions& options) {
@@ -197,7 +210,7 @@ nlohmann::json Run(const FleetOptions& options) {
   testing::Cluster cluster(testing::Cluster::Durability::kDurable);
   const auto migrate = testing::RunCommand({testing::ProjectFile("deploy/database/migrate"), "up", cluster.url()});
   if (migrate.exit_code != 0) throw std::runtime_error("the migrations failed:\n" + migrate.output);
-  testing::ServerProcess server(directory.path(), "server", cluster.url(), options.settings);
+  testing::ServerProcess server(directory.path(), "server", cluster.url(), SettingsOf(options));
   server.StartAndWait();
   const std::vector<SiteId> sites = CreateSites(server.Connect(), options);
 
@@ -227,9 +240,7 @@ nlohmann::json Run(const FleetOptions& options) {
                              {"failed_exports", read.failed_exports}};
   for (const ResourceSample& sample : samples) document["samples"].push_back(ToJson(sample));
   document["drained_after_s"] = AwaitDrain(sampler, options.drain_s);
-  for (const auto& [name, bytes] : sampler.LargestTables(kTables)) {
-    document["largest_tables_mib"][name] = std::round(10.0 * static_cast<double>(bytes) / (1 << 20)) / 10.0;
-  }
+  document["tables"] = TablesToJson(samples, kToldTables);
   if (!options.plot.empty()) std::ofstream(options.plot) << DrawSamples(samples);
   return document;
 }

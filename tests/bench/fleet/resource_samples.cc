@@ -25,8 +25,9 @@ constexpr char kSample[] =
     " FROM (SELECT s.acknowledged_sequence - coalesce(c.mapped_sequence, 0) AS behind FROM enfilade.sessions s"
     "   LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)"
     "   WHERE s.delete_time IS NULL AND s.state IN (1, 2)) b WHERE behind > 0";
-constexpr char kLargest[] =
-    "SELECT relname, pg_total_relation_size(relid) FROM pg_stat_user_tables ORDER BY 2 DESC, 1 LIMIT ";
+constexpr char kTableSizes[] =
+    "SELECT relname, pg_table_size(relid), pg_indexes_size(relid), n_dead_tup FROM pg_stat_user_tables"
+    " WHERE schemaname = 'enfilade' ORDER BY 1";
 
 }  // namespace
 
@@ -76,13 +77,10 @@ ResourceSample ResourceSampler::Take() {
   sample.database_bytes = std::stoll(row[1]);
   sample.backlog_records = std::stoll(row[2]);
   sample.backlog_sessions = std::stoll(row[3]);
+  for (const auto& table : Query(kTableSizes)) {
+    sample.tables.push_back({table[0], std::stoll(table[1]), std::stoll(table[2]), std::stoll(table[3])});
+  }
   return sample;
-}
-
-std::vector<std::pair<std::string, std::int64_t>> ResourceSampler::LargestTables(int count) {
-  std::vector<std::pair<std::string, std::int64_t>> tables;
-  for (const auto& row : Query(kLargest + std::to_string(count))) tables.emplace_back(row[0], std::stoll(row[1]));
-  return tables;
 }
 
 std::vector<std::vector<std::string>> ResourceSampler::Query(const std::string& sql) {
@@ -95,18 +93,6 @@ std::vector<std::vector<std::string>> ResourceSampler::Query(const std::string& 
     }
   }
   return rows;
-}
-
-nlohmann::json ToJson(const ResourceSample& sample) {
-  return {{"at_s", sample.at},
-          {"server_mib", static_cast<double>(sample.server_bytes) / (1 << 20)},
-          {"server_files", sample.server_files},
-          {"server_cpu_s", sample.server_cpu_s},
-          {"database_cpu_s", sample.database_cpu_s},
-          {"connections", sample.connections},
-          {"database_mib", static_cast<double>(sample.database_bytes) / (1 << 20)},
-          {"backlog_records", sample.backlog_records},
-          {"backlog_sessions", sample.backlog_sessions}};
 }
 
 }  // namespace enfilade::bench

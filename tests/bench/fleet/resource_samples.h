@@ -8,7 +8,6 @@
 #include <memory>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -19,6 +18,13 @@ struct pg_conn;
 
 namespace enfilade::bench {
 
+struct TableSize {
+  std::string name;
+  std::int64_t bytes = 0;        // without indexes
+  std::int64_t index_bytes = 0;  // of all its indexes
+  std::int64_t dead_rows = 0;    // as the database estimates them: not yet vacuumed
+};
+
 // What a server and its database use and hold, and how far mapping is behind, at one moment.
 struct ResourceSample {
   double at = 0.0;                  // s
@@ -27,10 +33,11 @@ struct ResourceSample {
   double server_cpu_s = 0.0;        // since its start
   double database_cpu_s = 0.0;      // of all processes of the cluster
   int connections = 0;              // of the server to the database
-  std::int64_t database_bytes = 0;  // tables and indexes
-  std::int64_t backlog_records =
-      0;  // acknowledged and not yet mapped, those of sessions that wait for their map included
+  std::int64_t database_bytes = 0;  // tables and indexes, those of the catalogue included
+  // Acknowledged and not yet mapped, those of sessions that wait for their map included.
+  std::int64_t backlog_records = 0;
   std::int64_t backlog_sessions = 0;  // with such records
+  std::vector<TableSize> tables;      // by name
 };
 
 // Takes samples until Stop.
@@ -43,10 +50,8 @@ class ResourceSampler {
 
   std::vector<ResourceSample> Stop();
 
-  // After Stop. Both throw if the database does not answer.
+  // After Stop. Throws if the database does not answer.
   ResourceSample Take();
-  // The largest tables with their indexes: name, bytes.
-  std::vector<std::pair<std::string, std::int64_t>> LargestTables(int count);
 
  private:
   struct Disconnect {
@@ -67,8 +72,14 @@ class ResourceSampler {
 
 nlohmann::json ToJson(const ResourceSample& sample);
 
-// One panel for each of memory, files and connections, processor time, size of the database and backlog, over time, as
-// SVG.
+// The names of the tables that are the largest at any time, with their indexes.
+std::vector<std::string> LargestTables(const std::vector<ResourceSample>& samples, std::size_t count);
+
+// The largest tables at each tenth of the time: a list of MiB without indexes, of indexes, and of dead rows.
+nlohmann::json TablesToJson(const std::vector<ResourceSample>& samples, std::size_t count);
+
+// One panel for each of memory, files and connections, processor time, sizes of the database, its tables and indexes,
+// and backlog, over time, as SVG.
 std::string DrawSamples(const std::vector<ResourceSample>& samples);
 
 }  // namespace enfilade::bench
