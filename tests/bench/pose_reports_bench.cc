@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 using Stream = grpc::ClientReaderWriter<v1::StreamRecordsRequest, v1::StreamRecordsResponse>;
 
 constexpr int kRobots = 1'000;
-constexpr auto kPeriod = std::chrono::seconds(1);
+constexpr std::chrono::nanoseconds kPeriod = std::chrono::seconds(1);
 
 template <typename Service, typename Request, typename Response>
 Response Must(const client::Connection& connection,
