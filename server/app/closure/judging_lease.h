@@ -10,12 +10,16 @@
 
 namespace enfilade::server {
 
-// What doors are judged under: the site's lease, renewed between comparisons, and the deadline of each store call.
+// What doors are judged under: the site's lease, renewed between comparisons, and the deadline of each store call. Not
+// thread-safe.
 class JudgingLease {
  public:
-  // All must outlive it.
-  JudgingLease(const storage::SiteLeaseStore& leases, const storage::SiteLease& lease, const StopSignal& stop)
-      : leases_(leases), lease_(lease), stop_(stop) {}
+  using Clock = std::chrono::steady_clock;
+
+  // All must outlive it. The lease has just been acquired. `now` is for tests.
+  JudgingLease(const storage::SiteLeaseStore& leases, const storage::SiteLease& lease, const StopSignal& stop,
+               Clock::time_point (*now)() = Clock::now)
+      : leases_(leases), lease_(lease), stop_(stop), now_(now), renewed_(now()) {}
 
   const storage::SiteLease& lease() const { return lease_; }
   const SiteId& site() const { return lease_.site; }
@@ -24,13 +28,17 @@ class JudgingLease {
 
   // For one store call that starts now.
   static storage::CallContext Context();
-  // CANCELLED if the server is stopping; ABORTED if another process has the lease; else the store's errors.
+  // Renews the lease if a quarter of its time has passed: each time is a commit, and a report may be compared with
+  // dozens of maps. CANCELLED if the server is stopping; ABORTED if another process has the lease; else the store's
+  // errors. Who writes under the lease is told in any case if it is lost.
   absl::Status Renew() const;
 
  private:
   const storage::SiteLeaseStore& leases_;
   const storage::SiteLease& lease_;
   const StopSignal& stop_;
+  Clock::time_point (*const now_)();
+  mutable Clock::time_point renewed_;
 };
 
 }  // namespace enfilade::server
