@@ -59,6 +59,7 @@ constexpr std::string_view kLinkPointForm = "sites/{site}/linkPoints/{link_point
 constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
 constexpr std::string_view kSessionForm = "sites/{site}/sessions/{session}";
 constexpr std::string_view kLoopClosureForm = "sites/{site}/sessions/{session}/closures/{closure}";
+constexpr std::string_view kDoorVerdictForm = "sites/{site}/sessions/{session}/doors/{sequence}";
 constexpr std::string_view kRearrangementForm = "sites/{site}/rearrangements/{rearrangement}";
 
 }  // namespace
@@ -72,6 +73,10 @@ std::string NameOf(const RobotName& name) { return NameOf(name.site, name.robot)
 std::string NameOf(const SessionName& name) { return NameOf(name.site, name.session); }
 std::string NameOf(const LoopClosureName& name) {
   return NameOf(name.site, name.session) + "/closures/" + std::to_string(name.closure);
+}
+
+std::string NameOf(const DoorVerdictName& name) {
+  return NameOf(name.site, name.session) + "/doors/" + std::to_string(name.sequence);
 }
 
 std::string NameOf(const RearrangementName& name) {
@@ -120,6 +125,13 @@ absl::StatusOr<LoopClosureName> ParseLoopClosureName(std::string_view field, std
   const std::optional<std::int64_t> closure = ToNumber(ids[2]);
   if (closure && *closure >= 0) return LoopClosureName{SiteId(ids[0]), SessionId(ids[1]), *closure};
   return InvalidArgument("{} is \"{}\": closures are numbers from 0 on", field, name.substr(0, 200));
+}
+
+absl::StatusOr<DoorVerdictName> ParseDoorVerdictName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kDoorVerdictForm, field, name));
+  const std::optional<std::int64_t> sequence = ToNumber(ids[2]);
+  if (sequence && *sequence >= 1) return DoorVerdictName{SiteId(ids[0]), SessionId(ids[1]), *sequence};
+  return InvalidArgument("{} is \"{}\": doors are numbered by records, from 1 on", field, name.substr(0, 200));
 }
 
 absl::StatusOr<RearrangementName> ParseRearrangementName(std::string_view field, std::string_view name) {

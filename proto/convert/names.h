@@ -42,6 +42,12 @@ struct LoopClosureName {
   std::int64_t closure = 0;
 };
 
+struct DoorVerdictName {
+  SiteId site;
+  SessionId session;
+  std::int64_t sequence = 0;  // of the report's record
+};
+
 struct RearrangementName {
   SiteId site;
   std::string rearrangement;
@@ -53,6 +59,7 @@ std::string NameOf(const LinkPointName& name);
 std::string NameOf(const RobotName& name);
 std::string NameOf(const SessionName& name);
 std::string NameOf(const LoopClosureName& name);
+std::string NameOf(const DoorVerdictName& name);
 std::string NameOf(const RearrangementName& name);
 
 absl::StatusOr<SiteId> ParseSiteName(std::string_view field, std::string_view name);
@@ -64,6 +71,7 @@ absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::st
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);
 absl::StatusOr<LoopClosureName> ParseLoopClosureName(std::string_view field, std::string_view name);
+absl::StatusOr<DoorVerdictName> ParseDoorVerdictName(std::string_view field, std::string_view name);
 absl::StatusOr<RearrangementName> ParseRearrangementName(std::string_view field, std::string_view name);
 
 }  // namespace enfilade::convert

@@ -191,6 +191,7 @@ class SessionApi final : public ApiOf<v1::SessionService::CallbackService> {
   ENFILADE_UNARY(SuspendClosure)
   ENFILADE_UNARY(ResumeClosure)
   ENFILADE_UNARY(ListDoorVerdicts)
+  ENFILADE_UNARY(GetDoorImages)
 };
 
 class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
@@ -199,6 +200,7 @@ class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
 
   ENFILADE_UNARY_ON_GRAPH(GetGraph, CallLane::kBulk)
   ENFILADE_UNARY(ListGraphVersions)
+  ENFILADE_UNARY(ListPlacedMaps)
   ENFILADE_UNARY_CHANGES_READ_GRAPH(OptimizeGraph, CallLane::kSlow)
   ENFILADE_UNARY_ON_GRAPH_OR_NOW(GetGlobalPose)
   ENFILADE_WATCH(WatchGlobalPoses)

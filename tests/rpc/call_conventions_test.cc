@@ -52,6 +52,7 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::FinishSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::DeleteSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::ListClosures);
+  ExpectRefusesEmpty(*connection_, &SessionService::Stub::GetDoorImages);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::SuspendClosure);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::ResumeClosure);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitScan);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <set>
+
 #include "core/base/sha256.h"
 #include "gmock/gmock.h"
 #include "proto/convert/record.h"
@@ -69,6 +71,26 @@ TEST_F(ClosureTest, TheRobotHearsOnItsStreamWhichMapItHasEntered) {
   ASSERT_OK_AND_ASSIGN(page, Call(&v1::SessionService::Stub::ListDoorVerdicts, list));
   EXPECT_EQ(page.verdicts(0).entered_map(), told.map_entered().map());
   EXPECT_EQ(page.next_page_token(), "");
+
+  // What the robot saw of the second door: images that it has sent, each once.
+  v1::GetDoorImagesRequest images;
+  images.set_name(page.verdicts(0).name());
+  ASSERT_OK_AND_ASSIGN(const auto behind, Call(&v1::SessionService::Stub::GetDoorImages, images));
+  std::set<std::string> sent, seen;
+  for (const std::string& content : drive[0].contents) sent.insert(Sha256(content));
+  for (const v1::Image& image : behind.seen()) {
+    EXPECT_TRUE(sent.contains(image.content().sha256()));
+    EXPECT_TRUE(seen.insert(image.content().sha256()).second);
+    EXPECT_NE(image.encoding(), v1::Image::ENCODING_DEPTH_PNG16);
+  }
+  EXPECT_FALSE(seen.empty());
+  ASSERT_EQ(behind.kept_size(), page.verdicts(0).comparisons_size());
+  for (int i = 0; i < behind.kept_size(); ++i) {
+    EXPECT_EQ(behind.kept(i).link_point(), page.verdicts(0).comparisons(i).link_point());
+    EXPECT_FALSE(behind.kept(i).images().empty());
+  }
+  images.set_name(first + "/doors/1");
+  EXPECT_CODE(Call(&v1::SessionService::Stub::GetDoorImages, images), absl::StatusCode::kNotFound);
   list.set_parent("sites/s/sessions/none");
   list.clear_page_token();
   EXPECT_CODE(Call(&v1::SessionService::Stub::ListDoorVerdicts, list), absl::StatusCode::kNotFound);

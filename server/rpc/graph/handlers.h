@@ -14,6 +14,8 @@ absl::StatusOr<v1::GetGraphResponse> GetGraph(const Services& services, const Ca
                                               const v1::GetGraphRequest& request);
 absl::StatusOr<v1::ListGraphVersionsResponse> ListGraphVersions(const Services& services, const Call& call,
                                                                 const v1::ListGraphVersionsRequest& request);
+absl::StatusOr<v1::ListPlacedMapsResponse> ListPlacedMaps(const Services& services, const Call& call,
+                                                          const v1::ListPlacedMapsRequest& request);
 absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const Call& call,
                                                         const v1::OptimizeGraphRequest& request);
 absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const Call& call,

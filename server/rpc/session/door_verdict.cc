@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/session/door_verdict.h"
 
-#include "fmt/format.h"
 #include "proto/convert/geometry.h"
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
@@ -31,8 +30,7 @@ v1::DoorComparison ToProto(const SiteId& site, const closure::DoorComparison& co
 
 v1::DoorVerdict ToProto(const SiteId& site, const closure::DoorVerdict& verdict) {
   v1::DoorVerdict out;
-  out.set_name(
-      fmt::format("{}/doors/{}", convert::NameOf(convert::SessionName{site, verdict.session}), verdict.sequence));
+  out.set_name(convert::NameOf(convert::DoorVerdictName{site, verdict.session, verdict.sequence}));
   out.set_decision(static_cast<v1::DoorVerdict::Decision>(verdict.decision));
   if (verdict.link_point) out.set_link_point(convert::NameOf(convert::LinkPointName{site, *verdict.link_point}));
   if (verdict.entered_map) out.set_entered_map(convert::NameOf(convert::MapName{site, *verdict.entered_map}));

@@ -29,5 +29,7 @@ absl::StatusOr<v1::ResumeClosureResponse> ResumeClosure(const Services& services
 
 absl::StatusOr<v1::ListDoorVerdictsResponse> ListDoorVerdicts(const Services& services, const Call& call,
                                                               const v1::ListDoorVerdictsRequest& request);
+absl::StatusOr<v1::GetDoorImagesResponse> GetDoorImages(const Services& services, const Call& call,
+                                                        const v1::GetDoorImagesRequest& request);
 
 }  // namespace enfilade::server

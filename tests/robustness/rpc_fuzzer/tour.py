@@ -16,6 +16,7 @@ COVARIANCE = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]
 WORLD = {"pose": {"x": 1.0, "y": 0.5, "yaw": 0.1}, "covariance": COVARIANCE}
 TIMEOUT_S = 60
 DONE_STATES = (3, 4)  # of a session: MAPPED, FAILED
+CAUSE_OPTIMIZED = 7  # of a version of the graph
 
 
 class TourError(Exception):
@@ -213,11 +214,19 @@ class Tour:
             time.sleep(0.1)
         raise TourError(f"{session} is not mapped after a minute")
 
+    def await_verdict(self, session):
+        for _ in range(600):
+            verdicts = self.one("SessionService.ListDoorVerdicts", {"parent": session}).verdicts
+            if verdicts:
+                return verdicts[0]
+            time.sleep(0.1)
+        raise TourError(f"the door of {session} is not judged after a minute")
+
     def sessions(self, session):
         site = self.site
         self.ok("SessionService.ListSessions", {"parent": site})
         self.ok("SessionService.ExportTrajectory", {"name": session})
-        self.ok("SessionService.ListDoorVerdicts", {"parent": session})
+        self.ok("SessionService.GetDoorImages", {"name": self.await_verdict(session).name})
         self.ok("SessionService.CreateSession", {"parent": site, "session_id": "spare",
                                                  "session": {"robot": f"{site}/robots/r", "map": f"{site}/maps/c"}})
         self.ok("SessionService.DeleteSession", {"name": f"{site}/sessions/spare"})
@@ -227,6 +236,9 @@ class Tour:
         self.ok("GraphService.GetGraph", {"site": site})
         self.ok("GraphService.ListGraphVersions", {"parent": site, "page_size": 3})
         self.ok("GraphService.OptimizeGraph", {"site": site})
+        versions = self.one("GraphService.ListGraphVersions", {"parent": site, "page_size": 1000}).graph_versions
+        optimised = next(version for version in versions if version.cause == CAUSE_OPTIMIZED)
+        self.ok("GraphService.ListPlacedMaps", {"parent": site, "graph_version": optimised.graph_version})
         self.ok("GraphService.GetGlobalPose", {"map_pose": here})
         self.ok("GraphService.GetGlobalPose", {"robot": f"{site}/robots/r"})
         self.ok("GraphService.WatchGlobalPoses", {"parent": site, "rate_hz": 20}, enough=1)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <chrono>
+#include <map>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -74,6 +76,38 @@ TEST_F(GraphTest, OptimisesByItselfAndOnRequestAndListsVersions) {
     }
   }
   EXPECT_EQ(last, 1);
+}
+
+TEST_F(GraphTest, ListsWhereMapsWereAfterEachOptimisation) {
+  const v1::Graph solved = AwaitSolution();
+  Join("mc", "m", "c", {0, 5, 0}, {-10, 5.3, 0});
+  const v1::Graph again = AwaitGraph([&](const v1::Graph& graph) {
+    return graph.solution_version() > solved.solution_version() && graph.solution_version() == graph.graph_version();
+  });
+  v1::ListPlacedMapsRequest list;
+  list.set_parent("sites/s");
+  list.set_page_size(2);
+  for (const v1::Graph& graph : {solved, again}) {
+    list.set_graph_version(graph.solution_version());
+    std::map<std::string, double> listed, wanted;
+    for (const v1::GraphMap& map : graph.maps()) {
+      if (map.has_pose_world_map()) wanted[map.map()] = map.pose_world_map().pose().y();
+    }
+    list.clear_page_token();
+    do {
+      ASSERT_OK_AND_ASSIGN(const auto page, Call(&Stub::ListPlacedMaps, list));
+      for (const v1::PlacedMap& map : page.placed_maps()) {
+        EXPECT_TRUE(listed.emplace(map.map(), map.pose_world_map().pose().y()).second);
+      }
+      list.set_page_token(page.next_page_token());
+    } while (!list.page_token().empty());
+    EXPECT_EQ(listed.size(), 3U);
+    for (const auto& [map, y] : wanted) EXPECT_NEAR(listed[map], y, 1e-9) << map;
+  }
+  list.set_graph_version(1);
+  EXPECT_CODE(Call(&Stub::ListPlacedMaps, list), absl::StatusCode::kNotFound);
+  list.set_parent("sites/none");
+  EXPECT_CODE(Call(&Stub::ListPlacedMaps, list), absl::StatusCode::kNotFound);
 }
 
 TEST_F(GraphTest, AFalseClosureIsSwitchedOffAndASuspendedOneLeftOut) {

@@ -167,6 +167,7 @@ TEST_F(GraphTest, AGeoreferenceMakesGeoJsonOfLongitudeAndLatitude) {
 TEST_F(GraphTest, EveryMethodRefusesAnEmptyMessage) {
   EXPECT_CODE(Call(&Stub::GetGraph, v1::GetGraphRequest()), absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(Call(&Stub::ListGraphVersions, v1::ListGraphVersionsRequest()), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(Call(&Stub::ListPlacedMaps, v1::ListPlacedMapsRequest()), absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(Call(&Stub::OptimizeGraph, v1::OptimizeGraphRequest()), absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(Call(&Stub::GetGlobalPose, v1::GetGlobalPoseRequest()), absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(Call(&Stub::TransformPoses, v1::TransformPosesRequest()), absl::StatusCode::kInvalidArgument);

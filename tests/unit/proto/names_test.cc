@@ -58,18 +58,23 @@ TEST(Names, OfEveryKindComeBackFromTheirText) {
     EXPECT_EQ(closure.session, SessionId("monday"));
     EXPECT_EQ(closure.site, site);
   }
+  ASSERT_OK_AND_ASSIGN(const DoorVerdictName door,
+                       ParseDoorVerdictName("name", NameOf(DoorVerdictName{site, SessionId("monday"), 12})));
+  EXPECT_EQ(door.sequence, 12);
+  EXPECT_EQ(door.session, SessionId("monday"));
+  EXPECT_FALSE(ParseDoorVerdictName("name", "sites/a/sessions/monday/doors/0").ok());
 }
 
 // A name of one kind is never taken for one of another.
 TEST(Names, OfOneKindAreRefusedAsAnother) {
   const std::string names[] = {
-      "sites/s",          "sites/s/maps/x",     "sites/s/maps/x/revisions/1",   "sites/s/linkPoints/x",
-      "sites/s/robots/x", "sites/s/sessions/x", "sites/s/sessions/x/closures/1"};
+      "sites/s",          "sites/s/maps/x",     "sites/s/maps/x/revisions/1",    "sites/s/linkPoints/x",
+      "sites/s/robots/x", "sites/s/sessions/x", "sites/s/sessions/x/closures/1", "sites/s/sessions/x/doors/1"};
   for (const std::string& name : names) {
-    const bool accepted[] = {ParseSiteName("n", name).ok(),       ParseMapName("n", name).ok(),
-                             ParseRevisionName("n", name).ok(),   ParseLinkPointName("n", name).ok(),
-                             ParseRobotName("n", name).ok(),      ParseSessionName("n", name).ok(),
-                             ParseLoopClosureName("n", name).ok()};
+    const bool accepted[] = {ParseSiteName("n", name).ok(),        ParseMapName("n", name).ok(),
+                             ParseRevisionName("n", name).ok(),    ParseLinkPointName("n", name).ok(),
+                             ParseRobotName("n", name).ok(),       ParseSessionName("n", name).ok(),
+                             ParseLoopClosureName("n", name).ok(), ParseDoorVerdictName("n", name).ok()};
     for (std::size_t kind = 0; kind < std::size(accepted); ++kind) {
       EXPECT_EQ(accepted[kind], name == names[kind]) << name << " as kind " << kind;
     }
