@@ -23,7 +23,7 @@ struct ProcessTimes {
 ProcessTimes TimesOf(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string stat;
-  std::getline(file, stat, '\0');  // nothing if the process ends meanwhile
+  std::getline(file, stat, '\0');                // nothing if the process ends meanwhile
   const std::size_t name_end = stat.rfind(')');  // a name may have spaces
   if (name_end == std::string::npos) return {};
   std::istringstream fields(stat.substr(name_end + 2));
