@@ -6,6 +6,7 @@
 #include "proto/convert/record.h"
 #include "tests/rpc/server_test.h"
 #include "tests/support/door_drive.h"
+#include "tests/support/eventually.h"
 
 namespace enfilade::testing {
 namespace {
@@ -71,29 +72,58 @@ TEST_F(ClosureTest, TheRobotHearsOnItsStreamWhichMapItHasEntered) {
   ASSERT_OK_AND_ASSIGN(page, Call(&v1::SessionService::Stub::ListDoorVerdicts, list));
   EXPECT_EQ(page.verdicts(0).entered_map(), told.map_entered().map());
   EXPECT_EQ(page.next_page_token(), "");
-
-  // What the robot saw of the second door: images that it has sent, each once.
-  v1::GetDoorImagesRequest images;
-  images.set_name(page.verdicts(0).name());
-  ASSERT_OK_AND_ASSIGN(const auto behind, Call(&v1::SessionService::Stub::GetDoorImages, images));
-  std::set<std::string> sent, seen;
-  for (const std::string& content : drive[0].contents) sent.insert(Sha256(content));
-  for (const v1::Image& image : behind.seen()) {
-    EXPECT_TRUE(sent.contains(image.content().sha256()));
-    EXPECT_TRUE(seen.insert(image.content().sha256()).second);
-    EXPECT_NE(image.encoding(), v1::Image::ENCODING_DEPTH_PNG16);
-  }
-  EXPECT_FALSE(seen.empty());
-  ASSERT_EQ(behind.kept_size(), page.verdicts(0).comparisons_size());
-  for (int i = 0; i < behind.kept_size(); ++i) {
-    EXPECT_EQ(behind.kept(i).link_point(), page.verdicts(0).comparisons(i).link_point());
-    EXPECT_FALSE(behind.kept(i).images().empty());
-  }
-  images.set_name(first + "/doors/1");
-  EXPECT_CODE(Call(&v1::SessionService::Stub::GetDoorImages, images), absl::StatusCode::kNotFound);
   list.set_parent("sites/s/sessions/none");
   list.clear_page_token();
   EXPECT_CODE(Call(&v1::SessionService::Stub::ListDoorVerdicts, list), absl::StatusCode::kNotFound);
+}
+
+TEST_F(ClosureTest, TheImagesBehindAVerdictAreWhatTheRobotSentAndWhatIsKept) {
+  DoorDriveOptions options = WithImagesAndClouds();
+  options.campus = TwoRooms();
+  options.robot = "r";
+  const std::vector<DrivenSession> drive = DriveThroughDoors(options);
+  ASSERT_GE(drive.size(), 2U);
+  std::string session = NewSession("sites/s/maps/m", "");
+  const std::string first = session;
+  std::set<std::string> sent;
+  std::vector<v1::DoorVerdict> verdicts;
+  v1::ListDoorVerdictsRequest list;
+  for (int i = 0; i < 2; ++i) {
+    if (i > 0) session = NewSession("", session);
+    Send(session, drive[i]);
+    for (const std::string& content : drive[i].contents) sent.insert(Sha256(content));
+    ASSERT_OK(FinishSession(session, static_cast<std::int64_t>(drive[i].log.size())));
+    list.set_parent(session);
+    ASSERT_TRUE(Eventually([&] {
+      const auto page = Call(&v1::SessionService::Stub::ListDoorVerdicts, list);
+      return page.ok() && page->verdicts_size() == static_cast<int>(drive[i].doors.size());
+    }));
+    ASSERT_OK_AND_ASSIGN(const auto page, Call(&v1::SessionService::Stub::ListDoorVerdicts, list));
+    verdicts.insert(verdicts.end(), page.verdicts().begin(), page.verdicts().end());
+  }
+  int kept_images = 0;
+  v1::GetDoorImagesRequest request;
+  for (const v1::DoorVerdict& verdict : verdicts) {
+    request.set_name(verdict.name());
+    ASSERT_OK_AND_ASSIGN(const auto images, Call(&v1::SessionService::Stub::GetDoorImages, request));
+    std::set<std::string> seen;
+    for (const v1::Image& image : images.seen()) {
+      EXPECT_TRUE(sent.contains(image.content().sha256()));
+      EXPECT_TRUE(seen.insert(image.content().sha256()).second);
+      EXPECT_NE(image.encoding(), v1::Image::ENCODING_DEPTH_PNG16);
+    }
+    EXPECT_FALSE(seen.empty()) << verdict.ShortDebugString();
+    ASSERT_EQ(images.kept_size(), verdict.comparisons_size());
+    for (int i = 0; i < images.kept_size(); ++i) {
+      EXPECT_EQ(images.kept(i).link_point(), verdict.comparisons(i).link_point());
+      EXPECT_EQ(images.kept(i).map(), verdict.comparisons(i).map());
+      for (const v1::Image& image : images.kept(i).images()) EXPECT_TRUE(sent.contains(image.content().sha256()));
+      kept_images += images.kept(i).images_size();
+    }
+  }
+  EXPECT_GT(kept_images, 0);
+  request.set_name(first + "/doors/1");
+  EXPECT_CODE(Call(&v1::SessionService::Stub::GetDoorImages, request), absl::StatusCode::kNotFound);
 }
 
 }  // namespace
