@@ -45,6 +45,10 @@ ScanLocation Refused(std::string reason) {
   return refused;
 }
 
+// Of the 95 % ellipse, m.
+double RadiusOf(const PoseWithCovariance& pose) { return graph::ErrorEllipse95(pose.covariance).semi_major_m; }
+double YawSigmaOf(const PoseWithCovariance& pose) { return std::sqrt(std::max(pose.covariance(2, 2), 0.0)); }
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> PointsBehindDoor(const std::vector<PlacedScan>& scans, const Pose2& T_map_door,
@@ -86,11 +90,15 @@ std::vector<PlacedScan> RemoveHitsThroughDoors(std::vector<PlacedScan> scans, co
   return scans;
 }
 
+bool IsSureEnoughForScans(const PoseWithCovariance& predicted, const DoorClosureOptions& options) {
+  return RadiusOf(predicted) <= options.alike_distance && YawSigmaOf(predicted) <= options.sure_yaw;
+}
+
 ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
                            const PoseWithCovariance& predicted, const DoorClosureOptions& options) {
-  const double radius = graph::ErrorEllipse95(predicted.covariance).semi_major_m;
-  const double yaw_sigma = std::sqrt(std::max(predicted.covariance(2, 2), 0.0));
-  if (radius > options.alike_distance || yaw_sigma > options.sure_yaw) {
+  const double radius = RadiusOf(predicted);
+  const double yaw_sigma = YawSigmaOf(predicted);
+  if (!IsSureEnoughForScans(predicted, options)) {
     return Refused(
         fmt::format("the graph is not sure enough of where the robot is: {:.1f} m, {:.2f} rad", radius, yaw_sigma));
   }

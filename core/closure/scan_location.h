@@ -35,13 +35,17 @@ struct ScanLocation {
   std::string reason = {};
 };
 
+// Is the prediction sure enough for scans to tell a pose from that of a look-alike? Without that, no search is made.
+bool IsSureEnoughForScans(const PoseWithCovariance& predicted, const DoorClosureOptions& options);
+
 // Matches `points` (the robot's frame) with what `known` scans have seen of a map, around the graph's prediction of the
 // robot's pose: an exhaustive search (SearchPose), refined and judged as SLAM judges a loop closure (MatchLoop).
 // Accepted if most of the points lie on walls of the map and hardly any in its free space, the walls determine the pose
 // in all directions, nothing else in the window fits nearly as well, the pose passes the gate, and the pose cannot be
 // that of a look-alike. For the last one, let e be the prediction's error (95 %) and d the distance from the prediction
 // to the pose. The robot is within e of the prediction, so a look-alike, alike_distance away or more, is farther than
-// alike_distance - e from the prediction; d must be less. If e alone is more, no search is made.
+// alike_distance - e from the prediction; d must be less. If e alone is more, no search is made
+// (IsSureEnoughForScans).
 ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
                            const PoseWithCovariance& predicted, const DoorClosureOptions& options);
 

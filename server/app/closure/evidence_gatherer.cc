@@ -95,7 +95,7 @@ absl::Status EvidenceGatherer::Gather(const closure::MatchScans& step) {
   closure::SearchedMap& searched = (*knowledge_.maps)[step.map];
   const KnownScansScope scope{
       .stores = stores_, .site = lease_.site(), .graph = *knowledge_.graph, .options = knowledge_.options};
-  ENFILADE_ASSIGN_OR_RETURN(const KnownScans known, ReadKnownScans(scope, searched.map->id, searched.predicted.pose));
+  ENFILADE_ASSIGN_OR_RETURN(const KnownScans known, ReadKnownScans(scope, searched.map->id, searched.predicted));
   searched.scans = {.location = closure::LocateByScans(known.scans, knowledge_.points_behind_door, searched.predicted,
                                                        knowledge_.options),
                     .recording = known.recording,

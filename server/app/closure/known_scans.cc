@@ -114,24 +114,26 @@ std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) 
 
 }  // namespace
 
-absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map, const Pose2& around) {
+absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map,
+                                          const PoseWithCovariance& predicted) {
   ENFILADE_ASSIGN_OR_RETURN(const auto sessions, scope.stores.sessions.List(JudgingLease::Context(), scope.site,
                                                                             {.robot = {}, .map = map, .state = {}},
                                                                             kMaxSessions, std::nullopt));
-  ENFILADE_ASSIGN_OR_RETURN(const auto entries,
-                            scope.stores.verdicts.ListInto(JudgingLease::Context(), scope.site, map, kMaxSessions));
   KnownScans known;
-  std::vector<Viewpoint> viewpoints;
   for (const storage::Session& session : sessions) {
     known.recording = known.recording || session.state == storage::SessionState::kRecording;
     known.mapping = known.mapping || (IsUnmapped(session) && session.state != storage::SessionState::kRecording);
-    ENFILADE_RETURN_IF_ERROR(AddInside(scope, session, viewpoints));
   }
+  if (!closure::IsSureEnoughForScans(predicted, scope.options)) return known;
+  ENFILADE_ASSIGN_OR_RETURN(const auto entries,
+                            scope.stores.verdicts.ListInto(JudgingLease::Context(), scope.site, map, kMaxSessions));
+  std::vector<Viewpoint> viewpoints;
+  for (const storage::Session& session : sessions) ENFILADE_RETURN_IF_ERROR(AddInside(scope, session, viewpoints));
   for (const closure::DoorVerdict& verdict : entries) {
     ENFILADE_RETURN_IF_ERROR(AddEntering(scope, verdict, viewpoints));
   }
   std::erase_if(viewpoints, [&](const Viewpoint& one) {
-    return Between(around, one.T_map_robot.pose).translation().norm() > scope.options.locate_reach;
+    return Between(predicted.pose, one.T_map_robot.pose).translation().norm() > scope.options.locate_reach;
   });
   ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::PlacedScan> scans, ReadScans(scope, viewpoints));
   known.scans = closure::RemoveHitsThroughDoors(std::move(scans), DoorsOf(scope.graph, map));

@@ -26,10 +26,13 @@ struct KnownScansScope {
   const closure::DoorClosureOptions& options;
 };
 
-// The keyframes' scans within locate_reach of `around`, locate_scans at most, evenly chosen: of the sessions in the
-// map, and of those that entered it, from the door on. Hits that were seen through the map's doors are removed. While a
-// door at the end of a session may still be unknown (the session is recording, or its passage is not judged), its last
-// locate_tail is left out. Errors are the stores'.
-absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map, const Pose2& around);
+// The keyframes' scans within locate_reach of the predicted pose of the robot, locate_scans at most, evenly chosen: of
+// the sessions in the map, and of those that entered it, from the door on. Hits that were seen through the map's doors
+// are removed. While a door at the end of a session may still be unknown (the session is recording, or its passage is
+// not judged), its last locate_tail is left out. No scans are read if the prediction is not sure enough to use them
+// (closure::IsSureEnoughForScans): a graph that is not sure predicts the robot in dozens of maps. Errors are the
+// stores'.
+absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map,
+                                          const PoseWithCovariance& predicted);
 
 }  // namespace enfilade::server
