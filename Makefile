@@ -29,8 +29,8 @@ stop: ## stop what `make demo` started
 test: build ## build and run all tests
 	@ctest --preset $(PRESET) -j $(JOBS)
 
-test-web: programs ## test the dashboard in Chromium; T=NAME: only the tests whose names contain it
-	@tests/web/run $(BIN) $(T)
+test-web: programs ## test the dashboard in Chromium; T=NAME: one promise of gateway and dashboard, in Go, Chromium and Python
+	@$(if $(T),tests/web/check $(BIN) $(T),tests/web/run $(BIN))
 
 screenshots: programs ## make the pictures of README.md and docs/web.md: the dashboard with the campus of `make demo`
 	@tests/web/screenshots $(BIN)

@@ -88,7 +88,7 @@ func TestACompositeShowsTheMapsWhereTheGraphPlacesThem(t *testing.T) {
 	}
 }
 
-func TestACompositeHasWallsAtEveryWidth(t *testing.T) {
+func TestWallSurvivesZoom_ACompositeHasWallsAtEveryWidth(t *testing.T) {
 	site, _, _ := withHall(t)
 	for _, width := range []int{7, 60, 200, 1000, 3000} {
 		picture, got := composite(t, site, fmt.Sprintf("?width=%d", width))

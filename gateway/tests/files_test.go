@@ -7,6 +7,8 @@ import (
 	"crypto/sha256"
 	"encoding/hex"
 	"fmt"
+	"image"
+	"image/png"
 	"io"
 	"mime/multipart"
 	"net/http"
@@ -47,7 +49,7 @@ func upload(t *testing.T, path string, fields map[string]string, files map[strin
 	return call(t, "POST", path, &body, header{"Content-Type": form.FormDataContentType()})
 }
 
-func TestAMapGoesUpAndComesDownUnchanged(t *testing.T) {
+func TestFiles_AMapGoesUpAndComesDownUnchanged(t *testing.T) {
 	site := newSite(t)
 	image := picture(1500)
 	got := upload(t, "/v1/"+site+"/maps/hall:import", map[string]string{"dialect": "nav2"},
@@ -100,13 +102,54 @@ func TestAMapGoesUpAndComesDownUnchanged(t *testing.T) {
 	}
 }
 
-func TestAnUploadThatIsCutOffStoresNothing(t *testing.T) {
+const largeSide = 14_200 // cells: 202 MB
+
+// A download that breaks off in the middle goes on where it was.
+func TestFiles_AMapOf200MegabytesComesDownInParts(t *testing.T) {
+	site := newSite(t)
+	image := picture(largeSide)
+	got := upload(t, "/v1/"+site+"/maps/hall:import", nil, map[string][]byte{"hall.pgm": image, "hall.yaml": []byte(description)})
+	if got.status != http.StatusOK {
+		t.Fatalf("status %d: %s", got.status, got.body)
+	}
+	path := "/v1/" + site + "/maps/hall/revisions/1/files/Hall.pgm"
+	first, err := http.Get(shared.url + path)
+	if err != nil {
+		t.Fatal(err)
+	}
+	if disposition := first.Header.Get("Content-Disposition"); disposition != "attachment; filename=Hall.pgm" {
+		t.Errorf("disposition %q", disposition)
+	}
+	digest, broken := sha256.New(), int64(len(image)/2)
+	if _, err := io.CopyN(digest, first.Body, broken); err != nil {
+		t.Fatal(err)
+	}
+	first.Body.Close()
+	etag := first.Header.Get("ETag")
+	rest := call(t, "GET", path, nil, header{"Range": fmt.Sprintf("bytes=%d-", broken), "If-Range": etag})
+	if wanted := fmt.Sprintf("bytes %d-%d/%d", broken, len(image)-1, len(image)); rest.status != http.StatusPartialContent ||
+		rest.header.Get("Content-Range") != wanted {
+		t.Fatalf("status %d, Content-Range %q, wanted %q", rest.status, rest.header.Get("Content-Range"), wanted)
+	}
+	digest.Write(rest.body)
+	if wanted := sha256.Sum256(image); !bytes.Equal(digest.Sum(nil), wanted[:]) || etag != `"`+hex.EncodeToString(wanted[:])+`"` {
+		t.Errorf("another file came down: SHA-256 %x, ETag %s", digest.Sum(nil), etag)
+	}
+	if again := call(t, "GET", path, nil, header{"If-None-Match": etag}); again.status != http.StatusNotModified || len(again.body) > 0 {
+		t.Errorf("status %d, %d bytes", again.status, len(again.body))
+	}
+}
+
+func TestFiles_AnUploadThatIsCutOffStoresNothing(t *testing.T) {
 	site := newSite(t)
 	reader, writer := io.Pipe()
 	form := multipart.NewWriter(writer)
 	go func() {
-		part, _ := form.CreateFormFile("file", "hall.pgm")
-		_, _ = part.Write(picture(1000)[:500_000])
+		part, _ := form.CreateFormFile("file", "hall.yaml")
+		_, _ = io.WriteString(part, description)
+		part, _ = form.CreateFormFile("file", "hall.pgm")
+		image := picture(largeSide)
+		_, _ = part.Write(image[:len(image)/2])
 		_ = writer.CloseWithError(io.ErrUnexpectedEOF)
 	}()
 	request, _ := http.NewRequest("POST", shared.url+"/v1/"+site+"/maps/hall:import", reader)
@@ -115,11 +158,45 @@ func TestAnUploadThatIsCutOffStoresNothing(t *testing.T) {
 		response.Body.Close()
 		t.Errorf("status %d", response.StatusCode)
 	}
-	if revisions := must(t, "GET", "/v1/"+site+"/maps/hall/revisions", "")["mapRevisions"]; revisions != nil && len(revisions.([]any)) > 0 {
+	if revisions := must(t, "GET", "/v1/"+site+"/maps/hall/revisions", "")["revisions"].([]any); len(revisions) > 0 {
 		t.Errorf("revisions %v", revisions)
 	}
 	refused := upload(t, "/v1/"+site+"/maps/hall:import", nil, map[string][]byte{"hall.pgm": picture(10)})
 	if refused.status != http.StatusBadRequest {
 		t.Errorf("an image without its YAML: status %d: %s", refused.status, refused.body)
+	}
+}
+
+// attach sends `content` as an image of a link point, and returns the address of the blob that it becomes.
+func attach(t *testing.T, site, linkPoint, encoding string, content []byte) string {
+	t.Helper()
+	evidence := fmt.Sprintf(`{"map": "%s/maps/hall", "image": {"time": "2026-01-02T03:04:05Z", "camera": "CAMERA_FRONT", "encoding": %q}}`, site, encoding)
+	got := upload(t, "/v1/"+linkPoint+"/evidence", map[string]string{"evidence": evidence}, map[string][]byte{"door.bin": content})
+	if got.status != http.StatusOK {
+		t.Fatalf("status %d: %s", got.status, got.body)
+	}
+	return fmt.Sprintf("/v1/%s/blobs/%x", site, sha256.Sum256(content))
+}
+
+func withDoor(t *testing.T) (site, linkPoint string) {
+	t.Helper()
+	site = newSite(t)
+	must(t, "POST", "/v1/"+site+"/linkPoints?linkPointId=door", `{"kind": "KIND_DOOR", "anchors": [
+		{"map": "`+site+`/maps/hall", "poseMapPlace": {"pose": {"x": 1}}}]}`)
+	return site, site + "/linkPoints/door"
+}
+
+func TestFiles_AnImageBecomesEvidenceAndComesDownUnchanged(t *testing.T) {
+	site, door := withDoor(t)
+	var content bytes.Buffer
+	if err := png.Encode(&content, image.NewGray(image.Rect(0, 0, 64, 48))); err != nil {
+		t.Fatal(err)
+	}
+	got := call(t, "GET", attach(t, site, door, "ENCODING_PNG", content.Bytes()), nil, nil)
+	if got.status != http.StatusOK || !bytes.Equal(got.body, content.Bytes()) || got.header.Get("Content-Type") != "image/png" {
+		t.Errorf("status %d, %s, %d bytes of %d", got.status, got.header.Get("Content-Type"), len(got.body), content.Len())
+	}
+	if control := got.header.Get("Cache-Control"); !strings.Contains(control, "immutable") {
+		t.Errorf("Cache-Control %q", control)
 	}
 }

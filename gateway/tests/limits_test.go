@@ -23,9 +23,12 @@ import (
 
 // startGateway starts one more gateway, with other limits, before `server`; the test stops it. Returns its URL.
 func startGateway(t *testing.T, server string, limits guard.Limits) string {
+	return startGatewayOf(t, app.Options{Server: server, CallTime: 30 * time.Second, Limits: limits, Uploads: files.DefaultUploadLimits()})
+}
+
+func startGatewayOf(t *testing.T, options app.Options) string {
 	t.Helper()
-	options := app.Options{Listen: "127.0.0.1:0", Server: server, Hosts: []string{"127.0.0.1"}, CallTime: 30 * time.Second,
-		Limits: limits, Uploads: files.DefaultUploadLimits()}
+	options.Listen, options.Hosts = "127.0.0.1:0", []string{"127.0.0.1"}
 	gateway, err := app.Start(t.Context(), options, slog.New(slog.DiscardHandler))
 	if err != nil {
 		t.Fatal(err)
@@ -59,7 +62,7 @@ func statusOf(t *testing.T, client *http.Client, method, url string) (int, http.
 	return response.StatusCode, response.Header
 }
 
-func TestCallsBeyondTheRateWaitAndHarmNoOtherAddress(t *testing.T) {
+func TestSecurity_CallsBeyondTheRateWaitAndHarmNoOtherAddress(t *testing.T) {
 	limits := guard.DefaultLimits()
 	limits.Rates = guard.Rates{CallsPerSecond: 0.001, TilesPerSecond: 0.001} // a burst of one each
 	url := startGateway(t, shared.address, limits)
@@ -89,7 +92,7 @@ func TestCallsBeyondTheRateWaitAndHarmNoOtherAddress(t *testing.T) {
 	}
 }
 
-func TestSixHundredStreams(t *testing.T) {
+func TestSecurity_SixHundredStreams(t *testing.T) {
 	site := newSite(t)
 	statuses := map[int]int{}
 	for number := range 600 {
@@ -114,7 +117,7 @@ func TestSixHundredStreams(t *testing.T) {
 
 // A client asks again and again and reads nothing. Its connection is closed, with requests in it that nobody will read;
 // then the client cannot write either.
-func TestAReaderThatTakesNothingIsCutOffAndOthersAreServed(t *testing.T) {
+func TestSecurity_AReaderThatTakesNothingIsCutOffAndOthersAreServed(t *testing.T) {
 	limits := guard.DefaultLimits()
 	limits.WriteTime = time.Second
 	url := startGateway(t, shared.address, limits)
@@ -138,7 +141,7 @@ func TestAReaderThatTakesNothingIsCutOffAndOthersAreServed(t *testing.T) {
 	}
 }
 
-func TestNamesThatLookLikePagesOrScriptsAreText(t *testing.T) {
+func TestSecurity_NamesThatLookLikePagesOrScriptsAreText(t *testing.T) {
 	site := newSite(t)
 	for _, name := range []string{`<img src=x onerror=alert(1)>`, `javascript:alert(1)`, `</script><script>alert(1)</script>`} {
 		got := must(t, "POST", "/v1/"+site+"/maps", `{"displayName": "`+name+`"}`)
@@ -157,7 +160,7 @@ func TestNamesThatLookLikePagesOrScriptsAreText(t *testing.T) {
 	}
 }
 
-func TestWithoutTheServerPagesLoadAndCallsSayWhenToTryAgain(t *testing.T) {
+func TestStale_WithoutTheServerPagesLoadAndCallsSayWhenToTryAgain(t *testing.T) {
 	url := startGateway(t, "unix:"+t.TempDir()+"/nobody.sock", guard.DefaultLimits())
 	for path, wanted := range map[string]int{"/healthz": http.StatusOK, "/openapi.json": http.StatusOK,
 		"/readyz": http.StatusServiceUnavailable, "/v1/sites": http.StatusServiceUnavailable,

@@ -36,7 +36,7 @@ func siteMessageOf(t *testing.T, data string) siteMessage {
 	return message
 }
 
-func TestABrowserSeesASiteAndGoesOnWhereItsStreamWasCut(t *testing.T) {
+func TestSseResume_ABrowserSeesASiteAndGoesOnWhereItsStreamWasCut(t *testing.T) {
 	site := newSite(t)
 	path := "/v1/" + site + ":watch?rateHz=20"
 	first := watch(t, path, "text/event-stream", nil)
@@ -84,7 +84,7 @@ func TestABrowserSeesASiteAndGoesOnWhereItsStreamWasCut(t *testing.T) {
 	}
 }
 
-func TestAProgramReadsALineForEachMessageOfASite(t *testing.T) {
+func TestNdjson_AProgramReadsALineForEachMessageOfASite(t *testing.T) {
 	site := newSite(t)
 	s := watch(t, "/v1/"+site+":watch", "application/x-ndjson", nil)
 	line, err := s.reader.ReadString('\n')

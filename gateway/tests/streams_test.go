@@ -7,6 +7,7 @@ import (
 	"context"
 	"encoding/json"
 	"net/http"
+	"strconv"
 	"strings"
 	"testing"
 	"time"
@@ -115,7 +116,7 @@ func xOf(t *testing.T, data string) float64 {
 	return message.GlobalPoses[0].PoseWorldRobot.Pose.X
 }
 
-func TestABrowserSeesPosesAndGoesOnWhereItsStreamWasCut(t *testing.T) {
+func TestSseResume_ABrowserSeesPosesAndGoesOnWhereItsStreamWasCut(t *testing.T) {
 	site := newSite(t)
 	begin := time.Now()
 	first := watch(t, "/v1/"+site+"/globalPoses:watch?rateHz=20", "text/event-stream", nil)
@@ -142,7 +143,7 @@ func TestABrowserSeesPosesAndGoesOnWhereItsStreamWasCut(t *testing.T) {
 	}
 }
 
-func TestAProgramReadsALineForEachMessage(t *testing.T) {
+func TestNdjson_AProgramReadsALineForEachMessage(t *testing.T) {
 	site := newSite(t)
 	s := watch(t, "/v1/"+site+"/globalPoses:watch?rateHz=20", "application/x-ndjson", nil)
 	report(t, site, 3.5)
@@ -161,9 +162,69 @@ func TestAProgramReadsALineForEachMessage(t *testing.T) {
 	}
 }
 
-func TestAStreamOfAnUnknownSiteSaysSo(t *testing.T) {
+func TestSseResume_AStreamOfAnUnknownSiteSaysSo(t *testing.T) {
 	s := watch(t, "/v1/sites/nowhere/globalPoses:watch", "text/event-stream", nil)
 	if s.response.StatusCode != http.StatusNotFound {
 		t.Errorf("status %d", s.response.StatusCode)
+	}
+}
+
+// watchers is how many watches the server has open, by its own metrics.
+func watchers(t *testing.T) int {
+	t.Helper()
+	response, err := http.Get("http://" + shared.metrics + "/metrics")
+	if err != nil {
+		t.Fatal(err)
+	}
+	defer response.Body.Close()
+	for lines := bufio.NewScanner(response.Body); lines.Scan(); {
+		if value, found := strings.CutPrefix(lines.Text(), "enfilade_watchers "); found {
+			count, err := strconv.Atoi(value)
+			if err != nil {
+				t.Fatal(err)
+			}
+			return count
+		}
+	}
+	t.Fatal("the server has no metric enfilade_watchers")
+	return 0
+}
+
+// awaitWatchers returns how long it took until the server had `wanted` watches open.
+func awaitWatchers(t *testing.T, wanted int) time.Duration {
+	t.Helper()
+	for begin := time.Now(); ; time.Sleep(10 * time.Millisecond) {
+		count := watchers(t)
+		if count == wanted {
+			return time.Since(begin)
+		}
+		if time.Since(begin) > 20*time.Second {
+			t.Fatalf("the server has %d open watches, wanted %d", count, wanted)
+		}
+	}
+}
+
+func TestNdjson_AStreamThatIsClosedEndsOnTheServer(t *testing.T) {
+	site := newSite(t)
+	awaitWatchers(t, 0) // those of other tests have ended
+	for _, path := range []string{"/globalPoses:watch", ":watch"} {
+		var open []*stream
+		for range 3 {
+			s := watch(t, "/v1/"+site+path, "application/x-ndjson", nil)
+			if _, err := s.reader.ReadString('\n'); err != nil {
+				t.Fatal(err)
+			}
+			open = append(open, s)
+		}
+		awaitWatchers(t, 3)
+		open[1].close()
+		t.Logf("%s: the RPC ended %v after the stream was closed", path, awaitWatchers(t, 2))
+		report(t, site, 1)
+		if _, err := open[2].reader.ReadString('\n'); err != nil {
+			t.Errorf("%s: the other streams ended, too: %v", path, err)
+		}
+		open[0].close()
+		open[2].close()
+		awaitWatchers(t, 0)
 	}
 }

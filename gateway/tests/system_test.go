@@ -10,12 +10,14 @@ import (
 	"fmt"
 	"io"
 	"log/slog"
+	"net"
 	"net/http"
 	"os"
 	"os/exec"
 	"path/filepath"
 	"strings"
 	"sync"
+	"sync/atomic"
 	"syscall"
 	"testing"
 	"time"
@@ -34,6 +36,7 @@ type system struct {
 	database string // its URL
 	server   *exec.Cmd
 	address  string // of the server
+	metrics  string // of the server, for Prometheus
 	gateway  *app.Gateway
 	url      string // of the gateway
 	log      lockedBuffer
@@ -126,8 +129,14 @@ func (s *system) startServer(binaries string) error {
 		return err
 	}
 	defer log.Close()
+	free, err := net.Listen("tcp", "127.0.0.1:0")
+	if err != nil {
+		return err
+	}
+	s.metrics = free.Addr().String()
+	_ = free.Close()
 	s.server = exec.Command(filepath.Join(binaries, "enfilade-server"), "--set", "listen.address="+s.address,
-		"--set", "metrics.address=", "--set", "transfers.cache_directory="+s.folder)
+		"--set", "metrics.address="+s.metrics, "--set", "transfers.cache_directory="+s.folder)
 	s.server.Env = append(os.Environ(), "ENFILADE_SERVER_DATABASE_URL="+s.database)
 	s.server.Stdout, s.server.Stderr = log, log
 	s.server.SysProcAttr = &syscall.SysProcAttr{Pdeathsig: syscall.SIGKILL}
@@ -226,10 +235,12 @@ func must(t *testing.T, method, path, body string) map[string]any {
 	return got.json(t)
 }
 
-// newSite makes a site whose name is the test's, with a robot and a map; returns its resource name.
+var sites atomic.Int32
+
+// newSite makes a site of the test's own, with a robot and a map; returns its resource name.
 func newSite(t *testing.T) string {
 	t.Helper()
-	id := strings.ToLower(strings.NewReplacer("/", "-", "_", "-").Replace(t.Name()))
+	id := fmt.Sprintf("test%d", sites.Add(1))
 	must(t, "POST", "/v1/sites?siteId="+id, `{"displayName": "Test"}`)
 	must(t, "POST", "/v1/sites/"+id+"/robots?robotId=r1", `{"displayName": "One"}`)
 	must(t, "POST", "/v1/sites/"+id+"/maps?mapId=hall", `{"displayName": "Hall"}`)

@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import openapiTS, { astToString } from 'openapi-typescript';
 import { System } from '../web/system.mjs';
 
-test('a generated client passes its type check and does what it says', async (t) => {
+test('openapi: a generated client passes its type check and does what it says', async (t) => {
   const system = new System();
   t.after(() => system.stop());
   await system.start();

@@ -37,7 +37,7 @@ async function names() {
 
 const ended = (child) => new Promise((resolve, reject) => child.once('exit', resolve).once('error', reject));
 
-test('fuzz: no call is answered by a fault of the server', async (t) => {
+test('openapi: fuzz: no call is answered by a fault of the server', async (t) => {
   system = new System();
   t.after(() => system.stop());
   await prepare();

@@ -60,19 +60,27 @@ async function profile(page) {
   return Object.fromEntries([...self].filter(([name]) => !idle.has(name)).sort((a, b) => b[1] - a[1]).slice(0, 25).map(([name, ms]) => [name, round(ms / frames)]));
 }
 
-// Opens the campus and drags it. `maps`: how many must be drawn until it counts as shown.
-export async function measure(browser, url, maps, profiled = false) {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+// Goes to the campus and waits until `maps` of its maps are drawn.
+export async function firstCampus(page, url, maps) {
   const requests = [];
   page.on('request', (request) => requests.push(new URL(request.url()).pathname));
   const begin = Date.now();
   await page.goto(url);
   await page.waitForFunction((n) => window.__scene?.drawn().filter(({ kind }) => kind === 'map').length >= n, maps, { timeout: 300_000 });
-  const shown = { first_campus_ms: Date.now() - begin, requests: requests.length, requested: [...requests] };
+  return { first_campus_ms: Date.now() - begin, requests: requests.length, requested: [...requests] };
+}
+
+export const drawCalls = (page) => page.evaluate(() => window.__scene.stats().drawCalls);
+
+// What the scripts take while the campus is dragged.
+export const dragged = (page) => traced(page, () => pan(page));
+
+// Opens the campus and drags it. `maps`: how many must be drawn until it counts as shown.
+export async function measure(browser, url, maps, profiled = false) {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  const shown = await firstCampus(page, url, maps);
   await page.waitForTimeout(3000);
-  const dragged = await traced(page, () => pan(page));
-  const draw_calls = await page.evaluate(() => window.__scene.stats().drawCalls);
-  const result = { ...shown, draw_calls, dragged, ...(profiled && { self_ms_per_frame: await profile(page) }) };
+  const result = { ...shown, dragged: await dragged(page), draw_calls: await drawCalls(page), ...(profiled && { self_ms_per_frame: await profile(page) }) };
   await page.close();
   return result;
 }

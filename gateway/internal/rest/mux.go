@@ -8,8 +8,12 @@ import (
 	"net"
 	"net/http"
 	"net/textproto"
+	"net/url"
+	"regexp"
+	"strings"
 
 	"github.com/grpc-ecosystem/grpc-gateway/v2/runtime"
+	"github.com/grpc-ecosystem/grpc-gateway/v2/utilities"
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/metadata"
 	"google.golang.org/grpc/status"
@@ -43,6 +47,7 @@ func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, er
 		runtime.WithForwardResponseOption(tellGraphVersion),
 		runtime.WithMetadata(callerOf),
 		runtime.WithErrorHandler(handleError),
+		runtime.SetQueryParameterParser(&queryParser{}),
 		runtime.WithStreamErrorHandler(func(_ context.Context, err error) *status.Status { return problemOf(err) }),
 		runtime.WithRoutingErrorHandler(handleRoutingError),
 		// A form that another site posts must reach nothing.
@@ -61,6 +66,20 @@ func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, er
 	}
 	return mux, nil
 }
+
+type queryParser struct{ runtime.DefaultQueryParser }
+
+// Parse takes the paths of a field mask as protobuf's JSON has them (displayName), too; the runtime knows display_name only.
+func (p *queryParser) Parse(message proto.Message, values url.Values, filter *utilities.DoubleArray) error {
+	for _, name := range []string{"updateMask", "update_mask"} {
+		for i, paths := range values[name] {
+			values[name][i] = capital.ReplaceAllStringFunc(paths, func(letter string) string { return "_" + strings.ToLower(letter) })
+		}
+	}
+	return p.DefaultQueryParser.Parse(message, values, filter)
+}
+
+var capital = regexp.MustCompile("[A-Z]")
 
 // Nothing that a client sends may pass for what the gateway says of it, such as its actor.
 func passToServer(header string) (string, bool) {
@@ -98,9 +117,15 @@ func CallerOf(r *http.Request) string {
 	return "gateway:" + host
 }
 
-// ContextOf a call for a request, with its caller; ends with the request.
+// ContextOf a call for a request, with its caller and what else passes to the server; ends with the request.
 func ContextOf(r *http.Request) context.Context {
-	return metadata.AppendToOutgoingContext(r.Context(), "enfilade-actor", CallerOf(r))
+	told := callerOf(r.Context(), r)
+	for header, values := range r.Header {
+		if name, passes := passToServer(header); passes {
+			told.Append(name, values...)
+		}
+	}
+	return metadata.NewOutgoingContext(r.Context(), told)
 }
 
 func callerOf(_ context.Context, r *http.Request) metadata.MD {

@@ -116,7 +116,7 @@ export function addStates({ system, browser, at, campus }) {
     await close();
   });
 
-  test('no_webgl: a browser that cannot draw the maps shows the server\'s picture of them', async () => {
+  test('empty_states: a browser that cannot draw the maps shows the server\'s picture of them', async () => {
     await campus();
     const without = await launch(['--disable-3d-apis']);
     try {
