@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   AddMap(app, globals);
   AddMatch(app, globals);
   AddPose(app, globals);
+  AddPrior(app, globals);
   AddReplay(app, globals);
   AddRobot(app, globals);
   AddRooms(app, globals);

@@ -28,6 +28,7 @@ void AddTrajectory(CLI::App& app, const Globals& globals);  // trajectory export
 void AddDoors(CLI::App& app, const Globals& globals);
 void AddEnvironment(CLI::App& app, const Globals& globals);
 void AddMatch(CLI::App& app, const Globals& globals);  // match images | clouds
+void AddPrior(CLI::App& app, const Globals& globals);  // prior import
 void AddRooms(CLI::App& app, const Globals& globals);
 void AddSimulate(CLI::App& app, const Globals& globals);
 void AddSlam(CLI::App& app, const Globals& globals);
@@ -43,6 +44,7 @@ void AddMapImport(CLI::App& map, const Globals& globals);
 void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);
+void AddPriorImport(CLI::App& prior, const Globals& globals);
 void AddSessionDoors(CLI::App& session, const Globals& globals);
 
 }  // namespace enfilade::cli

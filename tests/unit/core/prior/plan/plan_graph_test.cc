@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <limits>
+#include <string>
 
 namespace enfilade::prior {
 namespace {
@@ -54,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"Door", [](PlanGraph& plan) { plan.doors[0].to.y() = kNan; }, "door 0"},
                     Fault{"Outline", [](PlanGraph& plan) { plan.rooms[0].outline.resize(2); }, "room 0"},
                     Fault{"Scale", [](PlanGraph& plan) { plan.metres_per_unit = 0; }, "0 m a unit"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& fault) { return std::string(fault.param.name); });
 
 }  // namespace
 }  // namespace enfilade::prior

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/cli/commands/prior/plan_options.h"
+
+#include <cstdio>
+
+#include "core/base/error.h"
+
+namespace enfilade::cli {
+
+void AddPlanOptions(CLI::App& command, PlanOptions& options) {
+  command.add_option("PLAN", options.path, "The plan (docs/prior_maps.md lists the formats)")->required();
+  command.add_option("--measure", options.measure,
+                     "A known distance between two points of the plan, X1,Y1,X2,Y2=METRES: gives the scale");
+}
+
+absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options) {
+  perception::ReadPlanOptions reading;
+  if (options.measure.empty()) return reading;
+  perception::PlanMeasure measure;
+  int used = 0;
+  if (std::sscanf(options.measure.c_str(), "%lf,%lf,%lf,%lf=%lf%n", &measure.from.x(), &measure.from.y(),
+                  &measure.to.x(), &measure.to.y(), &measure.metres, &used) != 5 ||
+      used != static_cast<int>(options.measure.size())) {
+    return InvalidArgument("--measure \"{}\": expected X1,Y1,X2,Y2=METRES", options.measure);
+  }
+  reading.measure = measure;
+  return reading;
+}
+
+}  // namespace enfilade::cli

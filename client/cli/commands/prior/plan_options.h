@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/statusor.h"
+#include "perception/plan/read_plan.h"
+
+namespace enfilade::cli {
+
+// PLAN and how to read it, for every command that reads one.
+struct PlanOptions {
+  std::string path;
+  std::string measure;  // "X1,Y1,X2,Y2=M"
+};
+
+void AddPlanOptions(CLI::App& command, PlanOptions& options);
+
+// INVALID_ARGUMENT, naming the option.
+absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options);
+
+}  // namespace enfilade::cli

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/formats/geojson_plan.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/geo/transverse_mercator.h"
+#include "core/prior/plan/plan_check.h"
+#include "nlohmann/json.hpp"
+
+namespace enfilade::prior {
+namespace {
+
+using Eigen::Vector2d;
+using Json = nlohmann::json;
+
+Json CoordinatesOf(const Vector2d& p) { return {p.x(), p.y()}; }
+
+Json Feature(const char* kind, const char* type, Json coordinates) {
+  return {{"type", "Feature"},
+          {"properties", {{"kind", kind}}},
+          {"geometry", {{"type", type}, {"coordinates", std::move(coordinates)}}}};
+}
+
+Json Ring(const std::vector<Vector2d>& outline) {
+  Json ring = Json::array();
+  for (const Vector2d& p : outline) ring.push_back(CoordinatesOf(p));
+  ring.push_back(CoordinatesOf(outline.front()));
+  return Json::array({std::move(ring)});
+}
+
+// Reads features into a plan; the first fault stays.
+class PlanReader {
+ public:
+  explicit PlanReader(const Json& document) : document_(document) {}
+
+  absl::StatusOr<PlanGraph> Read() {
+    if (!document_.is_object() || !document_.contains("features") || !document_["features"].is_array()) {
+      return InvalidArgument("not a GeoJSON FeatureCollection");
+    }
+    ENFILADE_RETURN_IF_ERROR(ReadFrame());
+    std::size_t number = 0;
+    for (const Json& feature : document_["features"]) {
+      const absl::Status status = ReadFeature(feature);
+      if (!status.ok()) return WithContext(status, fmt::format("feature {}", number));
+      if (plan_.walls.size() > kMostWalls) return CheckPlan(plan_);
+      ++number;
+    }
+    ENFILADE_RETURN_IF_ERROR(Validate(plan_));
+    return std::move(plan_);
+  }
+
+ private:
+  enum class Frame { kSheet, kMetres, kLonLat };
+
+  absl::Status ReadFrame() {
+    const std::string frame = document_.value("frame", "");
+    if (frame == "sheet") {
+      if (document_.contains("metres_per_unit")) plan_.metres_per_unit = document_["metres_per_unit"].get<double>();
+      return absl::OkStatus();
+    }
+    plan_.metres_per_unit = 1.0;
+    if (frame == "metres") {
+      frame_ = Frame::kMetres;
+      return absl::OkStatus();
+    }
+    if (!frame.empty()) return InvalidArgument("frame is \"{}\": expected sheet or metres", frame);
+    frame_ = Frame::kLonLat;
+    return FindMiddle();
+  }
+
+  // The middle of all coordinates, for the projection.
+  absl::Status FindMiddle() {
+    Vector2d low = Vector2d::Constant(1e300), high = -low;
+    absl::Status status;
+    const std::function<void(const Json&)> visit = [&](const Json& node) {
+      if (!node.is_array() || node.empty()) return;
+      if (!node[0].is_number()) {
+        for (const Json& child : node) visit(child);
+        return;
+      }
+      if (node.size() < 2 || !node[1].is_number()) return;
+      const Vector2d p(node[0].get<double>(), node[1].get<double>());
+      if (!(std::abs(p.x()) <= 180) || !(std::abs(p.y()) <= 89)) {
+        if (status.ok()) {
+          status = InvalidArgument(
+              "longitude {} and latitude {} are out of range (coordinates in metres need \"frame\": \"metres\")", p.x(),
+              p.y());
+        }
+        return;
+      }
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    };
+    for (const Json& feature : document_["features"]) {
+      if (feature.is_object() && feature.contains("geometry") && feature["geometry"].is_object() &&
+          feature["geometry"].contains("coordinates")) {
+        visit(feature["geometry"]["coordinates"]);
+      }
+    }
+    ENFILADE_RETURN_IF_ERROR(status);
+    if (low.x() <= high.x()) {
+      const Vector2d middle = (low + high) / 2;
+      projection_ = geo::TransverseMercator({middle.x(), middle.y()});
+    }
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<Vector2d> PointOf(const Json& coordinates) const {
+    if (!coordinates.is_array() || coordinates.size() < 2 || !coordinates[0].is_number() ||
+        !coordinates[1].is_number()) {
+      return InvalidArgument("a position is not two numbers");
+    }
+    const Vector2d p(coordinates[0].get<double>(), coordinates[1].get<double>());
+    if (!p.allFinite()) return InvalidArgument("a coordinate is not finite");
+    if (frame_ == Frame::kSheet) return p;
+    const Vector2d metres = frame_ == Frame::kMetres ? p : projection_.Forward({p.x(), p.y()});
+    return Vector2d(metres.x(), -metres.y());
+  }
+
+  absl::StatusOr<std::vector<Vector2d>> PointsOf(const Json& list, std::size_t fewest) const {
+    if (!list.is_array() || list.size() < fewest) return InvalidArgument("fewer than {} positions", fewest);
+    std::vector<Vector2d> points;
+    for (const Json& coordinates : list) {
+      ENFILADE_ASSIGN_OR_RETURN(const Vector2d p, PointOf(coordinates));
+      points.push_back(p);
+    }
+    return points;
+  }
+
+  absl::StatusOr<std::vector<Vector2d>> OutlineOf(const Json& rings) const {
+    if (!rings.is_array() || rings.empty()) return InvalidArgument("a polygon without a ring");
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<Vector2d> outline, PointsOf(rings[0], 4));
+    if ((outline.front() - outline.back()).norm() == 0) outline.pop_back();
+    const std::size_t count = outline.size();
+    for (std::size_t i = 0; count <= kMostChecked && i < count; ++i) {
+      for (std::size_t j = i + 2; j < count; ++j) {
+        if (i == 0 && j + 1 == count) continue;
+        if (Cross(outline[i], outline[i + 1], outline[j], outline[(j + 1) % count])) {
+          return InvalidArgument("the outline crosses itself between its corners {} and {}", i, j);
+        }
+      }
+    }
+    return outline;
+  }
+  static constexpr std::size_t kMostChecked = 2000;  // corners: the check takes their square
+
+  static bool Cross(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
+    const auto side = [](const Vector2d& p, const Vector2d& q, const Vector2d& r) {
+      return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
+    };
+    return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+  }
+
+  absl::Status ReadFeature(const Json& feature) {
+    if (!feature.is_object()) return InvalidArgument("not an object");
+    if (!feature.contains("geometry") || feature["geometry"].is_null()) return absl::OkStatus();
+    const Json& geometry = feature["geometry"];
+    if (!geometry.is_object() || !geometry.contains("coordinates"))
+      return InvalidArgument("geometry has no coordinates");
+    const Json properties = feature.value("properties", Json::object());
+    const Json none = Json::object();
+    return ReadGeometry(geometry.value("type", ""), geometry["coordinates"],
+                        properties.is_object() ? properties : none);
+  }
+
+  absl::Status ReadGeometry(const std::string& type, const Json& coordinates, const Json& properties) {
+    const std::string kind = properties.value("kind", "");
+    if (type == "Point") {
+      if (kind != "corner") return absl::OkStatus();
+      ENFILADE_ASSIGN_OR_RETURN(const Vector2d p, PointOf(coordinates));
+      plan_.corners.push_back({p});
+      return absl::OkStatus();
+    }
+    if (type == "LineString") return ReadLine(kind, coordinates, properties);
+    if (type == "Polygon") return ReadPolygon(kind, coordinates, properties);
+    if (type == "MultiLineString" || type == "MultiPolygon") {
+      if (!coordinates.is_array()) return InvalidArgument("coordinates is no list");
+      for (const Json& part : coordinates) {
+        ENFILADE_RETURN_IF_ERROR(ReadGeometry(type.substr(5), part, properties));
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadLine(const std::string& kind, const Json& coordinates, const Json& properties) {
+    if (kind == "door") {
+      ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
+      plan_.doors.push_back(
+          {.from = points.front(), .to = points.back(), .confidence = properties.value("confidence", 1.0)});
+      return absl::OkStatus();
+    }
+    if (!kind.empty() && kind != "wall") return absl::OkStatus();
+    PlanWall wall{.thickness = properties.value("thickness", 0.0), .confidence = properties.value("confidence", 1.0)};
+    if (frame_ == Frame::kSheet && properties.contains("from") && properties.contains("to")) {
+      wall.from = properties["from"].get<int>();
+      wall.to = properties["to"].get<int>();
+      plan_.walls.push_back(wall);
+      return absl::OkStatus();
+    }
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
+    AddWalls(points, wall);
+    return absl::OkStatus();
+  }
+
+  void AddWalls(const std::vector<Vector2d>& points, PlanWall wall) {
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      if (!((points[i + 1] - points[i]).norm() > 0)) continue;
+      wall.from = static_cast<int>(plan_.corners.size());
+      wall.to = wall.from + 1;
+      plan_.corners.push_back({points[i]});
+      plan_.corners.push_back({points[i + 1]});
+      plan_.walls.push_back(wall);
+    }
+  }
+
+  absl::Status ReadPolygon(const std::string& kind, const Json& rings, const Json& properties) {
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<Vector2d> outline, OutlineOf(rings));
+    const std::string name = properties.value("name", "");
+    if (kind == "room") {
+      plan_.rooms.push_back({std::move(outline), name});
+    } else if (kind == "shaft") {
+      const bool stairs = properties.value("shaft", "lift") == "stairs";
+      plan_.shafts.push_back({stairs ? ShaftKind::kStairs : ShaftKind::kLift, std::move(outline), name});
+    } else if (kind.empty() || kind == "wall") {
+      outline.push_back(outline.front());
+      AddWalls(outline, {.confidence = properties.value("confidence", 1.0)});
+    }
+    return absl::OkStatus();
+  }
+
+  const Json& document_;
+  Frame frame_ = Frame::kSheet;
+  geo::TransverseMercator projection_;
+  PlanGraph plan_;
+};
+
+}  // namespace
+
+std::string WriteGeoJsonPlan(const PlanGraph& plan) {
+  Json features = Json::array();
+  for (const PlanCorner& corner : plan.corners)
+    features.push_back(Feature("corner", "Point", CoordinatesOf(corner.point)));
+  for (const PlanWall& wall : plan.walls) {
+    Json feature = Feature(
+        "wall", "LineString",
+        Json::array({CoordinatesOf(plan.corners[wall.from].point), CoordinatesOf(plan.corners[wall.to].point)}));
+    feature["properties"].update(
+        {{"from", wall.from}, {"to", wall.to}, {"thickness", wall.thickness}, {"confidence", wall.confidence}});
+    features.push_back(std::move(feature));
+  }
+  for (const PlanDoor& door : plan.doors) {
+    Json feature = Feature("door", "LineString", Json::array({CoordinatesOf(door.from), CoordinatesOf(door.to)}));
+    feature["properties"]["confidence"] = door.confidence;
+    features.push_back(std::move(feature));
+  }
+  for (const PlanRoom& room : plan.rooms) {
+    features.push_back(Feature("room", "Polygon", Ring(room.outline)));
+    features.back()["properties"]["name"] = room.name;
+  }
+  for (const PlanShaft& shaft : plan.shafts) {
+    features.push_back(Feature("shaft", "Polygon", Ring(shaft.outline)));
+    features.back()["properties"]["name"] = shaft.name;
+    features.back()["properties"]["shaft"] = shaft.kind == ShaftKind::kLift ? "lift" : "stairs";
+  }
+  Json document = {{"type", "FeatureCollection"}, {"frame", "sheet"}, {"features", std::move(features)}};
+  if (plan.metres_per_unit) document["metres_per_unit"] = *plan.metres_per_unit;
+  return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+absl::StatusOr<PlanGraph> ReadGeoJsonPlan(std::string_view text) {
+  try {
+    const Json document = Json::parse(text);
+    return PlanReader(document).Read();
+  } catch (const Json::exception& error) {
+    return InvalidArgument("not a GeoJSON plan: {}", error.what());
+  }
+}
+
+}  // namespace enfilade::prior

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/prior/plan/plan_graph.h"
+#include "perception/image/frame.h"
+
+namespace enfilade::perception {
+
+// A distance that is known: between two points of the sheet.
+struct PlanMeasure {
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();
+  Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  double metres = 0;
+};
+
+struct ReadPlanOptions {
+  std::optional<PlanMeasure> measure = std::nullopt;  // wins over the file's own scale
+};
+
+struct PlanFile {
+  prior::PlanGraph graph;
+  std::vector<std::string> warnings;
+  std::optional<GreyFrame> picture = std::nullopt;  // the sheet, if it is a picture
+};
+
+// The walls of a floor plan (docs/prior_maps.md), planar, with the rooms between them. By its content the file is a
+// picture (PNG, JPEG, PGM: walls are recognised) or GeoJSON. INVALID_ARGUMENT: another kind of file, a damaged one, one
+// in which fewer than 8 walls are found; RESOURCE_EXHAUSTED: more than 1e6. Messages begin with the path.
+absl::StatusOr<PlanFile> ReadPlanFile(const std::filesystem::path& path, const ReadPlanOptions& options = {});
+absl::StatusOr<prior::PlanGraph> ReadPlan(const std::filesystem::path& path, const ReadPlanOptions& options = {});
+
+// The same for bytes at hand.
+absl::StatusOr<PlanFile> DecodePlan(std::string_view bytes, const ReadPlanOptions& options = {});
+
+}  // namespace enfilade::perception

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/grid/files/pgm_codec.h"
+#include "core/grid/files/png_codec.h"
+#include "perception/image/image_header.h"
+#include "perception/image/opencv_guard.h"
+#include "perception/plan/opencv_sheet.h"
+
+namespace enfilade::perception {
+namespace {
+
+// RGB over white. A drawing that would vanish there, white ink that only the transparency shows, lies over black.
+cv::Mat OverBackground(const cv::Mat& rgba) {
+  std::vector<cv::Mat> channels;
+  cv::split(rgba, channels);
+  const cv::Mat alpha = channels[3];
+  const auto over = [&](double background) {
+    std::vector<cv::Mat> mixed;
+    for (int i = 0; i < 3; ++i) {
+      cv::Mat front, back;
+      cv::multiply(channels[i], alpha, front, 1.0 / 255, CV_32F);
+      cv::subtract(cv::Scalar(255), alpha, back);
+      back.convertTo(back, CV_32F, background / 255);
+      cv::Mat sum = front + back;
+      sum.convertTo(sum, CV_8U);
+      mixed.push_back(sum);
+    }
+    cv::Mat merged;
+    cv::merge(mixed, merged);
+    return merged;
+  };
+  cv::Mat white = over(255);
+  double least = 0, most = 0;
+  cv::minMaxLoc(white.reshape(1), &least, &most);
+  return most - least < 16 ? over(0) : white;
+}
+
+Sheet SheetFrom(const cv::Mat& decoded) {
+  cv::Mat image = decoded;
+  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 257);
+  if (image.channels() == 2) {
+    std::vector<cv::Mat> c;
+    cv::split(image, c);
+    cv::merge(std::vector<cv::Mat>{c[0], c[0], c[0], c[1]}, image);
+  }
+  if (image.channels() == 4) image = OverBackground(image);
+  if (image.channels() == 1) return {image.clone(), {}};
+  Sheet sheet;
+  cv::cvtColor(image, sheet.brightness, cv::COLOR_RGB2GRAY);
+  std::vector<cv::Mat> c;
+  cv::split(image, c);
+  sheet.colour = cv::max(c[0], cv::max(c[1], c[2])) - cv::min(c[0], cv::min(c[1], c[2]));
+  return sheet;
+}
+
+absl::Status CheckSheetSize(std::int64_t width, std::int64_t height) {
+  if (width > 0 && height > 0 && width <= kMaxSheetPixels && height <= kMaxSheetPixels / width) return absl::OkStatus();
+  return InvalidArgument("the picture has {}x{} pixels, more than the limit of {} Mpx: scale it down", width, height,
+                         kMaxSheetPixels / 1'000'000);
+}
+
+absl::StatusOr<Sheet> DecodePgmSheet(std::string_view bytes) {
+  ENFILADE_ASSIGN_OR_RETURN(const grid::PgmImage pgm, grid::DecodePgm(bytes));
+  ENFILADE_RETURN_IF_ERROR(CheckSheetSize(pgm.width, pgm.height));
+  const cv::Mat rows(pgm.height, pgm.width, CV_8U, const_cast<std::uint8_t*>(pgm.pixels.data()));
+  cv::Mat upright;
+  cv::flip(rows, upright, 0);
+  upright.convertTo(upright, CV_8U, 255.0 / pgm.max_value);
+  return Sheet{upright, {}};
+}
+
+absl::StatusOr<Sheet> DecodePlainPng(std::string_view bytes) {
+  ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes));
+  return SheetFrom(
+      cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.samples.data())));
+}
+
+absl::StatusOr<Sheet> DecodeByOpenCv(std::string_view bytes, const ImageHeader& header) {
+  const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
+  const bool jpeg = header.format == ImageFormat::kJpeg;
+  // Only IMREAD_COLOR follows EXIF's orientation; only IMREAD_UNCHANGED keeps 16 bits and transparency.
+  cv::Mat image = cv::imdecode(encoded, jpeg ? cv::IMREAD_COLOR : cv::IMREAD_UNCHANGED);
+  if (image.empty() || (jpeg && bytes.rfind("\xFF\xD9") == std::string_view::npos)) {
+    return InvalidArgument("the {} is damaged or truncated ({} bytes)", jpeg ? "JPEG" : "PNG", bytes.size());
+  }
+  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGBA);
+  return SheetFrom(image);
+}
+
+}  // namespace
+
+absl::StatusOr<Sheet> DecodeSheet(std::string_view bytes) {
+  return GuardOpenCv("decoding a plan", [&]() -> absl::StatusOr<Sheet> {
+    if (bytes.substr(0, 2) == "P5" || bytes.substr(0, 2) == "P2") return DecodePgmSheet(bytes);
+    ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, ReadImageHeader(bytes));
+    ENFILADE_RETURN_IF_ERROR(CheckSheetSize(header.width, header.height));
+    // core's PNG reader says what is wrong with a file; it reads no 16 bits.
+    if (header.format == ImageFormat::kPng && header.bit_depth <= 8) return DecodePlainPng(bytes);
+    return DecodeByOpenCv(bytes, header);
+  });
+}
+
+}  // namespace enfilade::perception

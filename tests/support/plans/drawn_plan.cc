@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/support/plans/drawn_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/grid/files/png_codec.h"
+
+namespace enfilade::testing {
+namespace {
+
+using Eigen::Vector2d;
+
+struct Piece {
+  Vector2d a, b;
+};
+
+// m, y down. Gaps between pieces in one line are doors, listed beside them.
+constexpr double kWide = 16, kDeep = 11, kUpper = 4.4, kLower = 6.4;
+
+std::vector<Piece> WallPieces() {
+  std::vector<Piece> walls = {{{0, 0}, {13, 0}},
+                              {{13, 0}, {kWide, 2.5}},  // a corner cut off: a sloping wall
+                              {{kWide, 2.5}, {kWide, kDeep}},
+                              {{kWide, kDeep}, {0, kDeep}},
+                              {{0, kDeep}, {0, 0}},
+                              {{5, 0}, {5, kUpper}},
+                              {{10, 0}, {10, kUpper}},
+                              {{4, kLower}, {4, kDeep}},
+                              {{8, kLower}, {8, kDeep}},
+                              {{12, kLower}, {12, kDeep}}};
+  for (const auto& [y, doors] : {std::pair{kUpper, std::vector<double>{1.5, 6.5, 12.5}},
+                                 std::pair{kLower, std::vector<double>{1.0, 5.0, 9.0, 13.0}}}) {
+    double from = 0;
+    for (const double door : doors) {
+      walls.push_back({{from, y}, {door, y}});
+      from = door + 0.95;
+    }
+    walls.push_back({{from, y}, {kWide, y}});
+  }
+  return walls;
+}
+
+std::vector<Piece> DoorPieces() {
+  std::vector<Piece> doors;
+  for (const double x : {1.5, 6.5, 12.5}) doors.push_back({{x, kUpper}, {x + 0.95, kUpper}});
+  for (const double x : {1.0, 5.0, 9.0, 13.0}) doors.push_back({{x, kLower}, {x + 0.95, kLower}});
+  return doors;
+}
+
+void AddBox(const Vector2d& low, const Vector2d& size, std::vector<Piece>& lines) {
+  const Vector2d corners[] = {low, low + Vector2d(size.x(), 0), low + size, low + Vector2d(0, size.y())};
+  for (int i = 0; i < 4; ++i) lines.push_back({corners[i], corners[(i + 1) % 4]});
+}
+
+// Thin lines that are no walls.
+std::vector<Piece> FurniturePieces() {
+  std::vector<Piece> lines;
+  AddBox({1.2, 1.0}, {1.6, 0.8}, lines);
+  AddBox({6.5, 1.2}, {0.8, 1.4}, lines);
+  AddBox({1.2, 8.2}, {1.5, 0.8}, lines);
+  AddBox({9.0, 8.5}, {1.6, 0.9}, lines);
+  for (const Piece& door : DoorPieces()) {  // a leaf that stands open, and its arc
+    const double side = door.a.y() == kUpper ? -1 : 1;
+    lines.push_back({door.a, door.a + Vector2d(0, side * 0.95)});
+    for (int i = 0; i < 8; ++i) {
+      const auto at = [&](int k) -> Vector2d {
+        return door.a + 0.95 * Vector2d(std::cos(k * M_PI / 16), side * std::sin(k * M_PI / 16));
+      };
+      lines.push_back({at(i), at(i + 1)});
+    }
+  }
+  for (int i = 0; i < 6; ++i) {  // letters
+    const Vector2d at(5.6 + 0.3 * i, 9.2);
+    lines.push_back({at, at + Vector2d(0.09, -0.25)});
+    lines.push_back({at + Vector2d(0.09, -0.25), at + Vector2d(0.18, 0)});
+  }
+  return lines;
+}
+
+double DistanceTo(const Vector2d& p, const Piece& piece) {
+  const Vector2d along = piece.b - piece.a;
+  const double share = std::clamp((p - piece.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (piece.a + share * along - p).norm();
+}
+
+// Of the rectangle around the piece: negative within.
+double SignedDistance(const Vector2d& p, const Piece& piece, double thickness) {
+  const Vector2d along = (piece.b - piece.a).normalized();
+  const Vector2d from_middle = p - (piece.a + piece.b) / 2;
+  const double x = std::abs(from_middle.dot(along)) - (piece.b - piece.a).norm() / 2;
+  const double y = std::abs(from_middle.x() * along.y() - from_middle.y() * along.x()) - thickness / 2;
+  return std::hypot(std::max(x, 0.0), std::max(y, 0.0)) + std::min(std::max(x, y), 0.0);
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const DrawnPlanOptions& options) : options_(options) {
+    const double turn = options.turn_deg * M_PI / 180;
+    turn_ << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+    Vector2d low = Vector2d::Constant(std::numeric_limits<double>::max()), high = -low;
+    for (const Vector2d& corner : {Vector2d(0, 0), Vector2d(kWide, 0), Vector2d(kWide, kDeep), Vector2d(0, kDeep)}) {
+      low = low.cwiseMin(turn_ * corner * options.px_per_m);
+      high = high.cwiseMax(turn_ * corner * options.px_per_m);
+    }
+    constexpr double kMargin = 30;  // px
+    shift_ = Vector2d::Constant(kMargin) - low;
+    plan_.width = static_cast<int>(std::ceil((high - low).x() + 2 * kMargin));
+    plan_.height = static_cast<int>(std::ceil((high - low).y() + 2 * kMargin));
+  }
+
+  DrawnPlan Run() {
+    for (const Piece& piece : WallPieces()) walls_.push_back({ToSheet(piece.a), ToSheet(piece.b)});
+    if (options_.furniture) {
+      for (const Piece& piece : FurniturePieces()) lines_.push_back({ToSheet(piece.a), ToSheet(piece.b)});
+    }
+    grid::PixelImage image{.width = plan_.width, .height = plan_.height, .channels = 1, .samples = {}};
+    for (int y = 0; y < plan_.height; ++y) {
+      for (int x = 0; x < plan_.width; ++x) image.samples.push_back(BrightnessAt(Vector2d(x, y)));
+    }
+    plan_.png = grid::EncodePng(image).value();
+    WriteTruth();
+    return std::move(plan_);
+  }
+
+ private:
+  Vector2d ToSheet(const Vector2d& p) const { return turn_ * p * options_.px_per_m + shift_; }
+
+  // The share of a pixel that is inked, by the distance of its centre to the edge of the ink.
+  static double Coverage(double distance_inside) { return std::clamp(distance_inside + 0.5, 0.0, 1.0); }
+
+  std::uint8_t BrightnessAt(const Vector2d& p) const {
+    const double thickness = options_.wall_m * options_.px_per_m;
+    double signed_distance = std::numeric_limits<double>::max();
+    for (const Piece& wall : walls_) signed_distance = std::min(signed_distance, SignedDistance(p, wall, thickness));
+    double ink = options_.style == WallStyle::kFilled ? Coverage(-signed_distance)
+                                                      : Coverage(options_.line_px / 2 - std::abs(signed_distance));
+    for (const Piece& line : lines_) ink = std::max(ink, Coverage(options_.line_px / 2 - DistanceTo(p, line)));
+    const double paper = 1 + (options_.shade_at_edge - 1) * p.x() / plan_.width;
+    const double brightness = options_.bright_lines ? 0.15 + 0.8 * ink : paper * (0.95 - 0.85 * ink);
+    return static_cast<std::uint8_t>(std::lround(255 * brightness));
+  }
+
+  void WriteTruth() {
+    const double thickness = options_.wall_m * options_.px_per_m;
+    for (const Piece& wall : walls_) {
+      const int from = static_cast<int>(plan_.truth.corners.size());
+      plan_.truth.corners.push_back({wall.a});
+      plan_.truth.corners.push_back({wall.b});
+      plan_.truth.walls.push_back({.from = from, .to = from + 1, .thickness = thickness});
+    }
+    for (const Piece& door : DoorPieces()) plan_.truth.doors.push_back({ToSheet(door.a), ToSheet(door.b)});
+    plan_.truth.metres_per_unit = 1 / options_.px_per_m;
+  }
+
+  const DrawnPlanOptions& options_;
+  DrawnPlan plan_;
+  Eigen::Matrix2d turn_;
+  Vector2d shift_;
+  std::vector<Piece> walls_, lines_;
+};
+
+}  // namespace
+
+DrawnPlan DrawPlan(const DrawnPlanOptions& options) { return Drawing(options).Run(); }
+
+}  // namespace enfilade::testing

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/support/plans/plan_scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/prior/plan/segment_grid.h"
+
+namespace enfilade::testing {
+namespace {
+
+using Eigen::Vector2d;
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+// The share of samples on walls of `of` that lie on a wall of `on`.
+double ShareOnWalls(const prior::PlanGraph& of, const prior::PlanGraph& on, const PlanTolerance& tolerance,
+                    std::vector<double>* errors) {
+  prior::SegmentGrid grid(std::max(tolerance.distance, 1e-6));
+  for (std::size_t i = 0; i < on.walls.size(); ++i) {
+    grid.Add(static_cast<int>(i), on.corners[on.walls[i].from].point, on.corners[on.walls[i].to].point);
+  }
+  int all = 0, met = 0;
+  for (const prior::PlanWall& wall : of.walls) {
+    const Vector2d a = of.corners[wall.from].point, b = of.corners[wall.to].point;
+    const Vector2d direction = (b - a).normalized();
+    const int samples = std::max(1, static_cast<int>((b - a).norm() / tolerance.step));
+    for (int k = 0; k < samples; ++k) {
+      const Vector2d p = a + (b - a) * ((k + 0.5) / samples);
+      double nearest = tolerance.distance * 1.0000001;
+      bool found = false;
+      grid.ForEachNear(p, p, [&](int id) {
+        const Vector2d c = on.corners[on.walls[id].from].point, d = on.corners[on.walls[id].to].point;
+        const double cosine = std::abs(direction.dot((d - c).normalized()));
+        if (cosine < std::cos(tolerance.angle)) return;
+        const double share = std::clamp((p - c).dot(d - c) / (d - c).squaredNorm(), 0.0, 1.0);
+        const double distance = (c + share * (d - c) - p).norm();
+        if (distance > nearest) return;
+        nearest = distance;
+        found = true;
+      });
+      ++all;
+      if (!found) continue;
+      ++met;
+      if (errors != nullptr) errors->push_back(nearest);
+    }
+  }
+  return all > 0 ? static_cast<double>(met) / all : 0;
+}
+
+// Ends, and where walls of different directions meet; near ones are one.
+std::vector<Vector2d> TrueCorners(const prior::PlanGraph& plan, double same) {
+  std::vector<std::pair<Vector2d, Vector2d>> rays;  // from, direction
+  for (const prior::PlanWall& wall : plan.walls) {
+    const Vector2d a = plan.corners[wall.from].point, b = plan.corners[wall.to].point;
+    rays.emplace_back(a, (b - a).normalized());
+    rays.emplace_back(b, (a - b).normalized());
+  }
+  std::vector<Vector2d> corners;
+  for (const auto& [p, direction] : rays) {
+    if (std::any_of(corners.begin(), corners.end(), [&](const Vector2d& c) { return (c - p).norm() < same; })) continue;
+    int around = 0;
+    bool straight = false;
+    for (const auto& [q, other] : rays) {
+      if ((q - p).norm() >= same) continue;
+      ++around;
+      straight = straight || direction.dot(other) < -std::cos(10 * M_PI / 180);
+    }
+    if (around == 2 && straight) continue;  // one line in two pieces
+    corners.push_back(p);
+  }
+  return corners;
+}
+
+PlanScore MatchPoints(const std::vector<Vector2d>& found, const std::vector<Vector2d>& expected, double reach) {
+  const auto nearest = [&](const Vector2d& p, const std::vector<Vector2d>& points) {
+    double least = 1e300;
+    for (const Vector2d& q : points) least = std::min(least, (q - p).norm());
+    return least;
+  };
+  PlanScore score;
+  std::vector<double> errors;
+  for (const Vector2d& p : expected) {
+    const double error = nearest(p, found);
+    if (error <= reach) errors.push_back(error);
+  }
+  score.recall = expected.empty() ? 0 : static_cast<double>(errors.size()) / static_cast<double>(expected.size());
+  const auto is_true = [&](const Vector2d& p) { return nearest(p, expected) <= reach; };
+  score.precision = found.empty() ? 0
+                                  : static_cast<double>(std::count_if(found.begin(), found.end(), is_true)) /
+                                        static_cast<double>(found.size());
+  score.median_error = Median(errors);
+  return score;
+}
+
+std::vector<Vector2d> MiddlesOfDoors(const prior::PlanGraph& plan) {
+  std::vector<Vector2d> middles;
+  for (const prior::PlanDoor& door : plan.doors) middles.push_back((door.from + door.to) / 2);
+  return middles;
+}
+
+}  // namespace
+
+PlanScore ScoreWalls(const prior::PlanGraph& found, const prior::PlanGraph& expected, const PlanTolerance& tolerance) {
+  PlanScore score;
+  std::vector<double> errors;
+  score.recall = ShareOnWalls(expected, found, tolerance, &errors);
+  score.precision = ShareOnWalls(found, expected, tolerance, nullptr);
+  score.median_error = Median(errors);
+  return score;
+}
+
+PlanScore ScoreCorners(const prior::PlanGraph& found, const prior::PlanGraph& expected,
+                       const PlanTolerance& tolerance) {
+  const double same = tolerance.corner_distance / 3;
+  return MatchPoints(TrueCorners(found, same), TrueCorners(expected, same), tolerance.corner_distance);
+}
+
+PlanScore ScoreDoors(const prior::PlanGraph& found, const prior::PlanGraph& expected, const PlanTolerance& tolerance) {
+  return MatchPoints(MiddlesOfDoors(found), MiddlesOfDoors(expected), tolerance.door_distance);
+}
+
+PlanTolerance InUnits(const PlanTolerance& tolerance, double metres_per_unit) {
+  PlanTolerance units = tolerance;
+  for (double* length : {&units.step, &units.distance, &units.corner_distance, &units.door_distance})
+    *length /= metres_per_unit;
+  return units;
+}
+
+}  // namespace enfilade::testing

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/formats/geojson_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "fmt/format.h"
+
+namespace enfilade::prior {
+namespace {
+
+using testing::HasSubstr;
+
+PlanGraph Lab() {
+  PlanGraph plan;
+  plan.corners = {{{0.1, 0}}, {{40, 1.0 / 3}}, {{40, 30}}, {{-1e-7, 30}}};
+  plan.walls = {{.from = 0, .to = 1, .thickness = 1.25, .confidence = 0.8}, {.from = 1, .to = 2}, {.from = 3, .to = 2}};
+  plan.doors = {{.from = {10, 0}, .to = {18, 0}, .confidence = 0.6}};
+  plan.rooms = {{.outline = {{0, 0}, {40, 0}, {40, 30}, {0, 30}}, .name = "Halle \"1\""}};
+  plan.shafts = {{.kind = ShaftKind::kStairs, .outline = {{1, 1}, {2, 1}, {2, 2}}, .name = "S"}};
+  plan.metres_per_unit = 0.0123456789;
+  return plan;
+}
+
+TEST(GeoJsonPlan, IsReadAsItWasWritten) {
+  const auto read = ReadGeoJsonPlan(WriteGeoJsonPlan(Lab()));
+  ASSERT_TRUE(read.ok()) << read.status();
+  const PlanGraph plan = Lab();
+  ASSERT_EQ(read->corners.size(), plan.corners.size());
+  for (std::size_t i = 0; i < plan.corners.size(); ++i) EXPECT_EQ(read->corners[i].point, plan.corners[i].point);
+  ASSERT_EQ(read->walls.size(), plan.walls.size());
+  for (std::size_t i = 0; i < plan.walls.size(); ++i) {
+    EXPECT_EQ(read->walls[i].from, plan.walls[i].from);
+    EXPECT_EQ(read->walls[i].to, plan.walls[i].to);
+    EXPECT_EQ(read->walls[i].thickness, plan.walls[i].thickness);
+    EXPECT_EQ(read->walls[i].confidence, plan.walls[i].confidence);
+  }
+  ASSERT_EQ(read->doors.size(), 1u);
+  EXPECT_EQ(read->doors[0].to, plan.doors[0].to);
+  EXPECT_EQ(read->doors[0].confidence, 0.6);
+  ASSERT_EQ(read->rooms.size(), 1u);
+  EXPECT_EQ(read->rooms[0].outline, plan.rooms[0].outline);
+  EXPECT_EQ(read->rooms[0].name, plan.rooms[0].name);
+  ASSERT_EQ(read->shafts.size(), 1u);
+  EXPECT_EQ(read->shafts[0].kind, ShaftKind::kStairs);
+  EXPECT_EQ(read->shafts[0].outline, plan.shafts[0].outline);
+  EXPECT_EQ(read->metres_per_unit, plan.metres_per_unit);
+}
+
+std::string Document(const std::string& members, const std::string& type, const std::string& coordinates) {
+  return fmt::format(
+      R"({{"type":"FeatureCollection",{}"features":[{{"type":"Feature","properties":{{}},"geometry":{{"type":"{}","coordinates":{}}}}}]}})",
+      members, type, coordinates);
+}
+
+TEST(GeoJsonPlan, TurnsMetresOverAndTakesPolygonsAsWalls) {
+  const auto plan = ReadGeoJsonPlan(Document(R"("frame":"metres",)", "Polygon", "[[[0,0],[4,0],[4,3],[0,3],[0,0]]]"));
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_EQ(plan->walls.size(), 4u);
+  EXPECT_EQ(plan->corners[4].point, Eigen::Vector2d(4, -3));
+  EXPECT_EQ(plan->metres_per_unit, 1.0);
+}
+
+TEST(GeoJsonPlan, ProjectsLongitudeAndLatitude) {
+  const auto plan = ReadGeoJsonPlan(Document("", "LineString", "[[11.5,48.1],[11.5,48.1009]]"));
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_NEAR(WallLength(*plan), 100.08, 0.05);  // 1.8 arc minutes of the meridian at 48 degrees
+  EXPECT_LT(plan->corners[1].point.y(), plan->corners[0].point.y()) << "north is up in the sheet";
+}
+
+struct Fault {
+  const char* name;
+  std::string text;
+  const char* message;
+};
+
+class FaultyGeoJson : public testing::TestWithParam<Fault> {};
+
+TEST_P(FaultyGeoJson, IsRefused) {
+  const auto plan = ReadGeoJsonPlan(GetParam().text);
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr(GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, FaultyGeoJson,
+    testing::Values(
+        Fault{"NoJson", "{\"type\":", "not a GeoJSON plan"}, Fault{"NoCollection", "{}", "not a GeoJSON"},
+        Fault{"NaN", Document("", "LineString", "[[11.5,NaN],[11.6,48]]"), "not a GeoJSON plan"},
+        Fault{"NoNumber", Document("", "LineString", "[[\"a\",1],[2,3]]"), "feature 0: a position is not two numbers"},
+        Fault{"Range", Document("", "LineString", "[[11,48],[200,48]]"), "longitude 200 and latitude 48"},
+        Fault{"Frame", Document(R"("frame":"feet",)", "LineString", "[[1,2],[3,4]]"), "frame is \"feet\""},
+        Fault{"SelfCrossing", Document(R"("frame":"metres",)", "Polygon", "[[[0,0],[4,4],[4,0],[0,4],[0,0]]]"),
+              "crosses itself"},
+        Fault{"Corner",
+              R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
+                "properties":{"kind":"wall","from":0,"to":7},"geometry":{"type":"LineString","coordinates":[]}}]})",
+              "wall 0 joins corners 0 and 7, of 0"}),
+    [](const auto& fault) { return std::string(fault.param.name); });
+
+}  // namespace
+}  // namespace enfilade::prior

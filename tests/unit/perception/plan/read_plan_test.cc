@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/plan/read_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "core/grid/files/png_codec.h"
+#include "core/prior/formats/geojson_plan.h"
+#include "core/prior/plan/planar.h"
+#include "fmt/format.h"
+#include "io/file.h"
+#include "tests/support/plans/drawn_plan.h"
+#include "tests/support/plans/plan_scores.h"
+
+namespace enfilade::perception {
+namespace {
+
+using ::enfilade::testing::DrawnPlan;
+using ::enfilade::testing::DrawnPlanOptions;
+using ::testing::HasSubstr;
+
+struct PlanCase {
+  std::string name;
+  DrawnPlanOptions options;
+};
+
+std::vector<PlanCase> PlanCases() {
+  std::vector<PlanCase> cases;
+  for (const double turn : {0.0, 10.0, 27.0, 45.0}) {
+    cases.push_back({fmt::format("Filled{:.0f}", turn), {.turn_deg = turn}});
+    cases.push_back(
+        {fmt::format("FilledFurnished{:.0f}", turn), {.turn_deg = turn, .line_px = 1.2, .furniture = true}});
+  }
+  cases.push_back({"Shaded", {.turn_deg = 5, .shade_at_edge = 0.45}});
+  cases.push_back({"BrightLines", {.turn_deg = 5, .bright_lines = true}});
+  return cases;
+}
+
+class DrawnPlanTest : public ::testing::TestWithParam<PlanCase> {};
+
+TEST_P(DrawnPlanTest, IsReadAsItWasDrawn) {
+  const DrawnPlan drawn = enfilade::testing::DrawPlan(GetParam().options);
+  const auto plan = DecodePlan(drawn.png);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_TRUE(prior::IsPlanar(plan->graph));
+  const auto tolerance = enfilade::testing::InUnits({}, *drawn.truth.metres_per_unit);
+  const auto walls = enfilade::testing::ScoreWalls(plan->graph, drawn.truth, tolerance);
+  EXPECT_GE(walls.recall, 0.97);
+  EXPECT_GE(walls.precision, 0.97);
+  const auto corners = enfilade::testing::ScoreCorners(plan->graph, drawn.truth, tolerance);
+  EXPECT_GE(corners.recall, 0.95);
+  EXPECT_GE(corners.precision, 0.9);
+  EXPECT_LE(corners.median_error, 1.0) << "px";
+  const auto doors = enfilade::testing::ScoreDoors(plan->graph, drawn.truth, tolerance);
+  EXPECT_GE(doors.recall, 0.85);
+  EXPECT_GE(doors.precision, 0.85);
+  EXPECT_GE(plan->graph.rooms.size(), 7u) << "seven rooms and the corridor; one door may be missed";
+  EXPECT_LE(plan->graph.rooms.size(), 8u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DrawnPlanTest, ::testing::ValuesIn(PlanCases()),
+                         [](const auto& drawn) { return drawn.param.name; });
+
+TEST(ReadPlan, GivesTheSamePlanAfterItWasWritten) {
+  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "plan_round_trip.geojson";
+  const DrawnPlan drawn = enfilade::testing::DrawPlan();
+  const auto plan = DecodePlan(drawn.png);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  ASSERT_TRUE(io::WriteFile(path, prior::WriteGeoJsonPlan(plan->graph)).ok());
+  const auto again = ReadPlan(path);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(prior::WriteGeoJsonPlan(*again), prior::WriteGeoJsonPlan(plan->graph));
+}
+
+TEST(ReadPlan, TakesTheScaleFromAMeasuredLine) {
+  const auto plan = DecodePlan(enfilade::testing::DrawPlan().png,
+                               {.measure = PlanMeasure{.from = {10, 20}, .to = {40, 60}, .metres = 2}});
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_DOUBLE_EQ(*plan->graph.metres_per_unit, 0.04);
+  const auto refused = DecodePlan(enfilade::testing::DrawPlan().png,
+                                  {.measure = PlanMeasure{.from = {1, 2}, .to = {1, 2}, .metres = 2}});
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("measure"));
+}
+
+TEST(ReadPlan, RefusesABlankPageWithTheCount) {
+  const grid::PixelImage blank{
+      .width = 400, .height = 300, .channels = 1, .samples = std::vector<uint8_t>(120000, 255)};
+  const auto plan = DecodePlan(grid::EncodePng(blank).value());
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("0 walls, 8 needed"));
+}
+
+TEST(ReadPlan, NamesTheFileThatIsMissingOrNoPlan) {
+  EXPECT_EQ(ReadPlan("/no/such/plan.png").status().code(), absl::StatusCode::kNotFound);
+  const auto text = DecodePlan("This is no plan.");
+  EXPECT_EQ(text.status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace enfilade::perception
