@@ -17,6 +17,9 @@ export default defineConfig({
     assetsInlineLimit: 0,
     cssCodeSplit: false, // it is small, and each file is a request
     modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 700, // kB, not compressed
+    // What pages share is one file: small ones would each be a request before the first page shows anything.
+    rolldownOptions: { output: { codeSplitting: { groups: [{ name: 'shared', test: /node_modules|src\/(api|app|gen|live|scene|signal|ui)/ }] } } },
     reportCompressedSize: true,
   },
   server: { proxy },

@@ -72,9 +72,9 @@ async function soak(system, browser) {
   try {
     await until('all robots are drawn', () => page.evaluate((n) => (window.__scene?.drawn() ?? []).filter(({ kind }) => kind === 'robot').length >= n, count));
     const rows = await watch(page, await page.context().newCDPSession(page), system, driving);
-    await close();
+    const said = await close().then(() => '', ({ message }) => message);
     const growths = Object.fromEntries(['heap_mib', 'tiles', 'dom_nodes', 'gateway_mib'].map((name) => [name, growth(rows, name)]));
-    return { benchmark: 'soak', minutes, robots: count, hz, refused: driving.robots.refused.length, growth: growths, rows };
+    return { benchmark: 'soak', minutes, robots: count, hz, refused: driving.robots.refused.length, said, growth: growths, rows };
   } finally {
     driving.stop();
   }
@@ -89,8 +89,8 @@ try {
   console.log(JSON.stringify(result, null, 1));
   if (process.argv[4]) writeFileSync(process.argv[4], plot(result.rows));
   const grown = Object.entries(result.growth).filter(([, ratio]) => !(ratio < allowed));
-  if (grown.length > 0 || result.refused > 0) {
-    console.error(`FAILED: ${grown.map(([name, ratio]) => `${name} grew by ${((ratio - 1) * 100).toFixed(1)} %`)} ${result.refused} refused`);
+  if (grown.length > 0 || result.refused > 0 || result.said !== '') {
+    console.error(`FAILED: ${grown.map(([name, ratio]) => `${name} grew by ${((ratio - 1) * 100).toFixed(1)} %`)} ${result.refused} refused ${result.said}`);
     process.exitCode = 1;
   }
 } finally {

@@ -157,12 +157,19 @@ export function addScene({ system, browser, at, campus }) {
     t.after(() => robots.close());
     let seed = 7;
     const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+    const reports = [];
     for (let i = 0; i < 20; ++i) {
       const [sx, sy, sw, rho, tau] = [0.05 + 0.7 * random(), 0.05 + 0.7 * random(), 0.1 * random(), 1.8 * (random() - 0.5), 0.3 * (random() - 0.5)];
       await robots.begin(`r${i}`, 'b');
       const covariance = [sx * sx, rho * sx * sy, tau * sx * sw, rho * sx * sy, sy * sy, 0, tau * sx * sw, 0, sw * sw];
-      robots.report(`r${i}`, 'b', { x: 8 * (i % 5), y: 8 * Math.floor(i / 5), yaw: 6 * random() }, covariance);
+      const pose = { x: 8 * (i % 5), y: 8 * Math.floor(i / 5), yaw: 6 * random() };
+      reports.push(() => robots.report(`r${i}`, 'b', pose, covariance));
     }
+    // Again and again: an old pose is grey.
+    const report = () => reports.forEach((one) => one());
+    report();
+    const timer = setInterval(report, 2000);
+    t.after(() => clearInterval(timer));
     const poses = [];
     for (let i = 0; i < 20; ++i) {
       const { globalPose } = await until('the pose is known', () => system.call(`sites/ellipses/robots/r${i}/globalPose`).catch(() => undefined));

@@ -3,13 +3,14 @@ import type { LiveSite } from '../live/site';
 import { Signal } from '../signal';
 import { onThemeChange } from '../ui/theme';
 import { affineOf, apply, united } from './affine';
-import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Pose, type Size } from './camera';
-import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds, placesOf } from './drawing';
+import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Size } from './camera';
+import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds } from './drawing';
 import { Surface } from './Surface';
 import { listen } from './input';
-import { Labels } from './labels';
+import { CHOICE_MS, Labels } from './labels';
 import type { Drawn, Frame, View } from './model';
 import { Motion } from './motion';
+import { Placement } from './placement';
 import { thumbnailAffine } from './outlines';
 import { knowsCell, pickIcon } from './pick';
 
@@ -50,8 +51,10 @@ export class Scene {
   private view: View = {};
   private site: LiveSite | undefined;
   private readonly motion = new Motion();
-  private places = new Map<string, Pose>();
+  private readonly placement = new Placement();
+  private readonly robotsDrawn: Drawn[] = [];
   private seen: ReadonlySet<string> = new Set();
+  private labelTimer: ReturnType<typeof setTimeout> | undefined;
   private seenTimer: ReturnType<typeof setTimeout> | undefined;
   private dirty = true;
   private fitPending = true;
@@ -84,6 +87,7 @@ export class Scene {
     this.unsubscribe();
     this.site = site;
     this.motion.clear();
+    this.placement.clear();
     this.surface.show(site);
     this.unsubscribe = site.subscribe(() => this.touch());
     this.fitPending = true;
@@ -94,6 +98,7 @@ export class Scene {
     if (view.map !== this.view.map) {
       this.fitPending = true;
       this.motion.clear();
+      this.placement.clear();
     }
     this.view = view;
     this.touch();
@@ -133,9 +138,17 @@ export class Scene {
     if (this.request === 0 && this.canvas.isConnected) this.request = requestAnimationFrame(() => this.frame());
   }
 
+  // Another frame, in which the names are chosen anew.
+  private touchForLabels() {
+    this.labelTimer ??= setTimeout(() => {
+      this.labelTimer = undefined;
+      this.touch();
+    }, CHOICE_MS);
+  }
+
   // Whether the canvas shows all that there is to show: no frame is due and nothing is being fetched.
   settled(): boolean {
-    return !this.dirty && !this.fitPending && (this.surface.loader?.idle ?? false);
+    return !this.dirty && this.labelTimer === undefined && !this.fitPending && (this.surface.loader?.idle ?? false);
   }
 
   // The names of what is in view, without ghosts: the same set until `seenChanged` tells of another.
@@ -176,18 +189,19 @@ export class Scene {
       site, view: this.view, camera: this.camera, size: this.size, window: viewOf(this.camera, this.size), now: begin, wall: Date.now(), drawn: [],
     };
     const { glyphs, palette, rasters } = this.surface.begin(site);
-    this.places = placesOf(frame, this.motion);
-    const missing = addMaps(rasters, glyphs, palette, frame, this.surface.sources(), this.places);
+    const sources = this.surface.sources();
+    this.placement.update(frame, sources, palette);
+    const missing = addMaps(rasters, glyphs, palette, frame, sources, this.placement.maps);
     addExplanation(glyphs, palette, frame, this.measured);
-    addLinkPoints(glyphs, palette, frame, this.motion);
-    addRobots(glyphs, palette, frame, this.motion);
+    addLinkPoints(glyphs, palette, frame, this.placement.links);
+    addRobots(glyphs, palette, frame, this.motion, this.robotsDrawn);
     this.drawCalls = this.surface.end(frame, missing);
     this.drawn = frame.drawn;
-    this.labels.draw(frame);
+    if (this.labels.draw(frame)) this.touchForLabels();
     this.seenTimer ??= setTimeout(() => this.see(), SEEN_MS);
     ++this.frames;
     if (this.frameMs.push(performance.now() - begin) > SAMPLES) this.frameMs.shift();
-    if (this.motion.moving(performance.now())) this.touch();
+    if (this.motion.moving(performance.now()) || this.placement.moving()) this.touch();
   }
 
   private see() {
@@ -236,7 +250,7 @@ export class Scene {
     if (icon || this.view.map !== undefined) return icon?.name;
     const world = screenToWorld(this.camera, this.size, at);
     let found: string | undefined;
-    for (const [map, pose] of this.places) {
+    for (const [map, pose] of this.placement.places) {
       const level = this.site?.maps.get(map)?.level;
       if (this.view.level !== undefined && level !== this.view.level) continue;
       const thumbnail = this.surface.loader?.thumbnails.get(map);
@@ -247,7 +261,7 @@ export class Scene {
 
   // The place in the frame of a map, of a point in the world.
   inMap(map: string, world: Point): Point | undefined {
-    const pose = this.places.get(map);
+    const pose = this.placement.places.get(map);
     if (!pose) return undefined;
     const { cos, sin } = { cos: Math.cos(pose.yaw), sin: Math.sin(pose.yaw) };
     return apply({ a: cos, b: -sin, c: sin, d: cos, e: 0, f: 0 }, { x: world.x - pose.x, y: world.y - pose.y });

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a site's state to quads and glyphs of one frame.
-import { levelsOf } from '../live/objects';
-import { affineOf, boundsOf, composed, inverted, overlap, type Affine } from './affine';
-import { worldToScreen, type Bounds, type Pose } from './camera';
-import { addCircle, addLine, addLinkPoint, addRobot } from './glyphs';
+import { affineOf, boundsOf, composed, overlap, type Affine } from './affine';
+import type { Bounds, Point, Pose } from './camera';
+import { addCircle, addLine, addLinkPoint, addRobot, robotLooks } from './glyphs';
 import { addGlyph, shape } from './gl/glyphLayer';
 import type { InstanceList } from './gl/program';
 import { style, type RasterLayer } from './gl/rasterLayer';
-import type { Frame, RasterChoice } from './model';
+import type { Drawn, Frame, RasterChoice } from './model';
 import type { Motion } from './motion';
 import { thumbnailAffine, type Outline, type Outlines } from './outlines';
 import { rgba, type Palette } from './palette';
+import { newDrawn, type PlacedLink, type PlacedMap } from './placement';
 import { coverOf, latticeOf } from './tiles/cover';
 import type { RasterLoader } from './tiles/loader';
 import type { Manifest, Thumbnail } from './tiles/manifest';
@@ -44,24 +44,33 @@ function styleOf(frame: Frame, map: string, ghost: boolean, choice: RasterChoice
   return frame.view.selected === map && !frame.view.map ? style.selected : style.plain;
 }
 
-function addThumbnail(layer: RasterLayer, frame: Frame, sources: Sources, { cells, thumbnail }: Outline, look: number) {
+// What the maps of one frame are drawn with.
+interface MapDrawing {
+  layer: RasterLayer;
+  frame: Frame;
+  sources: Sources;
+  // From the world to clip space.
+  clip: Affine;
+  missing: string[];
+}
+
+function addThumbnail({ layer, sources, clip }: MapDrawing, { cells, thumbnail }: Outline, look: number) {
   if (!sources.thumbnailPage || thumbnail.layer < 0) return;
-  const { a, b, c, d, e, f } = composed(toClip(frame), cells);
+  const { a, b, c, d, e, f } = composed(clip, cells);
   const { width, height } = thumbnail;
   layer.add(sources.thumbnailPage, { clip: { a: a * width, b: b * width, c: c * height, d: d * height, e, f }, u0: 0, v0: 0, u1: width, v1: height, layer: thumbnail.layer, style: look });
 }
 
-function addTiles(layer: RasterLayer, frame: Frame, sources: Sources, worldMap: Affine, manifest: Manifest, thumbnail: Thumbnail | undefined, look: number, missing: string[]) {
+function addTiles({ layer, frame, sources, clip, missing }: MapDrawing, worldMap: Affine, manifest: Manifest, thumbnail: Thumbnail | undefined, look: number) {
   const cover = coverOf(manifest, thumbnail, worldMap, frame.window, frame.camera.scale * sources.deviceRatio, (key) => sources.tiles.has(key));
-  const clip = composed(toClip(frame), latticeOf(worldMap, manifest));
+  const { a, b, c, d, e, f } = composed(clip, latticeOf(worldMap, manifest));
   for (const { x0, y0, x1, y1, key, u0, v0, u1, v1 } of cover.patches) {
     const slot = key === undefined ? undefined : sources.tiles.find(key, sources.frame);
     const page = slot?.page ?? sources.thumbnailPage;
     const index = slot?.layer ?? thumbnail?.layer ?? -1;
     if (!page || index < 0) continue;
-    const { a, b, c, d } = clip;
     layer.add(page, {
-      clip: { a: a * (x1 - x0), b: b * (x1 - x0), c: c * (y1 - y0), d: d * (y1 - y0), e: a * x0 + c * y0 + clip.e, f: b * x0 + d * y0 + clip.f },
+      clip: { a: a * (x1 - x0), b: b * (x1 - x0), c: c * (y1 - y0), d: d * (y1 - y0), e: a * x0 + c * y0 + e, f: b * x0 + d * y0 + f },
       u0, v0, u1, v1, layer: index, style: look,
     });
   }
@@ -69,85 +78,63 @@ function addTiles(layer: RasterLayer, frame: Frame, sources: Sources, worldMap: 
 }
 
 // Draws one revision. A thumbnail is enough as long as its cells are no larger than the device's pixels.
-function addRevision(layer: RasterLayer, frame: Frame, sources: Sources, pose: Pose, outline: Outline | undefined, revision: string, look: number, missing: string[]) {
+function addRevision(draw: MapDrawing, pose: Pose, outline: Outline | undefined, revision: string, look: number) {
+  const { frame, sources } = draw;
   const thumbnail = outline?.thumbnail;
   if (!thumbnail && !sources.loader.hasOverview) return; // one request for all of them is under way
   if (outline && !overlap(outline.bounds, frame.window) && thumbnail?.revision === revision) return;
   const enough = thumbnail?.revision === revision && thumbnail.resolution * frame.camera.scale * sources.deviceRatio <= 1;
   const manifest = enough ? undefined : sources.loader.manifest(revision);
-  if (manifest) addTiles(layer, frame, sources, affineOf(pose), manifest, thumbnail, look, missing);
-  else if (outline) addThumbnail(layer, frame, sources, outline, look);
+  if (manifest) addTiles(draw, affineOf(pose), manifest, thumbnail, look);
+  else if (outline) addThumbnail(draw, outline, look);
 }
 
-// Where the maps are in this frame: by name, what the graph says or, on a map's own page, that one alone at the origin.
-export function placesOf(frame: Frame, motion: Motion): Map<string, Pose> {
-  const places = new Map<string, Pose>();
-  if (frame.view.map !== undefined) return places.set(frame.view.map, { x: 0, y: 0, yaw: 0 });
-  for (const map of frame.site.maps.values()) {
-    const pose = map.poseWorldMap?.pose;
-    if (pose) places.set(map.map, motion.at(map.map, pose, frame.now));
-  }
-  return places;
-}
-
-function addMapBox(frame: Frame, glyphs: InstanceList, palette: Palette, map: string, { middle, halfX, halfY, angle, label }: Outline, ghost: boolean) {
-  const { camera, size } = frame;
-  const at = worldToScreen(camera, size, middle);
-  const [halfW, halfH] = [halfX * camera.scale, halfY * camera.scale];
-  frame.drawn.push({ name: map, kind: 'map', x: at.x, y: at.y, halfX: halfW, halfY: halfH, angle, ghost, label: worldToScreen(camera, size, label) });
-  if (frame.view.selected === map && frame.view.map === undefined) {
+function addMapBox(frame: Frame, glyphs: InstanceList, palette: Palette, drawn: Drawn, { middle, halfX, halfY, angle, label }: Outline) {
+  const { camera, size, view } = frame;
+  moveTo(drawn, frame, middle, label);
+  drawn.halfX = halfX * camera.scale;
+  drawn.halfY = halfY * camera.scale;
+  drawn.angle = angle;
+  frame.drawn.push(drawn);
+  if (view.selected === drawn.name && view.map === undefined) {
     addGlyph(glyphs, {
-      x: at.x - size.width / 2, y: size.height / 2 - at.y, halfX: halfW + 4, halfY: halfH + 4, angle, shape: shape.frame, stroke: 2, dash: 0,
+      x: drawn.x - size.width / 2, y: size.height / 2 - drawn.y, halfX: drawn.halfX + 4, halfY: drawn.halfY + 4, angle, shape: shape.frame, stroke: 2, dash: 0,
       line: rgba(palette.colour.select), fill: 0,
     });
   }
 }
 
-export function addMaps(layer: RasterLayer, glyphs: InstanceList, palette: Palette, frame: Frame, sources: Sources, places: Map<string, Pose>): string[] {
-  const missing: string[] = [];
-  const { site, view } = frame;
-  for (const ghostly of [true, false]) {
-    for (const [map, pose] of places) {
-      const level = site.maps.get(map)?.level;
-      const ghost = view.map === undefined && view.level !== undefined && level !== view.level;
-      if (ghost !== ghostly) continue;
-      const outline = sources.outlines.of(map, pose, sources.loader.thumbnails.get(map));
-      const choices = view.rasters?.filter((choice) => choice.map === map);
-      const revision = site.rasters.get(map)?.revision;
-      if (choices?.length) for (const choice of choices) addRevision(layer, frame, sources, pose, outline, choice.revision, styleOf(frame, map, ghost, choice), missing);
-      else if (revision !== undefined) addRevision(layer, frame, sources, pose, outline, revision, styleOf(frame, map, ghost, undefined), missing);
-      if (outline) addMapBox(frame, glyphs, palette, map, outline, ghost);
-    }
+function moveTo(drawn: Drawn, { camera, size }: Frame, middle: Point, label: Point) {
+  drawn.x = size.width / 2 + (middle.x - camera.x) * camera.scale;
+  drawn.y = size.height / 2 - (middle.y - camera.y) * camera.scale;
+  drawn.label.x = size.width / 2 + (label.x - camera.x) * camera.scale;
+  drawn.label.y = size.height / 2 - (label.y - camera.y) * camera.scale;
+}
+
+// Returns the tiles that the frame wants and that are not there.
+export function addMaps(layer: RasterLayer, glyphs: InstanceList, palette: Palette, frame: Frame, sources: Sources, maps: PlacedMap[]): string[] {
+  const draw: MapDrawing = { layer, frame, sources, clip: toClip(frame), missing: [] };
+  for (const { pose, ghost, outline, revision, choices, drawn } of maps) {
+    if (choices) for (const choice of choices) addRevision(draw, pose, outline, choice.revision, styleOf(frame, drawn.name, ghost, choice));
+    else if (revision !== undefined) addRevision(draw, pose, outline, revision, styleOf(frame, drawn.name, ghost, undefined));
+    if (outline) addMapBox(frame, glyphs, palette, drawn, outline);
   }
-  return missing;
+  return draw.missing;
 }
 
 const inside = (window: Bounds, x: number, y: number, margin: number) =>
   x > window.minX - margin && x < window.maxX + margin && y > window.minY - margin && y < window.maxY + margin;
 
-export function addLinkPoints(glyphs: InstanceList, palette: Palette, frame: Frame, motion: Motion) {
-  const { site, view } = frame;
-  const only = view.map === undefined ? undefined : site.maps.get(view.map)?.poseWorldMap?.pose;
-  const toMap = only && inverted(affineOf(only));
+export function addLinkPoints(glyphs: InstanceList, palette: Palette, frame: Frame, links: PlacedLink[]) {
   const margin = 20 / frame.camera.scale;
-  for (const point of site.linkPoints.values()) {
-    const place = point.poseWorldPlace?.pose;
-    if (!place) continue;
-    if (view.map !== undefined) {
-      if (!toMap || !point.maps.includes(view.map)) continue;
-      addLinkPoint(glyphs, frame, palette, point, toMap.a * place.x + toMap.c * place.y + toMap.e, toMap.b * place.x + toMap.d * place.y + toMap.f, false);
-      continue;
-    }
-    const at = motion.at(point.linkPoint, place, frame.now);
-    if (!inside(frame.window, at.x, at.y, margin)) continue;
-    const ghost = view.level !== undefined && !levelsOf(site, point).includes(view.level);
-    addLinkPoint(glyphs, frame, palette, point, at.x, at.y, ghost);
-  }
+  for (const link of links) if (inside(frame.window, link.x, link.y, margin)) addLinkPoint(glyphs, frame, palette, link);
 }
 
-export function addRobots(glyphs: InstanceList, palette: Palette, frame: Frame, motion: Motion) {
+// `known`: of each row of the table what was drawn in the last frame, to be used again.
+export function addRobots(glyphs: InstanceList, palette: Palette, frame: Frame, motion: Motion, known: Drawn[]) {
   const { site, view } = frame;
   const { robots } = site;
+  const looks = robotLooks(palette);
   for (let row = 0; row < robots.count; ++row) {
     const own = view.map !== undefined;
     if (own ? robots.maps[row] !== view.map : !robots.placed[row]) continue;
@@ -155,8 +142,10 @@ export function addRobots(glyphs: InstanceList, palette: Palette, frame: Frame, 
     const pose = { x: from[3 * row]!, y: from[3 * row + 1]!, yaw: from[3 * row + 2]! };
     const at = motion.at(robots.names[row]!, pose, frame.now);
     if (!inside(frame.window, at.x, at.y, 20)) continue;
-    const ghost = !own && view.level !== undefined && robots.level[row] !== view.level;
-    addRobot(glyphs, frame, palette, row, at, site.ageOf(robots.receiveTime[row]!, frame.wall), ghost);
+    const drawn = (known[row] ??= newDrawn('', 'robot', false));
+    drawn.name = robots.names[row]!;
+    drawn.ghost = !own && view.level !== undefined && robots.level[row] !== view.level;
+    addRobot(glyphs, frame, palette, looks, row, at, site.ageOf(robots.receiveTime[row]!, frame.wall), drawn);
   }
 }
 

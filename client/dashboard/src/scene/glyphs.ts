@@ -5,8 +5,9 @@ import type { Pose } from './camera';
 import { ellipse95 } from './ellipse';
 import { addGlyph, shape } from './gl/glyphLayer';
 import type { InstanceList } from './gl/program';
-import type { Frame } from './model';
+import type { Drawn, Frame } from './model';
 import { rgba, type Palette, type Rgb } from './palette';
+import type { PlacedLink } from './placement';
 
 // Icons have a size in the world, so that they show scale, and one in pixels that they never fall below.
 const ROBOT_M = 0.35;
@@ -46,21 +47,41 @@ export function lookOf(point: GraphLinkPoint, { colour }: Palette): Look {
 const across = ({ camera }: Frame, x: number) => (x - camera.x) * camera.scale;
 const up = ({ camera }: Frame, y: number) => (y - camera.y) * camera.scale;
 
-export function addLinkPoint(list: InstanceList, frame: Frame, palette: Palette, point: GraphLinkPoint, x: number, y: number, ghost: boolean) {
-  const [px, py] = [across(frame, x), up(frame, y)];
-  const half = Math.max(LINK_PX, LINK_M * frame.camera.scale);
+// A link point's icon; colours packed by rgba().
+export interface LinkGlyph {
+  kind: number;
+  halo: number;
+  line: number;
+  fill: number;
+  dash: number;
+}
+
+export function glyphOf(point: GraphLinkPoint, palette: Palette, ghost: boolean): LinkGlyph {
   const { colour, filled, dash } = lookOf(point, palette);
   const fade = ghost ? 0.3 : 1;
-  if (frame.view.selected === point.linkPoint) addSelection(list, palette, px, py, half + 6);
-  const kind = point.maps.length < 2 ? shape.disc : kindShape[point.kind];
-  addGlyph(list, {
-    x: px, y: py, halfX: half, halfY: half, angle: 0, shape: kind, stroke: 4, dash: 0, line: rgba(palette.colour.halo, 0.9 * fade), fill: rgba(palette.colour.halo, 0.9 * fade),
-  });
-  addGlyph(list, {
-    x: px, y: py, halfX: half, halfY: half, angle: 0, shape: kind, stroke: 2, dash, line: rgba(colour, fade), fill: rgba(colour, filled ? fade : 0),
-  });
-  const [x0, y0] = [frame.size.width / 2 + px, frame.size.height / 2 - py];
-  frame.drawn.push({ name: point.linkPoint, kind: 'link', x: x0, y: y0, halfX: half, halfY: half, angle: 0, ghost, label: { x: x0, y: y0 + half + 11 } });
+  return {
+    kind: point.maps.length < 2 ? shape.disc : kindShape[point.kind], halo: rgba(palette.colour.halo, 0.9 * fade), line: rgba(colour, fade),
+    fill: rgba(colour, filled ? fade : 0), dash,
+  };
+}
+
+// Where an icon is in the window, and its name below it.
+function moveTo(drawn: Drawn, { size }: Frame, px: number, py: number, half: number) {
+  drawn.x = drawn.label.x = size.width / 2 + px;
+  drawn.y = size.height / 2 - py;
+  drawn.label.y = drawn.y + half + 11;
+}
+
+export function addLinkPoint(list: InstanceList, frame: Frame, palette: Palette, { x, y, glyph, drawn }: PlacedLink) {
+  const [px, py] = [across(frame, x), up(frame, y)];
+  const half = Math.max(LINK_PX, LINK_M * frame.camera.scale);
+  const { kind, halo, line, fill, dash } = glyph;
+  if (frame.view.selected === drawn.name) addSelection(list, palette, px, py, half + 6);
+  addGlyph(list, { x: px, y: py, halfX: half, halfY: half, angle: 0, shape: kind, stroke: 4, dash: 0, line: halo, fill: halo });
+  addGlyph(list, { x: px, y: py, halfX: half, halfY: half, angle: 0, shape: kind, stroke: 2, dash, line, fill });
+  moveTo(drawn, frame, px, py, half);
+  drawn.halfX = drawn.halfY = half;
+  frame.drawn.push(drawn);
 }
 
 export function addSelection(list: InstanceList, palette: Palette, x: number, y: number, radius: number) {
@@ -73,37 +94,45 @@ export function turnOf({ site: { robots }, view }: Frame, row: number): number {
   return robots.map[3 * row + 2]! - robots.world[3 * row + 2]!;
 }
 
+// The colours of a robot, packed by rgba().
+interface RobotLook {
+  ellipse: number;
+  inside: number;
+  halo: number;
+  line: number;
+  fill: number;
+}
+
+function robotLook({ colour }: Palette, fade: number, stale: boolean): RobotLook {
+  const own = stale ? colour.stale : colour.robot;
+  return { ellipse: rgba(own, 0.8 * fade), inside: rgba(own, 0.12 * fade), halo: rgba(colour.halo, fade), line: rgba(own, fade), fill: rgba(own, stale ? 0 : fade) };
+}
+
+// Of most robots; that of an old one depends on its age.
+export const robotLooks = (palette: Palette) => ({ fresh: robotLook(palette, 1, false), ghost: robotLook(palette, 0.3, false) });
+
 // `age` in seconds. The heading is the arrow's; the ellipse contains the robot with 95 %.
-export function addRobot(list: InstanceList, frame: Frame, palette: Palette, row: number, { x, y, yaw }: Pose, age: number, ghost: boolean) {
-  const { robots } = frame.site;
-  const name = robots.names[row]!;
+export function addRobot(list: InstanceList, frame: Frame, palette: Palette, looks: ReturnType<typeof robotLooks>, row: number, { x, y, yaw }: Pose, age: number, drawn: Drawn) {
+  const { scale } = frame.camera;
   const [px, py] = [across(frame, x), up(frame, y)];
-  const stale = age > FRESH_S;
-  const fade = (ghost ? 0.3 : 1) * (stale ? 1 - 0.45 * Math.min(1, (age - FRESH_S) / (OLD_S - FRESH_S)) : 1);
-  const colour = stale ? palette.colour.stale : palette.colour.robot;
-  const half = Math.max(ROBOT_PX, ROBOT_M * frame.camera.scale);
-  const c = robots.covariance;
-  const ellipse = ellipse95(c[4 * row]!, c[4 * row + 1]!, c[4 * row + 2]!);
-  const { major, minor } = ellipse;
-  const angle = ellipse.angle + turnOf(frame, row);
-  if (major * frame.camera.scale > half) {
+  const faded = (drawn.ghost ? 0.3 : 1) * (1 - 0.45 * Math.min(1, Math.max(0, (age - FRESH_S) / (OLD_S - FRESH_S))));
+  const look = age > FRESH_S ? robotLook(palette, faded, true) : drawn.ghost ? looks.ghost : looks.fresh;
+  const half = Math.max(ROBOT_PX, ROBOT_M * scale);
+  const c = frame.site.robots.covariance;
+  const { major, minor, angle } = ellipse95(c[4 * row]!, c[4 * row + 1]!, c[4 * row + 2]!);
+  drawn.halfX = major * scale;
+  drawn.halfY = minor * scale;
+  drawn.angle = angle + turnOf(frame, row);
+  if (drawn.halfX > half) {
     addGlyph(list, {
-      x: px, y: py, halfX: major * frame.camera.scale, halfY: Math.max(1, minor * frame.camera.scale), angle, shape: shape.ellipse, stroke: 1.5, dash: 0,
-      line: rgba(colour, 0.8 * fade), fill: rgba(colour, 0.12 * fade),
+      x: px, y: py, halfX: drawn.halfX, halfY: Math.max(1, drawn.halfY), angle: drawn.angle, shape: shape.ellipse, stroke: 1.5, dash: 0, line: look.ellipse, fill: look.inside,
     });
   }
-  if (frame.view.selected === name) addSelection(list, palette, px, py, half + 6);
-  addGlyph(list, {
-    x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 4, dash: 0, line: rgba(palette.colour.halo, fade), fill: rgba(palette.colour.halo, fade),
-  });
-  addGlyph(list, {
-    x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, dash: 0, line: rgba(colour, fade), fill: rgba(colour, stale ? 0 : fade),
-  });
-  const [x0, y0] = [frame.size.width / 2 + px, frame.size.height / 2 - py];
-  frame.drawn.push({
-    name, kind: 'robot', x: x0, y: y0, halfX: major * frame.camera.scale, halfY: minor * frame.camera.scale, angle, ghost,
-    label: { x: x0, y: y0 + half + 11 },
-  });
+  if (frame.view.selected === drawn.name) addSelection(list, palette, px, py, half + 6);
+  addGlyph(list, { x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 4, dash: 0, line: look.halo, fill: look.halo });
+  addGlyph(list, { x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, dash: 0, line: look.line, fill: look.fill });
+  moveTo(drawn, frame, px, py, half);
+  frame.drawn.push(drawn);
 }
 
 export function addLine(list: InstanceList, frame: Frame, from: { x: number; y: number }, to: { x: number; y: number }, width: number, colour: number) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { titleOf } from '../live/objects';
-import type { Drawn, Frame } from './model';
+import type { Drawn, Frame, View } from './model';
 
 const MOST = 60;
 
@@ -11,18 +11,46 @@ interface Placed {
   bottom: number;
 }
 
+interface Label {
+  element: HTMLSpanElement;
+  // What it names; undefined: it is hidden.
+  item: Drawn | undefined;
+}
+
+// Which names are shown is chosen anew that often while the map is only dragged; their places follow each frame.
+export const CHOICE_MS = 150;
+
 // Names over the canvas, as text that screen and zoom of the browser know. Those that would lie on another one are left out:
 // the selected thing first, then robots, then maps.
 export class Labels {
   readonly element = document.createElement('div');
-  private readonly pool: HTMLSpanElement[] = [];
+  private readonly pool: Label[] = [];
+  private chosenAt = -Infinity;
+  private scale = 0;
+  private view: View | undefined;
 
   constructor() {
     this.element.className = 'labels';
     this.element.setAttribute('aria-hidden', 'true');
   }
 
-  draw(frame: Frame) {
+  // Returns whether the choice is kept from an earlier frame: then another frame is due.
+  draw(frame: Frame): boolean {
+    const { camera, view, now } = frame;
+    const kept = camera.scale === this.scale && view === this.view && now < this.chosenAt + CHOICE_MS;
+    if (!kept) {
+      this.choose(frame);
+      this.chosenAt = now;
+      this.scale = camera.scale;
+      this.view = view;
+    }
+    for (const { element, item } of this.pool) {
+      if (item) element.style.transform = `translate(${Math.round(item.label.x)}px, ${Math.round(item.label.y)}px) translate(-50%, -50%)`;
+    }
+    return kept;
+  }
+
+  private choose(frame: Frame) {
     const placed: Placed[] = [];
     let used = 0;
     for (const item of this.ordered(frame)) {
@@ -33,9 +61,12 @@ export class Labels {
       const box = { left: x - width / 2, right: x + width / 2, top: y - 9, bottom: y + 9 };
       if (placed.some((other) => box.left < other.right && other.left < box.right && box.top < other.bottom && other.top < box.bottom)) continue;
       placed.push(box);
-      this.show(used++, item, text, x, y);
+      this.show(used++, item, text);
     }
-    for (let i = used; i < this.pool.length; ++i) this.pool[i]!.hidden = true;
+    for (const label of this.pool.slice(used)) {
+      label.element.hidden = true;
+      label.item = undefined;
+    }
   }
 
   private ordered({ drawn, size, view }: Frame): Drawn[] {
@@ -46,16 +77,17 @@ export class Labels {
     return shown.sort((a, b) => rank(a) - rank(b) || b.halfX - a.halfX).slice(0, 4 * MOST);
   }
 
-  private show(i: number, item: Drawn, text: string, x: number, y: number) {
+  private show(i: number, item: Drawn, text: string) {
     let label = this.pool[i];
     if (!label) {
-      label = document.createElement('span');
+      label = { element: document.createElement('span'), item };
       this.pool.push(label);
-      this.element.append(label);
+      this.element.append(label.element);
     }
-    label.hidden = false;
-    if (label.textContent !== text) label.textContent = text;
-    label.className = `label-${item.kind}`;
-    label.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px) translate(-50%, -50%)`;
+    const { element } = label;
+    label.item = item;
+    element.hidden = false;
+    if (element.textContent !== text) element.textContent = text;
+    element.className = `label-${item.kind}`;
   }
 }

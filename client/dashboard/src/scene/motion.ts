@@ -14,6 +14,7 @@ interface Move {
 // (prefers-reduced-motion) everything is at its place at once.
 export class Motion {
   private readonly moves = new Map<string, Move>();
+  private lastBegin = -Infinity;
   animated = !window.matchMedia('(prefers-reduced-motion: reduce)').matches;
 
   // Where it is now, on its way to `to`.
@@ -26,18 +27,18 @@ export class Motion {
     if (move.to.x !== to.x || move.to.y !== to.y || move.to.yaw !== to.yaw) {
       move.from = this.now(move, now);
       move.to = { ...to };
-      move.begin = now;
+      move.begin = this.lastBegin = now;
     }
     return this.now(move, now);
   }
 
   moving(now: number): boolean {
-    for (const { begin } of this.moves.values()) if (now < begin + TWEEN_MS) return true;
-    return false;
+    return now < this.lastBegin + TWEEN_MS;
   }
 
   clear() {
     this.moves.clear();
+    this.lastBegin = -Infinity;
   }
 
   private now({ from, to, begin }: Move, now: number): Pose {

@@ -24,6 +24,8 @@ const mapOf = (revision: string) => revision.slice(0, revision.lastIndexOf('/rev
 // may be asked for again after a while.
 export class RasterLoader {
   readonly thumbnails = new Map<string, Thumbnail>();
+  // Counts what has changed them.
+  overviews = 0;
   tileRequests = 0;
   // Whether the overview has been asked for once; it may have failed.
   hasOverview = false;
@@ -56,6 +58,7 @@ export class RasterLoader {
     this.loading = true;
     try {
       for (const thumbnail of await fetchOverview(this.site)) this.thumbnails.set(mapOf(thumbnail.revision), thumbnail);
+      ++this.overviews;
       if (!this.stopped) this.events.thumbnails();
     } catch {
       // The banner of the stream says what is wrong; tried again later.
