@@ -2,8 +2,10 @@
 import { after, before } from 'node:test';
 import { launch } from './browser.mjs';
 import { mapCampus } from './campus.mjs';
+import { addHistory } from './checks/history.mjs';
 import { addPages } from './checks/pages.mjs';
 import { addScene } from './checks/scene.mjs';
+import { addSessions } from './checks/sessions.mjs';
 import { addStates } from './checks/states.mjs';
 import { System } from './system.mjs';
 
@@ -30,4 +32,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addStates, addPages]) add(stage);
+for (const add of [addScene, addStates, addHistory, addSessions, addPages]) add(stage);

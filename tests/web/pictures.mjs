@@ -24,11 +24,23 @@ async function sessionToShow(system) {
   return compared.reduce((a, b) => (b[0] > a[0] ? b : a))[1];
 }
 
+// The newest optimisation that placed a map elsewhere than the last one did.
+async function placingToShow(system) {
+  const { graphVersions } = await system.call('sites/demo/graphVersions?pageSize=1000');
+  const [last, ...earlier] = graphVersions.filter(({ cause }) => cause === 'CAUSE_OPTIMIZED').slice(0, 50).map(({ graphVersion }) => graphVersion);
+  const placesOf = async (version) => (await system.call(`sites/demo/graphVersions/${version}/placedMaps`)).placedMaps;
+  const now = new Map((await placesOf(last)).map(({ map, poseWorldMap }) => [map, poseWorldMap.pose]));
+  const isElsewhere = ({ map, poseWorldMap: { pose: { x = 0, y = 0 } } }) => now.has(map) && Math.hypot((now.get(map).x ?? 0) - x, (now.get(map).y ?? 0) - y) > 0.01;
+  for (const version of earlier) if ((await placesOf(version)).some(isElsewhere)) return version;
+  throw new Error('no optimisation has moved a map');
+}
+
 // The pages by the names of their pictures.
 export async function picturesOf(system) {
   const { maps } = await system.call('sites/demo/maps');
   const hall = idOf(maps.find(({ displayName }) => displayName === 'Hall').name);
   const session = await sessionToShow(system);
+  const placing = await placingToShow(system);
   const path = (rest) => `${system.url}/s/demo/${rest}`;
   return {
     campus: { url: path('campus'), theme: 'light' },
@@ -39,7 +51,8 @@ export async function picturesOf(system) {
     robots: { url: path('robots'), theme: 'light' },
     sessions: { url: path('sessions'), theme: 'light' },
     session: { url: path(`sessions/${session}`), theme: 'light' },
-    history: { url: path('history'), theme: 'light' },
+    history: { url: path(`history?from=${placing}`), theme: 'light' },
+    versions: { url: path('history/versions'), theme: 'light' },
     audit: { url: path('history/audit'), theme: 'light' },
     health: { url: path('health'), theme: 'light' },
   };

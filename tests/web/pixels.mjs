@@ -19,6 +19,17 @@ export async function look(page, camera) {
   await page.waitForFunction(() => window.__scene.settled());
 }
 
+// What the page draws, in CSS pixels of the canvas; nothing as long as there is no canvas.
+export const sceneOf = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector('.scene-canvas');
+    if (!canvas) return { size: { width: 0, height: 0 }, camera: { x: 0, y: 0, scale: 1 }, drawn: [], marks: [] };
+    const { width, height } = canvas.getBoundingClientRect();
+    return { size: { width, height }, camera: window.__scene.camera(), drawn: window.__scene.drawn(), marks: window.__scene.marks() };
+  });
+
+export const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
+
 // The same as in the dashboard, written anew: the middle of the canvas is the camera's point, y goes up in the world.
 export const toScreen = (camera, { width, height }, { x, y }) => ({ x: width / 2 + (x - camera.x) * camera.scale, y: height / 2 - (y - camera.y) * camera.scale });
 export const toWorld = (camera, { width, height }, { x, y }) => ({ x: camera.x + (x - width / 2) / camera.scale, y: camera.y - (y - height / 2) / camera.scale });

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the pictures of README.md and docs/web.md, and beside them what the pages consisted of.
-import { mkdirSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { launch, open } from './browser.mjs';
 import { mapCampus } from './campus.mjs';
-import { folder, picturesOf, root, show, standing, structureOf, structuresFile, viewport } from './pictures.mjs';
+import { folder, picturesOf, root, show, standing, storedStructures, structureOf, structuresFile, viewport } from './pictures.mjs';
 import { System } from './system.mjs';
 
 const system = new System();
@@ -17,11 +17,19 @@ try {
   browser = await launch();
   mkdirSync(join(root, folder), { recursive: true });
   const { page, close } = await open(browser, system.url, viewport);
+  const names = process.argv.slice(2);
+  const fileOf = (name) => join(root, folder, `${name}.png`);
+  const isWanted = (name) => names.length === 0 || names.includes(name) || !existsSync(fileOf(name));
+  const stored = existsSync(structuresFile) ? storedStructures() : {};
   const structures = {};
   for (const [name, picture] of Object.entries(pictures)) {
+    if (!isWanted(name)) {
+      structures[name] = stored[name];
+      continue;
+    }
     await show(page, picture);
     structures[name] = await structureOf(page);
-    await page.screenshot({ path: join(root, folder, `${name}.png`) });
+    await page.screenshot({ path: fileOf(name) });
     console.log(`${folder}/${name}.png`);
   }
   await close();

@@ -8,11 +8,15 @@ import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds } from './
 import { Surface } from './Surface';
 import { listen } from './input';
 import { CHOICE_MS, Labels } from './labels';
-import type { Drawn, Frame, View } from './model';
+import type { Drawn, Frame, Mark, View } from './model';
 import { Motion } from './motion';
+import { addMoves } from './moves';
 import { Placement } from './placement';
 import { thumbnailAffine } from './outlines';
+import { addPath, boundsOfPath } from './path';
 import { knowsCell, pickIcon } from './pick';
+import { eachPlace, placeOfMap } from './places';
+import type { Thumbnail } from './tiles/manifest';
 
 export interface SceneEvents {
   hover?: (what: string | undefined, world: Point | undefined, screen: Point | undefined) => void;
@@ -39,11 +43,14 @@ export class Scene {
   readonly scaleChanged = new Signal();
   // What is in view has changed.
   readonly seenChanged = new Signal();
+  // Pictures of maps have come.
+  readonly picturesChanged = new Signal();
   camera: Camera = { x: 0, y: 0, scale: 20 };
   size: Size = { width: 1, height: 1 };
   events: SceneEvents = {};
   measured: Point[] = [];
   drawn: Drawn[] = [];
+  marks: Mark[] = [];
   readonly frameMs: number[] = [];
   frames = 0;
   drawCalls = 0;
@@ -60,6 +67,7 @@ export class Scene {
   private fitPending = true;
   private toldLost = false;
   private toldScale = 0;
+  private toldPictures = 0;
   private request = 0;
   private unsubscribe = () => {};
   private cameraTimer: ReturnType<typeof setTimeout> | undefined;
@@ -114,7 +122,7 @@ export class Scene {
 
   // Shows one thing, or all of the level. Returns false while nothing has a place.
   fit(name?: string): boolean {
-    const bounds = name === undefined ? this.bounds() : this.boundsOf(name);
+    const bounds = name === undefined ? this.extent() : this.boundsOf(name);
     if (!bounds) return false;
     this.setCamera(fitted(bounds, this.size, Math.min(48, this.size.width / 12)));
     return true;
@@ -149,6 +157,15 @@ export class Scene {
   // Whether the canvas shows all that there is to show: no frame is due and nothing is being fetched.
   settled(): boolean {
     return !this.dirty && this.labelTimer === undefined && !this.fitPending && (this.surface.loader?.idle ?? false);
+  }
+
+  // Of the maps, by name; how often they have changed.
+  get thumbnails(): ReadonlyMap<string, Thumbnail> {
+    return this.surface.loader?.thumbnails ?? new Map();
+  }
+
+  get pictures(): number {
+    return this.surface.pictures;
   }
 
   // The names of what is in view, without ghosts: the same set until `seenChanged` tells of another.
@@ -186,17 +203,24 @@ export class Scene {
       this.scaleChanged.tell();
     }
     const frame: Frame = {
-      site, view: this.view, camera: this.camera, size: this.size, window: viewOf(this.camera, this.size), now: begin, wall: Date.now(), drawn: [],
+      site, view: this.view, camera: this.camera, size: this.size, window: viewOf(this.camera, this.size), now: begin, wall: Date.now(), drawn: [], marks: [],
     };
     const { glyphs, palette, rasters } = this.surface.begin(site);
+    if (this.surface.pictures !== this.toldPictures) {
+      this.toldPictures = this.surface.pictures;
+      this.picturesChanged.tell();
+    }
     const sources = this.surface.sources();
     this.placement.update(frame, sources, palette);
     const missing = addMaps(rasters, glyphs, palette, frame, sources, this.placement.maps);
+    addMoves(glyphs, palette, frame, sources);
     addExplanation(glyphs, palette, frame, this.measured);
     addLinkPoints(glyphs, palette, frame, this.placement.links);
+    addPath(glyphs, palette, frame);
     addRobots(glyphs, palette, frame, this.motion, this.robotsDrawn);
     this.drawCalls = this.surface.end(frame, missing);
     this.drawn = frame.drawn;
+    this.marks = frame.marks;
     if (this.labels.draw(frame)) this.touchForLabels();
     this.seenTimer ??= setTimeout(() => this.see(), SEEN_MS);
     ++this.frames;
@@ -217,19 +241,27 @@ export class Scene {
     this.seenChanged.tell();
   }
 
-  private bounds(): Bounds | undefined {
+  // Of all that the view has.
+  extent(): Bounds | undefined {
     let all: Bounds | undefined;
-    const { level, map } = this.view;
+    const { level, map, path, places } = this.view;
     const add = (bounds: Bounds | undefined) => {
       if (bounds) all = united(all, bounds);
     };
     const point = (p: Point | undefined) => p && add({ minX: p.x, minY: p.y, maxX: p.x, maxY: p.y });
-    if (map !== undefined) return mapBounds(affineOf({ x: 0, y: 0, yaw: 0 }), this.surface.loader?.thumbnails.get(map));
-    for (const { map: name, level: own, poseWorldMap } of this.site?.maps.values() ?? []) {
-      if (!poseWorldMap?.pose || (level !== undefined && own !== level)) continue;
-      point(poseWorldMap.pose);
-      add(mapBounds(affineOf(poseWorldMap.pose), this.surface.loader?.thumbnails.get(name)));
+    if (path) add(boundsOfPath(path));
+    if (map !== undefined) {
+      add(mapBounds(affineOf({ x: 0, y: 0, yaw: 0 }), this.surface.loader?.thumbnails.get(map)));
+      return all;
     }
+    if (this.site) {
+      eachPlace(this.site, this.view, (name, pose) => {
+        if (level !== undefined && this.site?.maps.get(name)?.level !== level) return;
+        point(pose);
+        add(mapBounds(affineOf(pose), this.surface.loader?.thumbnails.get(name)));
+      });
+    }
+    if (places) return all;
     for (const { poseWorldPlace } of this.site?.linkPoints.values() ?? []) point(poseWorldPlace?.pose);
     const { robots } = this.site ?? {};
     for (let row = 0; robots && row < robots.count; ++row) {
@@ -239,7 +271,7 @@ export class Scene {
   }
 
   private boundsOf(name: string): Bounds | undefined {
-    const pose = this.view.map === name ? { x: 0, y: 0, yaw: 0 } : this.site?.maps.get(name)?.poseWorldMap?.pose;
+    const pose = this.site && placeOfMap(this.site, this.view, name);
     if (pose) return mapBounds(affineOf(pose), this.surface.loader?.thumbnails.get(name)) ?? { minX: pose.x, minY: pose.y, maxX: pose.x, maxY: pose.y };
     const at = this.site?.robots.get(name)?.poseWorld ?? this.site?.linkPoints.get(name)?.poseWorldPlace?.pose;
     return at && { minX: at.x - 5, minY: at.y - 5, maxX: at.x + 5, maxY: at.y + 5 };

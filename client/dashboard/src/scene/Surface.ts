@@ -22,6 +22,8 @@ export class Surface {
   private thumbnailPage: WebGLTexture | undefined;
   private thumbnailLayers = 0;
   private thumbnailsStale = false;
+  // Counts how often pictures of maps have come.
+  pictures = 0;
   private frame = 0;
   // The graphics card has dropped all that it had; the browser says when it gives it back.
   lost = false;
@@ -119,6 +121,7 @@ export class Surface {
 
   private fillThumbnails() {
     this.thumbnailsStale = false;
+    ++this.pictures;
     const { gl, loader } = this;
     if (!loader || loader.thumbnails.size === 0) return;
     const most = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) as number;

@@ -133,6 +133,7 @@ export function addLinkPoints(glyphs: InstanceList, palette: Palette, frame: Fra
 // `known`: of each row of the table what was drawn in the last frame, to be used again.
 export function addRobots(glyphs: InstanceList, palette: Palette, frame: Frame, motion: Motion, known: Drawn[]) {
   const { site, view } = frame;
+  if (view.places || view.path) return;
   const { robots } = site;
   const looks = robotLooks(palette);
   for (let row = 0; row < robots.count; ++row) {

@@ -111,6 +111,13 @@ function robotLook({ colour }: Palette, fade: number, stale: boolean): RobotLook
 // Of most robots; that of an old one depends on its age.
 export const robotLooks = (palette: Palette) => ({ fresh: robotLook(palette, 1, false), ghost: robotLook(palette, 0.3, false) });
 
+// An arrow head at a place of the window, x and y from its middle.
+export function addHeading(list: InstanceList, scale: number, { x, y, yaw }: Pose, { halo, line, fill }: Pick<RobotLook, 'halo' | 'line' | 'fill'>) {
+  const half = Math.max(ROBOT_PX, ROBOT_M * scale);
+  addGlyph(list, { x, y, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 4, dash: 0, line: halo, fill: halo });
+  addGlyph(list, { x, y, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, dash: 0, line, fill });
+}
+
 // `age` in seconds. The heading is the arrow's; the ellipse contains the robot with 95 %.
 export function addRobot(list: InstanceList, frame: Frame, palette: Palette, looks: ReturnType<typeof robotLooks>, row: number, { x, y, yaw }: Pose, age: number, drawn: Drawn) {
   const { scale } = frame.camera;
@@ -129,8 +136,7 @@ export function addRobot(list: InstanceList, frame: Frame, palette: Palette, loo
     });
   }
   if (frame.view.selected === drawn.name) addSelection(list, palette, px, py, half + 6);
-  addGlyph(list, { x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 4, dash: 0, line: look.halo, fill: look.halo });
-  addGlyph(list, { x: px, y: py, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, dash: 0, line: look.line, fill: look.fill });
+  addHeading(list, scale, { x: px, y: py, yaw }, look);
   moveTo(drawn, frame, px, py, half);
   frame.drawn.push(drawn);
 }

@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveSite } from '../live/site';
-import type { Bounds, Camera, Point, Size } from './camera';
+import type { Bounds, Camera, Point, Pose, Size } from './camera';
+
+// Where something drove, and where it is on its way.
+export interface Path {
+  // What drove.
+  name: string;
+  // x, y, yaw of each moment, in the frame that the page shows.
+  poses: Float64Array;
+  // Counts poses.
+  at: number;
+}
 
 // One revision of a map to draw, instead of what the site has.
 export interface RasterChoice {
@@ -10,6 +20,14 @@ export interface RasterChoice {
 }
 
 export type Compare = 'blink' | 'swipe' | 'difference';
+
+// A map that is at another place than it was.
+export interface MapMove {
+  map: string;
+  // T_world_map.
+  from: Pose;
+  to: Pose;
+}
 
 // What a page wants to see. `map`: this map only, in its own frame.
 export interface View {
@@ -25,6 +43,14 @@ export interface View {
   // Further maps and link points that explain the selection.
   chain?: Point[] | undefined;
   searchRadius?: { at: Point; radius: number } | undefined;
+  // Where the maps are, instead of where the graph has them now. Link points and robots, of which only the present place is
+  // known, are left out then.
+  places?: ReadonlyMap<string, Pose> | undefined;
+  // An arrow for each, `stretch` times as long as the way of the map's middle, and an outline of where it was.
+  moves?: MapMove[] | undefined;
+  stretch?: number | undefined;
+  // A way in the frame that is shown. Robots are left out then.
+  path?: Path | undefined;
 }
 
 export type ObjectKind = 'robot' | 'link' | 'map';
@@ -42,6 +68,14 @@ export interface Drawn {
   ghost: boolean;
   // Where its name belongs.
   label: Point;
+}
+
+// What is drawn besides objects, as in the last frame, in CSS pixels; for tests. A cursor's `to` lies a metre ahead of it.
+export interface Mark {
+  kind: 'move' | 'path' | 'cursor';
+  name: string;
+  from: Point;
+  to: Point;
 }
 
 export interface Stats {
@@ -63,4 +97,5 @@ export interface Frame {
   now: number;
   wall: number;
   drawn: Drawn[];
+  marks: Mark[];
 }

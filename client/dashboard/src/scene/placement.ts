@@ -11,6 +11,7 @@ import type { Drawn, Frame, ObjectKind, RasterChoice } from './model';
 import { Motion } from './motion';
 import type { Outline } from './outlines';
 import type { Palette } from './palette';
+import { eachPlace } from './places';
 
 export interface PlacedMap {
   pose: Pose;
@@ -39,7 +40,7 @@ export class Placement {
   // Ghosts first: they lie below the others.
   maps: PlacedMap[] = [];
   links: PlacedLink[] = [];
-  // Where the maps are: what the graph says or, on a map's own page, that one alone at the origin.
+  // Where the maps are, on their way to their places.
   places = new Map<string, Pose>();
   private madeOf: unknown[] = [];
   private moved = false;
@@ -76,16 +77,14 @@ export class Placement {
 
   private placesOf({ site, view, now }: Frame): Map<string, Pose> {
     const places = new Map<string, Pose>();
-    if (view.map !== undefined) return places.set(view.map, { x: 0, y: 0, yaw: 0 });
-    for (const map of site.maps.values()) {
-      const pose = map.poseWorldMap?.pose;
-      if (pose) places.set(map.map, this.motion.at(map.map, pose, now));
-    }
+    const isMoving = view.map === undefined;
+    eachPlace(site, view, (map, pose) => places.set(map, isMoving ? this.motion.at(map, pose, now) : pose));
     return places;
   }
 
   private linksOf({ site, view, now }: Frame, palette: Palette): PlacedLink[] {
     const links: PlacedLink[] = [];
+    if (view.places) return links;
     const add = (point: GraphLinkPoint, { x, y }: { x: number; y: number }, ghost: boolean) =>
       links.push({ x, y, ghost, glyph: glyphOf(point, palette, ghost), drawn: newDrawn(point.linkPoint, 'link', ghost) });
     const own = view.map === undefined ? undefined : site.maps.get(view.map)?.poseWorldMap?.pose;

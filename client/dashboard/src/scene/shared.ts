@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useSyncExternalStore } from 'react';
-import type { Drawn, Stats } from './model';
+import { useMemo, useSyncExternalStore } from 'react';
+import type { Drawn, Mark, Stats } from './model';
 import { worldToScreen, type Camera, type Point } from './camera';
 import { Scene } from './Scene';
+import type { Thumbnail } from './tiles/manifest';
 
 declare global {
   interface Window {
     // What was drawn last, for tests.
     __scene?: {
       drawn(): Drawn[];
+      marks(): Mark[];
       camera(): Camera;
       stats(): Stats;
       settled(): boolean;
@@ -36,6 +38,7 @@ export function sharedScene(): Scene | undefined {
   scene = made;
   window.__scene = {
     drawn: () => made.drawn,
+    marks: () => made.marks,
     camera: () => made.camera,
     stats: () => made.stats(),
     settled: () => made.settled(),
@@ -57,4 +60,11 @@ export function useScale(): number {
 export function useInView(): ReadonlySet<string> | undefined {
   const shared = sharedScene();
   return useSyncExternalStore(shared?.seenChanged.subscribe ?? never, () => shared?.inView());
+}
+
+// The pictures of the maps, by name: another table whenever one has come.
+export function useThumbnails(): ReadonlyMap<string, Thumbnail> {
+  const shared = sharedScene();
+  const pictures = useSyncExternalStore(shared?.picturesChanged.subscribe ?? never, () => shared?.pictures ?? 0);
+  return useMemo(() => (pictures > 0 ? new Map(shared?.thumbnails) : new Map<string, Thumbnail>()), [shared, pictures]);
 }

@@ -8,6 +8,12 @@ export const metres = (value: number) => (Number.isFinite(value) ? `${value.toFi
 
 export const degrees = (radians: number) => (Number.isFinite(radians) ? `${((radians * 180) / Math.PI).toFixed(1)}°` : '–');
 
+// With the sign of the direction: counter-clockwise is positive.
+export function turned(radians: number): string {
+  const text = `${Math.abs((radians * 180) / Math.PI).toFixed(2)}°`;
+  return text === '0.00°' ? text : `${radians > 0 ? '+' : '−'}${text}`;
+}
+
 export const pose = ({ x, y, yaw }: { x: number; y: number; yaw: number }) => `${x.toFixed(2)}, ${y.toFixed(2)} m, ${degrees(yaw)}`;
 
 // "4 min", of seconds.

@@ -1,24 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
+import './history.css';
 import { addressOf, Link, usePlace } from '../../app/router';
 import { useLive } from '../../live/context';
 import { Audit } from './Audit';
+import { Timeline } from './Timeline';
 import { Versions } from './Versions';
 
-// How the graph has changed, and who changed what.
+const tabs = [['', 'Maps over time'], ['versions', 'Graph'], ['audit', 'Audit trail']] as const;
+
+// How the maps have moved, how the graph has changed, and who changed what.
 export default function HistoryPage() {
   const live = useLive();
   const { rest } = usePlace();
-  const isAudit = rest[0] === 'audit';
+  const shown = rest[0] ?? '';
   return (
-    <div className="page">
+    <div className={shown === '' ? 'whole' : 'page'}>
       <div className="page-head">
         <h1>History</h1>
         <nav className="tabs" aria-label="Kinds of history">
-          <Link className="button" href={addressOf(live.id, 'history')} aria-current={isAudit ? undefined : 'page'}>Graph</Link>
-          <Link className="button" href={addressOf(live.id, 'history', ['audit'])} aria-current={isAudit ? 'page' : undefined}>Audit trail</Link>
+          {tabs.map(([path, title]) => (
+            <Link key={path} className="button" href={addressOf(live.id, 'history', path === '' ? [] : [path])} aria-current={path === shown ? 'page' : undefined}>
+              {title}
+            </Link>
+          ))}
         </nav>
       </div>
-      {isAudit ? <Audit /> : <Versions />}
+      {shown === '' ? <Timeline /> : shown === 'audit' ? <Audit /> : <Versions />}
     </div>
   );
 }

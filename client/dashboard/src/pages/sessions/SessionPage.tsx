@@ -12,6 +12,7 @@ import { dateTime } from '../../ui/format';
 import { Failed, Loading } from '../../ui/States';
 import { Closures } from './Closures';
 import { stateOfSession } from './states';
+import { TrajectoryView } from './TrajectoryView';
 import { Verdicts } from './Verdicts';
 
 function Facts({ session }: { session: Session }) {
@@ -99,7 +100,10 @@ export function SessionPage({ id }: { id: string }) {
         <Loading />
       ) : (
         <>
-          <Facts session={data} />
+          <div className="session-top">
+            <Facts session={data} />
+            <TrajectoryView key={name} session={data} />
+          </div>
           <h2>Doors that the robot passed</h2>
           <Verdicts session={name} />
           <h2>Loop closures</h2>

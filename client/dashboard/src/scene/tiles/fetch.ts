@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The two answers of the gateway that are no JSON: the overview, and tiles in batches (docs/web.md, "Rasters").
+import { hex } from '../../api/digests';
 import { errorOfResponse } from '../../api/errors';
 import { siteName } from '../../api/names';
 import { THUMBNAIL_FREE, THUMBNAIL_OCCUPIED } from '../palette';
-import { hex, middleOf, type Thumbnail } from './manifest';
+import { middleOf, type Thumbnail } from './manifest';
 
 interface OverviewEntry {
   revision: string;

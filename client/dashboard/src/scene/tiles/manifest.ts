@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { hex } from '../../api/digests';
 import type { GetRasterManifestResponse } from '../../gen/enfilade/v1/raster_service_pb';
 import type { Point, Pose } from '../camera';
 import { THUMBNAIL_FREE } from '../palette';
@@ -35,8 +36,6 @@ export interface Thumbnail {
 }
 
 export const THUMBNAIL = 64;
-
-export const hex = (bytes: Uint8Array) => Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('');
 
 const poseOf = (pose: { x: number; y: number; yaw: number } | undefined): Pose => ({ x: pose?.x ?? 0, y: pose?.y ?? 0, yaw: pose?.yaw ?? 0 });
 
