@@ -24,7 +24,8 @@ constexpr double kSigmas = 3.0;
 constexpr double kMinHalfWidth = 3.0;  // m
 constexpr double kMinHalfAngle = 0.3;  // rad
 
-slam::SubmapGrid GridOf(const std::vector<PlacedScan>& scans, const slam::SlamOptions& slam) {
+slam::SubmapGrid GridOf(const std::vector<PlacedScan>& scans) {
+  const slam::SlamOptions slam;
   slam::SubmapGrid grid(slam.resolution, slam.occupancy);
   const grid::ScanRayOptions rays{.max_range = slam.max_range};
   // A scan that does not fit into the grid (its pose is far off) shows nothing of this place.
@@ -32,10 +33,9 @@ slam::SubmapGrid GridOf(const std::vector<PlacedScan>& scans, const slam::SlamOp
   return grid;
 }
 
-const PlacedScan& Nearest(const std::vector<PlacedScan>& scans, const Pose2& pose) {
-  return *std::min_element(scans.begin(), scans.end(), [&](const PlacedScan& a, const PlacedScan& b) {
-    return Between(pose, a.T_map_robot.pose).translation().norm() <
-           Between(pose, b.T_map_robot.pose).translation().norm();
+const PoseWithCovariance& Nearest(const std::vector<PoseWithCovariance>& viewpoints, const Pose2& pose) {
+  return *std::min_element(viewpoints.begin(), viewpoints.end(), [&](const auto& a, const auto& b) {
+    return Between(pose, a.pose).translation().norm() < Between(pose, b.pose).translation().norm();
   });
 }
 
@@ -90,11 +90,19 @@ std::vector<PlacedScan> RemoveHitsThroughDoors(std::vector<PlacedScan> scans, co
   return scans;
 }
 
+SeenGround::SeenGround(const std::vector<PlacedScan>& scans) : submap(GridOf(scans), slam::SlamOptions().pyramid) {
+  for (const PlacedScan& one : scans) viewpoints.push_back(one.T_map_robot);
+}
+
+std::size_t SeenGround::bytes() const {
+  return viewpoints.size() * sizeof(PoseWithCovariance) + submap.grid.bytes() + submap.pyramid.bytes();
+}
+
 bool IsSureEnoughForScans(const PoseWithCovariance& predicted, const DoorClosureOptions& options) {
   return RadiusOf(predicted) <= options.alike_distance && YawSigmaOf(predicted) <= options.sure_yaw;
 }
 
-ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
+ScanLocation LocateByScans(const SeenGround* seen, const std::vector<Eigen::Vector2d>& points,
                            const PoseWithCovariance& predicted, const DoorClosureOptions& options) {
   const double radius = RadiusOf(predicted);
   const double yaw_sigma = YawSigmaOf(predicted);
@@ -102,19 +110,18 @@ ScanLocation LocateByScans(const std::vector<PlacedScan>& known, const std::vect
     return Refused(
         fmt::format("the graph is not sure enough of where the robot is: {:.1f} m, {:.2f} rad", radius, yaw_sigma));
   }
-  if (known.empty()) return Refused("no robot has seen it from inside yet");
-  slam::SlamOptions slam;
-  const slam::SearchableSubmap map(GridOf(known, slam), slam.pyramid);
+  if (seen == nullptr || seen->viewpoints.empty()) return Refused("no robot has seen it from inside yet");
+  const slam::SlamOptions slam;
   slam::LoopCandidate window;
   window.half_width = std::max(kSigmas / std::sqrt(graph::kChiSquared2Dof95) * radius, kMinHalfWidth);
   window.half_angle = std::max(kSigmas * yaw_sigma, kMinHalfAngle);
   window.is_entry = true;
-  const slam::LoopMatch match = slam::MatchLoop(map, points, predicted.pose, window, slam);
+  const slam::LoopMatch match = slam::MatchLoop(seen->submap, points, predicted.pose, window, slam);
   if (!match.accepted) return Refused(match.reason);
   ScanLocation location;
   location.matched_share = match.score;
   location.T_map_robot = {match.T_submap_node, match.information.inverse()};
-  location.T_map_robot.covariance += Nearest(known, match.T_submap_node).T_map_robot.covariance;
+  location.T_map_robot.covariance += Nearest(seen->viewpoints, match.T_submap_node).covariance;
   const double chi2 = PoseChiSquared(predicted, location.T_map_robot, options.pose_sigma, options.pose_yaw_sigma);
   const double off = (match.T_submap_node.translation() - predicted.pose.translation()).norm();
   location.reason = fmt::format(

@@ -28,6 +28,9 @@ constexpr int kPendingAtOnce = 32;
 // The graph may change while a report is judged: people edit it.
 constexpr int kJudgingAttempts = 10;
 
+// What robots have seen of the rooms around a few dozen doors.
+constexpr std::size_t kGroundBytes = 128 << 20;
+
 // What is known of a session that has not been pending for so long is forgotten.
 constexpr auto kForgetAfter = std::chrono::hours(1);
 
@@ -42,6 +45,7 @@ DoorClosures::DoorClosures(const closure::DoorClosureOptions& options, const Doo
       graphs_(graphs),
       wake_(wake),
       entered_(std::move(entered)),
+      grounds_(kGroundBytes),
       owner_(NewUuid() + "/doors") {
   worker_ = std::thread([this] { Run(); });
 }
@@ -150,7 +154,7 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const JudgingLease& lease, const
     const double waited = SecondsWaited({lease.site(), session.id});
     ENFILADE_ASSIGN_OR_RETURN(
         const JudgedReport judged,
-        JudgeReport(stores_, lease, options_, std::move(graph),
+        JudgeReport(stores_, lease, options_, grounds_, std::move(graph),
                     {.session = session, .stored = report, .redundant = redundant, .waited = waited}));
     if (const auto* wait = std::get_if<closure::WaitForMapping>(&judged.judgement.action)) {
       spdlog::debug("door {} of session {} waits until these maps are mapped: {}", report.sequence, session.id.value(),

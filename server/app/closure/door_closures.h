@@ -13,6 +13,7 @@
 #include "core/closure/closure_options.h"
 #include "server/app/closure/closure_stores.h"
 #include "server/app/closure/judging_lease.h"
+#include "server/app/closure/seen_grounds.h"
 #include "server/app/graph/site_graphs.h"
 #include "server/app/runtime/stop_signal.h"
 #include "server/app/runtime/wake_signal.h"
@@ -56,6 +57,7 @@ class DoorClosures {
   SiteGraphs& graphs_;
   WakeSignal& wake_;
   const std::function<void()> entered_;
+  SeenGrounds grounds_;  // of the worker's thread
   const std::string owner_;
   StopSignal stop_;
 

@@ -22,10 +22,11 @@ ViewWindow BehindDoorWindow(const sensor::DoorReport& report) {
 }  // namespace
 
 EvidenceGatherer::EvidenceGatherer(const DoorClosureStores& stores, const JudgingLease& lease,
-                                   const SessionScene& scene, closure::DoorKnowledge& knowledge)
+                                   const SessionScene& scene, SeenGrounds& grounds, closure::DoorKnowledge& knowledge)
     : stores_(stores),
       lease_(lease),
       scene_(scene),
+      grounds_(grounds),
       knowledge_(knowledge),
       views_(stores, lease, knowledge.options),
       comparer_(robot_, knowledge.options, views_) {}
@@ -93,11 +94,14 @@ absl::Status EvidenceGatherer::Gather(const closure::CompareClouds& step) {
 absl::Status EvidenceGatherer::Gather(const closure::MatchScans& step) {
   ENFILADE_RETURN_IF_ERROR(lease_.Renew());
   closure::SearchedMap& searched = (*knowledge_.maps)[step.map];
-  const KnownScansScope scope{
-      .stores = stores_, .site = lease_.site(), .graph = *knowledge_.graph, .options = knowledge_.options};
+  const KnownScansScope scope{.stores = stores_,
+                              .site = lease_.site(),
+                              .graph = *knowledge_.graph,
+                              .options = knowledge_.options,
+                              .grounds = grounds_};
   ENFILADE_ASSIGN_OR_RETURN(const KnownScans known, ReadKnownScans(scope, searched.map->id, searched.predicted));
-  searched.scans = {.location = closure::LocateByScans(known.scans, knowledge_.points_behind_door, searched.predicted,
-                                                       knowledge_.options),
+  searched.scans = {.location = closure::LocateByScans(known.ground.get(), knowledge_.points_behind_door,
+                                                       searched.predicted, knowledge_.options),
                     .recording = known.recording,
                     .mapping = known.mapping};
   return absl::OkStatus();

@@ -13,6 +13,7 @@
 #include "server/app/closure/closure_stores.h"
 #include "server/app/closure/judging_lease.h"
 #include "server/app/closure/place_comparer.h"
+#include "server/app/closure/seen_grounds.h"
 #include "server/app/closure/session_scene.h"
 #include "server/app/closure/stored_views.h"
 
@@ -24,7 +25,7 @@ class EvidenceGatherer {
  public:
   // All must outlive it; `knowledge` is the value that it adds to.
   EvidenceGatherer(const DoorClosureStores& stores, const JudgingLease& lease, const SessionScene& scene,
-                   closure::DoorKnowledge& knowledge);
+                   SeenGrounds& grounds, closure::DoorKnowledge& knowledge);
 
   // Reads what the robot saw behind the door; before the first step. Errors of both are the stores' and the lease's.
   absl::Status ReadRobotViews();
@@ -48,6 +49,7 @@ class EvidenceGatherer {
   const DoorClosureStores& stores_;
   const JudgingLease& lease_;
   const SessionScene& scene_;
+  SeenGrounds& grounds_;
   closure::DoorKnowledge& knowledge_;
   closure::GraphSearch graph_search_;
   StoredViews views_;

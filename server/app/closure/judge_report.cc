@@ -56,7 +56,7 @@ bool IsPassageToCompare(const closure::DoorKnowledge& knowledge) {
 }  // namespace
 
 absl::StatusOr<JudgedReport> JudgeReport(const DoorClosureStores& stores, const JudgingLease& lease,
-                                         const closure::DoorClosureOptions& options,
+                                         const closure::DoorClosureOptions& options, SeenGrounds& grounds,
                                          std::shared_ptr<const SiteGraph> graph, const ReportToJudge& report) {
   JudgedReport judged;
   judged.session = report.session.id;
@@ -74,7 +74,7 @@ absl::StatusOr<JudgedReport> JudgeReport(const DoorClosureStores& stores, const 
 
   std::optional<EvidenceGatherer> gatherer;
   if (IsPassageToCompare(knowledge)) {
-    gatherer.emplace(stores, lease, *judged.scene, knowledge);
+    gatherer.emplace(stores, lease, *judged.scene, grounds, knowledge);
     ENFILADE_RETURN_IF_ERROR(gatherer->ReadRobotViews());
   }
   closure::DoorStep step = closure::Decide(knowledge);

@@ -13,6 +13,7 @@
 #include "core/closure/door_knowledge.h"
 #include "server/app/closure/closure_stores.h"
 #include "server/app/closure/judging_lease.h"
+#include "server/app/closure/seen_grounds.h"
 #include "server/app/closure/session_scene.h"
 #include "server/app/graph/site_graph.h"
 
@@ -42,7 +43,7 @@ struct JudgedReport {
 // Judges a report by one version of the site's graph: closure::Decide decides, EvidenceGatherer gathers what it asks
 // for. A report that cannot be judged has a judgement that says so; errors are the stores' and the lease's.
 absl::StatusOr<JudgedReport> JudgeReport(const DoorClosureStores& stores, const JudgingLease& lease,
-                                         const closure::DoorClosureOptions& options,
+                                         const closure::DoorClosureOptions& options, SeenGrounds& grounds,
                                          std::shared_ptr<const SiteGraph> graph, const ReportToJudge& report);
 
 }  // namespace enfilade::server

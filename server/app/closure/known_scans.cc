@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "server/app/closure/judging_lease.h"
 
@@ -80,15 +82,21 @@ absl::Status AddEntering(const KnownScansScope& scope, const closure::DoorVerdic
   return absl::OkStatus();
 }
 
-// The scans of locate_scans of them at most, evenly chosen.
-absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const KnownScansScope& scope,
-                                                           const std::vector<Viewpoint>& viewpoints) {
-  std::map<SessionId, std::map<std::int64_t, const Viewpoint*>> chosen;  // by sequence
+using ChosenViewpoints = std::map<SessionId, std::map<std::int64_t, const Viewpoint*>>;  // by session and sequence
+
+// locate_scans of them at most, evenly chosen.
+ChosenViewpoints Choose(const KnownScansScope& scope, const std::vector<Viewpoint>& viewpoints) {
+  ChosenViewpoints chosen;
   const std::size_t count = std::min(static_cast<std::size_t>(scope.options.locate_scans), viewpoints.size());
   for (std::size_t i = 0; i < count; ++i) {
     const Viewpoint& one = viewpoints[i * viewpoints.size() / count];
     chosen[one.session][one.sequence] = &one;
   }
+  return chosen;
+}
+
+absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const KnownScansScope& scope,
+                                                           const ChosenViewpoints& chosen) {
   std::vector<closure::PlacedScan> scans;
   for (const auto& [session, places] : chosen) {
     std::vector<std::int64_t> sequences;
@@ -110,6 +118,42 @@ std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) 
     if (anchor != nullptr && !link_point->is_candidate()) doors.push_back(anchor->T_map_place);
   }
   return doors;
+}
+
+// Grounds with the same digest are the same: a record never changes, and sites have no sessions in common.
+std::string DigestOf(const SiteId& site, const ChosenViewpoints& chosen, const std::vector<Pose2>& doors) {
+  Sha256Stream digest;
+  const auto add_numbers = [&](const double* numbers, std::size_t count) {
+    digest.Add({reinterpret_cast<const char*>(numbers), count * sizeof(double)});
+  };
+  const auto add_pose = [&](const Pose2& pose) {
+    const double numbers[] = {pose.x, pose.y, pose.yaw};
+    add_numbers(numbers, 3);
+  };
+  digest.Add(site.value());
+  for (const auto& [session, places] : chosen) {
+    digest.Add("/" + session.value());
+    for (const auto& [sequence, place] : places) {
+      digest.Add("/" + std::to_string(sequence) + ":");
+      add_pose(place->T_map_robot.pose);
+      add_numbers(place->T_map_robot.covariance.data(), 9);
+    }
+  }
+  digest.Add("/doors:");
+  for (const Pose2& door : doors) add_pose(door);
+  return digest.Finish();
+}
+
+absl::StatusOr<std::shared_ptr<const closure::SeenGround>> ReadGround(const KnownScansScope& scope, const MapId& map,
+                                                                      const ChosenViewpoints& chosen) {
+  if (chosen.empty()) return nullptr;
+  const std::vector<Pose2> doors = DoorsOf(scope.graph, map);
+  const std::string digest = DigestOf(scope.site, chosen, doors);
+  if (auto known = scope.grounds.Find(digest)) return known;
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::PlacedScan> scans, ReadScans(scope, chosen));
+  auto ground = std::make_shared<const closure::SeenGround>(closure::RemoveHitsThroughDoors(std::move(scans), doors));
+  scope.grounds.Keep(digest, ground);
+  return ground;
 }
 
 }  // namespace
@@ -135,8 +179,7 @@ absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const Ma
   std::erase_if(viewpoints, [&](const Viewpoint& one) {
     return Between(predicted.pose, one.T_map_robot.pose).translation().norm() > scope.options.locate_reach;
   });
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<closure::PlacedScan> scans, ReadScans(scope, viewpoints));
-  known.scans = closure::RemoveHitsThroughDoors(std::move(scans), DoorsOf(scope.graph, map));
+  ENFILADE_ASSIGN_OR_RETURN(known.ground, ReadGround(scope, map, Choose(scope, viewpoints)));
   return known;
 }
 

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
+#include <memory>
 
 #include "absl/status/statusor.h"
 #include "core/closure/closure_options.h"
 #include "core/closure/scan_location.h"
 #include "core/graph/graph_snapshot.h"
 #include "server/app/closure/closure_stores.h"
+#include "server/app/closure/seen_grounds.h"
 
 namespace enfilade::server {
 
 // What robots have seen of a map from inside it.
 struct KnownScans {
-  std::vector<closure::PlacedScan> scans;
-  bool recording = false;  // sessions in it are still recording
-  bool mapping = false;    // sessions in it are recorded, but not mapped yet
+  std::shared_ptr<const closure::SeenGround> ground;  // null: nothing, or not read
+  bool recording = false;                             // sessions in it are still recording
+  bool mapping = false;                               // sessions in it are recorded, but not mapped yet
 };
 
 // Where known scans are read from. All must outlive it.
@@ -24,6 +25,7 @@ struct KnownScansScope {
   const SiteId& site;
   const graph::GraphSnapshot& graph;
   const closure::DoorClosureOptions& options;
+  SeenGrounds& grounds;  // kept from one verdict to the next
 };
 
 // The keyframes' scans within locate_reach of the predicted pose of the robot, locate_scans at most, evenly chosen: of

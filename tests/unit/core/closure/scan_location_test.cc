@@ -79,10 +79,16 @@ PoseWithCovariance Guess(const Pose2& pose, double sigma = 0.3, double yaw_sigma
   return {pose, Eigen::Vector3d(sigma * sigma, sigma * sigma, yaw_sigma * yaw_sigma).asDiagonal()};
 }
 
+ScanLocation Locate(const std::vector<PlacedScan>& known, const std::vector<Eigen::Vector2d>& points,
+                    const PoseWithCovariance& predicted, const DoorClosureOptions& options) {
+  const SeenGround seen(known);
+  return LocateByScans(&seen, points, predicted, options);
+}
+
 TEST(ScanLocation, FindsTheRobotFromAnotherSideOfTheRoom) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const ScanLocation found =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({7.4, 1.7, 2.06}), DoorClosureOptions());
+      Locate(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({7.4, 1.7, 2.06}), DoorClosureOptions());
   ASSERT_TRUE(found.accepted) << found.reason;
   EXPECT_LT((found.T_map_robot.pose.translation() - robot.translation()).norm(), 0.05);
   EXPECT_LT(std::abs(found.T_map_robot.pose.yaw - robot.yaw), 0.01);
@@ -93,25 +99,25 @@ TEST(ScanLocation, AnotherRoomIsNotTakenForIt) {
   std::vector<Wall> other;
   AddBox(0, 0, 6, 5, other);
   AddBox(2, 2, 3, 2.6, other);
-  const ScanLocation found = LocateByScans(SeenAlong(Room(), 3.0), PointsOf(other, {4.5, 1.2, 1.0}),
-                                           Guess({6.5, 2.5, 1.0}), DoorClosureOptions());
+  const ScanLocation found =
+      Locate(SeenAlong(Room(), 3.0), PointsOf(other, {4.5, 1.2, 1.0}), Guess({6.5, 2.5, 1.0}), DoorClosureOptions());
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
 TEST(ScanLocation, ACorridorDoesNotSayWhereAlongItTheRobotIs) {
-  const ScanLocation found = LocateByScans(SeenAlong(Corridor(), 1.2), PointsOf(Corridor(), {6.0, 1.2, 0.0}),
-                                           Guess({6.3, 1.2, 0.0}), DoorClosureOptions());
+  const ScanLocation found = Locate(SeenAlong(Corridor(), 1.2), PointsOf(Corridor(), {6.0, 1.2, 0.0}),
+                                    Guess({6.3, 1.2, 0.0}), DoorClosureOptions());
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
 TEST(ScanLocation, NoSearchIsMadeIfTheGraphCannotTellRoomsApart) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const ScanLocation far =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 1.5), DoorClosureOptions());
+      Locate(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 1.5), DoorClosureOptions());
   EXPECT_FALSE(far.accepted);
   EXPECT_THAT(far.reason, HasSubstr("not sure enough"));
   const ScanLocation turned =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 0.1, 0.5), DoorClosureOptions());
+      Locate(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess(robot, 0.1, 0.5), DoorClosureOptions());
   EXPECT_FALSE(turned.accepted);
 }
 
@@ -119,25 +125,24 @@ TEST(ScanLocation, NoSearchIsMadeIfTheGraphCannotTellRoomsApart) {
 TEST(ScanLocation, APoseThatMayBeThatOfALookAlikeIsNotBelieved) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
-  const ScanLocation near =
-      LocateByScans(SeenAlong(Room(), 3.0), points, Guess({6.8, 2.2, 2.0}, 0.5), DoorClosureOptions());
+  const ScanLocation near = Locate(SeenAlong(Room(), 3.0), points, Guess({6.8, 2.2, 2.0}, 0.5), DoorClosureOptions());
   EXPECT_TRUE(near.accepted) << near.reason;
-  const ScanLocation far =
-      LocateByScans(SeenAlong(Room(), 3.0), points, Guess({5.6, 2.2, 2.0}, 0.5), DoorClosureOptions());
+  const ScanLocation far = Locate(SeenAlong(Room(), 3.0), points, Guess({5.6, 2.2, 2.0}, 0.5), DoorClosureOptions());
   EXPECT_FALSE(far.accepted) << far.reason;
 }
 
 TEST(ScanLocation, APoseThatTheGraphRulesOutIsNotBelieved) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const ScanLocation found =
-      LocateByScans(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({5.5, 3.0, 2.0}, 0.1), DoorClosureOptions());
+      Locate(SeenAlong(Room(), 3.0), PointsOf(Room(), robot), Guess({5.5, 3.0, 2.0}, 0.1), DoorClosureOptions());
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
 TEST(ScanLocation, NothingIsFoundWhereNoRobotHasBeen) {
   const Pose2 robot{7.0, 2.0, 2.0};
-  EXPECT_FALSE(LocateByScans({}, PointsOf(Room(), robot), Guess(robot), DoorClosureOptions()).accepted);
-  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), {}, Guess(robot), DoorClosureOptions()).accepted);
+  EXPECT_FALSE(Locate({}, PointsOf(Room(), robot), Guess(robot), DoorClosureOptions()).accepted);
+  EXPECT_FALSE(LocateByScans(nullptr, PointsOf(Room(), robot), Guess(robot), DoorClosureOptions()).accepted);
+  EXPECT_FALSE(Locate(SeenAlong(Room(), 3.0), {}, Guess(robot), DoorClosureOptions()).accepted);
 }
 
 // A robot behind a door sees the room that it has left through it.
@@ -191,7 +196,7 @@ TEST(ScanLocation, FollowsTheFrameOfTheMap) {
   for (const Pose2& move : {Pose2{30, -8, 0}, Pose2{-3.37, 12.21, 1.1}, Pose2{0, 0, -2.6}}) {
     std::vector<PlacedScan> moved = known;
     for (PlacedScan& one : moved) one.T_map_robot.pose = move * one.T_map_robot.pose;
-    const ScanLocation found = LocateByScans(moved, points, Guess(move * Pose2{7.3, 1.8, 2.04}), DoorClosureOptions());
+    const ScanLocation found = Locate(moved, points, Guess(move * Pose2{7.3, 1.8, 2.04}), DoorClosureOptions());
     ASSERT_TRUE(found.accepted) << found.reason;
     const Pose2 expected = move * robot;
     EXPECT_LT((found.T_map_robot.pose.translation() - expected.translation()).norm(), 0.06) << found.reason;
@@ -205,7 +210,7 @@ TEST(ScanLocation, FindsTheRobotWhereverThePredictionErrs) {
   const std::vector<PlacedScan> known = SeenAlong(Room(), 3.0);
   for (const Pose2& error : {Pose2{0.6, 0, 0}, Pose2{-0.6, 0, 0}, Pose2{0, 0.6, 0.1}, Pose2{0.3, -0.5, -0.1}}) {
     const Pose2 guess{robot.x + error.x, robot.y + error.y, robot.yaw + error.yaw};
-    const ScanLocation found = LocateByScans(known, points, Guess(guess), DoorClosureOptions());
+    const ScanLocation found = Locate(known, points, Guess(guess), DoorClosureOptions());
     ASSERT_TRUE(found.accepted) << found.reason;
     EXPECT_LT((found.T_map_robot.pose.translation() - robot.translation()).norm(), 0.05) << found.reason;
   }
@@ -215,13 +220,13 @@ TEST(ScanLocation, TheShareOfMatchedHitsIsAThreshold) {
   const Pose2 robot{7.0, 2.0, 2.0};
   const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
   DoorClosureOptions options;
-  const ScanLocation found = LocateByScans(SeenAlong(Room(), 3.0), points, Guess(robot), options);
+  const ScanLocation found = Locate(SeenAlong(Room(), 3.0), points, Guess(robot), options);
   ASSERT_TRUE(found.accepted) << found.reason;
   EXPECT_GT(found.matched_share, options.locate_min_share);
   options.locate_min_share = found.matched_share + 0.01;
-  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), points, Guess(robot), options).accepted);
+  EXPECT_FALSE(Locate(SeenAlong(Room(), 3.0), points, Guess(robot), options).accepted);
   options.locate_min_share = found.matched_share - 0.01;
-  EXPECT_TRUE(LocateByScans(SeenAlong(Room(), 3.0), points, Guess(robot), options).accepted);
+  EXPECT_TRUE(Locate(SeenAlong(Room(), 3.0), points, Guess(robot), options).accepted);
 }
 
 TEST(ScanLocation, CloserLookAlikesNeedABetterPrediction) {
@@ -229,11 +234,11 @@ TEST(ScanLocation, CloserLookAlikesNeedABetterPrediction) {
   const std::vector<Eigen::Vector2d> points = PointsOf(Room(), robot);
   DoorClosureOptions options;
   const PoseWithCovariance guess = Guess({6.6, 2.0, 2.0}, 0.3);  // 0.7 m, 95 %, and 0.4 m off
-  EXPECT_TRUE(LocateByScans(SeenAlong(Room(), 3.0), points, guess, options).accepted);
+  EXPECT_TRUE(Locate(SeenAlong(Room(), 3.0), points, guess, options).accepted);
   options.alike_distance = 1.0;
-  EXPECT_FALSE(LocateByScans(SeenAlong(Room(), 3.0), points, guess, options).accepted) << "0.4 m + 0.7 m";
+  EXPECT_FALSE(Locate(SeenAlong(Room(), 3.0), points, guess, options).accepted) << "0.4 m + 0.7 m";
   options.alike_distance = 0.6;
-  EXPECT_THAT(LocateByScans(SeenAlong(Room(), 3.0), points, guess, options).reason, HasSubstr("not sure enough"));
+  EXPECT_THAT(Locate(SeenAlong(Room(), 3.0), points, guess, options).reason, HasSubstr("not sure enough"));
 }
 
 TEST(ScanLocation, PointsOfSeveralScansAreInTheFrameOfTheReport) {
