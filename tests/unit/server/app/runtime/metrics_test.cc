@@ -85,6 +85,8 @@ TEST_F(MetricsTest, ServesCountersAndGauges) {
   metrics_->CountScansMapped(5, 1);
   metrics_->SetMappingBacklog({3, 1.5, 2, 0.5});
   metrics_->CountIdleSessionsClosed(2, 1);
+  metrics_->CountRowsDeleted("map_revisions", 3);
+  metrics_->CountRowsDeleted("map_revisions", 4);
   metrics_->SetReady(true);
   metrics_->SetDatabaseConnections(4, 3, 2);
   EXPECT_THAT(
@@ -94,6 +96,7 @@ TEST_F(MetricsTest, ServesCountersAndGauges) {
             HasSubstr("enfilade_scans_mapped_total{used=\"true\"} 5\n"),
             HasSubstr("enfilade_idle_sessions_closed_total{as=\"finished\"} 2\n"),
             HasSubstr("enfilade_idle_sessions_closed_total{as=\"failed\"} 1\n"),
+            HasSubstr("enfilade_rows_deleted_total{of=\"map_revisions\"} 7\n"),
             HasSubstr("enfilade_mapping_waiting_sessions 3\n"), HasSubstr("enfilade_mapping_lag_seconds 1.5\n"),
             HasSubstr("enfilade_sessions_without_map 2\n"), HasSubstr("enfilade_door_lag_seconds 0.5\n"),
             HasSubstr("enfilade_scans_mapped_total{used=\"false\"} 1\n"), HasSubstr("enfilade_ready 1\n"),
