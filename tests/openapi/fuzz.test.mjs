@@ -32,7 +32,9 @@ async function names() {
   const tiles = manifest.levels.flatMap(({ tiles }) => tiles.map(({ sha256 }) => Buffer.from(sha256, 'base64').toString('hex')));
   const anchor = { map: 'sites/fuzz/maps/rooms', poseMapPlace: { pose: { x: 1 } } };
   await system.call('sites/fuzz/linkPoints?linkPointId=door', { kind: 'KIND_DOOR', anchors: [anchor] });
-  return { site: ['fuzz'], map: ['rooms'], revision: revisions, session: ['drive'], robot: await idsOf('robots'), linkPoint: ['door'], sha256: tiles };
+  const { graphVersions } = await system.call('sites/fuzz/graphVersions');
+  const versions = graphVersions.map(({ graphVersion }) => graphVersion);
+  return { graphVersion: versions, site: ['fuzz'], map: ['rooms'], revision: revisions, session: ['drive'], robot: await idsOf('robots'), linkPoint: ['door'], sha256: tiles };
 }
 
 const ended = (child) => new Promise((resolve, reject) => child.once('exit', resolve).once('error', reject));

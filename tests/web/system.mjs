@@ -89,6 +89,8 @@ export class System {
 
   // Calls the API over REST.
   async call(path, body) {
+    // While `enfilade` ran nothing was noticed, not even that the gateway has closed an idle connection.
+    await new Promise(setImmediate);
     const init = body === undefined ? {} : { method: 'POST', body: JSON.stringify(body), headers: { 'Content-Type': 'application/json' } };
     const answer = await fetch(`${this.url}/v1/${path}`, init);
     if (!answer.ok) throw new Error(`${path}: ${answer.status} ${await answer.text()}`);
