@@ -131,10 +131,10 @@ cv::Mat WidePartsOf(const cv::Mat& mask, double radius) {
   const int margin = static_cast<int>(radius) + 2;
   cv::Mat distance;
   cv::copyMakeBorder(mask, distance, margin, margin, margin, margin, cv::BORDER_REFLECT);
-  cv::distanceTransform(distance, distance, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::distanceTransform(distance, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   cv::Mat core = distance > radius, away;
-  cv::distanceTransform(~core, away, cv::DIST_L2, cv::DIST_MASK_5);
-  const cv::Mat opened = away <= radius + 0.5;
+  cv::distanceTransform(~core, away, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  const cv::Mat opened = away <= radius + 0.75;
   return opened(cv::Rect(margin, margin, mask.cols, mask.rows)) & mask;
 }
 

@@ -19,6 +19,7 @@ absl::StatusOr<PicturedPlan> RecognisePlan(std::string_view bytes, std::optional
   return GuardOpenCv("recognising walls", [&]() -> absl::StatusOr<PicturedPlan> {
     const double diagonal = std::hypot(sheet.brightness.cols, sheet.brightness.rows);
     Ink ink = FindInk(sheet);
+    FillDoubleLines(ink);
     SelectedStrokes selected = SelectWalls(TraceStrokes(ink), diagonal);
     if (selected.thinnest_wall > 0 && selected.thin_pen > 0) {
       // Thin strokes that touch walls bend their skeletons: once more without them.
