@@ -15,7 +15,7 @@ CALLS ?= 100000
 KILLS ?= 1000
 # Calls of each operation of the OpenAPI document.
 EXAMPLES ?= 1000
-.PHONY: help demo stop test test-web soak screenshots programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
+.PHONY: help demo stop test test-web soak fleet-soak screenshots programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -37,6 +37,10 @@ screenshots: programs ## make the pictures of README.md and docs/web.md: the das
 
 soak: programs ## keep a tab open for MINUTES=10 before 500 busy robots; what it takes over time in build/soak
 	@tests/web/soak $(BIN) build/soak $(MINUTES)
+
+fleet-soak: configure ## serve 100 robots at 10 sites that keep five minutes for MINUTES=10; what it takes over time in build/soak
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target bench_fleet enfilade-server
+	@tests/bench/fleet_soak $(BIN) build/soak $(MINUTES)
 
 programs: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server enfilade-gateway
