@@ -7,11 +7,15 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/prior/formats/dxf_plan.h"
 #include "core/prior/formats/geojson_plan.h"
+#include "core/prior/formats/svg_plan.h"
 #include "core/prior/plan/plan_check.h"
 #include "core/prior/plan/planar.h"
 #include "io/file.h"
+#include "perception/plan/pdf_page.h"
 #include "perception/plan/plan_picture.h"
+#include "perception/plan/wall_doors.h"
 
 namespace enfilade::perception {
 namespace {
@@ -26,9 +30,21 @@ absl::StatusOr<std::optional<double>> ScaleBy(const std::optional<PlanMeasure>& 
   return measure->metres / units;
 }
 
-bool LooksLikeJson(std::string_view bytes) {
-  const std::size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  return first != std::string_view::npos && bytes[first] == '{';
+enum class PlanKind { kPicture, kPdf, kSvg, kDxf, kGeoJson };
+
+PlanKind KindOf(std::string_view bytes) {
+  if (bytes.substr(0, 5) == "%PDF-") return PlanKind::kPdf;
+  if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return PlanKind::kPicture;
+  const std::string_view begin = bytes.substr(first, 4096);
+  if (begin[0] == '{') return PlanKind::kGeoJson;
+  if (begin[0] == '<') return PlanKind::kSvg;
+  if (begin.substr(0, 18) == "AutoCAD Binary DXF") return PlanKind::kDxf;
+  if (begin.substr(0, 3) == "999" || (begin[0] == '0' && begin.find("SECTION") != std::string_view::npos)) {
+    return PlanKind::kDxf;
+  }
+  return PlanKind::kPicture;
 }
 
 // Twice the area of rooms by their circumference: what is narrower lies within a wall.
@@ -38,24 +54,64 @@ double NarrowestRoom(const prior::PlanGraph& plan) {
   return std::max(thickest, 1e-3 * prior::WallLength(plan) / std::sqrt(static_cast<double>(plan.walls.size())));
 }
 
-absl::StatusOr<PlanFile> DecodeAny(std::string_view bytes, std::optional<double> metres_per_unit) {
-  PlanFile file;
-  if (LooksLikeJson(bytes)) {
-    ENFILADE_ASSIGN_OR_RETURN(file.graph, prior::ReadGeoJsonPlan(bytes));
-    if (metres_per_unit) file.graph.metres_per_unit = metres_per_unit;
-    return file;
+double DiagonalOfPlan(const prior::PlanGraph& plan) {
+  if (plan.corners.empty()) return 0;
+  Eigen::Vector2d low = plan.corners.front().point, high = low;
+  for (const prior::PlanCorner& corner : plan.corners) {
+    low = low.cwiseMin(corner.point);
+    high = high.cwiseMax(corner.point);
   }
-  ENFILADE_ASSIGN_OR_RETURN(PicturedPlan pictured, RecognisePlan(bytes, metres_per_unit));
-  file.graph = std::move(pictured.graph);
-  file.picture = std::move(pictured.picture);
+  return (high - low).norm();
+}
+
+// Lines of a drawing become a planar graph with doors where its lines leave gaps.
+PlanFile FromLines(prior::VectorPlan drawing, std::optional<double> metres_per_unit) {
+  PlanFile file{std::move(drawing.graph), std::move(drawing.warnings), std::nullopt};
+  if (metres_per_unit) file.graph.metres_per_unit = metres_per_unit;
+  const double diagonal = DiagonalOfPlan(file.graph);
+  constexpr double kWeldMetres = 0.05, kWeldShare = 5e-4;
+  const double weld = file.graph.metres_per_unit ? kWeldMetres / *file.graph.metres_per_unit : kWeldShare * diagonal;
+  file.graph = prior::Planarise(file.graph, std::min(weld, 0.01 * diagonal));
+  if (file.graph.doors.empty()) file.graph.doors = FindDoors(file.graph, diagonal);
   return file;
+}
+
+absl::StatusOr<PlanFile> FromPicture(std::string_view bytes, std::optional<double> metres_per_unit) {
+  ENFILADE_ASSIGN_OR_RETURN(PicturedPlan pictured, RecognisePlan(bytes, metres_per_unit));
+  return PlanFile{std::move(pictured.graph), {}, std::move(pictured.picture)};
+}
+
+absl::StatusOr<PlanFile> DecodeAny(std::string_view bytes, const ReadPlanOptions& options,
+                                   std::optional<double> metres_per_unit) {
+  switch (KindOf(bytes)) {
+    case PlanKind::kGeoJson: {
+      ENFILADE_ASSIGN_OR_RETURN(prior::PlanGraph graph, prior::ReadGeoJsonPlan(bytes));
+      if (metres_per_unit) graph.metres_per_unit = metres_per_unit;
+      return PlanFile{std::move(graph), {}, std::nullopt};
+    }
+    case PlanKind::kSvg: {
+      ENFILADE_ASSIGN_OR_RETURN(prior::VectorPlan drawing, prior::ReadSvgPlan(bytes, options.layers));
+      return FromLines(std::move(drawing), metres_per_unit);
+    }
+    case PlanKind::kDxf: {
+      ENFILADE_ASSIGN_OR_RETURN(prior::VectorPlan drawing, prior::ReadDxfPlan(bytes, options.layers));
+      return FromLines(std::move(drawing), metres_per_unit);
+    }
+    case PlanKind::kPdf: {
+      ENFILADE_ASSIGN_OR_RETURN(const std::string png, RenderPdfPage(bytes, options.page));
+      return FromPicture(png, metres_per_unit);
+    }
+    case PlanKind::kPicture:
+      break;
+  }
+  return FromPicture(bytes, metres_per_unit);
 }
 
 }  // namespace
 
 absl::StatusOr<PlanFile> DecodePlan(std::string_view bytes, const ReadPlanOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<double> metres_per_unit, ScaleBy(options.measure));
-  ENFILADE_ASSIGN_OR_RETURN(PlanFile file, DecodeAny(bytes, metres_per_unit));
+  ENFILADE_ASSIGN_OR_RETURN(PlanFile file, DecodeAny(bytes, options, metres_per_unit));
   ENFILADE_RETURN_IF_ERROR(prior::CheckPlan(file.graph));
   if (file.graph.rooms.empty()) file.graph.rooms = prior::FindRooms(file.graph, NarrowestRoom(file.graph));
   if (!file.graph.metres_per_unit) file.warnings.push_back("the scale is unknown: give a measured distance");

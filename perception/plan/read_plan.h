@@ -22,6 +22,8 @@ struct PlanMeasure {
 };
 
 struct ReadPlanOptions {
+  int page = 0;                                       // of a PDF, from 1; 0: the only one
+  std::vector<std::string> layers = {};               // of SVG and DXF: patterns with * and ?; empty: all
   std::optional<PlanMeasure> measure = std::nullopt;  // wins over the file's own scale
 };
 
@@ -32,8 +34,9 @@ struct PlanFile {
 };
 
 // The walls of a floor plan (docs/prior_maps.md), planar, with the rooms between them. By its content the file is a
-// picture (PNG, JPEG, PGM: walls are recognised) or GeoJSON. INVALID_ARGUMENT: another kind of file, a damaged one, one
-// in which fewer than 8 walls are found; RESOURCE_EXHAUSTED: more than 1e6. Messages begin with the path.
+// picture (PNG, JPEG, PGM, a page of a PDF: walls are recognised), SVG, DXF or GeoJSON.
+// INVALID_ARGUMENT: another kind of file, a damaged one, one in which fewer than 8 walls are found; RESOURCE_EXHAUSTED:
+// more than 1e6; FAILED_PRECONDITION: a PDF, and poppler-utils is not installed. Messages begin with the path.
 absl::StatusOr<PlanFile> ReadPlanFile(const std::filesystem::path& path, const ReadPlanOptions& options = {});
 absl::StatusOr<prior::PlanGraph> ReadPlan(const std::filesystem::path& path, const ReadPlanOptions& options = {});
 

@@ -11,10 +11,12 @@ void AddPlanOptions(CLI::App& command, PlanOptions& options) {
   command.add_option("PLAN", options.path, "The plan (docs/prior_maps.md lists the formats)")->required();
   command.add_option("--measure", options.measure,
                      "A known distance between two points of the plan, X1,Y1,X2,Y2=METRES: gives the scale");
+  command.add_option("--page", options.page, "The page of a PDF, from 1")->check(CLI::PositiveNumber);
+  command.add_option("--layers", options.layers, "Layers of SVG and DXF to read: patterns such as A-WALL*");
 }
 
 absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options) {
-  perception::ReadPlanOptions reading;
+  perception::ReadPlanOptions reading{.page = options.page, .layers = options.layers};
   if (options.measure.empty()) return reading;
   perception::PlanMeasure measure;
   int used = 0;

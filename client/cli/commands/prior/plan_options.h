@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
@@ -13,6 +14,8 @@ namespace enfilade::cli {
 struct PlanOptions {
   std::string path;
   std::string measure;  // "X1,Y1,X2,Y2=M"
+  int page = 0;
+  std::vector<std::string> layers;
 };
 
 void AddPlanOptions(CLI::App& command, PlanOptions& options);

@@ -76,7 +76,8 @@ void AddPriorImport(CLI::App& prior, const Globals& globals) {
   command->add_option("--plot", options->plot, "Write a PNG: what was read, over the picture");
   command->footer(
       "Examples:\n  enfilade prior import floor.png -o walls.geojson --plot walls.png\n"
-      "  enfilade prior import floor.png --measure 120,40,480,40=7.2 --json");
+      "  enfilade prior import floor.png --measure 120,40,480,40=7.2 --json\n"
+      "  enfilade prior import house.dxf --layers 'A-WALL*' -o walls.geojson");
 }
 
 }  // namespace enfilade::cli
