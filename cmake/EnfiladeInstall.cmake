@@ -8,7 +8,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(installed_libraries client_import client_uplink client_api client_connection client_spool client_building
+set(installed_libraries client_import client_uplink client_api client_connection client_spool core_building
   client_map_manager proto_convert proto core_options core_sensor core_geometry core_base io)
 set(header_dir ${CMAKE_INSTALL_INCLUDEDIR}/enfilade)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)
@@ -25,8 +25,9 @@ foreach(folder client/sdk client/import core/base core/geometry core/sensor io p
   install(DIRECTORY ${folder}/ DESTINATION ${header_dir}/${folder} FILES_MATCHING PATTERN "*.h")
 endforeach()
 install(FILES core/graph/link_point_kind.h DESTINATION ${header_dir}/core/graph)  # that records name
-install(FILES client/sources/imports/building_file.h client/sources/imports/map_manager_database.h
+install(FILES client/sources/imports/map_manager_database.h
   DESTINATION ${header_dir}/client/sources/imports)  # that imports read
+install(FILES core/prior/formats/building_file.h DESTINATION ${header_dir}/core/prior/formats)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/proto/enfilade DESTINATION ${header_dir} FILES_MATCHING PATTERN "*.pb.h")
 install(DIRECTORY proto/enfilade DESTINATION ${CMAKE_INSTALL_DATADIR}/enfilade/proto FILES_MATCHING PATTERN "*.proto")
 

@@ -19,18 +19,18 @@ class BuildingImport {
   BuildingImport(const Connection& connection, const SiteId& site, std::string prefix, ImportReport& report)
       : connection_(connection), site_(NameOf(site)), prefix_(std::move(prefix)), report_(report) {}
 
-  absl::Status Run(const sources::Building& building) {
-    for (const sources::BuildingRemark& remark : building.remarks) {
+  absl::Status Run(const prior::Building& building) {
+    for (const prior::BuildingRemark& remark : building.remarks) {
       if (remark.refused) {
         report_.Refused(remark.item, remark.why);
       } else {
         report_.Remark(remark.item, remark.why);
       }
     }
-    for (const sources::BuildingLevel& level : building.levels) ENFILADE_RETURN_IF_ERROR(TakeLevel(level));
-    for (const sources::BuildingLift& lift : building.lifts) ENFILADE_RETURN_IF_ERROR(TakeLift(lift));
+    for (const prior::BuildingLevel& level : building.levels) ENFILADE_RETURN_IF_ERROR(TakeLevel(level));
+    for (const prior::BuildingLift& lift : building.lifts) ENFILADE_RETURN_IF_ERROR(TakeLift(lift));
     for (std::size_t i = 0; i < building.levels.size(); ++i) {
-      for (const sources::BuildingDoor& door : building.levels[i].doors) {
+      for (const prior::BuildingDoor& door : building.levels[i].doors) {
         ENFILADE_RETURN_IF_ERROR(TakeDoor(i, door, building));
       }
     }
@@ -38,7 +38,7 @@ class BuildingImport {
   }
 
  private:
-  absl::Status TakeLevel(const sources::BuildingLevel& level) {
+  absl::Status TakeLevel(const prior::BuildingLevel& level) {
     v1::CreateMapRequest request;
     request.set_parent(site_);
     request.mutable_map()->set_display_name(prefix_ + level.name);
@@ -86,15 +86,15 @@ class BuildingImport {
     return absl::OkStatus();
   }
 
-  absl::Status TakeLift(const sources::BuildingLift& lift) {
+  absl::Status TakeLift(const prior::BuildingLift& lift) {
     v1::LinkPoint link_point;
     link_point.set_kind(v1::LinkPoint::KIND_LIFT);
-    for (const sources::BuildingLift::Stop& stop : lift.stops) AddAnchor(stop.level, stop.T_level_cabin, link_point);
+    for (const prior::BuildingLift::Stop& stop : lift.stops) AddAnchor(stop.level, stop.T_level_cabin, link_point);
     return Create("lifts " + lift.name, lift.name, std::move(link_point));
   }
 
   // Both sides of a door are in the one map of its level.
-  absl::Status TakeDoor(std::size_t level, const sources::BuildingDoor& door, const sources::Building& building) {
+  absl::Status TakeDoor(std::size_t level, const prior::BuildingDoor& door, const prior::Building& building) {
     v1::LinkPoint link_point;
     link_point.set_kind(v1::LinkPoint::KIND_DOOR);
     AddAnchor(level, door.T_level_door, link_point);
@@ -111,7 +111,7 @@ class BuildingImport {
 
 }  // namespace
 
-absl::Status ImportBuilding(const Connection& connection, const SiteId& site, const sources::Building& building,
+absl::Status ImportBuilding(const Connection& connection, const SiteId& site, const prior::Building& building,
                             const std::string& prefix, ImportReport& report) {
   return BuildingImport(connection, site, prefix, report).Run(building);
 }

@@ -11,9 +11,9 @@
 #include "client/simulator/campus/random_building.h"
 #include "client/simulator/campus/shipped_campuses.h"
 #include "client/sources/formats/json_lines_writer.h"
-#include "client/sources/imports/building_file.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/prior/formats/building_file.h"
 #include "io/file.h"
 #include "nlohmann/json.hpp"
 
@@ -88,7 +88,7 @@ class DriveWriter {
 };
 
 absl::StatusOr<Campus> ReadBuilding(const std::string& text) {
-  ENFILADE_ASSIGN_OR_RETURN(const sources::Building building, sources::ParseBuilding(text));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::Building building, prior::ParseBuilding(text));
   return CampusOf(building);
 }
 

@@ -20,7 +20,7 @@ namespace v1 = enfilade::v1;
 absl::Status Import(const client::Connection& connection, const enfilade::SiteId& site, const std::string& path) {
   const absl::StatusOr<std::string> yaml = enfilade::io::ReadFile(path);
   if (!yaml.ok()) return yaml.status();
-  const auto building = enfilade::sources::ParseBuilding(*yaml);
+  const auto building = enfilade::prior::ParseBuilding(*yaml);
   if (!building.ok()) return building.status();
   client::ImportReport report;
   const absl::Status status = client::ImportBuilding(connection, site, *building, building->name + " ", report);

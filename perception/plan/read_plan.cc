@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/prior/formats/building_plan.h"
 #include "core/prior/formats/dxf_plan.h"
 #include "core/prior/formats/geojson_plan.h"
 #include "core/prior/formats/svg_plan.h"
@@ -30,7 +31,7 @@ absl::StatusOr<std::optional<double>> ScaleBy(const std::optional<PlanMeasure>& 
   return measure->metres / units;
 }
 
-enum class PlanKind { kPicture, kPdf, kSvg, kDxf, kGeoJson };
+enum class PlanKind { kPicture, kPdf, kSvg, kDxf, kGeoJson, kBuilding };
 
 PlanKind KindOf(std::string_view bytes) {
   if (bytes.substr(0, 5) == "%PDF-") return PlanKind::kPdf;
@@ -43,6 +44,9 @@ PlanKind KindOf(std::string_view bytes) {
   if (begin.substr(0, 18) == "AutoCAD Binary DXF") return PlanKind::kDxf;
   if (begin.substr(0, 3) == "999" || (begin[0] == '0' && begin.find("SECTION") != std::string_view::npos)) {
     return PlanKind::kDxf;
+  }
+  if (bytes.find("levels:") != std::string_view::npos && begin.find('\0') == std::string_view::npos) {
+    return PlanKind::kBuilding;
   }
   return PlanKind::kPicture;
 }
@@ -76,6 +80,28 @@ PlanFile FromLines(prior::VectorPlan drawing, std::optional<double> metres_per_u
   return file;
 }
 
+absl::StatusOr<PlanFile> FromBuilding(std::string_view bytes, const ReadPlanOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(const prior::Building building, prior::ParseBuilding(std::string(bytes)));
+  std::string names;
+  std::optional<std::size_t> chosen;
+  for (std::size_t i = 0; i < building.levels.size(); ++i) {
+    names += (names.empty() ? "" : ", ") + building.levels[i].name;
+    if (building.levels[i].name == options.level || (options.level.empty() && !chosen)) chosen = i;
+  }
+  if (!chosen) {
+    for (const prior::BuildingRemark& remark : building.remarks) {
+      if (remark.refused) return InvalidArgument("{}: {}", remark.item, remark.why);
+    }
+    return InvalidArgument("the building has no level \"{}\"; it has {}", options.level, names);
+  }
+  PlanFile file = FromLines({prior::PlanOfLevel(building, *chosen), {}}, std::nullopt);
+  for (const prior::BuildingRemark& remark : building.remarks) file.warnings.push_back(remark.item + ": " + remark.why);
+  if (building.levels.size() > 1 && options.level.empty()) {
+    file.warnings.push_back(fmt::format("level {} of {} was read", building.levels[*chosen].name, names));
+  }
+  return file;
+}
+
 absl::StatusOr<PlanFile> FromPicture(std::string_view bytes, std::optional<double> metres_per_unit) {
   ENFILADE_ASSIGN_OR_RETURN(PicturedPlan pictured, RecognisePlan(bytes, metres_per_unit));
   return PlanFile{std::move(pictured.graph), {}, std::move(pictured.picture)};
@@ -97,6 +123,8 @@ absl::StatusOr<PlanFile> DecodeAny(std::string_view bytes, const ReadPlanOptions
       ENFILADE_ASSIGN_OR_RETURN(prior::VectorPlan drawing, prior::ReadDxfPlan(bytes, options.layers));
       return FromLines(std::move(drawing), metres_per_unit);
     }
+    case PlanKind::kBuilding:
+      return FromBuilding(bytes, options);
     case PlanKind::kPdf: {
       ENFILADE_ASSIGN_OR_RETURN(const std::string png, RenderPdfPage(bytes, options.page));
       return FromPicture(png, metres_per_unit);

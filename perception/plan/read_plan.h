@@ -24,6 +24,7 @@ struct PlanMeasure {
 struct ReadPlanOptions {
   int page = 0;                                       // of a PDF, from 1; 0: the only one
   std::vector<std::string> layers = {};               // of SVG and DXF: patterns with * and ?; empty: all
+  std::string level = {};                             // of a building.yaml; empty: the lowest
   std::optional<PlanMeasure> measure = std::nullopt;  // wins over the file's own scale
 };
 
@@ -34,7 +35,7 @@ struct PlanFile {
 };
 
 // The walls of a floor plan (docs/prior_maps.md), planar, with the rooms between them. By its content the file is a
-// picture (PNG, JPEG, PGM, a page of a PDF: walls are recognised), SVG, DXF or GeoJSON.
+// picture (PNG, JPEG, PGM, a page of a PDF: walls are recognised), SVG, DXF, GeoJSON, or a building.yaml of Open-RMF.
 // INVALID_ARGUMENT: another kind of file, a damaged one, one in which fewer than 8 walls are found; RESOURCE_EXHAUSTED:
 // more than 1e6; FAILED_PRECONDITION: a PDF, and poppler-utils is not installed. Messages begin with the path.
 absl::StatusOr<PlanFile> ReadPlanFile(const std::filesystem::path& path, const ReadPlanOptions& options = {});

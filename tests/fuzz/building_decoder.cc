@@ -2,7 +2,7 @@
 // building.yaml of Open-RMF's traffic editor.
 #include <algorithm>
 
-#include "client/sources/imports/building_file.h"
+#include "core/prior/formats/building_file.h"
 #include "tests/fuzz/decoder.h"
 
 namespace enfilade::fuzz {
@@ -37,16 +37,16 @@ lifts:
 }
 
 bool Decode(std::string_view bytes) {
-  const auto building = sources::ParseBuilding(std::string(bytes));
+  const auto building = prior::ParseBuilding(std::string(bytes));
   if (!building.ok()) return false;
-  for (const sources::BuildingLevel& level : building->levels) {
-    for (const sources::BuildingDoor& door : level.doors) Expect(IsFinite(door.T_level_door), "a door has a place");
+  for (const prior::BuildingLevel& level : building->levels) {
+    for (const prior::BuildingDoor& door : level.doors) Expect(IsFinite(door.T_level_door), "a door has a place");
     Expect(std::all_of(level.outline.begin(), level.outline.end(),
                        [](const Eigen::Vector2d& corner) { return corner.allFinite(); }),
            "an outline is finite");
   }
-  for (const sources::BuildingLift& lift : building->lifts) {
-    for (const sources::BuildingLift::Stop& stop : lift.stops) {
+  for (const prior::BuildingLift& lift : building->lifts) {
+    for (const prior::BuildingLift::Stop& stop : lift.stops) {
       Expect(stop.level < building->levels.size(), "a lift stops at levels of the building");
       Expect(IsFinite(stop.T_level_cabin), "a stop has a place");
     }

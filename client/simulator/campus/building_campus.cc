@@ -28,7 +28,7 @@ constexpr double kJamb = 0.05;          // m: a closed door reaches so far into 
 
 class BuildingDrawing {
  public:
-  explicit BuildingDrawing(const sources::Building& building) : building_(building) {
+  explicit BuildingDrawing(const prior::Building& building) : building_(building) {
     campus_.name = building.name;
     campus_.wall_thickness = kWallThickness;
   }
@@ -39,7 +39,7 @@ class BuildingDrawing {
       campus_.levels[building_.levels[i].name] = kLevelHeight * static_cast<double>(i);
       DrawLevel(i);
     }
-    for (const sources::BuildingLift& lift : building_.lifts) DrawLift(lift);
+    for (const prior::BuildingLift& lift : building_.lifts) DrawLift(lift);
     for (std::size_t i = 0; i < building_.levels.size(); ++i) AddGaps(i);
     for (std::size_t i = 0; i < building_.levels.size(); ++i) ENFILADE_RETURN_IF_ERROR(DivideLevel(i));
     if (campus_.areas.size() == cabins_) return InvalidArgument("{}: its walls enclose no areas", campus_.name);
@@ -56,7 +56,7 @@ class BuildingDrawing {
   // The level in the campus, which is the frame of the first level that it shares a lift with, or its own.
   Pose2 PlaceOf(std::size_t level) const {
     if (level == 0) return {};
-    for (const sources::BuildingLift& lift : building_.lifts) {
+    for (const prior::BuildingLift& lift : building_.lifts) {
       const auto stop = [&](std::size_t at) {
         return std::find_if(lift.stops.begin(), lift.stops.end(), [at](const auto& one) { return one.level == at; });
       };
@@ -79,9 +79,9 @@ class BuildingDrawing {
   }
 
   void DrawLevel(std::size_t index) {
-    const sources::BuildingLevel& level = building_.levels[index];
+    const prior::BuildingLevel& level = building_.levels[index];
     const Pose2 T_campus_level = PlaceOf(index);
-    for (const sources::BuildingWall& drawn : level.walls) {
+    for (const prior::BuildingWall& drawn : level.walls) {
       Wall wall;
       wall.level = level.name;
       wall.points = {T_campus_level * drawn.a, T_campus_level * drawn.b};
@@ -90,7 +90,7 @@ class BuildingDrawing {
       campus_.walls.push_back(std::move(wall));
     }
     for (std::size_t i = 0; i < level.doors.size(); ++i) {
-      const sources::BuildingDoor& door = level.doors[i];
+      const prior::BuildingDoor& door = level.doors[i];
       if (door.width < 0.1) continue;
       AddDoor(index, door.name.empty() ? fmt::format("{}-door{}", level.name, i + 1) : door.name,
               T_campus_level * door.T_level_door, door.width);
@@ -117,11 +117,11 @@ class BuildingDrawing {
     }
   }
 
-  void DrawLift(const sources::BuildingLift& drawn) {
+  void DrawLift(const prior::BuildingLift& drawn) {
     if (drawn.width < 0.5 || drawn.depth < 0.5 || drawn.doors.empty()) return;
     Lift lift;
     lift.id = drawn.name;
-    for (const sources::BuildingLift::Stop& stop : drawn.stops) {
+    for (const prior::BuildingLift::Stop& stop : drawn.stops) {
       const std::string& level = building_.levels[stop.level].name;
       const Pose2 T_campus_cabin = PlaceOf(stop.level) * stop.T_level_cabin;
       Area cabin;
@@ -176,7 +176,7 @@ class BuildingDrawing {
   bool LeadsSomewhere(const Door& door) const { return Beside(door).first && Beside(door).second; }
   bool Divides(const Door& door) const { return LeadsSomewhere(door) && Beside(door).first != Beside(door).second; }
 
-  const sources::Building& building_;
+  const prior::Building& building_;
   Campus campus_;
   std::size_t cabins_ = 0;  // areas
   std::set<std::string> door_ids_;
@@ -186,6 +186,6 @@ class BuildingDrawing {
 
 }  // namespace
 
-absl::StatusOr<Campus> CampusOf(const sources::Building& building) { return BuildingDrawing(building).Draw(); }
+absl::StatusOr<Campus> CampusOf(const prior::Building& building) { return BuildingDrawing(building).Draw(); }
 
 }  // namespace enfilade::simulator

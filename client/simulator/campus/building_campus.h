@@ -3,7 +3,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/simulator/campus/campus.h"
-#include "client/sources/imports/building_file.h"
+#include "core/prior/formats/building_file.h"
 
 namespace enfilade::simulator {
 
@@ -12,6 +12,6 @@ namespace enfilade::simulator {
 // least 2 m^2, LEVEL-1, LEVEL-2, ... from the largest; what is open to the outside is none. Levels lie above each other
 // as their lifts say. The robot "robot" visits every area that it can reach, one level after the other by lift, and
 // returns to its start. INVALID_ARGUMENT: it has no areas, or is larger than 200 m.
-absl::StatusOr<Campus> CampusOf(const sources::Building& building);
+absl::StatusOr<Campus> CampusOf(const prior::Building& building);
 
 }  // namespace enfilade::simulator

@@ -9,9 +9,9 @@
 #include "client/cli/remote.h"
 #include "client/import/building_import.h"
 #include "client/import/map_manager_import.h"
-#include "client/sources/imports/building_file.h"
 #include "client/sources/imports/map_manager_database.h"
 #include "core/base/status_macros.h"
+#include "core/prior/formats/building_file.h"
 #include "io/file.h"
 
 namespace enfilade::cli {
@@ -43,7 +43,7 @@ void PrintReport(const Globals& globals, const client::ImportReport& report) {
 
 absl::Status ImportBuilding(const Globals& globals, const BuildingCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string yaml, io::ReadFile(options.path));
-  ENFILADE_ASSIGN_OR_RETURN(const sources::Building building, sources::ParseBuilding(yaml));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::Building building, prior::ParseBuilding(yaml));
   const std::string prefix = options.prefix.empty() && !building.name.empty() ? building.name + " " : options.prefix;
   client::ImportReport report;
   absl::Status status = client::ImportBuilding(ConnectionOf(globals), SiteId(globals.site), building, prefix, report);

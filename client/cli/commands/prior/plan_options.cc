@@ -13,10 +13,11 @@ void AddPlanOptions(CLI::App& command, PlanOptions& options) {
                      "A known distance between two points of the plan, X1,Y1,X2,Y2=METRES: gives the scale");
   command.add_option("--page", options.page, "The page of a PDF, from 1")->check(CLI::PositiveNumber);
   command.add_option("--layers", options.layers, "Layers of SVG and DXF to read: patterns such as A-WALL*");
+  command.add_option("--level", options.level, "The level of a building.yaml (default: the lowest)");
 }
 
 absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options) {
-  perception::ReadPlanOptions reading{.page = options.page, .layers = options.layers};
+  perception::ReadPlanOptions reading{.page = options.page, .layers = options.layers, .level = options.level};
   if (options.measure.empty()) return reading;
   perception::PlanMeasure measure;
   int used = 0;

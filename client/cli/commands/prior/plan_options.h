@@ -16,6 +16,7 @@ struct PlanOptions {
   std::string measure;  // "X1,Y1,X2,Y2=M"
   int page = 0;
   std::vector<std::string> layers;
+  std::string level;
 };
 
 void AddPlanOptions(CLI::App& command, PlanOptions& options);

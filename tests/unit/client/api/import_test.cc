@@ -82,8 +82,8 @@ class ImportTest : public ::testing::Test {
   std::vector<std::string> evidence_;
 };
 
-sources::Building TwoFloors() {
-  sources::Building building;
+prior::Building TwoFloors() {
+  prior::Building building;
   building.name = "Hotel";
   building.levels = {{"L1", 0, {{0.0, 0.0}, {4.0, 0.0}, {4.0, 3.0}}, {{"front", {1.0, 2.0, 0.5}}}}, {"L2", 1, {}, {}}};
   building.lifts = {{"A", {{0, {1.0, 1.0, 0.0}}, {1, {2.0, 2.0, 0.0}}}}};

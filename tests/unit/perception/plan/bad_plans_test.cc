@@ -148,6 +148,15 @@ TEST(PdfPlans, ManyPagesNeedAChoiceAndEncryptedOnesAreRefused) {
   ExpectRefused("%PDF-1.4\nnothing", "PDF");
 }
 
+TEST(BuildingPlans, NameWhatIsMissing) {
+  const std::string vertices = "vertices: [[0, 0, 0, \"\"], [90, 0, 0, \"\"]]";
+  ExpectRefused("levels: {L1: {" + vertices + ", walls: [[0, 1, {}]]}}", "no measured line");
+  ExpectRefused("levels: {L1: {" + vertices + ", measurements: [[0, 1, {distance: [3, 9]}]], walls: [[0, 7, {}]]}}",
+                "a vertex that does not exist");
+  ExpectRefused("levels: {L1: {" + vertices + ", measurements: [[0, 1, {distance: [3, 9]}]], walls: [[0, 1, {}]]}}",
+                "no level \"L9\"; it has L1", {.level = "L9"});
+}
+
 TEST(VectorPlans, BecomePlanarWithDoorsAndRooms) {
   std::string svg = R"(<svg xmlns="http://www.w3.org/2000/svg">)";
   svg += R"(<rect x="0" y="0" width="400" height="200"/>)";

@@ -109,7 +109,7 @@ std::vector<std::string> DriveAll(const Campus& campus) {
 }
 
 TEST(CampusOfBuilding, HasItsRoomsDoorsAndLifts) {
-  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoFloors));
+  ASSERT_OK_AND_ASSIGN(const prior::Building building, prior::ParseBuilding(kTwoFloors));
   ASSERT_OK_AND_ASSIGN(const Campus campus, CampusOf(building));
   ASSERT_THAT(campus.areas, SizeIs(5)) << "two rooms, the upper floor, the cabin on both";
   ASSERT_NE(campus.FindDoor("inner"), nullptr);
@@ -125,7 +125,7 @@ TEST(CampusOfBuilding, HasItsRoomsDoorsAndLifts) {
 }
 
 TEST(CampusOfBuilding, IsToured) {
-  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoFloors));
+  ASSERT_OK_AND_ASSIGN(const prior::Building building, prior::ParseBuilding(kTwoFloors));
   ASSERT_OK_AND_ASSIGN(const Campus campus, CampusOf(building));
   const std::vector<std::string> areas = DriveAll(campus);
   for (const std::string area : {"G-1", "G-2", "lift", "F-1"}) EXPECT_THAT(areas, ::testing::Contains(area));
@@ -133,7 +133,7 @@ TEST(CampusOfBuilding, IsToured) {
 }
 
 TEST(CampusOfBuilding, NeedsAreas) {
-  sources::Building building;
+  prior::Building building;
   building.name = "plain";
   building.levels.push_back({"L", 0, {}, {}, {{{0.0, 0.0}, {5.0, 0.0}}}});
   EXPECT_STATUS(CampusOf(building), absl::StatusCode::kInvalidArgument, HasSubstr("enclose no areas"));

@@ -76,7 +76,7 @@ struct Fault {
   const char* message;
 };
 
-class FaultyGeoJson : public testing::TestWithParam<Fault> {};
+class FaultyGeoJson : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(FaultyGeoJson, IsRefused) {
   const auto plan = ReadGeoJsonPlan(GetParam().text);

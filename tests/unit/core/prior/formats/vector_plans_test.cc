@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/prior/formats/building_plan.h"
 #include "core/prior/formats/dxf_plan.h"
 #include "core/prior/formats/plan_lines.h"
 #include "core/prior/formats/svg_plan.h"
@@ -175,6 +176,30 @@ TEST(IsWantedLayer, MatchesPatterns) {
   EXPECT_TRUE(IsWantedLayer({"x", "A-*-?xt"}, "a-wall-EXT"));
   EXPECT_FALSE(IsWantedLayer({"A-WALL"}, "A-WALL-EXT"));
   EXPECT_FALSE(IsWantedLayer({"*a*a*a*a*b"}, std::string(10'000, 'a')));
+}
+
+TEST(BuildingPlan, HasTheWallsDoorsAndLiftsOfALevelInPixels) {
+  const auto building = ParseBuilding(R"(name: house
+levels:
+  Ground:
+    elevation: 0
+    measurements: [[0, 1, {distance: [3, 10]}]]
+    vertices: [[100, 100, 0, ""], [300, 100, 0, ""], [300, 200, 0, ""], [100, 200, 0, ""]]
+    walls: [[0, 1, {}], [1, 2, {}], [2, 3, {}], [3, 0, {}]]
+    doors: [[1, 2, {name: [1, "d"], type: [1, hinged]}]]
+lifts:
+  L: {reference_floor_name: Ground, x: 200, y: 150, yaw: 0, width: 2, depth: 1, level_doors: {Ground: [d]}, doors: {}}
+)");
+  ASSERT_TRUE(building.ok()) << building.status();
+  const PlanGraph plan = PlanOfLevel(*building, 0);
+  ASSERT_EQ(plan.walls.size(), 4u);
+  EXPECT_NEAR(*plan.metres_per_unit, 0.05, 1e-12);
+  EXPECT_LT((plan.corners[plan.walls[1].to].point - Eigen::Vector2d(300, 200)).norm(), 1e-9);
+  ASSERT_EQ(plan.doors.size(), 1u);
+  EXPECT_NEAR((plan.doors[0].to - plan.doors[0].from).norm(), 100, 1e-9);
+  EXPECT_LT(((plan.doors[0].to + plan.doors[0].from) / 2 - Eigen::Vector2d(300, 150)).norm(), 1e-9);
+  ASSERT_EQ(plan.shafts.size(), 1u);
+  EXPECT_LT((plan.shafts[0].outline[0] - Eigen::Vector2d(180, 160)).norm(), 1e-9);
 }
 
 }  // namespace

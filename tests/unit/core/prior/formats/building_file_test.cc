@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/sources/imports/building_file.h"
+#include "core/prior/formats/building_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,10 +55,10 @@ lifts:
 )";
 
 TEST(BuildingFileTest, ReadsLevelsDoorsAndLiftsInMetres) {
-  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoLevels));
+  ASSERT_OK_AND_ASSIGN(const prior::Building building, prior::ParseBuilding(kTwoLevels));
   EXPECT_EQ(building.name, "house");
   ASSERT_THAT(building.levels, SizeIs(2));
-  const sources::BuildingLevel& ground = building.levels[0];
+  const prior::BuildingLevel& ground = building.levels[0];
   EXPECT_EQ(ground.name, "Ground");
   EXPECT_EQ(ground.level, 0);
   ASSERT_THAT(ground.outline, SizeIs(4));
@@ -84,13 +84,13 @@ TEST(BuildingFileTest, ReadsLevelsDoorsAndLiftsInMetres) {
 }
 
 TEST(BuildingFileTest, RemarksOnWhatItDidNotImport) {
-  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(kTwoLevels));
+  ASSERT_OK_AND_ASSIGN(const prior::Building building, prior::ParseBuilding(kTwoLevels));
   ASSERT_THAT(building.remarks, SizeIs(2));
   EXPECT_EQ(building.remarks[0].item, "levels Roof");
   EXPECT_TRUE(building.remarks[0].refused);
   EXPECT_EQ(building.remarks[1].item, "lifts Nowhere");
   EXPECT_THAT(building.remarks[1].why, HasSubstr("Cellar"));
-  ASSERT_OK_AND_ASSIGN(const sources::Building broken, sources::ParseBuilding(R"(
+  ASSERT_OK_AND_ASSIGN(const prior::Building broken, prior::ParseBuilding(R"(
 levels:
   A:
     measurements: [[0, 1, {distance: [3, 10]}]]
@@ -102,8 +102,8 @@ levels:
   EXPECT_THAT(broken.levels, IsEmpty());
   ASSERT_THAT(broken.remarks, SizeIs(2));
   EXPECT_THAT(broken.remarks[0].why, HasSubstr("vertex"));
-  EXPECT_CODE(sources::ParseBuilding("levels: [1, 2]"), absl::StatusCode::kInvalidArgument);
-  EXPECT_CODE(sources::ParseBuilding("{"), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(prior::ParseBuilding("levels: [1, 2]"), absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(prior::ParseBuilding("{"), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(BuildingFileTest, ReadsTheHotelOfTheRmfDemos) {
@@ -111,11 +111,11 @@ TEST(BuildingFileTest, ReadsTheHotelOfTheRmfDemos) {
   std::ifstream file(path);
   std::ostringstream text;
   text << file.rdbuf();
-  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(text.str()));
+  ASSERT_OK_AND_ASSIGN(const prior::Building building, prior::ParseBuilding(text.str()));
   ASSERT_THAT(building.levels, SizeIs(3));
   EXPECT_THAT(building.lifts, SizeIs(2));
-  for (const sources::BuildingLift& lift : building.lifts) EXPECT_THAT(lift.stops, SizeIs(3));
-  for (const sources::BuildingLevel& level : building.levels) {
+  for (const prior::BuildingLift& lift : building.lifts) EXPECT_THAT(lift.stops, SizeIs(3));
+  for (const prior::BuildingLevel& level : building.levels) {
     EXPECT_GE(level.outline.size(), 3U);
     EXPECT_FALSE(level.doors.empty());
   }
@@ -139,10 +139,10 @@ TEST_P(BuildingFileRefusals, NameThePartAndSpareTheOthers) {
     vertices: [[0, 0, 0, ""], [100, 0, 0, ""], [100, 50, 0, ""]]
     floors: [{vertices: [0, 1, 2]}]
 )";
-  ASSERT_OK_AND_ASSIGN(const sources::Building building,
-                       sources::ParseBuilding("levels:" + sound + std::string(GetParam().yaml)));
+  ASSERT_OK_AND_ASSIGN(const prior::Building building,
+                       prior::ParseBuilding("levels:" + sound + std::string(GetParam().yaml)));
   EXPECT_EQ(std::count_if(building.levels.begin(), building.levels.end(),
-                          [](const sources::BuildingLevel& level) { return level.name == "Sound"; }),
+                          [](const prior::BuildingLevel& level) { return level.name == "Sound"; }),
             1);
   ASSERT_THAT(building.remarks, SizeIs(1));
   EXPECT_EQ(building.remarks[0].item, GetParam().item);
@@ -190,9 +190,9 @@ TEST(BuildingFileTest, CountsLevelsFromTheGround) {
            "\n    vertices: [[0, 0], [100, 0], [100, 50]]\n    measurements: [[0, 1, {distance: [3, 10]}]]\n"
            "    floors: [{vertices: [0, 1, 2]}]\n";
   };
-  ASSERT_OK_AND_ASSIGN(const sources::Building building,
-                       sources::ParseBuilding("levels:\n" + level("Top", 8.0) + level("Cellar", -4.0) +
-                                              level("Ground", -0.2) + level("Deep", -8.0)));
+  ASSERT_OK_AND_ASSIGN(const prior::Building building,
+                       prior::ParseBuilding("levels:\n" + level("Top", 8.0) + level("Cellar", -4.0) +
+                                            level("Ground", -0.2) + level("Deep", -8.0)));
   ASSERT_THAT(building.levels, SizeIs(4));
   const std::pair<const char*, int> expected[] = {{"Deep", -2}, {"Cellar", -1}, {"Ground", 0}, {"Top", 1}};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -202,7 +202,7 @@ TEST(BuildingFileTest, CountsLevelsFromTheGround) {
 }
 
 TEST(BuildingFileTest, TakesMetresAndUpwardYFromCartesianBuildings) {
-  ASSERT_OK_AND_ASSIGN(const sources::Building building, sources::ParseBuilding(R"(
+  ASSERT_OK_AND_ASSIGN(const prior::Building building, prior::ParseBuilding(R"(
 coordinate_system: cartesian_meters
 levels:
   L1:

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/geometry/pose2.h"
 
-namespace enfilade::sources {
+namespace enfilade::prior {
 
 // The floors, doors and lifts of a building.yaml of Open-RMF's traffic editor. Each level has its own frame: metres,
 // origin in the upper left corner of its drawing, x to the right and y up in the drawing.
@@ -31,6 +31,7 @@ struct BuildingLevel {
       outline;  // m: the convex hull of its floors, or of its walls if it has no floors; may be empty
   std::vector<BuildingDoor> doors;
   std::vector<BuildingWall> walls = {};
+  double metres_per_unit = 1.0;  // of the drawing: a pixel of its picture
 };
 
 struct BuildingLift {
@@ -63,4 +64,4 @@ struct Building {
 // that cannot be read gives a remark and does not affect the others.
 absl::StatusOr<Building> ParseBuilding(const std::string& yaml);
 
-}  // namespace enfilade::sources
+}  // namespace enfilade::prior

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/sources/imports/building_file.h"
+#include "core/prior/formats/building_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "core/options/yaml_document.h"
 #include "fmt/format.h"
 
-namespace enfilade::sources {
+namespace enfilade::prior {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
@@ -110,6 +110,7 @@ class Parser {
     }
     drawing.scale = metric ? 1.0 : ScaleOf(node["measurements"], vertices);
     drawing.up = metric ? 1.0 : -1.0;
+    drawing.level.metres_per_unit = drawing.scale;
     if (drawing.scale <= 0.0) return "it has no measured line, so its scale is unknown";
     if (node["fiducials"]) {
       for (const auto& fiducial : node["fiducials"]) {
@@ -257,4 +258,4 @@ absl::StatusOr<Building> ParseBuilding(const std::string& yaml) {
   return yaml_options::ReadYaml(yaml, "building.yaml", [](const YAML::Node& root) { return Parser(root).Parse(); });
 }
 
-}  // namespace enfilade::sources
+}  // namespace enfilade::prior
