@@ -44,6 +44,7 @@ void AddMapImport(CLI::App& map, const Globals& globals);
 void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);
+void AddPriorFit(CLI::App& prior, const Globals& globals);
 void AddPriorImport(CLI::App& prior, const Globals& globals);
 void AddSessionDoors(CLI::App& session, const Globals& globals);
 

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/offline/rooms_picture.h"
-#include "client/cli/map_file_reader.h"
+#include "client/cli/occupancy_map.h"
 #include "client/cli/output.h"
-#include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/grid/files/map_files.h"
-#include "core/grid/files/plan_image.h"
-#include "core/grid/map_raster.h"
 #include "core/rooms/room_partition.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -30,25 +23,6 @@ struct RoomsCommandOptions {
   std::string plot;
   std::optional<double> resolution;
 };
-
-absl::StatusOr<grid::OccupancyGrid> ReadMap(const RoomsCommandOptions& options) {
-  const std::string extension = std::filesystem::path(options.map).extension().string();
-  grid::OccupancyGrid grid;
-  if (extension == ".yaml" || extension == ".yml" || extension == ".json") {
-    ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files, ReadMapFiles(options.map));
-    ENFILADE_ASSIGN_OR_RETURN(const grid::ImportedMap map, grid::ImportFiles(files, grid::MapDialect::kNav2));
-    grid = grid::ToOccupancyGrid(map.raster);
-  } else {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(options.map));
-    absl::StatusOr<grid::OccupancyGrid> plan = grid::ReadPlan(bytes);
-    if (!plan.ok()) return WithContext(plan.status(), options.map);
-    grid = *std::move(plan);
-  }
-  if (options.resolution) grid.geometry.resolution = *options.resolution;
-  const absl::Status valid = grid::Validate(grid.geometry);
-  if (!valid.ok()) return WithContext(valid, options.map);
-  return grid;
-}
 
 nlohmann::json PointJson(const Eigen::Vector2d& p) { return {{"x_m", p.x()}, {"y_m", p.y()}}; }
 
@@ -78,7 +52,7 @@ void PrintRooms(const Globals& globals, const rooms::RoomPartition& partition) {
 }
 
 absl::Status RunRooms(const Globals& globals, const RoomsCommandOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid grid, ReadMap(options));
+  ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid grid, ReadOccupancyMap(options.map, options.resolution));
   const rooms::RoomPartition partition = rooms::PartitionRooms(grid);
   PrintRooms(globals, partition);
   if (!options.output.empty()) {

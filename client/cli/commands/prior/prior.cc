@@ -4,8 +4,9 @@
 namespace enfilade::cli {
 
 void AddPrior(CLI::App& app, const Globals& globals) {
-  CLI::App* prior = app.add_subcommand("prior", "Floor plans as prior maps: read their walls");
+  CLI::App* prior = app.add_subcommand("prior", "Floor plans as prior maps: read their walls, fit them to maps");
   prior->require_subcommand(1);
+  AddPriorFit(*prior, globals);
   AddPriorImport(*prior, globals);
 }
 

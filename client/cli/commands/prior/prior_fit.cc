@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/cli/commands/commands.h"
+#include "client/cli/commands/prior/plan_options.h"
+#include "client/cli/commands/prior/prior_fit_files.h"
+#include "client/cli/log_options.h"
+#include "client/cli/occupancy_map.h"
+#include "client/cli/output.h"
+#include "client/sources/log_reader.h"
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/prior/alignment/align.h"
+#include "core/prior/correction/correct_plan.h"
+#include "core/slam/mapper/log_mapper.h"
+#include "fmt/format.h"
+#include "io/file.h"
+#include "perception/plan/read_plan.h"
+
+namespace enfilade::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct PriorFitOptions {
+  PlanOptions plan;
+  std::string input;
+  std::string directory;
+  std::string pairs;
+  std::string points;
+  bool automatic = false;
+  std::optional<double> resolution;
+  sources::LogOptions reading;
+};
+
+struct PriorFit {
+  grid::OccupancyGrid map;
+  prior::Alignment alignment;
+  std::unique_ptr<prior::MapEvidence> evidence;
+  std::unique_ptr<prior::CorrectedPlan> corrected;
+  double seconds = 0;  // without mapping a log
+};
+
+bool IsMap(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  return extension == ".yaml" || extension == ".yml" || extension == ".json" || extension == ".png" ||
+         extension == ".pgm";
+}
+
+absl::StatusOr<grid::OccupancyGrid> MapLog(const Globals& globals, const PriorFitOptions& options) {
+  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.input, options.reading));
+  ProgressBar bar(globals, "mapping", reader.facts().scans);
+  slam::LogMapper mapper(sensor::ScanPairingOptions{}, slam::SlamOptions{});
+  for (std::int64_t sequence = 1;; ++sequence) {
+    ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
+    if (!entry) break;
+    mapper.Add(sensor::Record{sequence, std::move(entry->payload)});
+    bar.Update(reader.counts().scans);
+  }
+  mapper.Finish();
+  bar.Finish();
+  return mapper.RenderGrid();
+}
+
+absl::StatusOr<PriorFit> Fit(const Globals& globals, const PriorFitOptions& options, const prior::PlanGraph& plan) {
+  std::vector<prior::ControlPair> pairs;
+  if (!options.pairs.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(pairs, ReadPairs(options.pairs));
+  }
+  PriorFit fit;
+  if (IsMap(options.input)) {
+    ENFILADE_ASSIGN_OR_RETURN(fit.map, ReadOccupancyMap(options.input, options.resolution));
+  } else {
+    ENFILADE_ASSIGN_OR_RETURN(fit.map, MapLog(globals, options));
+  }
+  const Clock::time_point begin = Clock::now();
+  fit.evidence = std::make_unique<prior::MapEvidence>(prior::EvidenceOf(fit.map));
+  if (fit.evidence->walls.empty()) return InvalidArgument("{}: the map has no walls", options.input);
+  if (options.pairs.empty()) {
+    fit.alignment = prior::AlignByItself(plan, *fit.evidence, {});
+  } else {
+    ENFILADE_ASSIGN_OR_RETURN(fit.alignment, prior::AlignByPairs(plan, *fit.evidence, pairs, {}));
+  }
+  if (fit.alignment.accepted) {
+    fit.corrected = std::make_unique<prior::CorrectedPlan>(plan, *fit.evidence, fit.alignment.T_map_sheet);
+  }
+  fit.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return fit;
+}
+
+absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& plan, const PriorFit& fit,
+                        const std::vector<Eigen::Vector2d>& points) {
+  const std::filesystem::path directory = options.directory;
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error) return InvalidArgument("{}: {}", options.directory, error.message());
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "walls.geojson", WriteCorrectedPlan(plan, *fit.corrected)));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string png, DrawFit(fit.map, plan, fit.alignment.T_map_sheet, *fit.corrected));
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "fit.png", png));
+  if (options.points.empty()) return absl::OkStatus();
+  return io::WriteFile(directory / "points.csv", WriteLocatedPoints(points, *fit.corrected));
+}
+
+void PrintReport(const Globals& globals, const PriorFit& fit) {
+  const prior::Alignment& alignment = fit.alignment;
+  const prior::Agreement& agreement = fit.corrected ? fit.corrected->agreement() : alignment.agreement;
+  const Eigen::Matrix2d& linear = alignment.T_map_sheet.linear;
+  const Eigen::Vector2d& offset = alignment.T_map_sheet.offset;
+  if (globals.json) {
+    return PrintJson(
+        std::cout, {{"accepted", alignment.accepted},
+                    {"reason", alignment.reason},
+                    {"mirrored", alignment.T_map_sheet.mirrored()},
+                    {"model", prior::NameOf(alignment.model)},
+                    {"A_input_plan", {linear(0, 0), linear(0, 1), offset.x(), linear(1, 0), linear(1, 1), offset.y()}},
+                    {"explained", agreement.explained},
+                    {"contradicted", agreement.contradicted()},
+                    {"rival_ratio", alignment.rival_ratio},
+                    {"seconds", fit.seconds}});
+  }
+  std::cout << fmt::format("{}: {}\n", alignment.accepted ? "accepted" : "refused", alignment.reason)
+            << fmt::format(
+                   "{}{}, {:.5g} m per unit of the plan; {:.0f} % of the map's walls explained, {:.0f} % of the "
+                   "plan's known walls contradicted; {}\n",
+                   alignment.T_map_sheet.mirrored() ? "mirrored, " : "", prior::NameOf(alignment.model),
+                   alignment.T_map_sheet.scale(), 100 * agreement.explained, 100 * agreement.contradicted(),
+                   FormatSeconds(fit.seconds));
+}
+
+absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options) {
+  if (!options.points.empty() && options.directory.empty()) return InvalidArgument("prior fit: --points needs -o DIR");
+  std::vector<Eigen::Vector2d> points;
+  if (!options.points.empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(points, ReadSheetPoints(options.points));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const perception::ReadPlanOptions reading, ToReadOptions(options.plan));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, perception::ReadPlan(options.plan.path, reading));
+  ENFILADE_ASSIGN_OR_RETURN(const PriorFit fit, Fit(globals, options, plan));
+  if (fit.corrected && !options.directory.empty()) ENFILADE_RETURN_IF_ERROR(WriteFiles(options, plan, fit, points));
+  PrintReport(globals, fit);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddPriorFit(CLI::App& prior, const Globals& globals) {
+  auto options = std::make_shared<PriorFitOptions>();
+  CLI::App* command =
+      AddCommand(prior, "fit", "Find where a floor plan lies in a map, and move its walls onto the map's",
+                 [&globals, options] { return RunPriorFit(globals, *options); });
+  AddPlanOptions(*command, options->plan);
+  command
+      ->add_option("INPUT", options->input, "A map (YAML, JSON, PNG or PGM), or a recorded log, which is mapped first")
+      ->required();
+  command->add_option("-o,--output", options->directory,
+                      "Write walls.geojson and fit.png into this folder, and points.csv with --points");
+  CLI::Option* pairs = command->add_option(
+      "--pairs", options->pairs, "Points that are known in both: lines of plan_x_px,plan_y_px,input_x_m,input_y_m");
+  command->add_flag("--auto", options->automatic, "Find the place without help (the default without --pairs)")
+      ->excludes(pairs);
+  command->add_option("--points", options->points, "Lines of plan_x_px,plan_y_px: where do they lie in the input?");
+  command->add_option("--resolution", options->resolution,
+                      "Metres per pixel of INPUT (default: the YAML file's; of a picture 0.05)");
+  AddLogOptions(*command, options->reading);
+  AddNoOdometry(*command, options->reading);
+  command->footer(
+      "Examples:\n  enfilade prior fit plan.png map.yaml -o out\n"
+      "  enfilade prior fit plan.png drive.jsonl --pairs pairs.csv --points corners.csv -o out --json");
+}
+
+}  // namespace enfilade::cli

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/alignment/align.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/status_macros.h"
+#include "core/prior/alignment/directions.h"
+#include "core/prior/alignment/refine.h"
+#include "core/prior/alignment/sheet_search.h"
+
+namespace enfilade::prior {
+namespace {
+
+constexpr std::size_t kMostCandidates = 200;  // refined quickly
+constexpr std::size_t kMostFinalists = 20;    // refined well
+constexpr std::size_t kQuickPoints = 500;
+constexpr double kSamePlace = 1.0;  // m
+constexpr double kLeastGain = 0.9;  // of the residual that a more flexible model leaves
+
+struct Candidate {
+  PlanTransform transform;
+  TransformModel model = TransformModel::kSimilarity;
+  double score = 0;
+  Agreement agreement;
+};
+
+double ScoreOf(const Agreement& agreement) { return agreement.nearness * (1 - agreement.contradicted()); }
+
+class Aligner {
+ public:
+  Aligner(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options)
+      : faces_(FacesOf(plan)), evidence_(evidence), options_(options) {
+    for (const PlanCorner& corner : plan.corners) corners_.push_back(corner.point);
+  }
+
+  // The mean distance between where two transforms place the plan's corners that the first one puts into the map.
+  double Apart(const PlanTransform& a, const PlanTransform& b) const {
+    double sum = 0;
+    int count = 0;
+    for (const Eigen::Vector2d& corner : corners_) {
+      if (evidence_.WallDistanceAt(a(corner)) > 2.0) continue;
+      sum += (a(corner) - b(corner)).norm();
+      ++count;
+    }
+    return count > 0 ? sum / count : kSamePlace * 10;
+  }
+
+  std::vector<Candidate> Search() const {
+    const SheetSearch search(faces_, evidence_);
+    std::vector<Candidate> candidates;
+    for (const bool mirrored : {false, true}) {
+      for (const double turn : LikelyTurns(faces_, evidence_, mirrored)) {
+        for (int quarter = 0; quarter < 4; ++quarter) {
+          const double angle = turn + quarter * 0.5 * M_PI;
+          Eigen::Matrix2d rotation;
+          rotation << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+          const Eigen::Matrix2d turned = rotation * Eigen::Vector2d(1, mirrored ? 1 : -1).asDiagonal();
+          for (const double scale : search.Scales()) {
+            for (const FoundTransform& found : search.Find(scale * turned)) {
+              candidates.push_back({.transform = found.T_map_sheet, .score = found.score, .agreement = {}});
+            }
+          }
+        }
+      }
+    }
+    Sort(candidates);
+    return Distinct(candidates, 0.03 * search_radius(), kMostCandidates);
+  }
+
+  void RefineAll(std::vector<Candidate>& candidates, const RefineOptions& options) const {
+    for (Candidate& candidate : candidates) {
+      candidate.transform = Refine(faces_, evidence_, candidate.transform, options);
+      Judge(candidate);
+    }
+    Sort(candidates);
+  }
+
+  void Judge(Candidate& candidate) const {
+    candidate.agreement = Compare(FaceIndex(Transformed(faces_, candidate.transform), kReach), evidence_);
+    candidate.score = ScoreOf(candidate.agreement);
+  }
+
+  // The simplest model that explains the map nearly as well as any.
+  Candidate BestModel(const Candidate& start, double widest) const {
+    Candidate best = start;
+    for (const TransformModel model :
+         {TransformModel::kSimilarity, TransformModel::kAnisotropic, TransformModel::kAffine}) {
+      if (FreedomOf(model) > FreedomOf(options_.widest_model)) break;
+      Candidate next = best;
+      next.model = model;
+      next.transform = Refine(faces_, evidence_, best.transform,
+                              {.model = model, .widest = model == TransformModel::kSimilarity ? widest : 1.0});
+      Judge(next);
+      if (model == TransformModel::kSimilarity || 1 - next.score < kLeastGain * (1 - best.score)) best = next;
+    }
+    return best;
+  }
+
+  std::vector<Candidate> Distinct(const std::vector<Candidate>& sorted, double apart, std::size_t most) const {
+    std::vector<Candidate> distinct;
+    for (const Candidate& candidate : sorted) {
+      if (distinct.size() == most) break;
+      const bool is_new = std::none_of(distinct.begin(), distinct.end(), [&](const Candidate& other) {
+        return other.transform.mirrored() == candidate.transform.mirrored() &&
+               Apart(other.transform, candidate.transform) < apart;
+      });
+      if (is_new) distinct.push_back(candidate);
+    }
+    return distinct;
+  }
+
+  static void Sort(std::vector<Candidate>& candidates) {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  }
+
+  double search_radius() const {
+    return 0.5 * evidence_.geometry.resolution * std::hypot(evidence_.geometry.width, evidence_.geometry.height);
+  }
+
+  static constexpr double kReach = 1.5;  // m
+
+ private:
+  std::vector<WallFace> faces_;
+  std::vector<Eigen::Vector2d> corners_;
+  const MapEvidence& evidence_;
+  const AlignOptions& options_;
+};
+
+Alignment ToAlignment(const Candidate& candidate) {
+  Alignment alignment;
+  alignment.T_map_sheet = candidate.transform;
+  alignment.model = candidate.model;
+  alignment.agreement = candidate.agreement;
+  return alignment;
+}
+
+// Why the place cannot be believed; empty: it can.
+std::string ObjectionTo(const Alignment& alignment, const AlignOptions& options) {
+  const Agreement& agreement = alignment.agreement;
+  if (agreement.explained_length < options.least_length) {
+    return fmt::format("the plan explains {:.0f} m of the map's walls, {:.0f} m are needed", agreement.explained_length,
+                       options.least_length);
+  }
+  if (agreement.explained < options.least_explained) {
+    return fmt::format("the plan explains {:.0f} % of the map's walls, {:.0f} % are needed", 100 * agreement.explained,
+                       100 * options.least_explained);
+  }
+  if (agreement.contradicted() > options.most_contradicted) {
+    return fmt::format("{:.0f} % of the plan's walls that the map knows lie in free ground, at most {:.0f} % may",
+                       100 * agreement.contradicted(), 100 * options.most_contradicted);
+  }
+  return "";
+}
+
+}  // namespace
+
+absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
+                                       const std::vector<ControlPair>& pairs, const AlignOptions& options) {
+  Eigen::Vector2d min = plan.corners.front().point;
+  Eigen::Vector2d max = min;
+  for (const PlanCorner& corner : plan.corners) {
+    min = min.cwiseMin(corner.point);
+    max = max.cwiseMax(corner.point);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const PairFit fit, FitPairs(pairs, (max - min).norm()));
+  const Aligner aligner(plan, evidence, options);
+  Candidate shown{.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}};
+  aligner.Judge(shown);
+  const Candidate refined = aligner.BestModel(shown, 3.0);
+  Alignment alignment = ToAlignment(refined.score >= shown.score ? refined : shown);
+  alignment.accepted = true;
+  alignment.reason = fmt::format("{} pairs of points", pairs.size() - (fit.wrong ? 1 : 0));
+  if (fit.wrong)
+    alignment.reason +=
+        fmt::format("; pair {} is {:.1f} m off and was left out", *fit.wrong + 1, fit.residuals[*fit.wrong]);
+  return alignment;
+}
+
+Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options) {
+  Alignment none;
+  none.reason = "the map has no walls";
+  if (evidence.walls.empty() || plan.walls.empty()) return none;
+  const Aligner aligner(plan, evidence, options);
+  std::vector<Candidate> candidates = aligner.Search();
+  none.reason = "no place on the plan fits";
+  if (candidates.empty()) return none;
+  aligner.RefineAll(candidates, {.widest = 3.0, .narrowest = 0.5, .rounds = 10, .most_points = kQuickPoints});
+  candidates = aligner.Distinct(candidates, kSamePlace, kMostFinalists);
+  for (Candidate& candidate : candidates) candidate = aligner.BestModel(candidate, 1.5);
+  Aligner::Sort(candidates);
+  candidates = aligner.Distinct(candidates, kSamePlace, kMostFinalists);
+
+  Alignment alignment = ToAlignment(candidates.front());
+  const double rival = candidates.size() > 1 ? candidates[1].score : 0;
+  alignment.rival_ratio = rival > 0 ? candidates.front().score / rival : 99;
+  alignment.reason = ObjectionTo(alignment, options);
+  const double needed = options.least_rival_ratio * (alignment.T_map_sheet.mirrored() ? options.mirror_gain : 1);
+  if (alignment.reason.empty() && alignment.rival_ratio < needed) {
+    alignment.reason = fmt::format("another place fits nearly as well: {:.2f} times, {:.2f} are needed",
+                                   alignment.rival_ratio, needed);
+  }
+  alignment.accepted = alignment.reason.empty();
+  if (alignment.accepted)
+    alignment.reason = fmt::format("fits {:.2f} times as well as any other place", alignment.rival_ratio);
+  return alignment;
+}
+
+}  // namespace enfilade::prior

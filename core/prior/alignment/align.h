@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/prior/alignment/agreement.h"
+#include "core/prior/alignment/control_pairs.h"
+#include "core/prior/alignment/map_evidence.h"
+#include "core/prior/alignment/plan_transform.h"
+#include "core/prior/plan/plan_graph.h"
+
+namespace enfilade::prior {
+
+// Where a plan lies in a map, before it is corrected wall by wall.
+struct Alignment {
+  bool accepted = false;
+  std::string reason;  // why it is not, or what it rests on
+  PlanTransform T_map_sheet;
+  TransformModel model = TransformModel::kSimilarity;
+  Agreement agreement;
+  // How much better it fits than the best other place; 0: no other was compared (people showed the place).
+  double rival_ratio = 0;
+};
+
+struct AlignOptions {
+  // What has to hold of an alignment that nobody has shown (see AlignByItself).
+  double least_explained = 0.35;
+  double most_contradicted = 0.25;
+  double least_rival_ratio = 1.3;
+  double least_length = 25;  // m of the map's walls that the plan explains
+  double mirror_gain = 1.1;  // a mirrored plan must fit so much better than any that is not
+  // The distortions to try.
+  TransformModel widest_model = TransformModel::kAffine;
+};
+
+// By points that people have shown. The plan is then moved onto the map's walls, as far as the clicks may be wrong.
+absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
+                                       const std::vector<ControlPair>& pairs, const AlignOptions& options);
+
+// Without any help: all turns that bring the directions of walls together, all scales, all offsets, straight and
+// mirrored (SheetSearch); the best are refined (Refine) and compared. The best place is accepted if it explains enough
+// of the map's walls, is contradicted by little of what the map knows, and fits so much better than any other place.
+Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options);
+
+}  // namespace enfilade::prior

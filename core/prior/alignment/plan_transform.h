@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <cstdint>
+#include <string_view>
+
+namespace enfilade::prior {
+
+// Where a plan lies in a map: p_map = linear * p_sheet + offset, from the sheet's units to metres.
+struct PlanTransform {
+  Eigen::Matrix2d linear = Eigen::Vector2d(1, -1).asDiagonal();
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // m
+
+  Eigen::Vector2d operator()(const Eigen::Vector2d& point_sheet) const { return linear * point_sheet + offset; }
+  // The sheet's y points down and the map's up, so that a plan that is drawn as it is built turns once.
+  bool mirrored() const { return linear.determinant() > 0; }
+  // m per unit, the geometric mean of both axes.
+  double scale() const;
+};
+
+// The same point of the map, in the sheet.
+Eigen::Vector2d ToSheet(const PlanTransform& T_map_sheet, const Eigen::Vector2d& point_map);
+
+// How a plan may be distorted as a whole.
+enum class TransformModel : std::uint8_t {
+  kSimilarity,   // turned and scaled
+  kAnisotropic,  // and scaled otherwise along the sheet's y than along its x
+  kAffine,       // and sheared
+};
+std::string_view NameOf(TransformModel model);
+// Its free numbers: 4, 5, 6.
+int FreedomOf(TransformModel model);
+
+}  // namespace enfilade::prior

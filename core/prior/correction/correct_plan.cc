@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/correction/correct_plan.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace enfilade::prior {
+namespace {
+
+constexpr double kLeastStraight = 0.6;  // less straight walls of the map are furniture, more likely than not
+constexpr double kPiece = 1.0;          // m of a wall that are observed as one
+constexpr double kLeastSeen = 0.4;      // of a piece
+constexpr double kOffsetSigma = 0.05;   // m
+constexpr std::size_t kMostOffsets = 900;
+constexpr double kGates[] = {1.2, 0.8, 0.5, 0.4, 0.3};  // m
+constexpr int kReweightings = 3;
+constexpr double kMostSurprise = 6.0;  // chi-squared of a wall that counts fully
+constexpr double kOnWall = 0.3;        // m: what is so near a wall moves with it
+constexpr double kSample = 0.2;        // m
+
+struct Piece {
+  int face;
+  int number;  // along it
+  auto operator<=>(const Piece&) const = default;
+};
+
+double Median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<WallFace> CentreLines(const PlanGraph& plan, const PlanTransform& T_map_sheet) {
+  std::vector<WallFace> lines;
+  for (int i = 0; i < static_cast<int>(plan.walls.size()); ++i) {
+    const PlanWall& wall = plan.walls[static_cast<std::size_t>(i)];
+    lines.push_back({T_map_sheet(plan.corners[static_cast<std::size_t>(wall.from)].point),
+                     T_map_sheet(plan.corners[static_cast<std::size_t>(wall.to)].point), i});
+  }
+  return lines;
+}
+
+// Weights of offsets by how well their walls agree with all others (dynamic covariance scaling; Agarwal et al. 2013).
+std::vector<double> WeightsOf(const DisplacementField& field, const std::vector<int>& walls) {
+  const std::vector<double> surprise = field.SurpriseOf(walls);
+  std::vector<double> weights;
+  for (const int wall : walls) {
+    const double scale = std::min(1.0, 2 * kMostSurprise / (kMostSurprise + surprise[static_cast<std::size_t>(wall)]));
+    weights.push_back(scale * scale);
+  }
+  return weights;
+}
+
+}  // namespace
+
+CorrectedPlan::CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet)
+    : plan_(plan), evidence_(evidence), T_map_sheet_(T_map_sheet), sheet_faces_(FacesOf(plan)) {
+  placed_ = std::make_unique<FaceIndex>(CentreLines(plan, T_map_sheet), kOnWall);
+  model_.corner = 0.03;
+  field_ = std::make_unique<DisplacementField>(model_, std::vector<PlanOffset>{}, std::vector<double>{});
+  bool first = true;
+  for (const double gate : kGates) {
+    std::vector<PlanOffset> offsets = Associate(*field_, gate);
+    if (offsets.empty()) break;
+    std::vector<int> walls;
+    std::map<std::array<int, 2>, int> known;
+    for (const PlanOffset& offset : offsets) {
+      walls.push_back(known.try_emplace(offset.place.corners, static_cast<int>(known.size())).first->second);
+    }
+    std::vector<double> weights;
+    for (int i = 0; i < kReweightings; ++i) {
+      if (!first && i == 1) model_ = LikeliestModel(offsets, weights);
+      field_ = std::make_unique<DisplacementField>(model_, offsets, weights);
+      if (i + 1 < kReweightings) weights = WeightsOf(*field_, walls);
+    }
+    first = false;
+  }
+  Describe();
+}
+
+std::vector<WallFace> CorrectedPlan::MovedFaces(const DisplacementField& field) const {
+  std::vector<Eigen::Vector2d> moves(plan_.corners.size());
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    moves[i] = field.MeanAt({T_map_sheet_(plan_.corners[i].point), {static_cast<int>(i), -1}, {1, 0}});
+  }
+  std::vector<WallFace> faces = Transformed(sheet_faces_, T_map_sheet_);
+  for (WallFace& face : faces) {
+    const PlanWall& wall = plan_.walls[static_cast<std::size_t>(face.wall)];
+    face.from += moves[static_cast<std::size_t>(wall.from)];
+    face.to += moves[static_cast<std::size_t>(wall.to)];
+  }
+  return faces;
+}
+
+std::vector<PlanOffset> CorrectedPlan::Associate(const DisplacementField& field, double gate) const {
+  const std::vector<WallFace> moved = MovedFaces(field);
+  const std::vector<WallFace> placed = Transformed(sheet_faces_, T_map_sheet_);
+  const FaceIndex index(moved, gate);
+  const double piece = std::max(kPiece, evidence_.wall_length() / static_cast<double>(kMostOffsets));
+  const auto pieces_of = [&](int face) {
+    const WallFace& one = placed[static_cast<std::size_t>(face)];
+    return std::max(1, static_cast<int>(std::lround((one.to - one.from).norm() / piece)));
+  };
+  std::map<Piece, std::vector<double>> seen;  // offsets from where the wall was placed
+  for (const WallPoint& wall : evidence_.walls) {
+    if (wall.straightness < kLeastStraight) continue;
+    const auto nearest = index.Nearest(wall.point, wall.along, kParallel);
+    // Beyond a wall's end there may be anything.
+    if (!nearest || nearest->fraction <= 0 || nearest->fraction >= 1) continue;
+    const WallFace& before = placed[static_cast<std::size_t>(nearest->face)];
+    const Eigen::Vector2d normal(-nearest->along.y(), nearest->along.x());
+    const Eigen::Vector2d expected = before.from + nearest->fraction * (before.to - before.from);
+    const int pieces = pieces_of(nearest->face);
+    const int number = std::min(pieces - 1, static_cast<int>(nearest->fraction * pieces));
+    seen[{nearest->face, number}].push_back(normal.dot(wall.point - expected));
+  }
+  std::vector<PlanOffset> offsets;
+  for (auto& [where, values] : seen) {
+    const WallFace& before = placed[static_cast<std::size_t>(where.face)];
+    const WallFace& after = moved[static_cast<std::size_t>(where.face)];
+    const int pieces = pieces_of(where.face);
+    const double length = (after.to - after.from).norm() / pieces;
+    if (static_cast<double>(values.size()) * evidence_.spacing < kLeastSeen * length) continue;
+    const double fraction = (where.number + 0.5) / pieces;
+    const Eigen::Vector2d along = (after.to - after.from).normalized();
+    const PlanWall& wall = plan_.walls[static_cast<std::size_t>(before.wall)];
+    offsets.push_back({.place = {.point = before.from + fraction * (before.to - before.from),
+                                 .corners = {wall.from, wall.to},
+                                 .shares = {1 - fraction, fraction}},
+                       .normal = {-along.y(), along.x()},
+                       .offset = Median(values),
+                       .sigma = kOffsetSigma});
+  }
+  return offsets;
+}
+
+void CorrectedPlan::Describe() {
+  for (std::size_t i = 0; i < plan_.corners.size(); ++i) {
+    const Eigen::Vector2d placed = T_map_sheet_(plan_.corners[i].point);
+    const Displacement moved = field_->At({placed, {static_cast<int>(i), -1}, {1, 0}});
+    corners_.push_back({placed + moved.mean, moved.covariance});
+  }
+  faces_ = MovedFaces(*field_);
+  agreement_ = Compare(FaceIndex(faces_, 1.5), evidence_);
+  for (const PlanWall& wall : plan_.walls) {
+    const Eigen::Vector2d from = corners_[static_cast<std::size_t>(wall.from)].point;
+    const Eigen::Vector2d way = corners_[static_cast<std::size_t>(wall.to)].point - from;
+    CorrectedWall corrected;
+    const int samples = std::max(1, static_cast<int>(std::ceil(way.norm() / kSample)));
+    for (int i = 0; i < samples; ++i) {
+      const Sight sight = SightOf(evidence_, from + (i + 0.5) / samples * way);
+      corrected.seen_share += sight == Sight::kSeen ? 1.0 / samples : 0.0;
+      corrected.contradicted_share += sight == Sight::kContradicted ? 1.0 / samples : 0.0;
+    }
+    if (corrected.contradicted_share > 0.5) corrected.sight = Sight::kContradicted;
+    if (corrected.seen_share >= 0.5) corrected.sight = Sight::kSeen;
+    const double before = (T_map_sheet_.linear * (plan_.corners[static_cast<std::size_t>(wall.to)].point -
+                                                  plan_.corners[static_cast<std::size_t>(wall.from)].point))
+                              .norm();
+    corrected.stretch = before > 0 ? way.norm() / before : 1.0;
+    walls_.push_back(corrected);
+  }
+}
+
+PlanPlace CorrectedPlan::PlaceOf(const Eigen::Vector2d& point_sheet) const {
+  PlanPlace place{.point = T_map_sheet_(point_sheet)};
+  const auto nearest = placed_->Nearest(place.point, Eigen::Vector2d::Zero(), 0);
+  if (!nearest) return place;
+  const PlanWall& wall = plan_.walls[static_cast<std::size_t>(nearest->face)];
+  place.corners = {wall.from, wall.to};
+  place.shares = {1 - nearest->fraction, nearest->fraction};
+  return place;
+}
+
+CorrectedPoint CorrectedPlan::Locate(const Eigen::Vector2d& point_sheet) const {
+  const PlanPlace place = PlaceOf(point_sheet);
+  const Displacement moved = field_->At(place);
+  CorrectedPoint located;
+  located.point = place.point + moved.mean;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(moved.covariance, Eigen::EigenvaluesOnly);
+  located.sigma = std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+  located.sight = SightOf(evidence_, located.point);
+  if (place.corners[0] < 0 && located.sight == Sight::kContradicted) located.sight = Sight::kSeen;  // ground, as drawn
+  return located;
+}
+
+}  // namespace enfilade::prior

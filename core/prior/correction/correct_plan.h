@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "core/prior/alignment/agreement.h"
+#include "core/prior/alignment/map_evidence.h"
+#include "core/prior/alignment/plan_transform.h"
+#include "core/prior/correction/displacement_field.h"
+#include "core/prior/plan/plan_graph.h"
+
+namespace enfilade::prior {
+
+struct CorrectedCorner {
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();       // m, the map's frame
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // m^2
+};
+
+struct CorrectedWall {
+  Sight sight = Sight::kUnseen;  // of most of it
+  double seen_share = 0;         // of its length
+  double contradicted_share = 0;
+  double stretch = 1;  // its length by that of the plan as a whole
+};
+
+// Where a point of the sheet lies, by the corrected plan.
+struct CorrectedPoint {
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();  // m, the map's frame
+  double sigma = 0;                                 // m, in the direction in which it is known least
+  Sight sight = Sight::kUnseen;                     // of the wall that it is on, or else of the place
+};
+
+// A plan whose walls have been moved onto those of a map. What no robot has seen follows what was seen nearby, and far
+// away the distortion of the whole. Immutable.
+class CorrectedPlan {
+ public:
+  // Rounds of associating walls of the map with those of the plan, within a gate that narrows, and of fitting the
+  // displacements robustly. `alignment`: where the plan lies as a whole.
+  CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet);
+
+  const std::vector<CorrectedCorner>& corners() const { return corners_; }
+  const std::vector<CorrectedWall>& walls() const { return walls_; }
+  // The walls' faces in the map's frame.
+  const std::vector<WallFace>& faces() const { return faces_; }
+  const Agreement& agreement() const { return agreement_; }
+  const FieldModel& model() const { return model_; }
+  CorrectedPoint Locate(const Eigen::Vector2d& point_sheet) const;
+
+ private:
+  PlanPlace PlaceOf(const Eigen::Vector2d& point_sheet) const;
+  std::vector<WallFace> MovedFaces(const DisplacementField& field) const;
+  std::vector<PlanOffset> Associate(const DisplacementField& field, double gate) const;
+  void Describe();
+
+  const PlanGraph plan_;
+  const MapEvidence& evidence_;
+  PlanTransform T_map_sheet_;
+  std::vector<WallFace> sheet_faces_;
+  std::unique_ptr<const FaceIndex> placed_;  // the walls' centre lines, not corrected
+  std::unique_ptr<const DisplacementField> field_;
+  FieldModel model_;
+  std::vector<CorrectedCorner> corners_;
+  std::vector<CorrectedWall> walls_;
+  std::vector<WallFace> faces_;
+  Agreement agreement_;
+};
+
+}  // namespace enfilade::prior

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/alignment/align.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/prior/correction/correct_plan.h"
+#include "tests/unit/core/prior/alignment/drawn_building.h"
+
+namespace enfilade::prior {
+namespace {
+
+PlanTransform Turned(double turn, double scale, bool mirrored) {
+  PlanTransform transform;
+  Eigen::Matrix2d rotation;
+  rotation << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+  transform.linear = scale * rotation * Eigen::Vector2d(1, mirrored ? 1 : -1).asDiagonal();
+  transform.offset = {3.5, -7.25};
+  return transform;
+}
+
+// Where robots have been: all but the right third.
+bool IsLeft(const Eigen::Vector2d& sheet) { return sheet.x() < 600; }
+
+double LargestError(const PlanGraph& plan, const PlanTransform& found, const PlanTransform& truth) {
+  double largest = 0;
+  for (const PlanCorner& corner : plan.corners)
+    largest = std::max(largest, (found(corner.point) - truth(corner.point)).norm());
+  return largest;
+}
+
+struct Case {
+  double turn;
+  double scale;
+  bool mirrored;
+};
+
+class AlignByItself : public testing::TestWithParam<Case> {};
+
+TEST_P(AlignByItself, FindsThePlanInTheMap) {
+  const PlanGraph plan = DrawnBuilding();
+  const PlanTransform truth = Turned(GetParam().turn, GetParam().scale, GetParam().mirrored);
+  const MapEvidence evidence = EvidenceOf(MapOf(plan, truth, IsLeft));
+  const Alignment alignment = prior::AlignByItself(plan, evidence, {});
+  EXPECT_TRUE(alignment.accepted) << alignment.reason;
+  EXPECT_EQ(alignment.T_map_sheet.mirrored(), GetParam().mirrored);
+  EXPECT_LT(LargestError(plan, alignment.T_map_sheet, truth), 0.2);
+  EXPECT_GT(alignment.agreement.explained, 0.95);
+}
+
+INSTANTIATE_TEST_SUITE_P(Turns, AlignByItself,
+                         testing::Values(Case{0.3, 0.05, false}, Case{2.0, 0.04, false}, Case{-1.1, 0.06, true}));
+
+TEST(AlignByItselfTest, RefusesAMapOfAnotherBuilding) {
+  const PlanGraph plan = DrawnBuilding();
+  PlanGraph other;
+  for (int i = 0; i < 9; ++i) {
+    const int first = static_cast<int>(other.corners.size());
+    const double x = 60.0 * i;
+    other.corners.push_back({{x, 0}});
+    other.corners.push_back({{x, 300}});
+    other.walls.push_back({.from = first, .to = first + 1});
+  }
+  other.corners.push_back({{0, 0}});
+  other.corners.push_back({{480, 0}});
+  other.walls.push_back({.from = 18, .to = 19});
+  const Alignment alignment = prior::AlignByItself(
+      plan, EvidenceOf(MapOf(other, Turned(0.4, 0.05, false), [](const auto&) { return true; })), {});
+  EXPECT_FALSE(alignment.accepted);
+  EXPECT_FALSE(alignment.reason.empty());
+}
+
+TEST(AlignByItselfTest, RefusesABareRoomThatFitsInManyPlaces) {
+  const PlanGraph plan = DrawnBuilding();
+  // Only the first room of the corridor.
+  const MapEvidence evidence = EvidenceOf(
+      MapOf(plan, Turned(0.3, 0.05, false), [](const Eigen::Vector2d& p) { return p.x() < 102 && p.y() < 202; }));
+  EXPECT_FALSE(prior::AlignByItself(plan, evidence, {}).accepted);
+}
+
+TEST(AlignByPairsTest, ClicksThatAreOffAreMovedOntoTheWalls) {
+  const PlanGraph plan = DrawnBuilding();
+  const PlanTransform truth = Turned(0.7, 0.05, false);
+  const MapEvidence evidence = EvidenceOf(MapOf(plan, truth, IsLeft));
+  const std::vector<ControlPair> pairs = {{{0, 0}, truth(Eigen::Vector2d(0, 0)) + Eigen::Vector2d(0.3, -0.2)},
+                                          {{520, 200}, truth(Eigen::Vector2d(520, 200)) + Eigen::Vector2d(-0.3, 0.25)}};
+  const auto alignment = prior::AlignByPairs(plan, evidence, pairs, {});
+  ASSERT_TRUE(alignment.ok()) << alignment.status();
+  EXPECT_LT(LargestError(plan, alignment->T_map_sheet, truth), 0.2);
+}
+
+TEST(FitPairsTest, TheWrongOneOfFiveIsNamedAndLeftOut) {
+  const PlanTransform truth = Turned(0.7, 0.05, false);
+  std::vector<ControlPair> pairs;
+  for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {800, 20}, {30, 400}, {500, 210}, {300, 90}}) {
+    pairs.push_back({point, truth(point)});
+  }
+  pairs[3].point_map += Eigen::Vector2d(2.5, 1.0);
+  const auto fit = FitPairs(pairs, 1000);
+  ASSERT_TRUE(fit.ok());
+  ASSERT_TRUE(fit->wrong.has_value());
+  EXPECT_EQ(*fit->wrong, 3U);
+  EXPECT_NEAR(fit->residuals[3], std::hypot(2.5, 1.0), 1e-6);
+  EXPECT_NEAR(fit->T_map_sheet.scale(), 0.05, 1e-9);
+}
+
+TEST(FitPairsTest, AMirroredPlanIsRecognised) {
+  const PlanTransform truth = Turned(0.7, 0.05, true);
+  std::vector<ControlPair> pairs;
+  for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {800, 20}, {30, 400}})
+    pairs.push_back({point, truth(point)});
+  const auto fit = FitPairs(pairs, 1000);
+  ASSERT_TRUE(fit.ok());
+  EXPECT_TRUE(fit->T_map_sheet.mirrored());
+}
+
+TEST(FitPairsTest, EachAxisHasItsScaleFromFourPairsOn) {
+  PlanTransform truth = Turned(0.7, 0.05, false);
+  truth.linear.col(1) *= 1.2;
+  std::vector<ControlPair> pairs;
+  for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {800, 20}, {30, 400}, {700, 390}})
+    pairs.push_back({point, truth(point)});
+  const auto fit = FitPairs(pairs, 1000);
+  ASSERT_TRUE(fit.ok());
+  EXPECT_EQ(fit->model, TransformModel::kAnisotropic);
+  EXPECT_LT((fit->T_map_sheet.linear - truth.linear).norm(), 1e-6);
+}
+
+TEST(FitPairsTest, PairsThatDetermineNothingAreRefused) {
+  const auto message = [](const std::vector<ControlPair>& pairs) {
+    return std::string(FitPairs(pairs, 1000).status().message());
+  };
+  EXPECT_THAT(message({{{0, 0}, {0, 0}}}), testing::HasSubstr("1 pairs of points, at least 2"));
+  EXPECT_THAT(message({{{0, 0}, {0, 0}}, {{0, 0}, {9, 0}}}), testing::HasSubstr("pairs 1 and 2 show the same point"));
+  EXPECT_THAT(message({{{0, 0}, {0, 0}}, {{20, 0}, {1, 0}}}), testing::HasSubstr("at most 1.0 m"));
+  EXPECT_THAT(message({{{0, 0}, {0, 0}}, {{20, 0}, {std::nan(""), 0}}}), testing::HasSubstr("pair 2"));
+}
+
+// A plan whose right part is drawn 4 % too long, and in which one wall has been shifted by 0.3 m.
+TEST(CorrectedPlanTest, WallsMoveOntoTheMapsAndUnseenOnesFollow) {
+  const PlanGraph plan = DrawnBuilding();
+  const PlanTransform drawn = Turned(0.3, 0.05, false);
+  const Placement built = [&](const Eigen::Vector2d& p) {
+    Eigen::Vector2d moved = p;
+    if (p.x() > 240) moved.x() = 240 + (p.x() - 240) * 0.96;
+    if (p.x() == 320 && p.y() <= 200) moved.x() += 6;  // 0.3 m
+    return drawn(moved);
+  };
+  const MapEvidence evidence = EvidenceOf(MapOf(plan, built, IsLeft));
+  const CorrectedPlan corrected(plan, evidence, drawn);
+  double seen = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < plan.walls.size(); ++i) {
+    for (const int corner : {plan.walls[i].from, plan.walls[i].to}) {
+      const Eigen::Vector2d sheet = plan.corners[static_cast<std::size_t>(corner)].point;
+      if (!IsLeft(sheet)) continue;
+      seen += (corrected.corners()[static_cast<std::size_t>(corner)].point - built(sheet)).norm();
+      ++count;
+    }
+  }
+  EXPECT_LT(seen / count, 0.12);
+  EXPECT_GT(corrected.agreement().explained, 0.95);
+  // What no robot has seen: off by 1 m as drawn.
+  const CorrectedPoint corner = corrected.Locate({880, 0});
+  EXPECT_EQ(corner.sight, Sight::kUnseen);
+  const double before = (drawn(Eigen::Vector2d(880, 0)) - built({880, 0})).norm();
+  const double after = (corner.point - built({880, 0})).norm();
+  EXPECT_GT(before, 1.0);
+  EXPECT_LT(after, 0.6 * before);
+  EXPECT_LT(after, 3 * corner.sigma);
+}
+
+}  // namespace
+}  // namespace enfilade::prior
