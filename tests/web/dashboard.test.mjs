@@ -2,6 +2,7 @@
 import { after, before } from 'node:test';
 import { launch } from './browser.mjs';
 import { mapCampus } from './campus.mjs';
+import { addGeoreference } from './checks/georeference.mjs';
 import { addHistory } from './checks/history.mjs';
 import { addPages } from './checks/pages.mjs';
 import { addScene } from './checks/scene.mjs';
@@ -32,4 +33,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addStates, addHistory, addSessions, addPages]) add(stage);
+for (const add of [addScene, addStates, addHistory, addSessions, addGeoreference, addPages]) add(stage);

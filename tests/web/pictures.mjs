@@ -35,10 +35,21 @@ async function placingToShow(system) {
   throw new Error('no optimisation has moved a map');
 }
 
+// Two corners of the hall with their places on the globe, as a person would enter them.
+async function georeference(system, map) {
+  const controlPoints = [{ map, x: 0, y: 0, latitude: 50.7744, longitude: 6.0786 }, { map, x: 8, y: 6, latitude: 50.77445393, longitude: 6.07871346 }];
+  const answer = await fetch(`${system.url}/v1/sites/demo/georeference`, {
+    method: 'PUT', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ controlPoints }),
+  });
+  if (!answer.ok) throw new Error(await answer.text());
+}
+
 // The pages by the names of their pictures.
 export async function picturesOf(system) {
   const { maps } = await system.call('sites/demo/maps');
-  const hall = idOf(maps.find(({ displayName }) => displayName === 'Hall').name);
+  const hallName = maps.find(({ displayName }) => displayName === 'Hall').name;
+  const hall = idOf(hallName);
+  await georeference(system, hallName);
   const session = await sessionToShow(system);
   const placing = await placingToShow(system);
   const path = (rest) => `${system.url}/s/demo/${rest}`;
@@ -54,6 +65,7 @@ export async function picturesOf(system) {
     history: { url: path(`history?from=${placing}`), theme: 'light' },
     versions: { url: path('history/versions'), theme: 'light' },
     audit: { url: path('history/audit'), theme: 'light' },
+    georeference: { url: path('georeference'), theme: 'light' },
     health: { url: path('health'), theme: 'light' },
   };
 }

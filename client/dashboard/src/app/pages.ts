@@ -22,5 +22,6 @@ export const pages: Page[] = [
   { path: 'robots', title: 'Robots', icon: 'robot', component: lazy(() => import('../pages/robots/RobotsPage')), count: (site) => site.robots.count },
   { path: 'sessions', title: 'Sessions', icon: 'session', component: lazy(() => import('../pages/sessions/SessionsPage')) },
   { path: 'history', title: 'History', icon: 'history', component: lazy(() => import('../pages/history/HistoryPage')) },
+  { path: 'georeference', title: 'Georeference', icon: 'globe', component: lazy(() => import('../pages/georeference/GeoreferencePage')) },
   { path: 'health', title: 'Health', icon: 'health', component: lazy(() => import('../pages/health/HealthPage')) },
 ];

@@ -15,6 +15,7 @@ import { Placement } from './placement';
 import { thumbnailAffine } from './outlines';
 import { addPath, boundsOfPath } from './path';
 import { knowsCell, pickIcon } from './pick';
+import { addPins } from './pins';
 import { eachPlace, placeOfMap } from './places';
 import type { Thumbnail } from './tiles/manifest';
 
@@ -217,6 +218,7 @@ export class Scene {
     addExplanation(glyphs, palette, frame, this.measured);
     addLinkPoints(glyphs, palette, frame, this.placement.links);
     addPath(glyphs, palette, frame);
+    addPins(glyphs, palette, frame);
     addRobots(glyphs, palette, frame, this.motion, this.robotsDrawn);
     this.drawCalls = this.surface.end(frame, missing);
     this.drawn = frame.drawn;
@@ -280,7 +282,11 @@ export class Scene {
   private pick(at: Point): string | undefined {
     const icon = pickIcon(this.drawn, at);
     if (icon || this.view.map !== undefined) return icon?.name;
-    const world = screenToWorld(this.camera, this.size, at);
+    return this.mapAt(screenToWorld(this.camera, this.size, at));
+  }
+
+  // The uppermost map of the level that knows what is there.
+  mapAt(world: Point): string | undefined {
     let found: string | undefined;
     for (const [map, pose] of this.placement.places) {
       const level = this.site?.maps.get(map)?.level;

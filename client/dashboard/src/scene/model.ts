@@ -2,6 +2,13 @@
 import type { LiveSite } from '../live/site';
 import type { Bounds, Camera, Point, Pose, Size } from './camera';
 
+// A place that the page marks; the active one is being chosen.
+export interface Pin {
+  name: string;
+  at: Point;
+  active: boolean;
+}
+
 // Where something drove, and where it is on its way.
 export interface Path {
   // What drove.
@@ -51,6 +58,7 @@ export interface View {
   stretch?: number | undefined;
   // A way in the frame that is shown. Robots are left out then.
   path?: Path | undefined;
+  pins?: Pin[] | undefined;
 }
 
 export type ObjectKind = 'robot' | 'link' | 'map';
@@ -72,7 +80,7 @@ export interface Drawn {
 
 // What is drawn besides objects, as in the last frame, in CSS pixels; for tests. A cursor's `to` lies a metre ahead of it.
 export interface Mark {
-  kind: 'move' | 'path' | 'cursor';
+  kind: 'move' | 'path' | 'cursor' | 'pin';
   name: string;
   from: Point;
   to: Point;

@@ -6,7 +6,7 @@ export const byName = new Intl.Collator(undefined, { numeric: true }).compare;
 
 export const metres = (value: number) => (Number.isFinite(value) ? `${value.toFixed(2)} m` : '–');
 
-export const degrees = (radians: number) => (Number.isFinite(radians) ? `${((radians * 180) / Math.PI).toFixed(1)}°` : '–');
+export const degrees = (radians: number) => (Number.isFinite(radians) ? `${((radians * 180) / Math.PI).toFixed(1).replace(/^-0\.0$/, '0.0')}°` : '–');
 
 // With the sign of the direction: counter-clockwise is positive.
 export function turned(radians: number): string {

@@ -6,6 +6,7 @@ import { collectionOf, idOf } from '../../api/names';
 import { addressOf, Link } from '../../app/router';
 import { select } from '../../app/selection';
 import type { GlobalPose, GraphLinkPoint, GraphMap } from '../../gen/enfilade/v1/graph_pb';
+import { converterOf, latLonText, useGeoreference } from '../../geo/georeference';
 import { useLive, useNow } from '../../live/context';
 import { kindOf, stateOf, titleOf } from '../../live/objects';
 import type { LiveRobot } from '../../live/robots';
@@ -98,12 +99,27 @@ function Head({ icon, kind, title, actions }: { icon: IconName; kind: string; ti
   );
 }
 
+// In the world, and on the globe if the site has a georeference.
 function WorldPose({ pose }: { pose: { x: number; y: number; yaw: number } }) {
+  const site = useLive();
+  const { data } = useGeoreference(site);
+  const place = converterOf(site, data)?.(pose);
   return (
-    <dd className="with-action">
-      {poseText(pose)}
-      <CopyButton text={`${pose.x} ${pose.y} ${pose.yaw}`} what="x y yaw (m, rad)" />
-    </dd>
+    <>
+      <dd className="with-action">
+        {poseText(pose)}
+        <CopyButton text={`${pose.x} ${pose.y} ${pose.yaw}`} what="x y yaw (m, rad)" />
+      </dd>
+      {place && (
+        <>
+          <dt>On the globe</dt>
+          <dd className="with-action">
+            {latLonText(place)}
+            <CopyButton text={latLonText(place)} what="latitude, longitude" />
+          </dd>
+        </>
+      )}
+    </>
   );
 }
 
