@@ -4,6 +4,7 @@ import { launch } from './browser.mjs';
 import { mapCampus } from './campus.mjs';
 import { addGeoreference } from './checks/georeference.mjs';
 import { addHistory } from './checks/history.mjs';
+import { addImports } from './checks/imports.mjs';
 import { addPages } from './checks/pages.mjs';
 import { addScene } from './checks/scene.mjs';
 import { addSessions } from './checks/sessions.mjs';
@@ -33,4 +34,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addStates, addHistory, addSessions, addGeoreference, addPages]) add(stage);
+for (const add of [addScene, addStates, addHistory, addSessions, addGeoreference, addImports, addPages]) add(stage);

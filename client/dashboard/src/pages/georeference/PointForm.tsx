@@ -69,7 +69,7 @@ export function PointForm({ chosen, add }: { chosen: Chosen | undefined; add: (c
           <input className="field" inputMode="decimal" value={texts[field]} onChange={(event) => write(field, event.target.value)} onBlur={() => setTexts(split)} placeholder={field === 'latitude' ? 'or both: 50.7744, 6.0786' : ''} />
         </label>
       ))}
-      {problem !== '' && <p role="alert">{problem}</p>}
+      {problem !== '' && <p className="refusal" role="alert">{problem}</p>}
       <button className="button">Add the point</button>
     </form>
   );

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { idOf } from '../../api/names';
-import { addressOf, Link, usePlace } from '../../app/router';
+import { addressOf, Link, setQuery, usePlace } from '../../app/router';
 import { onCampus, useLevel } from '../../app/selection';
 import { useLive } from '../../live/context';
 import { Badge } from '../../ui/Badge';
 import { byName, dateTime, levelName } from '../../ui/format';
 import { Empty, Loading } from '../../ui/States';
+import { ImportForm } from './ImportForm';
 import { MapPage } from './MapPage';
 
 function MapTable() {
@@ -18,8 +19,8 @@ function MapTable() {
   if (maps.length === 0) {
     return (
       <Empty title={level === undefined ? 'No maps yet' : 'No maps on this level'} command={`enfilade --site ${live.id} robot --robot r1 --campus figure1 --map Hall`}>
-        A map is one room, corridor or outdoor area. Robots make them as they drive; files of other programs are imported by
-        “enfilade map import”.
+        A map is one room, corridor or outdoor area. Robots make them as they drive; files of other programs are imported here or
+        by “enfilade map import”.
       </Empty>
     );
   }
@@ -65,13 +66,19 @@ function MapTable() {
 }
 
 export default function MapsPage() {
-  const { rest } = usePlace();
+  const { rest, query } = usePlace();
+  const isImporting = query.has('import');
   if (rest[0] !== undefined) return <MapPage id={rest[0]} />;
   return (
     <div className="page">
       <div className="page-head">
         <h1>Maps</h1>
+        <span className="space" />
+        <button className="button" aria-expanded={isImporting} onClick={() => setQuery({ import: isImporting ? undefined : '1' })}>
+          Import a map
+        </button>
       </div>
+      {isImporting && <ImportForm />}
       <MapTable />
     </div>
   );
