@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { after, before } from 'node:test';
-import { launch } from './browser.mjs';
+import { before } from 'node:test';
 import { mapCampus } from './campus.mjs';
 import { addGeoreference } from './checks/georeference.mjs';
 import { addHistory } from './checks/history.mjs';
@@ -9,26 +8,18 @@ import { addPages } from './checks/pages.mjs';
 import { addScene } from './checks/scene.mjs';
 import { addSessions } from './checks/sessions.mjs';
 import { addStates } from './checks/states.mjs';
-import { System } from './system.mjs';
+import { setStage } from './stage.mjs';
 
-const system = new System();
-let browser;
+const { system, browser } = setStage();
 let mapped;
 
-before(async () => {
-  await system.start();
-  browser = await launch();
+before(() => {
   system.enfilade('empty', 'site', 'create', 'empty', '--name', 'Empty site');
-});
-
-after(async () => {
-  await browser?.close();
-  await system.stop();
 });
 
 const stage = {
   system,
-  browser: () => browser,
+  browser,
   at: (path) => `${system.url}/s/${path}`,
   // Maps the campus of the site `demo`, for the first test that needs it.
   campus: () => (mapped ??= mapCampus(system)),

@@ -1,28 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { faultsOf, launch, open, picture } from './browser.mjs';
-import { System } from './system.mjs';
+import { test } from 'node:test';
+import { faultsOf, open, picture } from './browser.mjs';
+import { setStage } from './stage.mjs';
 
-const system = new System();
-let browser;
-
-before(async () => {
-  await system.start();
-  browser = await launch();
-});
-
-after(async () => {
-  await browser?.close();
-  await system.stop();
-});
+const { system, browser } = setStage();
 
 test('docs: the reference lists every operation, opens one, and loads nothing from elsewhere', async () => {
   const document = await (await fetch(`${system.url}/openapi.json`)).json();
   const operations = Object.values(document.paths).flatMap((item) => Object.values(item).filter(({ operationId }) => operationId));
   for (const theme of ['light', 'dark']) {
     const asked = [];
-    const { page, close } = await open(browser, 'about:blank', { theme });
+    const { page, close } = await open(browser(), 'about:blank', { theme });
     page.on('request', (request) => asked.push(new URL(request.url()).origin));
     await page.goto(`${system.url}/docs`);
     await page.locator('.opblock-tag').first().waitFor();
@@ -43,7 +32,7 @@ test('docs: the reference lists every operation, opens one, and loads nothing fr
 
 test('docs: a call can be tried', async () => {
   system.enfilade('tried', 'site', 'create', 'tried', '--name', 'Tried');
-  const { page, close } = await open(browser, `${system.url}/docs#/SiteService/ListSites`);
+  const { page, close } = await open(browser(), `${system.url}/docs#/SiteService/ListSites`);
   await page.getByRole('button', { name: 'Try it out' }).click();
   await page.getByRole('button', { name: 'Execute' }).click();
   await page.locator('.live-responses-table').getByText('sites/tried').first().waitFor();

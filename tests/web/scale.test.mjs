@@ -2,33 +2,23 @@
 // What a large campus takes is counted; how long it takes is told, and measured by `bench`. ENFILADE_MAPS=1000: as many as the
 // dashboard is made for.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
+import { test } from 'node:test';
 import { dragged, drawCalls, firstCampus } from './bench_page.mjs';
 import { driveAround, fill } from './bench_site.mjs';
-import { launch, open, settled } from './browser.mjs';
+import { open, settled } from './browser.mjs';
 import { look } from './pixels.mjs';
-import { System, until } from './system.mjs';
+import { setStage } from './stage.mjs';
+import { until } from './system.mjs';
 
 const maps = Number(process.env.ENFILADE_MAPS ?? 60);
 const [linkPoints, robots] = [2 * maps, maps / 2];
-const system = new System();
-let browser;
-
-before(async () => {
-  await system.start();
-  browser = await launch();
-});
-
-after(async () => {
-  await browser?.close();
-  await system.stop();
-});
+const { system, browser } = setStage();
 
 test('scale: a campus needs at most 12 requests to be shown, and 6 draw calls a frame', async (t) => {
   await fill(system, maps, linkPoints);
   const fleet = await driveAround(system, robots, maps);
   t.after(() => fleet.stop());
-  const { page, close } = await open(browser, 'about:blank');
+  const { page, close } = await open(browser(), 'about:blank');
   const { requests, requested, first_campus_ms } = await firstCampus(page, `${system.url}/s/bench/campus`, maps);
   assert.ok(requests <= 12, `${requests} requests: ${requested.join(' ')}`);
   await until('all robots are drawn', () => page.evaluate((n) => window.__scene.drawn().filter(({ kind }) => kind === 'robot').length === n, robots));

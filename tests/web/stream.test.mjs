@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A browser's EventSource hears of each change of a site exactly once, whatever is killed meanwhile.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { launch, open } from './browser.mjs';
-import { System, until } from './system.mjs';
+import { test } from 'node:test';
+import { open } from './browser.mjs';
+import { setStage } from './stage.mjs';
+import { until } from './system.mjs';
 
-const system = new System();
-let browser;
-
-before(async () => {
-  await system.start();
-  browser = await launch();
-});
-
-after(async () => {
-  await browser?.close();
-  await system.stop();
-});
+const { system, browser } = setStage();
 
 // The pages' bare address has no icon; the rest is what a browser says of a server that is away.
 const excused = { expected: /Failed to load resource|EventSource|ERR_/ };
@@ -90,7 +80,7 @@ const site = async (id) => {
 
 test('sse_resume: a site without robots answers at once, and shows that the stream lives', async (t) => {
   await site('quiet');
-  const { page, close } = await open(browser, `${system.url}/healthz`, excused);
+  const { page, close } = await open(browser(), `${system.url}/healthz`, excused);
   const begin = performance.now();
   await page.evaluate(listen, 'quiet');
   await page.waitForFunction(() => window.client.messages > 0, undefined, { polling: 10 });
@@ -102,7 +92,7 @@ test('sse_resume: a site without robots answers at once, and shows that the stre
 
 test('sse_resume: no change is lost or told twice while gateway and server are killed', async () => {
   await site('busy');
-  const { page, close } = await open(browser, `${system.url}/healthz`, excused);
+  const { page, close } = await open(browser(), `${system.url}/healthz`, excused);
   await page.evaluate(listen, 'busy');
   let number = 0;
   for (; number < 3; number++) await change('busy', number);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
+#include <cstdint>
 
 #include "core/prior/alignment/map_evidence.h"
 #include "core/prior/alignment/wall_faces.h"

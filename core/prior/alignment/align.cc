@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/prior/alignment/directions.h"
 #include "core/prior/alignment/refine.h"
@@ -55,10 +57,9 @@ class Aligner {
     for (const bool mirrored : {false, true}) {
       for (const double turn : LikelyTurns(faces_, evidence_, mirrored)) {
         for (int quarter = 0; quarter < 4; ++quarter) {
-          const double angle = turn + quarter * 0.5 * M_PI;
-          Eigen::Matrix2d rotation;
-          rotation << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
-          const Eigen::Matrix2d turned = rotation * Eigen::Vector2d(1, mirrored ? 1 : -1).asDiagonal();
+          const Eigen::Rotation2Dd rotation(turn + quarter * 0.5 * M_PI);
+          const Eigen::Matrix2d turned =
+              rotation.toRotationMatrix() * Eigen::Vector2d(1, mirrored ? 1 : -1).asDiagonal();
           for (const double scale : search.Scales()) {
             for (const FoundTransform& found : search.Find(scale * turned)) {
               candidates.push_back({.transform = found.T_map_sheet, .score = found.score, .agreement = {}});
@@ -161,6 +162,7 @@ std::string ObjectionTo(const Alignment& alignment, const AlignOptions& options)
 
 absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
                                        const std::vector<ControlPair>& pairs, const AlignOptions& options) {
+  if (plan.walls.empty()) return InvalidArgument("the plan has no walls");
   Eigen::Vector2d min = plan.corners.front().point;
   Eigen::Vector2d max = min;
   for (const PlanCorner& corner : plan.corners) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/prior/alignment/control_pairs.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -62,14 +61,13 @@ PlanTransform FitAxes(const std::vector<ControlPair>& pairs, const PlanTransform
   }
   Eigen::Vector2d scales(start.scale(), start.mirrored() ? start.scale() : -start.scale());
   double turn = std::atan2(start.linear(1, 0), start.linear(0, 0));
-  Eigen::Matrix2d rotation;
   for (int round = 0; round < 50; ++round) {
-    rotation << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+    const Eigen::Rotation2Dd to_sheet(-turn);
     Eigen::Vector2d cross = Eigen::Vector2d::Zero();
     Eigen::Vector2d squares = Eigen::Vector2d::Zero();
     for (const ControlPair& pair : pairs) {
       const Eigen::Vector2d sheet = pair.point_sheet - sheet_mean;
-      cross += sheet.cwiseProduct(rotation.transpose() * (pair.point_map - map_mean));
+      cross += sheet.cwiseProduct(to_sheet * (pair.point_map - map_mean));
       squares += sheet.cwiseProduct(sheet);
     }
     scales = cross.cwiseQuotient(squares);
@@ -83,9 +81,8 @@ PlanTransform FitAxes(const std::vector<ControlPair>& pairs, const PlanTransform
     }
     turn = std::atan2(sine, cosine);
   }
-  rotation << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
   PlanTransform transform;
-  transform.linear = rotation * scales.asDiagonal();
+  transform.linear = Eigen::Rotation2Dd(turn).toRotationMatrix() * scales.asDiagonal();
   transform.offset = map_mean - transform.linear * sheet_mean;
   return transform;
 }

@@ -164,18 +164,22 @@ std::vector<WallPoint> WithDirections(const std::vector<Eigen::Vector2d>& points
 
 }  // namespace
 
-Ground MapEvidence::GroundAt(const Eigen::Vector2d& point) const {
+std::optional<std::size_t> MapEvidence::CellOf(const Eigen::Vector2d& point) const {
   const Eigen::Vector2d cell = (Inverse(geometry.T_map_grid) * point) / geometry.resolution;
   const int column = static_cast<int>(std::floor(cell.x()));
   const int row = static_cast<int>(std::floor(cell.y()));
-  return geometry.contains(column, row) ? ground[geometry.index(column, row)] : Ground::kUnknown;
+  if (!geometry.contains(column, row)) return std::nullopt;
+  return geometry.index(column, row);
+}
+
+Ground MapEvidence::GroundAt(const Eigen::Vector2d& point) const {
+  const std::optional<std::size_t> cell = CellOf(point);
+  return cell ? ground[*cell] : Ground::kUnknown;
 }
 
 double MapEvidence::WallDistanceAt(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d cell = (Inverse(geometry.T_map_grid) * point) / geometry.resolution;
-  const int column = static_cast<int>(std::floor(cell.x()));
-  const int row = static_cast<int>(std::floor(cell.y()));
-  return geometry.contains(column, row) ? wall_distance[geometry.index(column, row)] : kMostDistance;
+  const std::optional<std::size_t> cell = CellOf(point);
+  return cell ? wall_distance[*cell] : kMostDistance;
 }
 
 MapEvidence EvidenceOf(const grid::OccupancyGrid& grid) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/pose2.h"
@@ -28,6 +30,8 @@ struct MapEvidence {
   std::vector<Ground> ground;
   std::vector<float> wall_distance;  // m, to the nearest wall's cell, of each cell; at most kMostDistance
 
+  // Of the grid; none outside.
+  std::optional<std::size_t> CellOf(const Eigen::Vector2d& point) const;
   Ground GroundAt(const Eigen::Vector2d& point) const;
   // kMostDistance outside the grid.
   double WallDistanceAt(const Eigen::Vector2d& point) const;

@@ -2,6 +2,7 @@
 #include "core/prior/alignment/refine.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -48,10 +49,7 @@ void Apply(const Change& change, const Eigen::VectorXd& step, PlanTransform& tra
   Eigen::Matrix2d matrix = change.axes * stretch * change.axes.transpose();
   matrix(0, 0) += 1 + step(3);
   matrix(1, 1) += 1 + step(3);
-  const double turn = step(2);
-  Eigen::Matrix2d rotation;
-  rotation << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
-  matrix = rotation * matrix;
+  matrix = Eigen::Rotation2Dd(step(2)) * matrix;
   transform.linear = matrix * transform.linear;
   transform.offset = matrix * (transform.offset - change.centre) + change.centre + step.head<2>();
 }
@@ -110,11 +108,10 @@ PlanTransform Refine(const std::vector<WallFace>& faces_sheet, const MapEvidence
       normal_matrix += pair.weight * jacobian * jacobian.transpose();
       right += pair.weight * residual * jacobian;
     }
-    // The priors, with the pairs' own noise as unit.
-    const double noise = 0.1 * 0.1;
+    // The priors; a pair's weight is 1 / m^2.
     const Eigen::Vector2d distortion = DistortionOf(transform);
-    const double stretch = noise / (kAnisotropySigma * kAnisotropySigma) * 100;
-    const double shear = noise / (kShearSigma * kShearSigma) * 100;
+    const double stretch = 1 / (kAnisotropySigma * kAnisotropySigma);
+    const double shear = 1 / (kShearSigma * kShearSigma);
     normal_matrix(4, 4) += stretch;
     right(4) -= stretch * distortion(0);
     normal_matrix(5, 5) += shear;

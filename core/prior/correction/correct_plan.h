@@ -37,7 +37,7 @@ struct CorrectedPoint {
 class CorrectedPlan {
  public:
   // Rounds of associating walls of the map with those of the plan, within a gate that narrows, and of fitting the
-  // displacements robustly. `alignment`: where the plan lies as a whole.
+  // displacements robustly. `T_map_sheet`: where the plan lies as a whole. `evidence` outlives the corrected plan.
   CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet);
 
   const std::vector<CorrectedCorner>& corners() const { return corners_; }

@@ -11,6 +11,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/offline/slam_files.h"
 #include "client/cli/entry_options.h"
+#include "client/cli/log_mapping.h"
 #include "client/cli/log_options.h"
 #include "client/cli/map_file_reader.h"
 #include "client/cli/output.h"
@@ -73,29 +74,18 @@ absl::StatusOr<std::optional<slam::ExistingMap>> LoadExistingMap(const SlamComma
 absl::StatusOr<SlamRun> MapLog(const Globals& globals, const SlamCommandOptions& options,
                                const slam::SlamOptions& slam) {
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, options.reading));
-  ProgressBar bar(globals, "mapping", reader.facts().scans);
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<slam::ExistingMap> existing_map, LoadExistingMap(options, slam));
   slam::LogMapper mapper = existing_map ? slam::LogMapper(sensor::ScanPairingOptions{}, slam, *existing_map)
                                         : slam::LogMapper(sensor::ScanPairingOptions{}, slam);
   SlamRun run;
-  Clock::duration spent{};
-  for (std::int64_t sequence = 1;; ++sequence) {
-    ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
-    if (!entry) break;
-    const Clock::time_point begin = Clock::now();
-    mapper.Add(sensor::Record{sequence, std::move(entry->payload)});
-    spent += Clock::now() - begin;
-    bar.Update(reader.counts().scans);
-  }
+  ENFILADE_ASSIGN_OR_RETURN(Clock::duration spent, MapToEnd(globals, reader, mapper));
   const Clock::time_point begin = Clock::now();
-  mapper.Finish();
   run.grid = mapper.RenderGrid();
   if (existing_map) {
     ENFILADE_ASSIGN_OR_RETURN(run.grid, grid::Overlay(existing_map->grid, run.grid));
   }
   run.map.Apply(mapper.TakeDelta());
   spent += Clock::now() - begin;
-  bar.Finish();
   run.counts = mapper.counts();
   run.scans = reader.counts().scans;
   run.seconds = std::chrono::duration<double>(spent).count();

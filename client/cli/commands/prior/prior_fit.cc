@@ -11,6 +11,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/prior/plan_options.h"
 #include "client/cli/commands/prior/prior_fit_files.h"
+#include "client/cli/log_mapping.h"
 #include "client/cli/log_options.h"
 #include "client/cli/occupancy_map.h"
 #include "client/cli/output.h"
@@ -56,16 +57,8 @@ bool IsMap(const std::filesystem::path& path) {
 
 absl::StatusOr<grid::OccupancyGrid> MapLog(const Globals& globals, const PriorFitOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.input, options.reading));
-  ProgressBar bar(globals, "mapping", reader.facts().scans);
   slam::LogMapper mapper(sensor::ScanPairingOptions{}, slam::SlamOptions{});
-  for (std::int64_t sequence = 1;; ++sequence) {
-    ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
-    if (!entry) break;
-    mapper.Add(sensor::Record{sequence, std::move(entry->payload)});
-    bar.Update(reader.counts().scans);
-  }
-  mapper.Finish();
-  bar.Finish();
+  ENFILADE_RETURN_IF_ERROR(MapToEnd(globals, reader, mapper).status());
   return mapper.RenderGrid();
 }
 

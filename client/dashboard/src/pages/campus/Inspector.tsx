@@ -6,7 +6,8 @@ import { collectionOf, idOf } from '../../api/names';
 import { addressOf, Link } from '../../app/router';
 import { select } from '../../app/selection';
 import type { GlobalPose, GraphLinkPoint, GraphMap } from '../../gen/enfilade/v1/graph_pb';
-import { converterOf, latLonText, useGeoreference } from '../../geo/georeference';
+import { converterOf, useGeoreference } from '../../geo/georeference';
+import { OnTheGlobe } from '../../geo/OnTheGlobe';
 import { useLive, useNow } from '../../live/context';
 import { kindOf, stateOf, titleOf } from '../../live/objects';
 import type { LiveRobot } from '../../live/robots';
@@ -110,15 +111,7 @@ function WorldPose({ pose }: { pose: { x: number; y: number; yaw: number } }) {
         {poseText(pose)}
         <CopyButton text={`${pose.x} ${pose.y} ${pose.yaw}`} what="x y yaw (m, rad)" />
       </dd>
-      {place && (
-        <>
-          <dt>On the globe</dt>
-          <dd className="with-action">
-            {latLonText(place)}
-            <CopyButton text={latLonText(place)} what="latitude, longitude" />
-          </dd>
-        </>
-      )}
+      {place && <OnTheGlobe place={place} />}
     </>
   );
 }

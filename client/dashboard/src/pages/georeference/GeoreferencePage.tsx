@@ -8,6 +8,7 @@ import { siteName } from '../../api/names';
 import { useLevel } from '../../app/selection';
 import type { Georeference } from '../../gen/enfilade/v1/graph_pb';
 import { converterOf, inWorld, latLonText, useGeoreference } from '../../geo/georeference';
+import { OnTheGlobe } from '../../geo/OnTheGlobe';
 import { useLive } from '../../live/context';
 import { titleOf } from '../../live/objects';
 import type { Point } from '../../scene/camera';
@@ -74,15 +75,7 @@ function ChosenPlace({ world, convert }: { world: Point; convert: ReturnType<typ
         {world.x.toFixed(2)}, {world.y.toFixed(2)} m
         <CopyButton text={`${world.x} ${world.y}`} what="x y (m)" />
       </dd>
-      {place && (
-        <>
-          <dt>On the globe</dt>
-          <dd className="with-action">
-            {latLonText(place)}
-            <CopyButton text={latLonText(place)} what="latitude, longitude" />
-          </dd>
-        </>
-      )}
+      {place && <OnTheGlobe place={place} />}
     </dl>
   );
 }

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+
+#include "absl/status/statusor.h"
+#include "client/cli/command.h"
+#include "client/sources/log_reader.h"
+#include "core/slam/mapper/log_mapper.h"
+
+namespace enfilade::cli {
+
+// Maps what is left of a log, to its end, with a progress bar. Returns the time that mapping took, without reading.
+absl::StatusOr<std::chrono::steady_clock::duration> MapToEnd(const Globals& globals, sources::LogReader& reader,
+                                                             slam::LogMapper& mapper);
+
+}  // namespace enfilade::cli

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+import { after, before } from 'node:test';
+import { launch } from './browser.mjs';
+import { System } from './system.mjs';
+
+// A system and a browser for the tests of a file, from before its first one until after its last one.
+export function setStage() {
+  const system = new System();
+  let browser;
+  before(async () => {
+    await system.start();
+    browser = await launch();
+  });
+  after(async () => {
+    await browser?.close();
+    await system.stop();
+  });
+  return { system, browser: () => browser };
+}
