@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-import { before } from 'node:test';
 import { mapCampus } from './campus.mjs';
 import { addGeoreference } from './checks/georeference.mjs';
 import { addHistory } from './checks/history.mjs';
@@ -10,12 +9,8 @@ import { addSessions } from './checks/sessions.mjs';
 import { addStates } from './checks/states.mjs';
 import { setStage } from './stage.mjs';
 
-const { system, browser } = setStage();
+const { system, browser } = setStage((started) => started.enfilade('empty', 'site', 'create', 'empty', '--name', 'Empty site'));
 let mapped;
-
-before(() => {
-  system.enfilade('empty', 'site', 'create', 'empty', '--name', 'Empty site');
-});
 
 const stage = {
   system,

@@ -3,13 +3,15 @@ import { after, before } from 'node:test';
 import { launch } from './browser.mjs';
 import { System } from './system.mjs';
 
-// A system and a browser for the tests of a file, from before its first one until after its last one.
-export function setStage() {
+// A system and a browser for the tests of a file, from before its first one until after its last one. `prepare`: what is
+// done with the system before the first test. (Hooks of one file do not wait for each other.)
+export function setStage(prepare = () => {}) {
   const system = new System();
   let browser;
   before(async () => {
     await system.start();
     browser = await launch();
+    await prepare(system);
   });
   after(async () => {
     await browser?.close();
