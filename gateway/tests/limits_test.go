@@ -23,13 +23,14 @@ import (
 
 // startGateway starts one more gateway, with other limits, before `server`; the test stops it. Returns its URL.
 func startGateway(t *testing.T, server string, limits guard.Limits) string {
-	return startGatewayOf(t, app.Options{Server: server, CallTime: 30 * time.Second, Limits: limits, Uploads: files.DefaultUploadLimits()})
+	options := app.Options{Server: server, CallTime: 30 * time.Second, Limits: limits, Uploads: files.DefaultUploadLimits()}
+	return startGatewayOf(t, options, slog.DiscardHandler)
 }
 
-func startGatewayOf(t *testing.T, options app.Options) string {
+func startGatewayOf(t *testing.T, options app.Options, log slog.Handler) string {
 	t.Helper()
 	options.Listen, options.Hosts = "127.0.0.1:0", []string{"127.0.0.1"}
-	gateway, err := app.Start(t.Context(), options, slog.New(slog.DiscardHandler))
+	gateway, err := app.Start(t.Context(), options, slog.New(log))
 	if err != nil {
 		t.Fatal(err)
 	}
@@ -120,7 +121,9 @@ func TestSecurity_SixHundredStreams(t *testing.T) {
 func TestSecurity_AReaderThatTakesNothingIsCutOffAndOthersAreServed(t *testing.T) {
 	limits := guard.DefaultLimits()
 	limits.WriteTime = time.Second
-	url := startGateway(t, shared.address, limits)
+	var log lockedBuffer
+	url := startGatewayOf(t, app.Options{Server: shared.address, CallTime: 30 * time.Second, Limits: limits,
+		Uploads: files.DefaultUploadLimits()}, slog.NewJSONHandler(&log, nil))
 	connection, err := net.Dial("tcp", strings.TrimPrefix(url, "http://"))
 	if err != nil {
 		t.Fatal(err)
@@ -138,6 +141,9 @@ func TestSecurity_AReaderThatTakesNothingIsCutOffAndOthersAreServed(t *testing.T
 	}
 	if errors.Is(err, os.ErrDeadlineExceeded) {
 		t.Errorf("the connection is still open: %v", err)
+	}
+	if text := log.String(); !strings.Contains(text, `"cut":"write tcp`) || !strings.Contains(text, "i/o timeout") {
+		t.Errorf("the log does not say that the answer was cut, or why: %s", text)
 	}
 }
 

@@ -8,6 +8,7 @@ import (
 	"fmt"
 	"hash/crc32"
 	"io"
+	"log/slog"
 	"mime/multipart"
 	"net/http"
 	"strings"
@@ -59,7 +60,7 @@ func TestSecurity_WrongUploadsAreRefusedAndStoreNothing(t *testing.T) {
 func TestSecurity_AnUploadThatIsTooLargeIsRefusedBeforeItHasCome(t *testing.T) {
 	site := newSite(t)
 	url := startGatewayOf(t, app.Options{Server: shared.address, CallTime: 30 * time.Second, Limits: guard.DefaultLimits(),
-		Uploads: files.UploadLimits{Bytes: 1 << 20, Files: 16}})
+		Uploads: files.UploadLimits{Bytes: 1 << 20, Files: 16}}, slog.DiscardHandler)
 	reader, writer := io.Pipe()
 	form := multipart.NewWriter(writer)
 	sent := make(chan int, 1)

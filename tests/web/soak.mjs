@@ -63,6 +63,11 @@ async function watch(page, debug, system, driving) {
   return rows;
 }
 
+// Why answers of the gateway did not reach the page whole, as its log says.
+function cutAnswers(system) {
+  return system.log('gateway.log').split('\n').filter((line) => line.includes('"cut":')).map((line) => JSON.parse(line));
+}
+
 async function soak(system, browser) {
   system.enfilade('demo', 'site', 'create', 'demo', '--name', 'Soak');
   await system.drive('demo', 'r1', '--campus', 'figure1', '--rate', '20', '--map', 'Hall');
@@ -74,7 +79,8 @@ async function soak(system, browser) {
     const rows = await watch(page, await page.context().newCDPSession(page), system, driving);
     const said = await close().then(() => '', ({ message }) => message);
     const growths = Object.fromEntries(['heap_mib', 'tiles', 'dom_nodes', 'gateway_mib'].map((name) => [name, growth(rows, name)]));
-    return { benchmark: 'soak', minutes, robots: count, hz, refused: driving.robots.refused.length, said, growth: growths, rows };
+    return { benchmark: 'soak', minutes, robots: count, hz, refused: driving.robots.refused.length, said, cut: cutAnswers(system),
+      growth: growths, rows };
   } finally {
     driving.stop();
   }

@@ -88,9 +88,9 @@ func (w *patientWriter) Write(content []byte) (int, error) {
 	return w.ResponseWriter.Write(content)
 }
 
-func (w *patientWriter) Flush() {
+func (w *patientWriter) FlushError() error {
 	_ = w.control.SetWriteDeadline(time.Now().Add(w.time))
-	_ = w.control.Flush()
+	return w.control.Flush()
 }
 
 func (w *patientWriter) Unwrap() http.ResponseWriter { return w.ResponseWriter }

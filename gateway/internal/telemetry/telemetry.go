@@ -23,6 +23,7 @@ type Metrics struct {
 	registry *prometheus.Registry
 	requests *prometheus.CounterVec
 	time     *prometheus.HistogramVec
+	cut      *prometheus.CounterVec
 	sent     prometheus.Counter
 	open     prometheus.Gauge
 }
@@ -37,12 +38,16 @@ func NewMetrics() *Metrics {
 		time: prometheus.NewHistogramVec(prometheus.HistogramOpts{
 			Name: "enfilade_gateway_request_seconds", Help: "Time of requests, from the head to the end of the answer.",
 			Buckets: prometheus.ExponentialBuckets(0.0005, 4, 9)}, []string{"kind"}),
+		cut: prometheus.NewCounterVec(prometheus.CounterOpts{
+			Name: "enfilade_gateway_cut_answers_total",
+			Help: "Answers that did not reach the client whole: it went away, or took nothing for too long. By kind."},
+			[]string{"kind"}),
 		sent: prometheus.NewCounter(prometheus.CounterOpts{
 			Name: "enfilade_gateway_sent_bytes_total", Help: "Bytes of answers' bodies."}),
 		open: prometheus.NewGauge(prometheus.GaugeOpts{
 			Name: "enfilade_gateway_open_requests", Help: "Requests under way, streams included."}),
 	}
-	m.registry.MustRegister(m.requests, m.time, m.sent, m.open)
+	m.registry.MustRegister(m.requests, m.time, m.cut, m.sent, m.open)
 	return m
 }
 
@@ -83,9 +88,14 @@ func (m *Metrics) Observe(next http.Handler, log *slog.Logger) http.Handler {
 			m.requests.WithLabelValues(r.Method, kind, strconv.Itoa(observed.status)).Inc()
 			m.time.WithLabelValues(kind).Observe(took.Seconds())
 			m.sent.Add(float64(observed.bytes))
-			log.Info("request", "method", r.Method, "path", r.URL.Path, "status", observed.status, "bytes",
-				observed.bytes, "duration_ms", float64(took.Microseconds())/1000, "request_id", id, "remote", r.RemoteAddr,
-				"caller", rest.CallerOf(r))
+			attributes := []any{"method", r.Method, "path", r.URL.Path, "status", observed.status, "bytes",
+				observed.bytes, "duration_ms", float64(took.Microseconds()) / 1000, "request_id", id, "remote", r.RemoteAddr,
+				"caller", rest.CallerOf(r)}
+			if observed.cut != nil {
+				m.cut.WithLabelValues(kind).Inc()
+				attributes = append(attributes, "cut", observed.cut.Error())
+			}
+			log.Info("request", attributes...)
 		}()
 		next.ServeHTTP(observed, r)
 	})
@@ -95,6 +105,7 @@ type writer struct {
 	http.ResponseWriter
 	status int
 	bytes  int64
+	cut    error // why the answer did not reach the client whole: the first write that failed
 }
 
 func (w *writer) WriteHeader(status int) {
@@ -105,9 +116,18 @@ func (w *writer) WriteHeader(status int) {
 func (w *writer) Write(content []byte) (int, error) {
 	count, err := w.ResponseWriter.Write(content)
 	w.bytes += int64(count)
-	return count, err
+	return count, w.note(err)
 }
 
-func (w *writer) Flush() { _ = http.NewResponseController(w.ResponseWriter).Flush() }
+func (w *writer) FlushError() error {
+	return w.note(http.NewResponseController(w.ResponseWriter).Flush())
+}
+
+func (w *writer) note(err error) error {
+	if w.cut == nil {
+		w.cut = err
+	}
+	return err
+}
 
 func (w *writer) Unwrap() http.ResponseWriter { return w.ResponseWriter }
