@@ -110,6 +110,11 @@ TEST_F(MapTransferTest, APgmComesBackBitForBit) {
   EXPECT_CODE(Export("sites/s/maps/m/revisions/2", v1::MAP_FORMAT_PGM), absl::StatusCode::kNotFound);
 }
 
+TEST_F(MapTransferTest, WhatViewersSeeOfAnImportIsMadeWithIt) {
+  ASSERT_OK(Import({{"hall.pgm", Pgm(300, 300)}, {"hall.yaml", kYaml}}));
+  EXPECT_EQ(database_.SqlValue("SELECT map_id || ' ' || revision FROM enfilade.raster_pyramids"), "m 1");
+}
+
 TEST_F(MapTransferTest, AnUploadMayTakeAsLongAsItMakesProgress) {
   server::ServerOptions options = Options();
   options.database.default_deadline_s = 1.5;

@@ -19,8 +19,9 @@
 
 namespace enfilade::server {
 
-// The pyramids of maps' revisions, each made and stored when somebody first asks for it: robots that map make more
-// revisions than anybody looks at. One call makes the pyramid of a revision; others wait for it. Thread-safe.
+// The pyramids of maps' revisions, each made and stored when it is imported or when somebody first asks for it: robots
+// that map make more revisions than anybody looks at. One call makes the pyramid of a revision; others wait for it.
+// Thread-safe.
 class RasterPyramids {
  public:
   RasterPyramids(const storage::RevisionStore& revisions, const storage::PyramidStore& pyramids,

@@ -41,6 +41,8 @@ class MapImporter {
     ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
                               services_.revisions.Add(context, name_.site, name_.map, raster.revision, {}));
     *response.mutable_revision() = ToProto(revision);
+    // Who imports a map will look at it. If it cannot be made now, whoever looks first makes it, or is told why not.
+    services_.raster_pyramids.Get(context, revision).IgnoreError();
     return absl::OkStatus();
   }
 
