@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { mapCampus } from './campus.mjs';
+import { addCampus } from './checks/campus.mjs';
 import { addGeoreference } from './checks/georeference.mjs';
 import { addHistory } from './checks/history.mjs';
 import { addImports } from './checks/imports.mjs';
@@ -20,4 +21,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addStates, addHistory, addSessions, addGeoreference, addImports, addPages]) add(stage);
+for (const add of [addScene, addCampus, addStates, addHistory, addSessions, addGeoreference, addImports, addPages]) add(stage);

@@ -24,6 +24,28 @@ export const anchor = (site, map, { x = 0, y = 0, yaw = 0 }) => ({
   map: `sites/${site}/maps/${map}`, poseMapPlace: { pose: { x, y, yaw }, covariance: [0.0015, 0, 0, 0, 0.0015, 0, 0, 0, 0.00002] },
 });
 
+// Where the door of two rooms is in room b.
+const doorInB = { x: 0, y: 5, yaw: -0.5 };
+
+// A site of two rooms of 10 m x 10 m with walls around, a and b, joined by a door: b is turned.
+export async function twoRooms(system, site) {
+  const room = pgmOf(200, 200, (x, y) => x === 0 || y === 0 || x === 199 || y === 199);
+  system.enfilade(site, 'site', 'create', site);
+  for (const map of ['a', 'b']) await importMap(system, site, map, room);
+  await system.call(`sites/${site}/linkPoints?linkPointId=door`, { kind: 'KIND_DOOR', anchors: [anchor(site, 'a', { x: 10, y: 5 }), anchor(site, 'b', doorInB)] });
+  await system.call(`sites/${site}:optimize`, {});
+}
+
+// Moves the door of two rooms to another place in room a, and with it room b.
+export async function moveDoor(system, site, inA) {
+  const name = `sites/${site}/linkPoints/door`;
+  const { linkPoint } = await system.call(name);
+  const anchors = [anchor(site, 'a', inA), anchor(site, 'b', doorInB)];
+  const answer = await fetch(`${system.url}/v1/${name}?updateMask=anchors`, { method: 'PATCH', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ ...linkPoint, anchors }) });
+  if (!answer.ok) throw new Error(await answer.text());
+  await system.call(`sites/${site}:optimize`, {});
+}
+
 // A map's newest revision as Nav2 would read it: walls by column and row from the lower left corner.
 export async function downloaded(system, map) {
   const { files } = await (await fetch(`${system.url}/v1/${map}/files?format=pgm`)).json();

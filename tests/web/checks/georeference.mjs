@@ -3,20 +3,11 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { drawnMaps, faultsOf, open, picture, settled } from '../browser.mjs';
-import { anchor, importMap, pgmOf } from '../maps.mjs';
+import { twoRooms } from '../maps.mjs';
 import { distance, sceneOf, toScreen } from '../pixels.mjs';
 import { until } from '../system.mjs';
 
 const SITE = 'globe';
-
-// Two rooms of 10 m x 10 m; the second is turned.
-async function twoRooms(system) {
-  const room = pgmOf(200, 200, (x, y) => x === 0 || y === 0 || x === 199 || y === 199);
-  system.enfilade(SITE, 'site', 'create', SITE);
-  for (const map of ['a', 'b']) await importMap(system, SITE, map, room);
-  await system.call(`sites/${SITE}/linkPoints?linkPointId=door`, { kind: 'KIND_DOOR', anchors: [anchor(SITE, 'a', { x: 10, y: 5 }), anchor(SITE, 'b', { x: 0, y: 5, yaw: -0.5 })] });
-  await system.call(`sites/${SITE}:optimize`, {});
-}
 
 // About 10 m apart on the ground at this latitude: north is up in map a.
 const known = [{ x: 0, y: 0, latitude: 50.7744, longitude: 6.0786 }, { x: 8, y: 6, latitude: 50.77445393, longitude: 6.07871346 }];
@@ -34,7 +25,7 @@ async function enter(page, { latitude, longitude }) {
 
 export function addGeoreference({ system, browser, at }) {
   test('georeference: control points by a click and by the keyboard place a site on the globe', async () => {
-    await twoRooms(system);
+    await twoRooms(system, SITE);
     const { page, close } = await open(browser(), at(`${SITE}/georeference`), { expected: /Failed to load resource/ });
     await until('both maps are drawn', async () => (await drawnMaps(page)).length === 2);
     await settled(page);

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { drawnMaps, open, picture, settled } from '../browser.mjs';
-import { anchor, downloaded, importMap, pgmOf } from '../maps.mjs';
+import { downloaded, importMap, moveDoor, pgmOf, twoRooms } from '../maps.mjs';
 import { look, pixelsOf, placed, seenFrom, toScreen, toWorld } from '../pixels.mjs';
 import { Robots } from '../robots.mjs';
 import { until } from '../system.mjs';
@@ -11,17 +11,6 @@ import { until } from '../system.mjs';
 const size = (page) => page.evaluate(() => { const { width, height } = document.querySelector('.scene-canvas').getBoundingClientRect(); return { width, height }; });
 const drawnOf = (page, name) => page.evaluate((wanted) => window.__scene.drawn().find((item) => item.name === wanted), name);
 const shift = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
-
-// A room of 10 m x 10 m with walls around.
-const room = pgmOf(200, 200, (x, y) => x === 0 || y === 0 || x === 199 || y === 199);
-
-// A site of two such rooms, a and b, joined by a door: b is turned.
-async function twoRooms(system, site) {
-  system.enfilade(site, 'site', 'create', site);
-  for (const map of ['a', 'b']) await importMap(system, site, map, room);
-  await system.call(`sites/${site}/linkPoints?linkPointId=door`, { kind: 'KIND_DOOR', anchors: [anchor(site, 'a', { x: 10, y: 5 }), anchor(site, 'b', { x: 0, y: 5, yaw: -0.5 })] });
-  await system.call(`sites/${site}:optimize`, {});
-}
 
 const poseOf = async (system, site, map) => {
   const { graph } = await system.call(`sites/${site}/graph`);
@@ -133,13 +122,8 @@ export function addScene({ system, browser, at, campus }) {
     const before = await drawnOf(page, b);
     const requests = [];
     page.on('request', (request) => requests.push(new URL(request.url()).pathname));
-    const name = 'sites/moves/linkPoints/door';
-    const { linkPoint } = await system.call(name);
-    const anchors = [anchor('moves', 'a', { x: 10, y: 8, yaw: 0.3 }), anchor('moves', 'b', { x: 0, y: 5, yaw: -0.5 })];
     const begin = performance.now();
-    const answer = await fetch(`${system.url}/v1/${name}?updateMask=anchors`, { method: 'PATCH', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ ...linkPoint, anchors }) });
-    assert.equal(answer.status, 200, await answer.text());
-    await system.call('sites/moves:optimize', {});
+    await moveDoor(system, 'moves', { x: 10, y: 8, yaw: 0.3 });
     await until('the map moves', async () => shift(await drawnOf(page, b), before) > 20);
     t.diagnostic(`the map moved after ${Math.round(performance.now() - begin)} ms`);
     const pose = await poseOf(system, 'moves', b);

@@ -4,6 +4,7 @@ import type { GraphLinkPoint, GraphMap } from '../gen/enfilade/v1/graph_pb';
 import type { GraphDelta, SessionState, SiteHealth, WatchSiteResponse } from '../gen/enfilade/v1/watch_service_pb';
 import { Signal } from '../signal';
 import { RobotTable } from './robots';
+import { Trails } from './trails';
 
 export interface Raster {
   // sites/{site}/maps/{map}/revisions/{revision}
@@ -22,6 +23,7 @@ export type StreamState =
 // four times a second. Whatever is keyed is keyed by its whole resource name.
 export class LiveSite {
   readonly robots = new RobotTable();
+  readonly trails = new Trails();
   readonly maps = new Map<string, GraphMap>();
   readonly linkPoints = new Map<string, GraphLinkPoint>();
   readonly rasters = new Map<string, Raster>();
@@ -66,8 +68,14 @@ export class LiveSite {
       this.rasters.set(raster.map, { revision: raster.revision, createTime: raster.createTime ? timestampMs(raster.createTime) : 0 });
     }
     if (message.rasters.length > 0) ++this.rasterRevision;
-    for (const robot of message.removedRobots) this.robots.remove(robot);
-    for (const robot of message.robots) this.robots.set(robot);
+    for (const robot of message.removedRobots) {
+      this.robots.remove(robot);
+      this.trails.remove(robot);
+    }
+    for (const robot of message.robots) {
+      this.robots.set(robot);
+      this.trails.add(robot);
+    }
     if (message.robots.length + message.removedRobots.length > 0) ++this.poseRevision;
     for (const session of message.removedSessions) this.sessions.delete(session);
     for (const session of message.sessions) this.sessions.set(session.session, session);
@@ -103,6 +111,7 @@ export class LiveSite {
 
   private reset() {
     this.robots.clear();
+    this.trails.clear();
     this.maps.clear();
     this.linkPoints.clear();
     this.rasters.clear();

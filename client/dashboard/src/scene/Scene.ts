@@ -23,6 +23,8 @@ export interface SceneEvents {
   hover?: (what: string | undefined, world: Point | undefined, screen: Point | undefined) => void;
   click?: (what: string | undefined, world: Point) => void;
   open?: (what: string) => void;
+  // What can be done at a place: asked for there, or with a key.
+  menu?: (world: Point, screen: Point) => void;
   // A second after the last change.
   camera?: (camera: Camera) => void;
   // The person has moved the camera.
@@ -62,6 +64,7 @@ export class Scene {
   private readonly placement = new Placement();
   private readonly robotsDrawn: Drawn[] = [];
   private seen: ReadonlySet<string> = new Set();
+  private pointer: Point | undefined;
   private labelTimer: ReturnType<typeof setTimeout> | undefined;
   private seenTimer: ReturnType<typeof setTimeout> | undefined;
   private dirty = true;
@@ -83,6 +86,7 @@ export class Scene {
       hover: (at) => this.hover(at),
       click: (at) => this.click(at),
       open: (at) => this.open(at),
+      menu: (at) => this.menu(at),
       key: (key) => this.key(key),
     });
     onThemeChange(() => this.surface.readTheme());
@@ -219,7 +223,7 @@ export class Scene {
     addLinkPoints(glyphs, palette, frame, this.placement.links);
     addPath(glyphs, palette, frame);
     addPins(glyphs, palette, frame);
-    addRobots(glyphs, palette, frame, this.motion, this.robotsDrawn);
+    addRobots(glyphs, palette, frame, this.motion, this.placement.places, this.robotsDrawn);
     this.drawCalls = this.surface.end(frame, missing);
     this.drawn = frame.drawn;
     this.marks = frame.marks;
@@ -311,6 +315,7 @@ export class Scene {
   }
 
   private hover(at: Point | undefined) {
+    this.pointer = at;
     const what = at && this.pick(at);
     this.canvas.style.cursor = this.view.measuring ? 'crosshair' : what === undefined ? 'grab' : 'pointer';
     this.events.hover?.(what, at && screenToWorld(this.camera, this.size, at), at);
@@ -325,12 +330,18 @@ export class Scene {
     if (what !== undefined) this.events.open?.(what);
   }
 
+  private menu(at: Point): boolean {
+    this.events.menu?.(screenToWorld(this.camera, this.size, at), at);
+    return this.events.menu !== undefined;
+  }
+
   private key(key: string): boolean {
     const pan: Record<string, [number, number]> = { ArrowLeft: [PAN_PX, 0], ArrowRight: [-PAN_PX, 0], ArrowUp: [0, PAN_PX], ArrowDown: [0, -PAN_PX] };
     const step = pan[key];
     if (step) this.moveByHand(panned(this.camera, ...step));
     else if (key === '+' || key === '=') this.zoom(1.5);
     else if (key === '-') this.zoom(1 / 1.5);
+    else if (key === 'c') return this.menu(this.pointer ?? { x: this.size.width / 2, y: this.size.height / 2 });
     else return this.events.key?.(key) ?? false;
     return true;
   }

@@ -15,6 +15,7 @@ import { coverOf, latticeOf } from './tiles/cover';
 import type { RasterLoader } from './tiles/loader';
 import type { Manifest, Thumbnail } from './tiles/manifest';
 import type { TilePages } from './tiles/pages';
+import { TrailPainter } from './trail';
 
 export interface Sources {
   loader: RasterLoader;
@@ -130,24 +131,34 @@ export function addLinkPoints(glyphs: InstanceList, palette: Palette, frame: Fra
   for (const link of links) if (inside(frame.window, link.x, link.y, margin)) addLinkPoint(glyphs, frame, palette, link);
 }
 
-// `known`: of each row of the table what was drawn in the last frame, to be used again.
-export function addRobots(glyphs: InstanceList, palette: Palette, frame: Frame, motion: Motion, known: Drawn[]) {
+// Each robot of the table that is in the window, with its row and where it is on its way to its place.
+function eachRobot({ site: { robots }, view, window, now }: Frame, motion: Motion, take: (row: number, at: Pose) => void) {
+  const own = view.map !== undefined;
+  const from = own ? robots.map : robots.world;
+  for (let row = 0; row < robots.count; ++row) {
+    if (own ? robots.maps[row] !== view.map : !robots.placed[row]) continue;
+    const at = motion.at(robots.names[row]!, { x: from[3 * row]!, y: from[3 * row + 1]!, yaw: from[3 * row + 2]! }, now);
+    if (inside(window, at.x, at.y, 20)) take(row, at);
+  }
+}
+
+// Trails lie below all robots. `known`: of each row of the table what was drawn in the last frame, to be used again.
+export function addRobots(glyphs: InstanceList, palette: Palette, frame: Frame, motion: Motion, places: ReadonlyMap<string, Pose>, known: Drawn[]) {
   const { site, view } = frame;
   if (view.places || view.path) return;
   const { robots } = site;
+  const isGhost = (row: number) => view.map === undefined && view.level !== undefined && robots.level[row] !== view.level;
+  if (view.trails) {
+    const painter = new TrailPainter(glyphs, frame, places, palette);
+    eachRobot(frame, motion, (row, at) => !isGhost(row) && painter.paint(robots.names[row]!, at));
+  }
   const looks = robotLooks(palette);
-  for (let row = 0; row < robots.count; ++row) {
-    const own = view.map !== undefined;
-    if (own ? robots.maps[row] !== view.map : !robots.placed[row]) continue;
-    const from = own ? robots.map : robots.world;
-    const pose = { x: from[3 * row]!, y: from[3 * row + 1]!, yaw: from[3 * row + 2]! };
-    const at = motion.at(robots.names[row]!, pose, frame.now);
-    if (!inside(frame.window, at.x, at.y, 20)) continue;
+  eachRobot(frame, motion, (row, at) => {
     const drawn = (known[row] ??= newDrawn('', 'robot', false));
     drawn.name = robots.names[row]!;
-    drawn.ghost = !own && view.level !== undefined && robots.level[row] !== view.level;
+    drawn.ghost = isGhost(row);
     addRobot(glyphs, frame, palette, looks, row, at, site.ageOf(robots.receiveTime[row]!, frame.wall), drawn);
-  }
+  });
 }
 
 export function addExplanation(glyphs: InstanceList, palette: Palette, frame: Frame, measured: { x: number; y: number }[]) {

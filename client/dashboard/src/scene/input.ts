@@ -7,6 +7,8 @@ export interface InputTarget {
   hover(at: Point | undefined): void;
   click(at: Point): void;
   open(at: Point): void;
+  // What can be done at a place. False: nothing, and the browser shows its own menu.
+  menu(at: Point): boolean;
   // One of the keys of the scene.
   key(key: string): boolean;
 }
@@ -65,6 +67,9 @@ export function listen(canvas: HTMLElement, target: InputTarget): () => void {
   };
   const onLeave = () => target.hover(undefined);
   const onDouble = (event: MouseEvent) => target.open(at(event));
+  const onMenu = (event: MouseEvent) => {
+    if (target.menu(at(event))) event.preventDefault();
+  };
   const onKey = (event: KeyboardEvent) => {
     if (!event.ctrlKey && !event.metaKey && !event.altKey && target.key(event.key)) event.preventDefault();
   };
@@ -76,6 +81,7 @@ export function listen(canvas: HTMLElement, target: InputTarget): () => void {
   canvas.addEventListener('pointerleave', onLeave);
   canvas.addEventListener('wheel', onWheel, { passive: false });
   canvas.addEventListener('dblclick', onDouble);
+  canvas.addEventListener('contextmenu', onMenu);
   canvas.addEventListener('keydown', onKey);
   return () => {
     canvas.removeEventListener('pointerdown', onDown);
@@ -85,6 +91,7 @@ export function listen(canvas: HTMLElement, target: InputTarget): () => void {
     canvas.removeEventListener('pointerleave', onLeave);
     canvas.removeEventListener('wheel', onWheel);
     canvas.removeEventListener('dblclick', onDouble);
+    canvas.removeEventListener('contextmenu', onMenu);
     canvas.removeEventListener('keydown', onKey);
   };
 }

@@ -46,6 +46,8 @@ export interface View {
   // The place of the border, 0 to 1 of the window.
   swipe?: number | undefined;
   follow?: boolean | undefined;
+  // Where the robots come from.
+  trails?: boolean | undefined;
   measuring?: boolean | undefined;
   // Further maps and link points that explain the selection.
   chain?: Point[] | undefined;
@@ -80,7 +82,7 @@ export interface Drawn {
 
 // What is drawn besides objects, as in the last frame, in CSS pixels; for tests. A cursor's `to` lies a metre ahead of it.
 export interface Mark {
-  kind: 'move' | 'path' | 'cursor' | 'pin';
+  kind: 'move' | 'path' | 'cursor' | 'pin' | 'trail';
   name: string;
   from: Point;
   to: Point;

@@ -15,6 +15,7 @@ import { Empty, Loading } from '../../ui/States';
 import { chainOf } from './explanation';
 import { Inspector, useGlobalPose } from './Inspector';
 import { ObjectList } from './ObjectList';
+import { usePointMenu } from './PointMenu';
 import { Readout, type ReadoutHandle } from './Readout';
 import { UnplacedTray } from './UnplacedTray';
 
@@ -53,6 +54,8 @@ function Campus() {
   const readout = useRef<ReadoutHandle>(null);
   const [follow, setFollow] = useState(false);
   const [measuring, setMeasuring] = useState(false);
+  const [trails, setTrails] = useState(true);
+  const points = usePointMenu();
   const measure = useMeasure(measuring);
   const { data: pose } = useGlobalPose(live, selected);
   useAddressedCamera();
@@ -60,14 +63,15 @@ function Campus() {
 
   const robot = selected === undefined ? undefined : live.robots.get(selected);
   const view = useMemo<View>(() => ({
-    level, selected, follow, measuring, chain: pose && chainOf(live, pose),
+    level, selected, follow, measuring, trails, chain: pose && chainOf(live, pose),
     searchRadius: robot?.poseWorld && pose && pose.searchRadiusM > 0 ? { at: robot.poseWorld, radius: pose.searchRadiusM } : undefined,
-  }), [live, level, selected, follow, measuring, pose, robot?.poseWorld]);
+  }), [live, level, selected, follow, measuring, trails, pose, robot?.poseWorld]);
 
   const openMap = (name: string) => collectionOf(name) === 'maps' && navigate(addressOf(live.id, 'maps', [idOf(name)]));
   const onKey = (key: string) => {
     if (key === 'f' && robot) setFollow(!follow);
     else if (key === 'm') setMeasuring(!measuring);
+    else if (key === 't') setTrails(!trails);
     else if (key === 'Escape') (measuring ? setMeasuring(false) : select(undefined));
     else if (key === 'Enter' && selected !== undefined) openMap(selected);
     else return false;
@@ -77,6 +81,7 @@ function Campus() {
     hover: (what, world, screen) => readout.current?.hover(what, world, screen),
     click: (what, world) => (measuring ? measure.add(world) : select(what)),
     open: openMap,
+    menu: points.open,
     camera: (camera) => currentPlace().page === 'campus' && setQuery({ v: formatView(camera) }),
     taken: () => setFollow(false),
     key: onKey,
@@ -86,10 +91,12 @@ function Campus() {
       <SceneView view={view} events={events} tools={
         <>
           <ToolButton icon="ruler" title="Measure a distance" keys="m" pressed={measuring} onClick={() => setMeasuring(!measuring)} />
+          <ToolButton icon="trail" title="Show where robots come from" keys="t" pressed={trails} onClick={() => setTrails(!trails)} />
           {selected !== undefined && <ToolButton icon="follow" title="Go to the selection" onClick={() => scene?.fit(selected)} />}
         </>
       }>
-        <Readout ref={readout} measured={measure.text} />
+        <Readout ref={readout} said={points.said || measure.text} />
+        {points.menu}
       </SceneView>
       <aside className="panel" aria-label="Details">
         {selected !== undefined && <Inspector name={selected} follow={follow} setFollow={setFollow} />}

@@ -42,8 +42,8 @@ export function scaleBar(pixelsPerMetre: number): { metres: number; pixels: numb
 
 const lengthText = (value: number) => (value >= 1000 ? `${value / 1000} km` : value >= 1 ? `${value} m` : `${Math.round(value * 100)} cm`);
 
-// Coordinates, what is under the pointer, and the scale. It changes with the pointer, so it is a component of its own.
-export function Readout({ ref, measured }: { ref: Ref<ReadoutHandle>; measured: string }) {
+// Coordinates, what is under the pointer, the scale, and what the page has to say. It changes with the pointer, so it is a component of its own.
+export function Readout({ ref, said }: { ref: Ref<ReadoutHandle>; said: string }) {
   const site = useLive();
   const [at, setAt] = useState<{ what: string | undefined; world: Point; screen: Point }>();
   const last = useRef(0);
@@ -79,7 +79,7 @@ export function Readout({ ref, measured }: { ref: Ref<ReadoutHandle>; measured: 
         <span className="scene-chip mono">{at && `x ${at.world.x.toFixed(2)}  y ${at.world.y.toFixed(2)} m`}</span>
         <span className="scene-chip">{inMap && map !== undefined && `${titleOf(site, map)} ${inMap.x.toFixed(2)}, ${inMap.y.toFixed(2)} m`}</span>
         <span className="scene-chip" role="status">
-          {measured}
+          {said}
         </span>
       </div>
     </>

@@ -118,7 +118,7 @@ function Georeferencing({ georeference }: { georeference: Georeference | null })
     <div className="campus">
       <SceneView view={view} events={{ hover: (...over) => readout.current?.hover(...over), click: onClick }}>
         {georeference && <North yaw={georeference.yawEastWorld} />}
-        <Readout ref={readout} measured={hint} />
+        <Readout ref={readout} said={hint} />
       </SceneView>
       <aside className="panel" aria-label="Details">
         <h1>Georeference</h1>

@@ -78,7 +78,7 @@ function Placings({ versions }: { versions: GraphVersion[] }) {
     <div className="campus">
       <div className="replayed">
         <SceneView view={view} events={{ hover: (...over) => readout.current?.hover(...over), click: (what) => select(what) }}>
-          <Readout ref={readout} measured="" />
+          <Readout ref={readout} said="" />
         </SceneView>
         <Player label="Version of the graph" text={textOf(shown)} value={at} max={last} step={1} onChange={show} playing={playing} setPlaying={setPlaying} />
       </div>

@@ -12,6 +12,7 @@ import type { Compare, RasterChoice, View } from '../../scene/model';
 import { SceneView } from '../../scene/SceneView';
 import { levelName } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
+import { usePointMenu } from '../campus/PointMenu';
 import { Readout, type ReadoutHandle } from '../campus/Readout';
 import { CompareBar } from './CompareBar';
 import { Downloads } from './Downloads';
@@ -55,6 +56,7 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
   const selected = useSelection();
   const readout = useRef<ReadoutHandle>(null);
   const [swipe, setSwipe] = useState(0.5);
+  const points = usePointMenu(map);
   const find = (id: string | null) => revisions.find(({ name }) => idOf(name) === id);
   const shown = find(query.get('rev')) ?? revisions[0]!;
   const found = find(query.get('with'));
@@ -67,8 +69,9 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
   }), [map, selected, swipe, compare, shown, other, blinked]);
   return (
     <div className="campus">
-      <SceneView view={view} events={{ hover: (...at) => readout.current?.hover(...at), click: (what) => select(what) }}>
-        <Readout ref={readout} measured="" />
+      <SceneView view={view} events={{ hover: (...at) => readout.current?.hover(...at), click: (what) => select(what), menu: points.open }}>
+        <Readout ref={readout} said={points.said} />
+        {points.menu}
         {other && <CompareBar shown={shown} other={other} compare={compare} blinked={blinked} swipe={swipe} setSwipe={setSwipe} />}
       </SceneView>
       <aside className="panel" aria-label="Details">

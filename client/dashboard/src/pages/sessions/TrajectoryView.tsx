@@ -73,7 +73,7 @@ function Replay({ session, map, trajectory: { times, poses } }: { session: strin
   return (
     <>
       <SceneView view={view} events={{ hover: (...over) => readout.current?.hover(...over) }}>
-        <Readout ref={readout} measured="" />
+        <Readout ref={readout} said="" />
       </SceneView>
       <Player label="Time in the session" text={text} value={at} max={duration} step={0.1} onChange={setAt} playing={playing} setPlaying={setPlaying}>
         <select className="select" aria-label="Speed" value={speed} onChange={(event) => setSpeed(Number(event.target.value))}>
