@@ -159,6 +159,7 @@ class Server::Impl {
         MaintenanceJobs({maintenance, sessions},
                         {.undo_kept = WholeSeconds(options.retention.undo_s),
                          .idle = WholeSeconds(options.retention.idle_session_s),
+                         .deleted_session = WholeSeconds(options.retention.deleted_session_s),
                          .unused_blob = WholeSeconds(options.retention.unused_blob_s)},
                         *metrics));
     return absl::OkStatus();

@@ -53,6 +53,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("retention.interval_s", options.retention.interval_s);
   visit("retention.undo_s", options.retention.undo_s);
   visit("retention.idle_session_s", options.retention.idle_session_s);
+  visit("retention.deleted_session_s", options.retention.deleted_session_s);
   visit("retention.unused_blob_s", options.retention.unused_blob_s);
   visit("metrics.address", options.metrics.address);
   visit("log.level", options.log.level);
@@ -213,9 +214,11 @@ absl::Status ServerOptions::Validate() const {
     return InvalidArgument("retention.idle_session_s is {}: expected 0, or 60 to {}, which is a century", idle_s,
                            kCentury);
   }
-  if (!(retention.unused_blob_s >= 60.0 && retention.unused_blob_s <= kCentury)) {
-    return InvalidArgument("retention.unused_blob_s is {}: expected 60 to {}, which is a century",
-                           retention.unused_blob_s, kCentury);
+  for (const auto& [key, value] : {std::pair{"retention.deleted_session_s", retention.deleted_session_s},
+                                   std::pair{"retention.unused_blob_s", retention.unused_blob_s}}) {
+    if (!(value >= 60.0 && value <= kCentury)) {
+      return InvalidArgument("{} is {}: expected 60 to {}, which is a century", key, value, kCentury);
+    }
   }
   for (const char* level : {"trace", "debug", "info", "warn", "error"}) {
     if (log.level == level) {

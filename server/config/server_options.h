@@ -108,6 +108,9 @@ struct ServerOptions {
     // A session that nobody finishes is closed when it has got no record for this long, s, a minute to a century; 0:
     // never. Its robot cannot send more records of it then, so let it be longer than robots are away.
     double idle_session_s = 30 * 86'400.0;
+    // How long it is remembered that a session was deleted, s, a minute to a century: late records of it are refused,
+    // and its id is not used again. Let it be longer than robots are away.
+    double deleted_session_s = 30 * 86'400.0;
     // How long a blob (an image, a cloud, a tile) stays that nothing refers to, s, a minute to a century. After an
     // outage, a robot sends the record that refers to a blob long after the blob.
     double unused_blob_s = 86'400.0;

@@ -28,6 +28,10 @@ class Maintenance {
 
   // Rows of deleted sessions.
   absl::StatusOr<std::int64_t> PurgeDeletedSessions(const CallContext& context, std::int64_t limit) const;
+  // What is left of sessions that were deleted longer than `kept` ago: until then their late records are refused, and
+  // their ids not used again. Those that a revision or a later session refers to stay.
+  absl::StatusOr<std::int64_t> ForgetDeletedSessions(const CallContext& context, std::chrono::seconds kept,
+                                                     std::int64_t limit) const;
   // Records older than their site's retention, counted from when the session was finished. Sessions that are recording
   // or not yet mapped keep theirs.
   absl::StatusOr<std::int64_t> DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const;

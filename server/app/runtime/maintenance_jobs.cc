@@ -65,6 +65,11 @@ std::vector<MaintenanceJob> MaintenanceJobs(const MaintenanceStores& stores, con
   };
   deleting("sessions past their retention", &Maintenance::DeleteFinishedSessions);
   deleting("deleted sessions", &Maintenance::PurgeDeletedSessions);
+  jobs.push_back(
+      Deleting("forgotten sessions", metrics,
+               [&maintenance, kept = limits.deleted_session](const CallContext& context, std::int64_t limit) {
+                 return maintenance.ForgetDeletedSessions(context, kept, limit);
+               }));
   deleting("expired records", &Maintenance::DeleteExpiredRecords);
   deleting("versions of graphs", &Maintenance::DeleteGraphHistory);
   deleting("audit entries", &Maintenance::DeleteAuditEntries);

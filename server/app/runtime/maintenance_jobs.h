@@ -17,9 +17,10 @@ struct MaintenanceStores {
 };
 
 struct MaintenanceLimits {
-  std::chrono::seconds undo_kept{0};    // what undoing a rearrangement needs is deleted after that
-  std::chrono::seconds idle{0};         // a session that got no record for so long is closed; 0: never
-  std::chrono::seconds unused_blob{0};  // a blob that nothing refers to is deleted after that
+  std::chrono::seconds undo_kept{0};        // what undoing a rearrangement needs is deleted after that
+  std::chrono::seconds idle{0};             // a session that got no record for so long is closed; 0: never
+  std::chrono::seconds deleted_session{0};  // what is left of a deleted session is deleted after that
+  std::chrono::seconds unused_blob{0};      // a blob that nothing refers to is deleted after that
 };
 
 // What is past its retention, sessions that nobody finishes, and what nothing refers to any more. The metrics count

@@ -25,8 +25,12 @@ constexpr std::size_t kRecordTables = 2;
 const Statement kFindSessionToPurge{"looking for a deleted session",
                                     "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
                                     " AND delete_time IS NOT NULL AND NOT purged LIMIT 1 FOR UPDATE SKIP LOCKED"};
+// A deleted session refers to no other, so that those before it can be forgotten.
 const Statement kMarkSessionPurged{"closing the session",
-                                   "UPDATE enfilade.sessions SET purged = true WHERE site_id = $1 AND session_id = $2"};
+                                   "UPDATE enfilade.sessions SET purged = true,"
+                                   " previous_session_id = CASE WHEN delete_time IS NULL THEN previous_session_id END,"
+                                   " cut_from_session_id = CASE WHEN delete_time IS NULL THEN cut_from_session_id END"
+                                   " WHERE site_id = $1 AND session_id = $2"};
 
 absl::StatusOr<std::int64_t> PurgeSession(Transaction& transaction, const SiteId& site, const std::string& session,
                                           bool with_mapping, std::int64_t limit) {

@@ -31,6 +31,10 @@ using postgres::Transaction;
 constexpr Statement kListDeleted{"looking for deleted sessions",
                                  "SELECT DISTINCT site_id FROM enfilade.sessions"
                                  " WHERE delete_time IS NOT NULL AND NOT purged ORDER BY site_id"};
+constexpr Statement kListForgettable{"looking for sessions that were deleted long ago",
+                                     "SELECT DISTINCT site_id FROM enfilade.sessions"
+                                     " WHERE purged AND delete_time <= now() - $1 * interval '1 second'"
+                                     " ORDER BY site_id"};
 constexpr Statement kListExpired{"looking for expired records",
                                  "SELECT DISTINCT site_id FROM enfilade.sessions"
                                  " WHERE records_deleted AND delete_time IS NULL AND NOT purged ORDER BY site_id"};
@@ -197,6 +201,16 @@ absl::StatusOr<std::int64_t> PurgeSessions(postgres::Pool& pool, const CallConte
 
 absl::StatusOr<std::int64_t> Maintenance::PurgeDeletedSessions(const CallContext& context, std::int64_t limit) const {
   return PurgeSessions(pool_, context, kDeleted, limit);
+}
+
+absl::StatusOr<std::int64_t> Maintenance::ForgetDeletedSessions(const CallContext& context, std::chrono::seconds kept,
+                                                                std::int64_t limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const std::vector<SiteId> sites,
+      ListSites(pool_, context, kListForgettable, Params(static_cast<std::int64_t>(kept.count()))));
+  return PurgeSites(sites, limit, [&](const SiteId& site, std::int64_t rest) {
+    return postgres::ForgetSessions(pool_, context, site, kept, rest);
+  });
 }
 
 absl::StatusOr<std::int64_t> Maintenance::DeleteExpiredRecords(const CallContext& context, std::int64_t limit) const {

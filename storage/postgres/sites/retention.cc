@@ -71,6 +71,20 @@ constexpr Statement kDeleteEntries{
     " DELETE FROM enfilade.audit_log d USING oldest o, enfilade.sites s"
     " WHERE d.site_id = $1 AND d.audit_id = o.audit_id AND s.site_id = $1"
     "   AND o.time <= now() - s.audit_retention_s * interval '1 second'"};
+// Those that nothing refers to: no later session, no revision or layer of a map, and nothing that undoing a
+// rearrangement from before brings back.
+constexpr Statement kForgetSessions{
+    "forgetting deleted sessions",
+    "WITH due AS (SELECT s.session_id FROM enfilade.sessions s WHERE s.site_id = $1 AND s.purged"
+    "   AND s.delete_time <= now() - $2 * interval '1 second'"
+    "   AND NOT EXISTS (SELECT FROM enfilade.sessions o WHERE o.site_id = $1 AND o.previous_session_id = s.session_id)"
+    "   AND NOT EXISTS (SELECT FROM enfilade.sessions o WHERE o.site_id = $1 AND o.cut_from_session_id = s.session_id)"
+    "   AND NOT EXISTS (SELECT FROM enfilade.map_revisions r WHERE r.site_id = $1 AND r.session_id = s.session_id)"
+    "   AND NOT EXISTS (SELECT FROM enfilade.map_layers l WHERE l.site_id = $1 AND l.session_id = s.session_id)"
+    "   AND NOT EXISTS (SELECT FROM enfilade.rearrangements a WHERE a.site_id = $1 AND NOT a.undo_purged"
+    "     AND a.create_time <= s.delete_time)"
+    "   ORDER BY s.delete_time LIMIT $3 FOR UPDATE SKIP LOCKED)"
+    " DELETE FROM enfilade.sessions d USING due WHERE d.site_id = $1 AND d.session_id = due.session_id"};
 // Skips sessions that somebody is working on.
 constexpr Statement kFindFinished{
     "looking for sessions past their retention",
@@ -132,6 +146,14 @@ absl::StatusOr<std::optional<std::int64_t>> DeleteGraphHistory(Pool& pool, const
 absl::StatusOr<std::optional<std::int64_t>> DeleteAuditEntries(Pool& pool, const CallContext& context,
                                                                const SiteId& site, std::int64_t limit) {
   ENFILADE_ASSIGN_OR_RETURN(const Result deleted, ExecuteAlone(pool, context, kDeleteEntries, Params(site, limit)));
+  return UnsetIfNone(deleted.affected());
+}
+
+absl::StatusOr<std::optional<std::int64_t>> ForgetSessions(Pool& pool, const CallContext& context, const SiteId& site,
+                                                           std::chrono::seconds kept, std::int64_t limit) {
+  const auto kept_s = static_cast<std::int64_t>(kept.count());
+  ENFILADE_ASSIGN_OR_RETURN(const Result deleted,
+                            ExecuteAlone(pool, context, kForgetSessions, Params(site, kept_s, limit)));
   return UnsetIfNone(deleted.affected());
 }
 

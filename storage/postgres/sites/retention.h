@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -26,6 +27,9 @@ absl::StatusOr<std::optional<std::int64_t>> DeleteGraphHistory(Pool& pool, const
                                                                const SiteId& site, std::int64_t limit);
 absl::StatusOr<std::optional<std::int64_t>> DeleteAuditEntries(Pool& pool, const CallContext& context,
                                                                const SiteId& site, std::int64_t limit);
+// Deletes what is left of sessions that were deleted longer than `kept` ago.
+absl::StatusOr<std::optional<std::int64_t>> ForgetSessions(Pool& pool, const CallContext& context, const SiteId& site,
+                                                           std::chrono::seconds kept, std::int64_t limit);
 // Marks sessions as deleted: their rows are purged later.
 absl::StatusOr<std::optional<std::int64_t>> DeleteFinishedSessions(Pool& pool, const CallContext& context,
                                                                    const SiteId& site, std::int64_t limit);

@@ -97,6 +97,7 @@ std::vector<std::string> SettingsOf(const FleetOptions& options) {
   if (options.retention_s > 0) {
     settings = {fmt::format("retention.interval_s={}", options.retention_s / 10.0),
                 fmt::format("retention.unused_blob_s={}", options.retention_s),
+                fmt::format("retention.deleted_session_s={}", options.retention_s),
                 fmt::format("retention.undo_s={}", options.retention_s)};
   }
   settings.insert(settings.end(), options.settings.begin(), options.settings.end());

@@ -86,7 +86,8 @@ void CuttingProxy::Accept() {
 }
 
 void CuttingProxy::Serve(int client, int server, Cut cut) {
-  bool open = true;
+  pollfd stopped = {stop_pipe_[0], POLLIN, 0};
+  bool open = poll(&stopped, 1, static_cast<int>(cut.delay.count())) == 0;
   while (open) {
     pollfd polled[3] = {{client, POLLIN, 0}, {server, POLLIN, 0}, {stop_pipe_[0], POLLIN, 0}};
     poll(polled, 3, -1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <string>
@@ -13,12 +14,13 @@
 namespace enfilade::testing {
 
 // Forwards bytes between a client and a server, both on Unix sockets, and closes connections after a given number of
-// bytes, which may be in the middle of a message, a frame or the handshake.
+// bytes, which may be in the middle of a message, a frame or the handshake. Or it is slow to begin.
 class CuttingProxy {
  public:
   struct Cut {
     std::int64_t upstream_bytes = -1;    // from the client, on one connection; -1: never
     std::int64_t downstream_bytes = -1;  // from the server
+    std::chrono::milliseconds delay{0};  // before anything is forwarded
   };
 
   // The first connection gets the first cut, and so on. Connections after the last cut are not closed.

@@ -111,6 +111,16 @@ TEST_F(UplinkTest, SurvivesCutsAtAnyByte) {
   EXPECT_GT(proxy.cuts_made(), 15) << "of " << planned;
 }
 
+TEST_F(UplinkTest, WaitsForAServerThatIsSlowToAnswerWhenItConnects) {
+  Serve();
+  RecordAll(100);
+  CuttingProxy proxy((directory_.path() / "proxy").string(), (directory_.path() / "server").string(),
+                     {{.delay = std::chrono::seconds(2)}});
+  ASSERT_OK(Bring(proxy.address()));
+  ExpectAllStored();
+  EXPECT_EQ(proxy.connections(), 1) << "given up and begun anew";
+}
+
 TEST_F(UplinkTest, WaitsForAServerThatIsNotThereYet) {
   RecordAll(100);
   Uplink uplink(Connection("unix:" + (directory_.path() / "server").string(), std::chrono::seconds(20)), *spool_, kRun,

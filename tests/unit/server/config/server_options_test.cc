@@ -163,6 +163,7 @@ TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
         Case{"retention.undo_s", [](ServerOptions& o) { o.retention.undo_s = 1e18; }},
         Case{"retention.idle_session_s", [](ServerOptions& o) { o.retention.idle_session_s = 59.0; }},
         Case{"retention.idle_session_s", [](ServerOptions& o) { o.retention.idle_session_s = 1e18; }},
+        Case{"retention.deleted_session_s", [](ServerOptions& o) { o.retention.deleted_session_s = 59.0; }},
         Case{"retention.unused_blob_s", [](ServerOptions& o) { o.retention.unused_blob_s = 59.0; }},
         // Ten mappers need twenty connections.
         Case{"database.max_connections", [](ServerOptions& o) { o.mapping.workers = 10; }}}) {
