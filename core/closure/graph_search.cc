@@ -80,8 +80,13 @@ std::optional<PoseWithCovariance> FindWorldPose(const GraphSnapshot& graph, int 
   return std::nullopt;
 }
 
+// A graph that is not sure of the robot's place has it near everything for hundreds of metres around. So many of what
+// it may be near to are looked at, the nearest first by the solution: several times as many as are compared or searched
+// in.
+constexpr std::size_t kLookedAt = 256;
+
 // What lies near the session's map by the poses of the graph's solution. Chains of link points say it more exactly, but
-// each of them costs a search. Variances of the solution add up to an upper bound of the transform's.
+// cost a search. Variances of the solution add up to an upper bound of the transform's.
 class SolvedNeighbourhood {
  public:
   explicit SolvedNeighbourhood(const DoorKnowledge& knowledge)
@@ -89,31 +94,29 @@ class SolvedNeighbourhood {
         options_(RadiusOptions(knowledge.options)),
         T_world_this_(FindWorldPose(*knowledge.graph, knowledge.graph->MapSlot(knowledge.map->id))) {}
 
-  // Whether the door may be within the search radius of the anchor. Yes, if the solution does not pose the map.
-  bool MayBeNear(const graph::Anchor& anchor) const {
-    const auto door = PoseIn(anchor.map, *knowledge_.T_map_door);
-    return !door || Distance(*door, anchor) <= graph::SearchRadius(door->covariance + anchor.covariance, options_);
+  // How far the place is from `T_this_pose`, m, where the solution poses both maps.
+  std::optional<double> Distance(const PoseWithCovariance& T_this_pose, const graph::Anchor& anchor) const {
+    const PoseWithCovariance* T_world_map = knowledge_.graph->FindSolvedPose(anchor.map);
+    if (!T_world_this_ || T_world_map == nullptr) return std::nullopt;
+    const Eigen::Vector2d pose = T_world_this_->pose * T_this_pose.pose.translation();
+    return (T_world_map->pose * anchor.T_map_place.translation() - pose).norm();
   }
 
-  // Whether the robot may be within the search radius of one of the map's link points. As MayBeNear.
-  bool MayBeNear(const GraphSnapshot::MapNode& node) const {
-    const auto robot = PoseIn(node.map->id, *knowledge_.T_map_robot);
-    if (!robot) return true;
-    const double radius = graph::SearchRadius(robot->covariance, options_);
-    return std::any_of(node.link_points.begin(), node.link_points.end(), [&](int link_point) {
-      const graph::LinkPoint& point = *knowledge_.graph->link_point_node(link_point).link_point;
-      return Distance(*robot, *point.FindAnchor(node.map->id)) <= radius;
-    });
+  // Whether the door may be within the search radius of the anchor, which is so far from it.
+  bool MayBeNear(const graph::Anchor& anchor, double distance) const {
+    const Eigen::Matrix3d door = CovarianceIn(anchor.map, *knowledge_.T_map_door);
+    return distance <= graph::SearchRadius(door + anchor.covariance, options_);
+  }
+
+  // Whether the robot may be within the search radius of a link point of the map that is so far from it.
+  bool MayBeNear(const graph::MapInGraph& map, double distance) const {
+    return distance <= graph::SearchRadius(CovarianceIn(map.id, *knowledge_.T_map_robot), options_);
   }
 
  private:
-  std::optional<PoseWithCovariance> PoseIn(const MapId& map, const PoseWithCovariance& T_this_pose) const {
-    const PoseWithCovariance* T_world_map = knowledge_.graph->FindSolvedPose(map);
-    if (!T_world_this_ || T_world_map == nullptr) return std::nullopt;
-    return Compose(Inverse(*T_world_map), Compose(*T_world_this_, T_this_pose));
-  }
-  static double Distance(const PoseWithCovariance& pose, const graph::Anchor& anchor) {
-    return (pose.pose.translation() - anchor.T_map_place.translation()).norm();
+  // Of the pose in a map that the solution poses.
+  Eigen::Matrix3d CovarianceIn(const MapId& map, const PoseWithCovariance& T_this_pose) const {
+    return Compose(Inverse(*knowledge_.graph->FindSolvedPose(map)), Compose(*T_world_this_, T_this_pose)).covariance;
   }
 
   const DoorKnowledge& knowledge_;
@@ -121,21 +124,66 @@ class SolvedNeighbourhood {
   const std::optional<PoseWithCovariance> T_world_this_;
 };
 
+// Something that may be near. Without a distance it is looked at in any case.
+template <typename Thing>
+struct Found {
+  std::optional<double> distance;
+  const Thing* thing = nullptr;
+};
+
+// By id: those without a distance, and of the others the kLookedAt nearest.
+template <typename Thing>
+std::vector<Found<Thing>> Nearest(std::vector<Found<Thing>> found) {
+  const auto far = std::partition(found.begin(), found.end(), [](const auto& one) { return !one.distance; });
+  if (found.end() - far > static_cast<std::ptrdiff_t>(kLookedAt)) {
+    const auto end = far + static_cast<std::ptrdiff_t>(kLookedAt);
+    std::nth_element(far, end, found.end(), [](const auto& a, const auto& b) {
+      return *a.distance != *b.distance ? *a.distance < *b.distance : a.thing->id < b.thing->id;
+    });
+    found.erase(end, found.end());
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.thing->id < b.thing->id; });
+  return found;
+}
+
+// Whether the map is on the entered level, and another one than the session's.
+bool MayBeEntered(const DoorKnowledge& knowledge, const graph::MapInGraph& map) {
+  return map.level == knowledge.entered_level() && map.id != knowledge.map->id;
+}
+
+bool MayBeEntered(const DoorKnowledge& knowledge, const graph::Anchor& anchor) {
+  return anchor.map != knowledge.map->id && IsOnEnteredLevel(knowledge, anchor.map);
+}
+
 // Link points that the search for places looks at, by id.
 std::vector<const graph::LinkPoint*> FindNear(const DoorKnowledge& knowledge) {
   const GraphSnapshot& graph = *knowledge.graph;
   const SolvedNeighbourhood neighbourhood(knowledge);
-  std::vector<const graph::LinkPoint*> near;
+  std::vector<Found<graph::LinkPoint>> found;
   for (std::size_t slot = 0; slot < graph.link_point_slots(); ++slot) {
-    const graph::LinkPoint* link_point = graph.link_point_node(static_cast<int>(slot)).link_point.get();
-    if (link_point == nullptr) continue;
-    const auto& anchors = link_point->anchors;
-    if (std::any_of(anchors.begin(), anchors.end(),
-                    [&](const graph::Anchor& anchor) { return neighbourhood.MayBeNear(anchor); })) {
-      near.push_back(link_point);
+    const GraphSnapshot::LinkPointNode& node = graph.link_point_node(static_cast<int>(slot));
+    const graph::LinkPoint* link_point = node.link_point.get();
+    if (link_point == nullptr || !MayBeEntered(knowledge, *link_point)) continue;
+    Found<graph::LinkPoint> one;
+    for (std::size_t i = 0; i < node.maps.size(); ++i) {
+      if (!MayBeEntered(knowledge, *graph.map_node(node.maps[i]).map)) continue;
+      const graph::Anchor& anchor = link_point->anchors[i];
+      const auto distance = neighbourhood.Distance(*knowledge.T_map_door, anchor);
+      // One without a distance counts before all others.
+      if (one.thing == nullptr || distance < one.distance) one = {distance, link_point};
+    }
+    if (one.thing != nullptr) found.push_back(one);
+  }
+  std::vector<const graph::LinkPoint*> near;
+  for (const auto& one : Nearest(std::move(found))) {
+    const auto& anchors = one.thing->anchors;
+    if (!one.distance || std::any_of(anchors.begin(), anchors.end(), [&](const graph::Anchor& anchor) {
+          if (!MayBeEntered(knowledge, anchor)) return false;
+          return neighbourhood.MayBeNear(anchor, *neighbourhood.Distance(*knowledge.T_map_door, anchor));
+        })) {
+      near.push_back(one.thing);
     }
   }
-  std::sort(near.begin(), near.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
   return near;
 }
 
@@ -143,13 +191,22 @@ std::vector<const graph::LinkPoint*> FindNear(const DoorKnowledge& knowledge) {
 std::vector<const graph::MapInGraph*> FindMapsNear(const DoorKnowledge& knowledge) {
   const GraphSnapshot& graph = *knowledge.graph;
   const SolvedNeighbourhood neighbourhood(knowledge);
-  std::vector<const graph::MapInGraph*> near;
+  std::vector<Found<graph::MapInGraph>> found;
   for (std::size_t slot = 0; slot < graph.map_slots(); ++slot) {
     const GraphSnapshot::MapNode& node = graph.map_node(static_cast<int>(slot));
-    if (node.map == nullptr || node.map->id == knowledge.map->id) continue;
-    if (node.map->level == knowledge.entered_level() && neighbourhood.MayBeNear(node)) near.push_back(node.map.get());
+    if (node.map == nullptr || !MayBeEntered(knowledge, *node.map)) continue;
+    std::optional<Found<graph::MapInGraph>> one;
+    for (const int link_point : node.link_points) {
+      const graph::Anchor& anchor = *graph.link_point_node(link_point).link_point->FindAnchor(node.map->id);
+      const auto distance = neighbourhood.Distance(*knowledge.T_map_robot, anchor);
+      if (!one || distance < one->distance) one = {distance, node.map.get()};
+    }
+    if (one) found.push_back(*one);
   }
-  std::sort(near.begin(), near.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
+  std::vector<const graph::MapInGraph*> near;
+  for (const auto& one : Nearest(std::move(found))) {
+    if (!one.distance || neighbourhood.MayBeNear(*one.thing, *one.distance)) near.push_back(one.thing);
+  }
   return near;
 }
 
@@ -203,12 +260,19 @@ absl::StatusOr<graph::TransformsTo*> GraphSearch::TransformsToSessionMap(const D
 // most.
 absl::StatusOr<std::vector<ComparedPlace>> GraphSearch::FindPlaces(const DoorKnowledge& knowledge) {
   ENFILADE_ASSIGN_OR_RETURN(graph::TransformsTo * to_this, TransformsToSessionMap(knowledge));
+  const std::vector<const graph::LinkPoint*> near = FindNear(knowledge);
+  std::vector<MapId> maps;
+  for (const graph::LinkPoint* link_point : near) {
+    for (const graph::Anchor& anchor : link_point->anchors) {
+      if (MayBeEntered(knowledge, anchor)) maps.push_back(anchor.map);
+    }
+  }
+  ENFILADE_RETURN_IF_ERROR(to_this->Expect(maps));
   std::map<MapId, std::optional<PoseWithCovariance>> transforms;  // T_other_this
   std::vector<ComparedPlace> places;
-  for (const graph::LinkPoint* link_point : FindNear(knowledge)) {
-    if (!MayBeEntered(knowledge, *link_point)) continue;
+  for (const graph::LinkPoint* link_point : near) {
     for (const graph::Anchor& anchor : link_point->anchors) {
-      if (anchor.map == knowledge.map->id || !IsOnEnteredLevel(knowledge, anchor.map)) continue;
+      if (!MayBeEntered(knowledge, anchor)) continue;
       auto [found, is_new] = transforms.try_emplace(anchor.map);
       if (is_new) {
         ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this->Find(anchor.map));
@@ -239,9 +303,13 @@ absl::StatusOr<std::vector<ComparedPlace>> GraphSearch::FindPlaces(const DoorKno
 // that no link points lead to are left out: scans alone do not tell one room from another.
 absl::StatusOr<std::vector<SearchedMap>> GraphSearch::FindMaps(const DoorKnowledge& knowledge) {
   ENFILADE_ASSIGN_OR_RETURN(graph::TransformsTo * to_this, TransformsToSessionMap(knowledge));
+  const std::vector<const graph::MapInGraph*> looked_at = FindMapsNear(knowledge);
+  std::vector<MapId> ids;
+  for (const graph::MapInGraph* map : looked_at) ids.push_back(map->id);
+  ENFILADE_RETURN_IF_ERROR(to_this->Expect(ids));
   const graph::GraphSnapshot& graph = *knowledge.graph;
   std::vector<std::pair<double, SearchedMap>> near;  // how far the nearest link point is
-  for (const graph::MapInGraph* map : FindMapsNear(knowledge)) {
+  for (const graph::MapInGraph* map : looked_at) {
     ENFILADE_ASSIGN_OR_RETURN(const auto transform, to_this->Find(map->id));
     if (!transform) continue;
     const PoseWithCovariance robot = Compose(transform->T_a_b, *knowledge.T_map_robot);
@@ -254,7 +322,6 @@ absl::StatusOr<std::vector<SearchedMap>> GraphSearch::FindMaps(const DoorKnowled
       near.push_back({nearest, {.map = map, .predicted = robot}});
     }
   }
-  // A graph that is not sure of the robot's place predicts it in all maps for hundreds of metres around.
   const auto limit = static_cast<std::size_t>(knowledge.options.max_searched);
   if (near.size() > limit) {
     std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

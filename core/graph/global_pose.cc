@@ -131,15 +131,34 @@ absl::StatusOr<TransformsTo> TransformsTo::Make(const GraphSnapshot& graph, cons
   return TransformsTo(graph, slot, options);
 }
 
+absl::Status TransformsTo::Expect(const std::vector<MapId>& maps) {
+  std::set<int> slots;
+  for (const MapId& map : maps) {
+    ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(*graph_, map));
+    if (slot != sources_.front().map) slots.insert(slot);
+  }
+  const bool all_are_served = !labels_.empty() && expected_.empty();
+  if (slots.empty() || all_are_served) return absl::OkStatus();
+  std::vector<PathTarget> targets;
+  for (const int slot : slots) targets.push_back({.map = slot, .position = std::nullopt});
+  labels_ = ShortestPaths(*graph_, sources_, options_, targets);
+  expected_ = std::move(slots);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::optional<MapTransform>> TransformsTo::Find(const MapId& a) {
   ENFILADE_ASSIGN_OR_RETURN(const int slot, GetMapSlot(*graph_, a));
   const PathTarget target{.map = slot, .position = std::nullopt};
   std::optional<Path> path;
-  if (searches_ < kSearchesEach) {
+  const bool is_served = !labels_.empty() && (expected_.empty() || expected_.contains(slot));
+  if (!is_served && searches_ < kSearchesEach) {
     ++searches_;
     path = ShortestPath(*graph_, sources_, target, options_);
   } else {
-    if (labels_.empty()) labels_ = ShortestPaths(*graph_, sources_, options_);
+    if (!is_served) {
+      labels_ = ShortestPaths(*graph_, sources_, options_);
+      expected_.clear();
+    }
     path = BestPath(*graph_, sources_, labels_, target, options_);
   }
   if (!path.has_value()) return std::optional<MapTransform>();

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
@@ -81,12 +83,16 @@ struct MapTransform {
 absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& graph, const MapId& a, const MapId& b,
                                                           const PathOptions& options = {});
 
-// FindTransform from any number of maps a to one map b. The first few take a search each, which ends at a; then one
-// search serves all. Not thread-safe.
+// FindTransform from any number of maps a to one map b. Maps that are not expected: the first few take a search each,
+// which ends at a; then one search serves all. Not thread-safe.
 class TransformsTo {
  public:
   // `graph` must outlive the result. NOT_FOUND: no such map.
   static absl::StatusOr<TransformsTo> Make(const GraphSnapshot& graph, const MapId& b, const PathOptions& options = {});
+
+  // Find will be called for these maps, which one search then serves that ends when it has reached them all.
+  // NOT_FOUND: no such map.
+  absl::Status Expect(const std::vector<MapId>& maps);
 
   absl::StatusOr<std::optional<MapTransform>> Find(const MapId& a);
 
@@ -97,7 +103,8 @@ class TransformsTo {
   PathOptions options_;
   std::vector<PathSource> sources_;
   int searches_ = 0;
-  std::vector<PathLabel> labels_;  // of the search that serves all; empty: not made yet
+  std::vector<PathLabel> labels_;  // of the search that serves all, or all of expected_; empty: not made yet
+  std::set<int> expected_;         // slots; empty: labels_ serves all
 };
 
 // Transforms poses from map b to map a.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <thread>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -163,6 +164,11 @@ absl::Status ApplyEnvironment(const std::vector<std::string>& environment, Serve
     if (absl::Status status = Apply({setting->key, value}, options); !status.ok()) return WithContext(status, name);
   }
   return absl::OkStatus();
+}
+
+int ServerOptions::Mapping::DefaultWorkers() {
+  constexpr int kMost = 4;  // as many as the default of database.max_connections permits
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMost);
 }
 
 absl::Status ServerOptions::Validate() const {

@@ -56,8 +56,10 @@ struct ServerOptions {
   } ingest;
 
   struct Mapping {
-    // Sessions mapped at the same time by this process; 0: another replica maps.
-    int workers = 1;
+    // Sessions mapped at the same time by this process; 0: another replica maps. By default one for each processor, up
+    // to four. They leave the processors to calls, streams and a database beside them.
+    int workers = DefaultWorkers();
+    static int DefaultWorkers();
     // How long a lease lasts if it is not renewed, s: another process takes over that long after a crash.
     double lease_s = 10.0;
     // Results and checkpoint are stored at least this often, s ...

@@ -30,6 +30,12 @@ struct Entrance {
   int link_point = -1;
 };
 
+// The best path to a target so far.
+struct ReachedTarget {
+  PathTarget target;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
 bool MayPass(const GraphSnapshot::LinkPointNode& node, const PathOptions& options) {
   if (!options.passable_at.has_value() || node.state == PassageState::kOpen) return true;
   return node.state_valid_until.has_value() && *options.passable_at >= *node.state_valid_until;
@@ -39,15 +45,17 @@ template <PathCost kCost>
 class Search {
  public:
   Search(const GraphSnapshot& graph, const std::vector<PathSource>& sources, const PathOptions& options,
-         const std::optional<PathTarget>& target)
+         const std::vector<PathTarget>& targets)
       : graph_(graph),
         sources_(sources),
         options_(options),
-        target_(target),
         labels_(graph.link_point_slots()),
         is_source_(graph.map_slots()),
         entrances_(kLegsAreSums<kCost> ? graph.map_slots() : 0) {
     for (const PathSource& source : sources_) is_source_[static_cast<std::size_t>(source.map)] = 1;
+    for (const PathTarget& target : targets) targets_.push_back({.target = target});
+    std::sort(targets_.begin(), targets_.end(),
+              [](const auto& a, const auto& b) { return a.target.map < b.target.map; });
   }
 
   std::vector<PathLabel> Run() {
@@ -126,10 +134,7 @@ class Search {
     for (std::size_t i = 0; i < node.maps.size(); ++i) {
       const int map = node.maps[i];
       if (!MayEnter(map, label.map)) continue;
-      if (target_.has_value() && map == target_->map) {
-        const double cost = label.cost + LastLegCost<kCost>(*target_, DoorwayOf(graph_, map, link_point), options_);
-        bound_ = std::min(bound_, cost);
-      }
+      if (!targets_.empty()) Reach(map, link_point, label.cost);
       if constexpr (kLegsAreSums<kCost>) {
         const double end = EndCost<kCost>(node.link_point->anchors[i].covariance, lever_squared_);
         const Entrance entrance{.cost = label.cost + end, .hops = label.hops, .link_point = link_point};
@@ -142,6 +147,21 @@ class Search {
       }
     }
     return continues;
+  }
+
+  // Notes what a target in the map costs by the link point. The search goes on as long as any target may get cheaper.
+  void Reach(int map, int link_point, double cost) {
+    const auto found = std::lower_bound(targets_.begin(), targets_.end(), map,
+                                        [](const ReachedTarget& one, int slot) { return one.target.map < slot; });
+    if (found == targets_.end() || found->target.map != map) return;
+    cost += LastLegCost<kCost>(found->target, DoorwayOf(graph_, map, link_point), options_);
+    if (!(cost < found->cost)) return;
+    if (std::isinf(found->cost)) ++reached_;
+    found->cost = cost;
+    if (reached_ < targets_.size()) return;
+    bound_ = std::max_element(targets_.begin(), targets_.end(), [](const auto& a, const auto& b) {
+               return a.cost < b.cost;
+             })->cost;
   }
 
   bool IsBetter(const Entrance& a, const Entrance& b) const {
@@ -166,9 +186,10 @@ class Search {
   const GraphSnapshot& graph_;
   const std::vector<PathSource>& sources_;
   const PathOptions& options_;
-  const std::optional<PathTarget>& target_;
   const double lever_squared_ = options_.lever_m * options_.lever_m;
-  double bound_ = std::numeric_limits<double>::infinity();  // cost of the best path to the target so far
+  double bound_ = std::numeric_limits<double>::infinity();  // no target costs more, if all are reached
+  std::vector<ReachedTarget> targets_;                      // by map
+  std::size_t reached_ = 0;
   std::vector<PathLabel> labels_;
   std::vector<char> is_source_;      // by map slot
   std::vector<Entrance> entrances_;  // likewise
@@ -221,8 +242,9 @@ std::optional<Path> DirectPath(const std::vector<PathSource>& sources, const Pat
 }  // namespace
 
 std::vector<PathLabel> ShortestPaths(const GraphSnapshot& graph, const std::vector<PathSource>& sources,
-                                     const PathOptions& options, const std::optional<PathTarget>& target) {
-  return WithCost(options.cost, [&]<PathCost kCost>() { return Search<kCost>(graph, sources, options, target).Run(); });
+                                     const PathOptions& options, const std::vector<PathTarget>& targets) {
+  return WithCost(options.cost,
+                  [&]<PathCost kCost>() { return Search<kCost>(graph, sources, options, targets).Run(); });
 }
 
 std::optional<Path> BestPath(const GraphSnapshot& graph, const std::vector<PathSource>& sources,
@@ -266,7 +288,7 @@ double CostOf(const GraphSnapshot& graph, const PathSource& source, const Path& 
 
 std::optional<Path> ShortestPath(const GraphSnapshot& graph, const std::vector<PathSource>& sources,
                                  const PathTarget& target, const PathOptions& options) {
-  return BestPath(graph, sources, ShortestPaths(graph, sources, options, target), target, options);
+  return BestPath(graph, sources, ShortestPaths(graph, sources, options, {target}), target, options);
 }
 
 }  // namespace enfilade::graph

@@ -71,9 +71,10 @@ struct PathLabel {
 // Dijkstra's algorithm (1959) from `sources` over the link points that join maps: labels by the slot of the link point,
 // with infinite cost if not reached. Ties go to fewer hops, then to the smaller id of the predecessor, so the result
 // does not depend on the history of the snapshot. A path does not leave a link point into the map that it came from or
-// into a source's map. With a `target`, labels beyond it may not be final.
+// into a source's map. With `targets`, each in another map, the search ends when it has the best paths to all of them:
+// labels beyond them may not be final.
 std::vector<PathLabel> ShortestPaths(const GraphSnapshot& graph, const std::vector<PathSource>& sources,
-                                     const PathOptions& options, const std::optional<PathTarget>& target = {});
+                                     const PathOptions& options, const std::vector<PathTarget>& targets = {});
 
 // A path's link points, in order. Empty: source and target are the same map.
 struct Path {

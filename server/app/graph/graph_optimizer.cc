@@ -23,7 +23,6 @@ constexpr int kOptimisticAttempts = 3;
 constexpr auto kSettleTime = std::chrono::milliseconds(300);
 constexpr int kWorkers = 2;
 // A large graph keeps a processor busy for seconds, and calls must not feel it.
-constexpr int kWorkerNiceness = 5;
 constexpr auto kSolveTimeout = std::chrono::seconds(60);
 // Then another process may solve the same graph, which does no harm.
 constexpr auto kSolveLeaseTime = std::chrono::seconds(30);
@@ -69,8 +68,13 @@ absl::StatusOr<storage::GraphSolution> StoredSolution(const SiteGraph& graph, co
 }  // namespace
 
 GraphOptimizer::GraphOptimizer(const storage::GraphStore& store, const Leases& leases, SiteGraphs& graphs,
-                               ChangedSites& changed)
-    : store_(store), leases_(leases), graphs_(graphs), changed_(changed), owner_(NewUuid() + "/graph") {
+                               ChangedSites& changed, std::chrono::milliseconds longest_locked_solve)
+    : store_(store),
+      leases_(leases),
+      graphs_(graphs),
+      changed_(changed),
+      longest_locked_solve_(longest_locked_solve),
+      owner_(NewUuid() + "/graph") {
   for (int i = 0; i < kWorkers; ++i) workers_.emplace_back([this] { Run(); });
 }
 
@@ -89,12 +93,15 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const storage::CallConte
 
 absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::CallContext& context, const SiteId& site,
                                                              Solved last) {
+  std::chrono::steady_clock::duration solving{0};  // the last time
   for (int attempt = 0; attempt < kOptimisticAttempts; ++attempt) {
     ENFILADE_ASSIGN_OR_RETURN(const std::shared_ptr<const SiteGraph> graph, graphs_.Get(context, site));
     std::optional<graph::SolvedGraph> solution;
     if (last.graph != nullptr) solution = graph::ExtendSolution(last.graph->graph(), *last.solution, graph->graph());
     if (!solution) {
+      const auto begin = std::chrono::steady_clock::now();
       ENFILADE_ASSIGN_OR_RETURN(solution, graph::OptimizeGraph(graph->graph()));
+      solving = std::chrono::steady_clock::now() - begin;
     }
     bool is_outdated = false;
     const absl::StatusOr<std::int64_t> version = Store(context, site, *graph, *solution, is_outdated);
@@ -104,6 +111,10 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::Call
     }
     if (!is_outdated) return version.status();
     last = {graph, std::make_shared<const graph::SolvedGraph>(*std::move(solution))};
+  }
+  if (solving > longest_locked_solve_) {
+    return Aborted("the graph of site {} changes faster than it can be solved, which takes {:.1f} s: try again",
+                   site.value(), std::chrono::duration<double>(solving).count());
   }
   return SolveLocked(context, site);
 }
@@ -126,7 +137,7 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveLocked(const storage::CallCo
 }
 
 void GraphOptimizer::Run() {
-  SetThreadNiceness(kWorkerNiceness);
+  SetThreadNiceness(kBackgroundNiceness);
   while (!stop_.WaitFor(kSettleTime)) {
     {
       MutexLock lock(mutex_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -44,13 +45,19 @@ class GraphOptimizer {
     const storage::SiteLeaseStore& change;
   };
 
-  GraphOptimizer(const storage::GraphStore& store, const Leases& leases, SiteGraphs& graphs, ChangedSites& changed);
+  // A graph that is edited before each attempt is solved at last while nobody else may edit it, unless that would take
+  // longer than this: then edits and verdicts on doors come first, and the graph waits for a pause.
+  static constexpr std::chrono::milliseconds kLongestLockedSolve{1000};
+
+  GraphOptimizer(const storage::GraphStore& store, const Leases& leases, SiteGraphs& graphs, ChangedSites& changed,
+                 std::chrono::milliseconds longest_locked_solve = kLongestLockedSolve);
   ~GraphOptimizer();
   GraphOptimizer(const GraphOptimizer&) = delete;
   GraphOptimizer& operator=(const GraphOptimizer&) = delete;
 
   // Optimises immediately, even if nothing has changed. Waits for the site's leases. FAILED_PRECONDITION if the site
-  // has no maps; ABORTED if another holder keeps one until the deadline; NOT_FOUND.
+  // has no maps; ABORTED if another holder keeps one until the deadline, or if a large graph is edited all the time;
+  // NOT_FOUND.
   absl::StatusOr<OptimizedGraph> Optimize(const storage::CallContext& context, const SiteId& site);
 
   // Asks the workers to stop, without waiting; the destructor waits.
@@ -91,6 +98,7 @@ class GraphOptimizer {
   SiteGraphs& graphs_;
   ChangedSites& changed_;
   StopSignal stop_;
+  const std::chrono::milliseconds longest_locked_solve_;
   const std::string owner_;
   Mutex mutex_;
   std::set<SiteId> waiting_ ABSL_GUARDED_BY(mutex_);

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
+#include "server/app/runtime/thread_priority.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -88,6 +89,7 @@ void Mapping::Stop() {
 }
 
 void Mapping::Work(int worker) {
+  SetThreadNiceness(kBackgroundNiceness);  // calls, streams and the database come first
   const std::string owner = fmt::format("{}/{}", owner_, worker);
   while (!stop_.is_set()) {
     const auto begin = std::chrono::steady_clock::now();

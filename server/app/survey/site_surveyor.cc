@@ -13,6 +13,7 @@
 #include "core/rooms/room_partition.h"
 #include "core/survey/arrange_maps.h"
 #include "server/app/graph/held_site_lease.h"
+#include "server/app/runtime/thread_priority.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -88,6 +89,7 @@ void SiteSurveyor::Stop() {
 }
 
 void SiteSurveyor::Run() {
+  SetThreadNiceness(kBackgroundNiceness);
   while (!stop_.is_set()) {
     if (!SurveyPending()) wake_.WaitFor(kPoll);
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -69,6 +70,16 @@ class DoorScenario {
     for (const auto& [map, pose] : anchors) point.anchors.push_back({MapId(map), pose, SmallCovariance()});
     changes_.link_points.push_back(std::move(point));
     return changes_.link_points.back();
+  }
+  // Where a solution has the map. The world is the frame of `here`.
+  void Solve(const std::string& map, const PoseWithCovariance& T_world_map) {
+    if (changes_.solution == nullptr) {
+      changes_.root = MapId("here");
+      solution_.root = MapId("here");
+      solution_.map_poses[solution_.root] = {};
+    }
+    solution_.map_poses[MapId(map)] = T_world_map;
+    changes_.solution = std::make_shared<graph::SolvedGraph>(solution_);
   }
   // A door seen from (1.7, 0) of the room, looking west at the passed door.
   graph::LinkPoint& AddRoomCandidate(const std::string& id) { return Add(id, {{"room", {1.7, 0, M_PI}}}); }
@@ -158,6 +169,7 @@ class DoorScenario {
   }
 
   graph::SnapshotChanges changes_;
+  graph::SolvedGraph solution_;
   graph::GraphSnapshot snapshot_;
   DoorKnowledge knowledge_;
   EvidenceBook book_;

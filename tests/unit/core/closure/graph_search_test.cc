@@ -12,6 +12,7 @@ namespace {
 using ::enfilade::testing::PoseNear;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::UnorderedElementsAre;
@@ -112,6 +113,40 @@ TEST(GraphSearch, MapsAreThoseThatThePredictionReaches) {
   EXPECT_THAT(FindMaps(scenario), ElementsAre("room")) << "the nearest";
   scenario.knowledge().report.entered_level = 1;
   EXPECT_THAT(FindMaps(scenario), ElementsAre("attic"));
+}
+
+// A row of rooms to the north, 4 m each, whose link points the door may all be near to.
+TEST(GraphSearch, OfManyThatMayBeNearTheNearestAreFound) {
+  DoorScenario scenario;
+  constexpr int kRooms = 500;
+  std::vector<std::string> rooms;
+  std::string before = "here";
+  for (int i = 0; i < kRooms; ++i) {
+    const std::string room = fmt::format("row{:03}", i);
+    scenario.AddMap(room, 0);
+    const std::string door = fmt::format("between{:03}", i);
+    scenario.Add(door, {{before, {10, before == "here" ? 2.0 : 4.0, 0}}, {room, {10, 0, 0}}});
+    PoseWithCovariance T_world_room = Sure({0, 2.0 + 4.0 * i, 0});
+    T_world_room.covariance(1, 1) = 1e-4 * (2 * i + 2);
+    scenario.Solve(room, T_world_room);
+    before = room;
+    rooms.push_back(room);
+  }
+  scenario.knowledge().T_map_door->covariance(1, 1) = 1e6;
+  scenario.knowledge().T_map_robot->covariance(1, 1) = 1e6;
+  DoorKnowledge found;
+  FindPlaces(scenario, &found);
+  ASSERT_EQ(found.places->size(), 40U);
+  double last = 0.0;
+  for (const ComparedPlace& place : *found.places) {
+    EXPECT_GE(*place.evidence.distance, last);
+    last = *place.evidence.distance;
+  }
+  // Each link point is in two rooms: the nearest 40 places are those of 20 link points, 4 m apart.
+  EXPECT_LE(last, 81.0);
+  rooms.resize(38);  // and the two of the scenario
+  rooms.insert(rooms.begin(), {"hall", "room"});
+  EXPECT_THAT(FindMaps(scenario), ElementsAreArray(rooms));
 }
 
 TEST(GraphSearch, APassedDoorHasItsLinkPointsAndSightingsApart) {

@@ -151,6 +151,20 @@ TEST_F(GraphOptimizerTest, LocksTheGraphIfItIsEditedBeforeEveryAttempt) {
   EXPECT_NEAR(optimized.solution.map_poses.at(MapId("c")).pose.x, 20.25, 0.005) << "all three edits are in it";
 }
 
+TEST_F(GraphOptimizerTest, NeverLocksAGraphThatTakesLongToSolve) {
+  probe_.set_listening(Listening::kBroken);
+  Start();
+  optimizer_.emplace(probe_, GraphOptimizer::Leases{stores_.solver_leases, stores_.site_leases}, *graphs_, changed_,
+                     std::chrono::milliseconds(0));
+  double x = 10.0;
+  probe_.set_before_apply([&] { MoveDoor(x += 0.05); });
+  EXPECT_CODE(optimizer_->Optimize(Soon(), site_).status(), absl::StatusCode::kAborted);
+  EXPECT_EQ(probe_.applies(), 3);
+  EXPECT_EQ(probe_.locked_solves(), 0);
+  probe_.set_before_apply({});
+  EXPECT_OK(optimizer_->Optimize(Soon(), site_)) << "in a pause";
+}
+
 TEST_F(GraphOptimizerTest, AnErrorOfTheStoreIsReturnedWithoutAnotherAttempt) {
   probe_.set_listening(Listening::kBroken);
   StartAll();
