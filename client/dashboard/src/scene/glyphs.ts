@@ -9,11 +9,19 @@ import type { Drawn, Frame } from './model';
 import { rgba, type Palette, type Rgb } from './palette';
 import type { PlacedLink } from './placement';
 
-// Icons have a size in the world, so that they show scale, and one in pixels that they never fall below.
+// Icons have a size in the world, so that they show scale, and one in pixels that they never fall below. Where a room is
+// no larger than an icon, that is smaller: icons would hide the maps.
 const ROBOT_M = 0.35;
 const ROBOT_PX = 11;
 const LINK_M = 0.3;
 const LINK_PX = 7;
+// Pixels per metre at which icons begin to shrink, and by how much they do at most.
+const ROOMY_SCALE = 6;
+const SHRUNK = 0.4;
+
+const halfOf = (metres: number, pixels: number, scale: number, isSelected: boolean) =>
+  Math.max(pixels * (isSelected ? 1 : Math.min(1, Math.max(SHRUNK, scale / ROOMY_SCALE))), metres * scale);
+
 // A pose fades from 10 s to 10 min.
 const FRESH_S = 10;
 const OLD_S = 600;
@@ -74,7 +82,7 @@ function moveTo(drawn: Drawn, { size }: Frame, px: number, py: number, half: num
 
 export function addLinkPoint(list: InstanceList, frame: Frame, palette: Palette, { x, y, glyph, drawn }: PlacedLink) {
   const [px, py] = [across(frame, x), up(frame, y)];
-  const half = Math.max(LINK_PX, LINK_M * frame.camera.scale);
+  const half = halfOf(LINK_M, LINK_PX, frame.camera.scale, frame.view.selected === drawn.name);
   const { kind, halo, line, fill, dash } = glyph;
   if (frame.view.selected === drawn.name) addSelection(list, palette, px, py, half + 6);
   addGlyph(list, { x: px, y: py, halfX: half, halfY: half, angle: 0, shape: kind, stroke: 4, dash: 0, line: halo, fill: halo });
@@ -111,9 +119,11 @@ function robotLook({ colour }: Palette, fade: number, stale: boolean): RobotLook
 // Of most robots; that of an old one depends on its age.
 export const robotLooks = (palette: Palette) => ({ fresh: robotLook(palette, 1, false), ghost: robotLook(palette, 0.3, false) });
 
+// Of a robot that is looked at.
+export const robotHalf = (scale: number) => halfOf(ROBOT_M, ROBOT_PX, scale, true);
+
 // An arrow head at a place of the window, x and y from its middle.
-export function addHeading(list: InstanceList, scale: number, { x, y, yaw }: Pose, { halo, line, fill }: Pick<RobotLook, 'halo' | 'line' | 'fill'>) {
-  const half = Math.max(ROBOT_PX, ROBOT_M * scale);
+export function addHeading(list: InstanceList, { x, y, yaw }: Pose, half: number, { halo, line, fill }: Pick<RobotLook, 'halo' | 'line' | 'fill'>) {
   addGlyph(list, { x, y, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 4, dash: 0, line: halo, fill: halo });
   addGlyph(list, { x, y, halfX: half, halfY: half, angle: yaw, shape: shape.robot, stroke: 1.5, dash: 0, line, fill });
 }
@@ -124,7 +134,7 @@ export function addRobot(list: InstanceList, frame: Frame, palette: Palette, loo
   const [px, py] = [across(frame, x), up(frame, y)];
   const faded = (drawn.ghost ? 0.3 : 1) * (1 - 0.45 * Math.min(1, Math.max(0, (age - FRESH_S) / (OLD_S - FRESH_S))));
   const look = age > FRESH_S ? robotLook(palette, faded, true) : drawn.ghost ? looks.ghost : looks.fresh;
-  const half = Math.max(ROBOT_PX, ROBOT_M * scale);
+  const half = halfOf(ROBOT_M, ROBOT_PX, scale, frame.view.selected === drawn.name);
   const c = frame.site.robots.covariance;
   const { major, minor, angle } = ellipse95(c[4 * row]!, c[4 * row + 1]!, c[4 * row + 2]!);
   drawn.halfX = major * scale;
@@ -136,7 +146,7 @@ export function addRobot(list: InstanceList, frame: Frame, palette: Palette, loo
     });
   }
   if (frame.view.selected === drawn.name) addSelection(list, palette, px, py, half + 6);
-  addHeading(list, scale, { x: px, y: py, yaw }, look);
+  addHeading(list, { x: px, y: py, yaw }, half, look);
   moveTo(drawn, frame, px, py, half);
   frame.drawn.push(drawn);
 }

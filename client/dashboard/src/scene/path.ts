@@ -2,7 +2,7 @@
 // The way of a robot, and where it was at one moment.
 import { worldToScreen, type Bounds } from './camera';
 import type { InstanceList } from './gl/program';
-import { addHeading, addLine, robotLooks } from './glyphs';
+import { addHeading, addLine, robotHalf, robotLooks } from './glyphs';
 import type { Frame, Path } from './model';
 import { rgba, type Palette } from './palette';
 
@@ -44,7 +44,7 @@ export function addPath(list: InstanceList, palette: Palette, frame: Frame) {
   addWay(list, frame, path, 0, at, rgba(palette.colour.robot));
   const pose = poseAt(path, at);
   const place = worldToScreen(camera, size, pose);
-  addHeading(list, camera.scale, { x: place.x - size.width / 2, y: size.height / 2 - place.y, yaw: pose.yaw }, robotLooks(palette).fresh);
+  addHeading(list, { x: place.x - size.width / 2, y: size.height / 2 - place.y, yaw: pose.yaw }, robotHalf(camera.scale), robotLooks(palette).fresh);
   const ahead = worldToScreen(camera, size, { x: pose.x + Math.cos(pose.yaw), y: pose.y + Math.sin(pose.yaw) });
   frame.marks.push({ kind: 'path', name: path.name, from: worldToScreen(camera, size, poseAt(path, 0)), to: worldToScreen(camera, size, poseAt(path, last)) });
   frame.marks.push({ kind: 'cursor', name: path.name, from: place, to: ahead });

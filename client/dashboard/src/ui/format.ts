@@ -14,7 +14,10 @@ export function turned(radians: number): string {
   return text === '0.00°' ? text : `${radians > 0 ? '+' : '−'}${text}`;
 }
 
-export const pose = ({ x, y, yaw }: { x: number; y: number; yaw: number }) => `${x.toFixed(2)}, ${y.toFixed(2)} m, ${degrees(yaw)}`;
+// Robots may count their turns: a direction is within half a turn of straight ahead.
+const direction = (yaw: number) => Math.atan2(Math.sin(yaw), Math.cos(yaw));
+
+export const pose = ({ x, y, yaw }: { x: number; y: number; yaw: number }) => `${x.toFixed(2)}, ${y.toFixed(2)} m, ${degrees(direction(yaw))}`;
 
 // "4 min", of seconds.
 export function age(seconds: number): string {

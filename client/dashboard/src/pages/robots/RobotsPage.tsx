@@ -9,7 +9,7 @@ import { titleOf } from '../../live/objects';
 import type { LiveRobot } from '../../live/robots';
 import { Badge } from '../../ui/Badge';
 import { DataTable, type Column } from '../../ui/DataTable';
-import { age, metres } from '../../ui/format';
+import { age, byName, metres } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
 import { STALE_S } from '../campus/ObjectList';
 
@@ -69,13 +69,14 @@ export default function RobotsPage() {
       return [answer.robots, answer.nextPageToken];
     }),
   });
-  const rows = (data ?? []).map(({ name, displayName }): Row => {
+  const unsorted = (data ?? []).map(({ name, displayName }): Row => {
     const robot = live.robots.get(name);
     return {
       name, title: displayName || idOf(name), live: robot,
       age: robot ? live.ageOf(robot.receiveTime, now) : Infinity, sigma: robot ? sigmaOf(robot.covariance) : NaN,
     };
   });
+  const rows = unsorted.sort((a, b) => byName(a.title, b.title));
   return (
     <div className="page">
       <div className="page-head">
