@@ -98,7 +98,8 @@ func TestSecurity_StreamsAreLimited(t *testing.T) {
 
 func TestSecurity_EveryAnswerTellsTheBrowserToTrustNothingElse(t *testing.T) {
 	site := newSite(t)
-	for _, path := range []string{"/", "/docs", "/openapi.json", "/healthz", "/readyz", "/v1/sites", "/v1/" + site + "/overview",
+	for _, path := range []string{"/", "/docs", "/openapi.json", "/healthz", "/readyz", "/statusz", "/v1/sites",
+		"/v1/" + site + "/overview",
 		"/v1/" + site + "/graph.geojson", "/v1/" + site + "/composite.png", "/v1/sites/nowhere", "/nothing"} {
 		got := call(t, "GET", path, nil, header{"Sec-Fetch-Site": "cross-site", "Origin": "https://evil.example"})
 		for name, wanted := range map[string]string{"X-Content-Type-Options": "nosniff", "Referrer-Policy": "same-origin",

@@ -4,6 +4,7 @@ package tests
 
 import (
 	"context"
+	"encoding/json"
 	"errors"
 	"fmt"
 	"io"
@@ -187,6 +188,29 @@ func TestStale_WithoutTheServerPagesLoadAndCallsSayWhenToTryAgain(t *testing.T) 
 	if body, _ := io.ReadAll(response.Body); strings.Contains(string(body), "nobody.sock") ||
 		!strings.Contains(string(body), "the map server cannot be reached") {
 		t.Errorf("the answer: %s", body)
+	}
+}
+
+func TestTheStatusCountsWhatThisGatewayAnswers(t *testing.T) {
+	url := startGateway(t, "unix:"+t.TempDir()+"/nobody.sock", guard.DefaultLimits())
+	for range 3 {
+		statusOf(t, http.DefaultClient, "GET", url+"/healthz")
+	}
+	statusOf(t, http.DefaultClient, "GET", url+"/v1/sites")
+	var status struct{ OpenRequests, Requests, ServerErrors, CutAnswers, SentBytes int64 }
+	for deadline := time.Now().Add(10 * time.Second); status.Requests < 4 && time.Now().Before(deadline); {
+		response, err := http.Get(url + "/statusz")
+		if err != nil {
+			t.Fatal(err)
+		}
+		err = json.NewDecoder(response.Body).Decode(&status)
+		response.Body.Close()
+		if err != nil {
+			t.Fatal(err)
+		}
+	}
+	if status.OpenRequests != 1 || status.ServerErrors != 1 || status.CutAnswers != 0 || status.SentBytes < 3*int64(len("ok\n")) {
+		t.Errorf("status %+v", status)
 	}
 }
 

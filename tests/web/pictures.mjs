@@ -60,6 +60,7 @@ export async function picturesOf(system) {
     map: { url: path(`maps/${hall}`), theme: 'light' },
     'link-points': { url: path('linkPoints'), theme: 'light' },
     robots: { url: path('robots'), theme: 'light' },
+    robot: { url: path('robots/r1'), theme: 'light' },
     sessions: { url: path('sessions'), theme: 'light' },
     session: { url: path(`sessions/${session}`), theme: 'light' },
     history: { url: path(`history?from=${placing}`), theme: 'light' },

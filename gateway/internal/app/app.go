@@ -63,7 +63,7 @@ func Start(ctx context.Context, options Options, log *slog.Logger) (*Gateway, er
 		return nil, err
 	}
 	metrics := telemetry.NewMetrics()
-	handler, err := newHandler(ctx, server, options)
+	handler, err := newHandler(ctx, server, metrics, options)
 	if err != nil {
 		return nil, errors.Join(err, server.Close())
 	}
@@ -100,7 +100,8 @@ func (g *Gateway) serveMetrics(address string, metrics *telemetry.Metrics) error
 	return nil
 }
 
-func newHandler(ctx context.Context, server *grpc.ClientConn, options Options) (http.Handler, error) {
+func newHandler(ctx context.Context, server *grpc.ClientConn, metrics *telemetry.Metrics,
+	options Options) (http.Handler, error) {
 	api, err := rest.NewMux(ctx, server)
 	if err != nil {
 		return nil, err
@@ -129,6 +130,7 @@ func newHandler(ctx context.Context, server *grpc.ClientConn, options Options) (
 	mux.HandleFunc("GET /openapi.json", openapi.Serve)
 	mux.HandleFunc("GET /healthz", func(w http.ResponseWriter, _ *http.Request) { _, _ = fmt.Fprintln(w, "ok") })
 	mux.HandleFunc("GET /readyz", readiness(grpc_health_v1.NewHealthClient(server)))
+	mux.HandleFunc("GET /statusz", metrics.ServeStatus)
 	mux.Handle("/", pages)
 	return guard.Wrap(mux, options.Hosts, options.Origins, options.Limits)
 }

@@ -18,8 +18,17 @@ import (
 	"enfilade/gateway/internal/rest"
 )
 
+// Names of metrics.
+const (
+	endedRequests = "enfilade_gateway_requests_total"
+	cutAnswers    = "enfilade_gateway_cut_answers_total"
+	sentBytes     = "enfilade_gateway_sent_bytes_total"
+	openRequests  = "enfilade_gateway_open_requests"
+)
+
 // Metrics of the gateway, in a registry of their own.
 type Metrics struct {
+	begin    time.Time
 	registry *prometheus.Registry
 	requests *prometheus.CounterVec
 	time     *prometheus.HistogramVec
@@ -31,21 +40,22 @@ type Metrics struct {
 // NewMetrics returns metrics that nothing has counted yet.
 func NewMetrics() *Metrics {
 	m := &Metrics{
+		begin:    time.Now(),
 		registry: prometheus.NewRegistry(),
 		requests: prometheus.NewCounterVec(prometheus.CounterOpts{
-			Name: "enfilade_gateway_requests_total", Help: "Requests that have ended, by method, kind and status."},
+			Name: endedRequests, Help: "Requests that have ended, by method, kind and status."},
 			[]string{"method", "kind", "status"}),
 		time: prometheus.NewHistogramVec(prometheus.HistogramOpts{
 			Name: "enfilade_gateway_request_seconds", Help: "Time of requests, from the head to the end of the answer.",
 			Buckets: prometheus.ExponentialBuckets(0.0005, 4, 9)}, []string{"kind"}),
 		cut: prometheus.NewCounterVec(prometheus.CounterOpts{
-			Name: "enfilade_gateway_cut_answers_total",
+			Name: cutAnswers,
 			Help: "Answers that did not reach the client whole: it went away, or took nothing for too long. By kind."},
 			[]string{"kind"}),
 		sent: prometheus.NewCounter(prometheus.CounterOpts{
-			Name: "enfilade_gateway_sent_bytes_total", Help: "Bytes of answers' bodies."}),
+			Name: sentBytes, Help: "Bytes of answers' bodies."}),
 		open: prometheus.NewGauge(prometheus.GaugeOpts{
-			Name: "enfilade_gateway_open_requests", Help: "Requests under way, streams included."}),
+			Name: openRequests, Help: "Requests under way, streams included."}),
 	}
 	m.registry.MustRegister(m.requests, m.time, m.cut, m.sent, m.open)
 	return m

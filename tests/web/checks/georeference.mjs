@@ -91,6 +91,12 @@ export function addGeoreference({ system, browser, at }) {
     await page.getByText('no place on the globe yet').waitFor();
     assert.equal(await georeferenceOf(system), undefined);
     await close();
+
+    // It is known from the history then: asking for it would be an error on the console.
+    const after = await open(browser(), `${at(`${SITE}/campus`)}?sel=linkPoints/door`);
+    await after.page.getByText('In the world').waitFor();
+    await settled(after.page);
+    await after.close();
   });
 
   test('georeference: fits a phone, in both themes, and says what it needs', async () => {

@@ -4,8 +4,11 @@ import assert from 'node:assert/strict';
 import { existsSync, readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { faultsOf, open, picture, settled } from '../browser.mjs';
+import { drawnMaps, faultsOf, open, picture, settled } from '../browser.mjs';
+import { twoRooms } from '../maps.mjs';
 import { folder, picturesOf, root, show, storedStructures, structureOf, viewport } from '../pictures.mjs';
+import { pixelsOf, sceneOf, toScreen } from '../pixels.mjs';
+import { until } from '../system.mjs';
 
 const LARGEST = 200_000; // bytes of a picture
 
@@ -43,6 +46,45 @@ export function addPages({ system, browser, at, campus }) {
         await close();
       }
     }
+  });
+
+  test('appearance: themes and colours of maps are chosen at once and kept', async () => {
+    await twoRooms(system, 'colours');
+    const { page, close } = await open(browser(), at('colours/campus'));
+    await until('both maps are drawn', async () => (await drawnMaps(page)).length === 2);
+    await settled(page);
+    const { camera, size } = await sceneOf(page);
+    const { x, y } = toScreen(camera, size, { x: 3, y: 7 }); // free space of map a
+    const floor = async () => {
+      await settled(page);
+      const [red, green, blue] = (await pixelsOf(page)).at(Math.round(x), Math.round(y));
+      return red + green + blue;
+    };
+    const button = page.getByRole('button', { name: 'Appearance' });
+    const choose = async (name) => {
+      await button.focus();
+      await page.keyboard.press('Enter');
+      await page.getByRole('radio', { name }).check();
+      await page.keyboard.press('Escape');
+    };
+    assert.ok((await floor()) > 3 * 240, 'free space is bright');
+    await choose('Dark');
+    await until('the map is dark', async () => (await floor()) < 3 * 80);
+    await choose('High contrast');
+    await until('free space is black', async () => (await floor()) < 3 * 6);
+    await page.reload();
+    await until('both maps are drawn again', async () => (await drawnMaps(page)).length === 2);
+    await until('the choice is kept', async () => (await floor()) < 3 * 6);
+    await button.click();
+    assert.deepEqual(await faultsOf(page), []);
+    await picture(page, 'appearance');
+    await page.keyboard.press('Escape');
+    for (const name of ['Grey, as robots’ tools show maps', 'Safe for colour blindness']) {
+      await choose(name);
+      await settled(page);
+      await picture(page, `colours-${name.split(/[ ,]/)[0].toLowerCase()}`);
+    }
+    await close();
   });
 
   test('screenshots: the pictures of the documents show the pages as they are', async () => {

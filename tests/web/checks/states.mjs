@@ -63,6 +63,28 @@ export function addStates({ system, browser, at, campus }) {
     await close();
   });
 
+  // A browser opens six connections to a host over HTTP/1.1, and each stream takes one.
+  test('hidden_tab: a tab that nobody sees gives its connection back, and is up to date when it is seen again', async () => {
+    system.enfilade('hidden', 'site', 'create', 'hidden');
+    await system.call('sites/hidden/maps?mapId=one', { displayName: 'one' });
+    const { page, close } = await open(browser(), at('hidden/maps'));
+    await page.getByRole('link', { name: 'one' }).waitFor();
+    const openRequests = async () => (await (await fetch(`${system.url}/statusz`)).json()).openRequests - 1; // itself
+    const turn = (hidden) => page.evaluate((value) => {
+      Object.defineProperty(document, 'hidden', { configurable: true, get: () => value });
+      document.dispatchEvent(new Event('visibilitychange'));
+    }, hidden);
+    await until('the stream is open', async () => (await openRequests()) === 1);
+    await turn(true);
+    await until('the stream is closed', async () => (await openRequests()) === 0);
+    await system.call('sites/hidden/maps?mapId=two', { displayName: 'two' });
+    assert.equal(await page.getByRole('link', { name: 'two' }).count(), 0);
+    await turn(false);
+    await page.getByRole('link', { name: 'two' }).waitFor();
+    await page.getByText('Live', { exact: true }).waitFor();
+    await close();
+  });
+
   test('empty_states: each says what to do', async () => {
     for (const [path, words, name] of [['empty/campus', /enfilade .*robot/, 'empty-campus'], ['empty/maps', /No maps yet/, 'empty-maps'],
       ['empty/nonsense', /There is no such page/, 'no-such-page']]) {

@@ -4,8 +4,7 @@ import { collect, sites } from '../api/clients';
 import { idOf } from '../api/names';
 import { useLive } from '../live/context';
 import { levelName } from '../ui/format';
-import { Icon } from '../ui/Icon';
-import { setTheme, useTheme, type Theme } from '../ui/theme';
+import { Appearance } from './Appearance';
 import { addressOf, navigate, usePlace } from './router';
 import { Search } from './Search';
 import { setLevel, useLevel } from './selection';
@@ -54,19 +53,6 @@ function LevelSelect() {
   );
 }
 
-const nextTheme: Record<Theme, Theme> = { auto: 'light', light: 'dark', dark: 'auto' };
-const themeTitle: Record<Theme, string> = { auto: 'Theme: as the system', light: 'Theme: light', dark: 'Theme: dark' };
-const themeIcon = { auto: 'auto', light: 'sun', dark: 'moon' } as const;
-
-function ThemeButton() {
-  const theme = useTheme();
-  return (
-    <button className="button icon plain" title={themeTitle[theme]} aria-label={themeTitle[theme]} onClick={() => setTheme(nextTheme[theme])}>
-      <Icon name={themeIcon[theme]} />
-    </button>
-  );
-}
-
 export function TopBar({ live }: { live: boolean }) {
   return (
     <header className="bar">
@@ -75,7 +61,7 @@ export function TopBar({ live }: { live: boolean }) {
       <span className="space" />
       {live && <Search />}
       {live && <StreamBadge />}
-      <ThemeButton />
+      <Appearance />
     </header>
   );
 }

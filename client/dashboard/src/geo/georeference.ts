@@ -1,20 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useQuery } from '@tanstack/react-query';
 import { Code, ConnectError } from '@connectrpc/connect';
-import { graphs } from '../api/clients';
+import { graphs, sites } from '../api/clients';
 import { siteName } from '../api/names';
 import { GraphVersion_Cause, type ControlPoint, type Georeference } from '../gen/enfilade/v1/graph_pb';
+import { AuditEntry_Action } from '../gen/enfilade/v1/site_service_pb';
 import type { LiveSite } from '../live/site';
 import { affineOf, apply } from '../scene/affine';
 import type { Point, Pose } from '../scene/camera';
 import { fromPlane, toPlane, type LatLon } from './wgs84';
 
-// False if the history shows that nobody has ever set one: browsers write each answer 404 to the console as an error.
-async function mayHaveOne(site: string): Promise<boolean> {
+// False if the history shows that nobody has ever set one.
+async function wasSet(site: string): Promise<boolean> {
   const { graphVersions, nextPageToken } = await graphs.listGraphVersions({ parent: siteName(site), pageSize: 1000 });
   const isWhole = nextPageToken === '' && (graphVersions.at(-1)?.graphVersion ?? 1n) === 1n;
   return !isWhole || graphVersions.some(({ cause }) => cause === GraphVersion_Cause.GEOREFERENCED);
 }
+
+// True if the audit trail shows that all control points have been deleted.
+async function wasRemoved(site: string): Promise<boolean> {
+  const { entries } = await sites.listAuditEntries({ parent: siteName(site), resource: `${siteName(site)}/controlPoints`, pageSize: 1000 });
+  const last = new Map<string, AuditEntry_Action>();
+  for (const { resource, action } of entries) if (!last.has(resource)) last.set(resource, action);
+  return last.size > 0 && [...last.values()].every((action) => action === AuditEntry_Action.DELETED);
+}
+
+// Browsers write each answer 404 to the console as an error: where there surely is none, none is asked for.
+const mayHaveOne = async (site: string) => (await wasSet(site)) && !(await wasRemoved(site));
 
 // Null: the site has none. Fitted anew by the server when the graph changes.
 export function useGeoreference(site: LiveSite) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import { timestampMs } from '@bufbuild/protobuf/wkt';
 import type { GraphLinkPoint, GraphMap } from '../gen/enfilade/v1/graph_pb';
+import { Session_State } from '../gen/enfilade/v1/session_pb';
 import type { GraphDelta, SessionState, SiteHealth, WatchSiteResponse } from '../gen/enfilade/v1/watch_service_pb';
 import { Signal } from '../signal';
+import { Rate } from './rate';
 import { RobotTable } from './robots';
 import { Trails } from './trails';
 
@@ -43,6 +45,7 @@ export class LiveSite {
   rasterRevision = 0;
   poseRevision = 0;
 
+  private readonly rates = new Map<string, Rate>();
   private version = 0;
   private readonly changed = new Signal();
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -77,8 +80,11 @@ export class LiveSite {
       this.trails.add(robot);
     }
     if (message.robots.length + message.removedRobots.length > 0) ++this.poseRevision;
-    for (const session of message.removedSessions) this.sessions.delete(session);
-    for (const session of message.sessions) this.sessions.set(session.session, session);
+    for (const session of message.removedSessions) {
+      this.sessions.delete(session);
+      this.rates.delete(session);
+    }
+    for (const session of message.sessions) this.setSession(session, now);
     if (message.health) this.health = message.health;
     if (!message.more) this.complete = true;
     this.tell();
@@ -89,10 +95,26 @@ export class LiveSite {
     return Math.max(0, (now - this.clockOffset - receiveTime) / 1000);
   }
 
+  // Records that a session has stored each second, lately.
+  recordRate(session: string): number {
+    return this.rates.get(session)?.perSecond(Date.now()) ?? 0;
+  }
+
   levels(): number[] {
     const found = new Set<number>();
     for (const map of this.maps.values()) found.add(map.level);
     return [...found].sort((a, b) => a - b);
+  }
+
+  private setSession(session: SessionState, now: number) {
+    this.sessions.set(session.session, session);
+    if (session.state !== Session_State.RECORDING) {
+      this.rates.delete(session.session);
+      return;
+    }
+    const rate = this.rates.get(session.session) ?? new Rate();
+    this.rates.set(session.session, rate);
+    rate.add(now, Number(session.acknowledgedSequence));
   }
 
   private applyGraph(delta: GraphDelta) {
@@ -116,6 +138,7 @@ export class LiveSite {
     this.linkPoints.clear();
     this.rasters.clear();
     this.sessions.clear();
+    this.rates.clear();
     this.complete = false;
     ++this.graphRevision;
     ++this.rasterRevision;

@@ -12,21 +12,26 @@ const SILENCE_MS = 15_000;
 const silent = [Code.Canceled, Code.DeadlineExceeded, Code.Unavailable];
 const RETRIES_MS = [500, 1000, 2000, 3000, 5000];
 
-// Keeps `site` up to date until the returned function is called. A stream that is cut goes on where it was. EventSource
-// would connect again by itself, but gives up at the first answer that is no stream, and never says why.
+// A browser opens six connections to a host, and a stream takes one: a tab that nobody sees gives its own back after this.
+const HIDDEN_MS = 5000;
+
+// Keeps `site` up to date while the page is seen, until the returned function is called. A stream that is cut goes on where
+// it was. EventSource would connect again by itself, but gives up at the first answer that is no stream, and never says why.
 export function watchSite(site: LiveSite): () => void {
   let source: EventSource | undefined;
   let timer: ReturnType<typeof setTimeout> | undefined;
   let watchdog: ReturnType<typeof setTimeout> | undefined;
+  let hiding: ReturnType<typeof setTimeout> | undefined;
   let token = '';
   let failures = 0;
   let lostSince = 0;
+  let asleep = document.hidden;
   let stopped = false;
 
   const lose = (reason: string) => {
     source?.close();
     clearTimeout(watchdog);
-    if (stopped) return;
+    if (stopped || asleep) return;
     lostSince ||= Date.now();
     const wait = RETRIES_MS[Math.min(failures++, RETRIES_MS.length - 1)]!;
     site.setState({ kind: 'lost', since: lostSince, retryAt: Date.now() + wait, reason });
@@ -56,7 +61,7 @@ export function watchSite(site: LiveSite): () => void {
       lose('the stream was cut');
     } catch (error) {
       const failure = ConnectError.from(error);
-      if (stopped) return;
+      if (stopped || asleep) return;
       if (failure.code === Code.NotFound) site.setState({ kind: 'refused', error });
       else lose(silent.includes(failure.code) ? 'the server does not answer' : failure.rawMessage);
     }
@@ -79,19 +84,36 @@ export function watchSite(site: LiveSite): () => void {
     };
   }
 
-  open();
+  const close = () => {
+    source?.close();
+    for (const each of [timer, watchdog, hiding]) clearTimeout(each);
+  };
+  const sleep = () => {
+    asleep = true;
+    close();
+  };
+  const onVisibility = () => {
+    clearTimeout(hiding);
+    if (document.hidden) {
+      hiding = setTimeout(sleep, HIDDEN_MS);
+    } else if (asleep) {
+      asleep = false;
+      open();
+    }
+  };
   // A laptop that wakes up need not wait for the next attempt.
   const wake = () => {
-    if (site.state.kind !== 'lost') return;
+    if (site.state.kind !== 'lost' || asleep) return;
     clearTimeout(timer);
     open();
   };
+  if (!asleep) open();
   window.addEventListener('online', wake);
+  document.addEventListener('visibilitychange', onVisibility);
   return () => {
     stopped = true;
     window.removeEventListener('online', wake);
-    clearTimeout(timer);
-    clearTimeout(watchdog);
-    source?.close();
+    document.removeEventListener('visibilitychange', onVisibility);
+    close();
   };
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveSite } from '../live/site';
 import { Signal } from '../signal';
-import { onThemeChange } from '../ui/theme';
+import { onColoursChange } from '../ui/theme';
 import { affineOf, apply, united } from './affine';
 import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Size } from './camera';
 import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds } from './drawing';
@@ -89,7 +89,7 @@ export class Scene {
       menu: (at) => this.menu(at),
       key: (key) => this.key(key),
     });
-    onThemeChange(() => this.surface.readTheme());
+    onColoursChange(() => this.surface.readTheme());
     this.observer.observe(canvas);
     // Ages fade also while nothing comes.
     setInterval(() => this.touch(), 1000);

@@ -40,6 +40,9 @@ export const dateTime = (ms: number) => {
   return `${time.getFullYear()}-${two(time.getMonth() + 1)}-${two(time.getDate())} ${clock(ms)}`;
 };
 
+// 51 /s; nothing is a dash.
+export const perSecond = (rate: number) => (rate > 0 ? `${rate < 9.95 ? rate.toFixed(1) : Math.round(rate)} /s` : '–');
+
 export function bytes(count: number): string {
   if (count < 1000) return `${count} B`;
   if (count < 1e6) return `${(count / 1e3).toFixed(1)} kB`;

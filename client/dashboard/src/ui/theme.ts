@@ -1,45 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useSyncExternalStore } from 'react';
+// Which of the style sheet's colours hold: its rules look at the attributes data-theme and data-colours.
 import { Signal } from '../signal';
+import { Setting } from './setting';
 
-export type Theme = 'auto' | 'light' | 'dark';
-export type Shade = 'light' | 'dark';
+export const theme = new Setting('enfilade.theme', ['auto', 'light', 'dark']);
+export type Theme = (typeof theme.choices)[number];
 
-const KEY = 'enfilade.theme';
+// Of maps and what lies on them.
+export const mapColours = new Setting('enfilade.colours', ['standard', 'classic', 'contrast', 'colour-blind']);
+export type MapColours = (typeof mapColours.choices)[number];
+
 const dark = window.matchMedia('(prefers-color-scheme: dark)');
+const contrast = window.matchMedia('(prefers-contrast: more)');
 const changed = new Signal();
 
-function read(): Theme {
-  try {
-    const stored = localStorage.getItem(KEY);
-    return stored === 'light' || stored === 'dark' ? stored : 'auto';
-  } catch {
-    return 'auto'; // storage may be forbidden
-  }
-}
-
-let theme = read();
-
-export const shade = (): Shade => (theme === 'auto' ? (dark.matches ? 'dark' : 'light') : theme);
-
 function show() {
-  document.documentElement.dataset.theme = shade();
+  const chosen = theme.get();
+  const colours = mapColours.get();
+  const { dataset } = document.documentElement;
+  dataset.theme = chosen === 'auto' ? (dark.matches ? 'dark' : 'light') : chosen;
+  dataset.colours = colours === 'standard' && contrast.matches ? 'contrast' : colours;
   changed.tell();
 }
 
-export function setTheme(next: Theme) {
-  theme = next;
-  try {
-    localStorage.setItem(KEY, next);
-  } catch {
-    // Holds until the page is closed.
-  }
-  show();
-}
+export const onColoursChange = changed.subscribe;
 
-export const onThemeChange = changed.subscribe;
-
-export const useTheme = () => useSyncExternalStore(onThemeChange, () => theme);
-
-dark.addEventListener('change', show);
+for (const setting of [theme, mapColours]) setting.subscribe(show);
+for (const preference of [dark, contrast]) preference.addEventListener('change', show);
 show();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useQuery } from '@tanstack/react-query';
 import { server } from '../../api/clients';
+import { gatewayStatus, type GatewayStatus } from '../../api/gateway';
 import { useLive } from '../../live/context';
 import type { LiveSite } from '../../live/site';
 import type { GetServerStatusResponse } from '../../gen/enfilade/v1/server_service_pb';
@@ -20,7 +21,16 @@ interface Check {
 // Mapping that waits longer needs more servers, or has stopped.
 const LAG_S = 60;
 
-function checksOf(status: GetServerStatusResponse, site: LiveSite): Check[] {
+// Answers that clients do not take whole, and errors: single ones are nobody's fault.
+const MANY = 0.01;
+
+function gatewayCheck({ uptimeS, openRequests, requests, serverErrors, cutAnswers }: GatewayStatus): Check {
+  const value = `up for ${age(uptimeS)}, ${count(openRequests, 'request')} open, ${count(requests, 'answer')}: ${serverErrors} failed, ${cutAnswers} cut`;
+  const failing = serverErrors > 10 && serverErrors > MANY * requests;
+  return failing ? { what: 'Gateway', tone: 'warn', value, remedy: 'Look for status 5xx in the gateway’s log; its request ids are in the server’s log, too.' } : { what: 'Gateway', tone: 'good', value };
+}
+
+function checksOf(status: GetServerStatusResponse, gateway: GatewayStatus, site: LiveSite): Check[] {
   const current = status.schemaVersion === status.expectedSchemaVersion;
   const lag = Number(site.health?.mappingLag?.seconds ?? 0n);
   const apart = site.health?.disconnectedMaps ?? 0;
@@ -31,6 +41,7 @@ function checksOf(status: GetServerStatusResponse, site: LiveSite): Check[] {
     current
       ? { what: 'Database', tone: 'good', value: `migration ${status.schemaVersion}` }
       : { what: 'Database', tone: 'warn', value: `migration ${status.schemaVersion}, the server knows ${status.expectedSchemaVersion}`, remedy: 'Migrate the database, or update the server: see docs/database.md.' },
+    gatewayCheck(gateway),
     site.state.kind === 'live'
       ? { what: 'Live stream', tone: 'good', value: 'open' }
       : { what: 'Live stream', tone: 'warn', value: 'not open', remedy: 'It opens again by itself. If it does not, look at the gateway’s log.' },
@@ -49,8 +60,11 @@ const reportOf = (site: LiveSite, checks: Check[]) =>
 
 export default function HealthPage() {
   const live = useLive();
-  const { data, error, refetch } = useQuery({ queryKey: ['server status'], queryFn: () => server.getServerStatus({}), refetchInterval: 5000 });
-  const checks = data && checksOf(data, live);
+  const { data, error, refetch } = useQuery({
+    queryKey: ['status'], refetchInterval: 5000,
+    queryFn: async () => ({ server: await server.getServerStatus({}), gateway: await gatewayStatus() }),
+  });
+  const checks = data && checksOf(data.server, data.gateway, live);
   return (
     <div className="page">
       <div className="page-head">

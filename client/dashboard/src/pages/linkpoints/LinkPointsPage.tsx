@@ -9,7 +9,7 @@ import { kindOf, stateOf, titleOf } from '../../live/objects';
 import type { LiveSite } from '../../live/site';
 import { Badge } from '../../ui/Badge';
 import { DataTable, type Column } from '../../ui/DataTable';
-import { metres } from '../../ui/format';
+import { byName, metres } from '../../ui/format';
 import { Empty } from '../../ui/States';
 
 // The longer half axis of its 1-sigma ellipse in the world, m. The covariance is that of (x, y, yaw), row by row.
@@ -55,7 +55,8 @@ function columnsOf(live: LiveSite): Column<GraphLinkPoint>[] {
 export default function LinkPointsPage() {
   const live = useLive();
   const selected = useSelection();
-  const rows = [...live.linkPoints.values()];
+  const joins = (point: GraphLinkPoint) => mapsOf(live, point).join(' ');
+  const rows = [...live.linkPoints.values()].sort((a, b) => byName(joins(a), joins(b)));
   return (
     <div className="page">
       <div className="page-head">

@@ -17,6 +17,7 @@ import { Readout, type ReadoutHandle } from '../campus/Readout';
 import { CompareBar } from './CompareBar';
 import { Downloads } from './Downloads';
 import { MapLinkPoints } from './MapLinkPoints';
+import { MapUse } from './MapUse';
 import { RevisionList } from './RevisionList';
 
 const BLINK_MS = 700;
@@ -79,6 +80,7 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
         <RevisionList revisions={revisions} shown={shown} other={other} show={(id) => setQuery({ rev: id })} compareWith={(id) => setQuery({ with: id })} />
         <Downloads revision={shown} />
         <MapLinkPoints map={map} />
+        <MapUse map={map} />
       </aside>
     </div>
   );

@@ -2,7 +2,7 @@
 import { useQuery } from '@tanstack/react-query';
 import { collect, robots } from '../../api/clients';
 import { idOf, siteName } from '../../api/names';
-import { addressOf, Link } from '../../app/router';
+import { addressOf, Link, usePlace } from '../../app/router';
 import { onCampus, useSelection } from '../../app/selection';
 import { useLive, useNow } from '../../live/context';
 import { titleOf } from '../../live/objects';
@@ -12,6 +12,7 @@ import { DataTable, type Column } from '../../ui/DataTable';
 import { age, byName, metres } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
 import { STALE_S } from '../campus/ObjectList';
+import { RobotPage } from './RobotPage';
 
 interface Row {
   name: string;
@@ -38,12 +39,19 @@ function columnsOf(live: ReturnType<typeof useLive>): Column<Row>[] {
   return [
     {
       title: 'Robot', order: ({ title }) => title,
-      cell: ({ name, title, live: robot }) => (robot?.poseWorld ? <Link href={onCampus(live.id, name, robot.level)}>{title}</Link> : title),
+      cell: ({ name, title }) => <Link href={addressOf(live.id, 'robots', [idOf(name)])}>{title}</Link>,
     },
     { title: 'State', order: (row) => row.age, cell: (row) => <State row={row} /> },
     {
       title: 'Map', order: ({ live: robot }) => (robot ? titleOf(live, robot.map) : ''),
       cell: ({ live: robot }) => robot && <Link href={addressOf(live.id, 'maps', [idOf(robot.map)])}>{titleOf(live, robot.map)}</Link>,
+    },
+    {
+      title: 'Revision', number: true,
+      cell: ({ live: robot }) => {
+        const raster = robot && live.rasters.get(robot.map);
+        return raster ? idOf(raster.revision) : '–';
+      },
     },
     { title: 'Last pose', number: true, order: (row) => row.age, cell: (row) => (row.live ? `${age(row.age)} ago` : '–') },
     { title: 'Sigma', number: true, order: ({ sigma }) => sigma, cell: ({ sigma }) => metres(sigma) },
@@ -55,10 +63,11 @@ function columnsOf(live: ReturnType<typeof useLive>): Column<Row>[] {
         </Link>
       ),
     },
+    { title: 'Campus', cell: ({ name, title, live: robot }) => robot?.poseWorld && <Link href={onCampus(live.id, name, robot.level)} aria-label={`Show ${title} on the campus`}>Show</Link> },
   ];
 }
 
-export default function RobotsPage() {
+function Robots() {
   const live = useLive();
   const now = useNow();
   const selected = useSelection();
@@ -78,10 +87,7 @@ export default function RobotsPage() {
   });
   const rows = unsorted.sort((a, b) => byName(a.title, b.title));
   return (
-    <div className="page">
-      <div className="page-head">
-        <h1>Robots</h1>
-      </div>
+    <>
       {error && !data ? (
         <Failed error={error} retry={() => void refetch()} />
       ) : !data ? (
@@ -94,6 +100,19 @@ export default function RobotsPage() {
         <DataTable caption="Robots" noun={['robot', 'robots']} rows={rows} columns={columnsOf(live)} keyOf={({ name }) => name}
           textOf={({ name, title, live: robot }) => `${title} ${idOf(name)} ${robot ? titleOf(live, robot.map) : ''}`} selected={selected} />
       )}
+    </>
+  );
+}
+
+export default function RobotsPage() {
+  const { rest } = usePlace();
+  if (rest[0] !== undefined) return <RobotPage id={rest[0]} />;
+  return (
+    <div className="page">
+      <div className="page-head">
+        <h1>Robots</h1>
+      </div>
+      <Robots />
     </div>
   );
 }

@@ -4,11 +4,11 @@ import { useQuery } from '@tanstack/react-query';
 import { sessions } from '../../api/clients';
 import { idOf, siteName } from '../../api/names';
 import { addressOf, Link } from '../../app/router';
-import type { Session } from '../../gen/enfilade/v1/session_pb';
+import { Session_State, type Session } from '../../gen/enfilade/v1/session_pb';
 import { useLive } from '../../live/context';
 import { titleOf } from '../../live/objects';
 import { Badge } from '../../ui/Badge';
-import { dateTime } from '../../ui/format';
+import { dateTime, perSecond } from '../../ui/format';
 import { Failed, Loading } from '../../ui/States';
 import { Closures } from './Closures';
 import { stateOfSession } from './states';
@@ -36,7 +36,7 @@ function Facts({ session }: { session: Session }) {
       )}
       <dt>Robot</dt>
       <dd>
-        <Link href={addressOf(live.id, 'robots', [], { q: idOf(session.robot) })}>{idOf(session.robot)}</Link>
+        <Link href={addressOf(live.id, 'robots', [idOf(session.robot)])}>{idOf(session.robot)}</Link>
       </dd>
       <dt>Map</dt>
       <dd>{map === '' ? 'not decided yet' : <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link>}</dd>
@@ -51,6 +51,7 @@ function Facts({ session }: { session: Session }) {
       <dt>Records</dt>
       <dd>
         {String(acknowledgedSequence)} stored, {String(mappedSequence)} of them mapped
+        {state === Session_State.RECORDING && <span className="sub"> · {perSecond(live.recordRate(session.name))}</span>}
       </dd>
       {counts && (
         <>

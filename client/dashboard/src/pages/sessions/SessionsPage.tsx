@@ -1,66 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-import { timestampMs } from '@bufbuild/protobuf/wkt';
-import { useQuery } from '@tanstack/react-query';
-import { collect, sessions } from '../../api/clients';
-import { idOf, siteName } from '../../api/names';
-import { addressOf, Link, usePlace } from '../../app/router';
-import type { Session } from '../../gen/enfilade/v1/session_pb';
+import { usePlace } from '../../app/router';
 import { useLive } from '../../live/context';
-import { titleOf } from '../../live/objects';
-import type { LiveSite } from '../../live/site';
-import { Badge } from '../../ui/Badge';
-import { DataTable, type Column } from '../../ui/DataTable';
-import { dateTime } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
 import { SessionPage } from './SessionPage';
-import { stateOfSession } from './states';
+import { SessionTable, useSessions } from './SessionTable';
 
-// The stream knows more of sessions that go on than the list, which was read when the page was opened.
-const current = (live: LiveSite, session: Session) => live.sessions.get(session.name) ?? session;
-
-const begun = ({ createTime }: Session) => (createTime ? timestampMs(createTime) : 0);
-
-function columnsOf(live: LiveSite): Column<Session>[] {
-  return [
-    {
-      title: 'Session',
-      cell: ({ name }) => (
-        <Link className="mono" href={addressOf(live.id, 'sessions', [idOf(name)])} title={idOf(name)}>
-          {idOf(name).slice(0, 8)}
-        </Link>
-      ),
-    },
-    { title: 'Robot', order: ({ robot }) => idOf(robot), cell: ({ robot }) => idOf(robot) },
-    {
-      title: 'State', order: (session) => current(live, session).state,
-      cell: (session) => {
-        const [tone, text] = stateOfSession[current(live, session).state];
-        return <Badge tone={tone}>{text}</Badge>;
-      },
-    },
-    {
-      title: 'Map', order: (session) => titleOf(live, current(live, session).map),
-      cell: (session) => {
-        const { map } = current(live, session);
-        return map === '' ? <span className="sub">not decided yet</span> : <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link>;
-      },
-    },
-    { title: 'Stored', number: true, order: (session) => Number(current(live, session).acknowledgedSequence), cell: (session) => String(current(live, session).acknowledgedSequence) },
-    { title: 'Mapped', number: true, order: (session) => Number(current(live, session).mappedSequence), cell: (session) => String(current(live, session).mappedSequence) },
-    { title: 'Begun', order: begun, cell: (session) => dateTime(begun(session)) },
-  ];
-}
-
-function SessionTable() {
+function Sessions() {
   const live = useLive();
-  const { data, error, refetch } = useQuery({
-    queryKey: ['sessions', live.id, live.sessions.size],
-    placeholderData: (earlier: Session[] | undefined) => earlier,
-    queryFn: () => collect(async (pageToken) => {
-      const answer = await sessions.listSessions({ parent: siteName(live.id), pageSize: 1000, pageToken });
-      return [answer.sessions, answer.nextPageToken];
-    }),
-  });
+  const { data, error, refetch } = useSessions();
   if (error && !data) return <Failed error={error} retry={() => void refetch()} />;
   if (!data) return <Loading />;
   if (data.length === 0) {
@@ -71,11 +18,7 @@ function SessionTable() {
       </Empty>
     );
   }
-  const rows = [...data].sort((a, b) => begun(b) - begun(a));
-  return (
-    <DataTable caption="Sessions" noun={['session', 'sessions']} rows={rows} columns={columnsOf(live)} keyOf={({ name }) => name}
-      textOf={(session) => `${idOf(session.name)} ${idOf(session.robot)} ${titleOf(live, session.map)} ${stateOfSession[current(live, session).state][1]}`} />
-  );
+  return <SessionTable rows={data} />;
 }
 
 export default function SessionsPage() {
@@ -86,7 +29,7 @@ export default function SessionsPage() {
       <div className="page-head">
         <h1>Sessions</h1>
       </div>
-      <SessionTable />
+      <Sessions />
     </div>
   );
 }
