@@ -1,34 +1,62 @@
 -- SPDX-License-Identifier: Apache-2.0
 -- Rearrangements: maps are merged and split, sessions move between them. A map that is left empty stays as a redirect
 -- with its revisions, so that its old names lead to the other map and the rearrangement can be undone.
-BEGIN;
+-- What tables with many rows get comes first: each statement is a transaction, none locks its table for longer than a
+-- change of the catalogue takes, and they can be repeated. Columns of the domain resource_id would have each row written anew.
 
+-- redirect_map_id: NULL: a map in use. redirect_x, redirect_y, redirect_yaw: T_redirect_map; m, m, rad.
 ALTER TABLE enfilade.maps
-  ADD COLUMN redirect_map_id enfilade.resource_id,  -- NULL: a map in use
-  ADD COLUMN redirect_x double precision,           -- T_redirect_map: m, m, rad
-  ADD COLUMN redirect_y double precision,
-  ADD COLUMN redirect_yaw double precision,
-  ADD FOREIGN KEY (site_id, redirect_map_id) REFERENCES enfilade.maps ON DELETE CASCADE,
+  ADD COLUMN IF NOT EXISTS redirect_map_id text COLLATE "C",
+  ADD COLUMN IF NOT EXISTS redirect_x double precision,
+  ADD COLUMN IF NOT EXISTS redirect_y double precision,
+  ADD COLUMN IF NOT EXISTS redirect_yaw double precision;
+ALTER TABLE enfilade.maps
+  DROP CONSTRAINT IF EXISTS maps_redirect_check,
   ADD CONSTRAINT maps_redirect_check CHECK (
     num_nulls(redirect_map_id, redirect_x, redirect_y, redirect_yaw) IN (0, 4)
     AND redirect_x > '-Infinity' AND redirect_x < 'Infinity' AND redirect_y > '-Infinity' AND redirect_y < 'Infinity'
-    AND redirect_yaw > '-Infinity' AND redirect_yaw < 'Infinity');
-CREATE INDEX maps_redirect_idx ON enfilade.maps (site_id, redirect_map_id) WHERE redirect_map_id IS NOT NULL;
+    AND redirect_yaw > '-Infinity' AND redirect_yaw < 'Infinity') NOT VALID;
+ALTER TABLE enfilade.maps VALIDATE CONSTRAINT maps_redirect_check;
+ALTER TABLE enfilade.maps
+  DROP CONSTRAINT IF EXISTS maps_site_id_redirect_map_id_fkey,
+  ADD CONSTRAINT maps_site_id_redirect_map_id_fkey
+    FOREIGN KEY (site_id, redirect_map_id) REFERENCES enfilade.maps ON DELETE CASCADE NOT VALID;
+ALTER TABLE enfilade.maps VALIDATE CONSTRAINT maps_site_id_redirect_map_id_fkey;
 
--- A session that was cut: the rest of its records belongs to another session.
+-- A session that was cut: the rest of its records belongs to another session. cut_from_session_id: of a rest, the session
+-- in which it was recorded. recorded_sequence: of the last record as it was recorded; NULL: never cut. skipped_records:
+-- before the first one of a rest.
 ALTER TABLE enfilade.sessions
-  ADD COLUMN cut_from_session_id enfilade.resource_id,  -- of a rest: the session in which it was recorded
-  ADD COLUMN recorded_sequence bigint,                  -- of the last record as it was recorded; NULL: never cut
-  ADD COLUMN skipped_records bigint NOT NULL DEFAULT 0 CHECK (skipped_records >= 0),  -- before the first one of a rest
-  ADD FOREIGN KEY (site_id, cut_from_session_id) REFERENCES enfilade.sessions,
-  DROP CONSTRAINT sessions_count_check,
+  ADD COLUMN IF NOT EXISTS cut_from_session_id text COLLATE "C",
+  ADD COLUMN IF NOT EXISTS recorded_sequence bigint,
+  ADD COLUMN IF NOT EXISTS skipped_records bigint NOT NULL DEFAULT 0;
+ALTER TABLE enfilade.sessions
+  DROP CONSTRAINT IF EXISTS sessions_skipped_records_check,
+  ADD CONSTRAINT sessions_skipped_records_check CHECK (skipped_records >= 0) NOT VALID;
+ALTER TABLE enfilade.sessions VALIDATE CONSTRAINT sessions_skipped_records_check;
+ALTER TABLE enfilade.sessions
+  DROP CONSTRAINT IF EXISTS sessions_site_id_cut_from_session_id_fkey,
+  ADD CONSTRAINT sessions_site_id_cut_from_session_id_fkey
+    FOREIGN KEY (site_id, cut_from_session_id) REFERENCES enfilade.sessions NOT VALID;
+ALTER TABLE enfilade.sessions VALIDATE CONSTRAINT sessions_site_id_cut_from_session_id_fkey;
+ALTER TABLE enfilade.sessions
+  DROP CONSTRAINT IF EXISTS sessions_count_check,
   ADD CONSTRAINT sessions_count_check CHECK (
     laser_scans >= 0 AND odometry >= 0 AND images >= 0 AND point_clouds >= 0 AND withheld >= 0 AND door_reports >= 0
     AND payload_bytes >= 0
     AND skipped_records + laser_scans + odometry + images + point_clouds + withheld + door_reports
-        BETWEEN acknowledged_sequence AND highest_sequence);
-CREATE INDEX sessions_cut_from_idx ON enfilade.sessions (site_id, cut_from_session_id)
+        BETWEEN acknowledged_sequence AND highest_sequence) NOT VALID;
+ALTER TABLE enfilade.sessions VALIDATE CONSTRAINT sessions_count_check;
+
+SET lock_timeout = 0;
+DROP INDEX CONCURRENTLY IF EXISTS enfilade.maps_redirect_idx;
+CREATE INDEX CONCURRENTLY maps_redirect_idx ON enfilade.maps (site_id, redirect_map_id) WHERE redirect_map_id IS NOT NULL;
+DROP INDEX CONCURRENTLY IF EXISTS enfilade.sessions_cut_from_idx;
+CREATE INDEX CONCURRENTLY sessions_cut_from_idx ON enfilade.sessions (site_id, cut_from_session_id)
   WHERE cut_from_session_id IS NOT NULL;
+RESET lock_timeout;
+
+BEGIN;
 
 -- The map that a name leads to, through all redirects, and T_map_asked. The map itself, whether or not it exists, if it
 -- is none.

@@ -12,7 +12,7 @@ BEGIN;
 
 ALTER TABLE enfilade.sessions
   -- The session that ends with the passage into this one. map_id is NULL until the passage is judged.
-  ADD COLUMN previous_session_id enfilade.resource_id,
+  ADD COLUMN previous_session_id text COLLATE "C",
   ADD COLUMN initial_covariance double precision[],  -- of initial_x, _y, _yaw; 9 numbers, row by row
   ADD COLUMN initial_odom_x double precision,  -- T_odom_robot at the initial pose: m, m, rad; NULL: of the first scan
   ADD COLUMN initial_odom_y double precision,
