@@ -17,6 +17,7 @@
 #include "core/geometry/pose2.h"
 #include "core/graph/graph_snapshot.h"
 #include "core/graph/link_point.h"
+#include "core/graph/point_index.h"
 #include "core/sensor/record.h"
 
 namespace enfilade::closure {
@@ -71,11 +72,19 @@ struct DoorByOdometry {
   PoseWithCovariance T_door_robot = {};  // the same, relative to the door
 };
 
+// Where the link points of a graph are in the world by the poses of its maps, so that what is near is found without
+// looking at all of them. By slots of the graph.
+struct WorldIndex {
+  const graph::PointIndex* positions = nullptr;  // m, of link points
+  std::vector<int> unplaced_maps = {};           // that have no pose
+};
+
 // Everything that is known when a door report is judged, in one value. The first group is set from the start; the
 // second one grows step by step, because evidence is expensive: Decide says what it needs next. Places are pointers
 // into `graph`, which must outlive them.
 struct DoorKnowledge {
   const graph::GraphSnapshot* graph = nullptr;
+  std::optional<WorldIndex> world_index = {};  // of `graph`; unset: searches look at all link points
   DoorClosureOptions options = {};
   sensor::DoorReport report = {};
   std::optional<SessionMap> map = {};             // unset: the session was only recorded

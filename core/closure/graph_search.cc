@@ -84,6 +84,8 @@ std::optional<PoseWithCovariance> FindWorldPose(const GraphSnapshot& graph, int 
 // it may be near to are looked at, the nearest first by the solution: several times as many as are compared or searched
 // in.
 constexpr std::size_t kLookedAt = 256;
+// So many of the index are asked for: it tells a link point's place in one of its maps, and distances differ a little.
+constexpr int kIndexed = 2 * kLookedAt;
 
 // What lies near the session's map by the poses of the graph's solution. Chains of link points say it more exactly, but
 // cost a search. Variances of the solution add up to an upper bound of the transform's.
@@ -94,12 +96,18 @@ class SolvedNeighbourhood {
         options_(RadiusOptions(knowledge.options)),
         T_world_this_(FindWorldPose(*knowledge.graph, knowledge.graph->MapSlot(knowledge.map->id))) {}
 
+  // Where `T_this_pose` is in the world, m; unset: the solution does not tell.
+  std::optional<Eigen::Vector2d> InWorld(const PoseWithCovariance& T_this_pose) const {
+    if (!T_world_this_) return std::nullopt;
+    return T_world_this_->pose * T_this_pose.pose.translation();
+  }
+
   // How far the place is from `T_this_pose`, m, where the solution poses both maps.
   std::optional<double> Distance(const PoseWithCovariance& T_this_pose, const graph::Anchor& anchor) const {
     const PoseWithCovariance* T_world_map = knowledge_.graph->FindSolvedPose(anchor.map);
-    if (!T_world_this_ || T_world_map == nullptr) return std::nullopt;
-    const Eigen::Vector2d pose = T_world_this_->pose * T_this_pose.pose.translation();
-    return (T_world_map->pose * anchor.T_map_place.translation() - pose).norm();
+    const std::optional<Eigen::Vector2d> pose = InWorld(T_this_pose);
+    if (!pose || T_world_map == nullptr) return std::nullopt;
+    return (T_world_map->pose * anchor.T_map_place.translation() - *pose).norm();
   }
 
   // Whether the door may be within the search radius of the anchor, which is so far from it.
@@ -155,15 +163,65 @@ bool MayBeEntered(const DoorKnowledge& knowledge, const graph::Anchor& anchor) {
   return anchor.map != knowledge.map->id && IsOnEnteredLevel(knowledge, anchor.map);
 }
 
+// Whether a map that may be entered has the link point.
+bool HasEnterableAnchor(const DoorKnowledge& knowledge, const GraphSnapshot::LinkPointNode& node) {
+  return std::any_of(node.maps.begin(), node.maps.end(),
+                     [&](int map) { return MayBeEntered(knowledge, *knowledge.graph->map_node(map).map); });
+}
+
+std::vector<int> AllSlots(const GraphSnapshot& graph) {
+  std::vector<int> slots;
+  slots.reserve(graph.link_point_slots());
+  for (std::size_t slot = 0; slot < graph.link_point_slots(); ++slot) {
+    if (graph.link_point_node(static_cast<int>(slot)).link_point != nullptr) slots.push_back(static_cast<int>(slot));
+  }
+  return slots;
+}
+
+// Slots of the link points of which the index does not tell where each of their maps has them.
+void AddUnsureSlots(const DoorKnowledge& knowledge, std::vector<int>& slots) {
+  const GraphSnapshot& graph = *knowledge.graph;
+  const auto add_all_in = [&](int map) {
+    if (map < 0) return;
+    const std::vector<int>& own = graph.map_node(map).link_points;
+    slots.insert(slots.end(), own.begin(), own.end());
+  };
+  for (const int map : knowledge.world_index->unplaced_maps) add_all_in(map);
+  for (const MapId& map : graph.solution()->disconnected) add_all_in(graph.MapSlot(map));
+  for (const graph::SwitchedOff& off : graph.solution()->switched_off) {
+    if (const int slot = graph.LinkPointSlot(off.link_point); slot >= 0) slots.push_back(slot);
+  }
+}
+
+// Slots, each once, of at most `limit` link points that `accept` takes, the nearest to a place in the world, and of
+// those that may be anywhere. All, if the solution does not tell the place or there is no index.
+std::vector<int> SlotsAround(const DoorKnowledge& knowledge, const std::optional<Eigen::Vector2d>& in_world, int limit,
+                             const graph::PointIndex::Filter& accept) {
+  if (!knowledge.world_index || !in_world) return AllSlots(*knowledge.graph);
+  std::vector<int> slots;
+  AddUnsureSlots(knowledge, slots);
+  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+  for (const auto& neighbour : knowledge.world_index->positions->FindNearest(*in_world, kAnywhere, limit, accept)) {
+    slots.push_back(neighbour.number);
+  }
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  return slots;
+}
+
 // Link points that the search for places looks at, by id.
 std::vector<const graph::LinkPoint*> FindNear(const DoorKnowledge& knowledge) {
   const GraphSnapshot& graph = *knowledge.graph;
   const SolvedNeighbourhood neighbourhood(knowledge);
+  const auto accept = [&](int slot) {
+    const GraphSnapshot::LinkPointNode& node = graph.link_point_node(slot);
+    return MayBeEntered(knowledge, *node.link_point) && HasEnterableAnchor(knowledge, node);
+  };
   std::vector<Found<graph::LinkPoint>> found;
-  for (std::size_t slot = 0; slot < graph.link_point_slots(); ++slot) {
-    const GraphSnapshot::LinkPointNode& node = graph.link_point_node(static_cast<int>(slot));
+  for (const int slot : SlotsAround(knowledge, neighbourhood.InWorld(*knowledge.T_map_door), kIndexed, accept)) {
+    if (!accept(slot)) continue;
+    const GraphSnapshot::LinkPointNode& node = graph.link_point_node(slot);
     const graph::LinkPoint* link_point = node.link_point.get();
-    if (link_point == nullptr || !MayBeEntered(knowledge, *link_point)) continue;
     Found<graph::LinkPoint> one;
     for (std::size_t i = 0; i < node.maps.size(); ++i) {
       if (!MayBeEntered(knowledge, *graph.map_node(node.maps[i]).map)) continue;
@@ -172,7 +230,7 @@ std::vector<const graph::LinkPoint*> FindNear(const DoorKnowledge& knowledge) {
       // One without a distance counts before all others.
       if (one.thing == nullptr || distance < one.distance) one = {distance, link_point};
     }
-    if (one.thing != nullptr) found.push_back(one);
+    found.push_back(one);
   }
   std::vector<const graph::LinkPoint*> near;
   for (const auto& one : Nearest(std::move(found))) {
@@ -187,14 +245,30 @@ std::vector<const graph::LinkPoint*> FindNear(const DoorKnowledge& knowledge) {
   return near;
 }
 
+// Slots of maps that may be entered and have link points: the kLookedAt nearest to the robot, or more, and those that
+// may be anywhere.
+std::set<int> MapsAround(const DoorKnowledge& knowledge, const std::optional<Eigen::Vector2d>& in_world) {
+  const GraphSnapshot& graph = *knowledge.graph;
+  const auto accept = [&](int slot) { return HasEnterableAnchor(knowledge, graph.link_point_node(slot)); };
+  for (int limit = kIndexed;; limit *= 2) {
+    const std::vector<int> slots = SlotsAround(knowledge, in_world, limit, accept);
+    std::set<int> maps;
+    for (const int slot : slots) {
+      for (const int map : graph.link_point_node(slot).maps) {
+        if (MayBeEntered(knowledge, *graph.map_node(map).map)) maps.insert(map);
+      }
+    }
+    if (maps.size() >= kLookedAt || slots.size() < static_cast<std::size_t>(limit)) return maps;
+  }
+}
+
 // Other maps on the entered level that the search for maps looks at, by id.
 std::vector<const graph::MapInGraph*> FindMapsNear(const DoorKnowledge& knowledge) {
   const GraphSnapshot& graph = *knowledge.graph;
   const SolvedNeighbourhood neighbourhood(knowledge);
   std::vector<Found<graph::MapInGraph>> found;
-  for (std::size_t slot = 0; slot < graph.map_slots(); ++slot) {
-    const GraphSnapshot::MapNode& node = graph.map_node(static_cast<int>(slot));
-    if (node.map == nullptr || !MayBeEntered(knowledge, *node.map)) continue;
+  for (const int slot : MapsAround(knowledge, neighbourhood.InWorld(*knowledge.T_map_robot))) {
+    const GraphSnapshot::MapNode& node = graph.map_node(slot);
     std::optional<Found<graph::MapInGraph>> one;
     for (const int link_point : node.link_points) {
       const graph::Anchor& anchor = *graph.link_point_node(link_point).link_point->FindAnchor(node.map->id);

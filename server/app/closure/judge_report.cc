@@ -64,6 +64,8 @@ absl::StatusOr<JudgedReport> JudgeReport(const DoorClosureStores& stores, const 
   judged.graph = std::move(graph);
   closure::DoorKnowledge& knowledge = judged.knowledge;
   knowledge.graph = &judged.graph->graph();
+  knowledge.world_index = {.positions = &judged.graph->placed.positions(),
+                           .unplaced_maps = judged.graph->placed.ListUnplacedMaps(*knowledge.graph)};
   knowledge.options = options;
   knowledge.report = report.stored.report;
   knowledge.redundant = report.redundant;

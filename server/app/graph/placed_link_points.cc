@@ -49,11 +49,15 @@ PlacedLinkPoints PlacedLinkPoints::With(const graph::GraphSnapshot& before, cons
     if (slot >= 0) next.Set(slot, std::make_shared<const storage::StoredLinkPoint>(link_point), moved);
   }
   for (const storage::GraphMap& map : changes.maps) {
-    if (const int slot = after.MapSlot(map.id); slot >= 0) Grown(next.map_places_, slot) = map.T_world_map;
+    const int slot = after.MapSlot(map.id);
+    if (slot < 0) continue;
+    Grown(next.map_places_, slot) = map.T_world_map;
+    Grown(next.has_no_place_, slot) = map.T_world_map ? 0 : 1;
   }
   next.positions_ = next.positions_.With(moved);
   next.rows_.Freeze();
   next.map_places_.Freeze();
+  next.has_no_place_.Freeze();
   return next;
 }
 
@@ -92,6 +96,15 @@ absl::StatusOr<std::vector<const storage::StoredLinkPoint*>> PlacedLinkPoints::F
   std::sort(found.begin(), found.end(), HasLowerId);
   Truncate(found, query.limit);
   return found;
+}
+
+std::vector<int> PlacedLinkPoints::ListUnplacedMaps(const graph::GraphSnapshot& graph) const {
+  std::vector<int> slots;
+  for (std::size_t i = 0; i < has_no_place_.size(); ++i) {
+    const int slot = static_cast<int>(i);
+    if (has_no_place_[i] != 0 && graph.map_node(slot).map != nullptr) slots.push_back(slot);
+  }
+  return slots;
 }
 
 std::vector<const storage::StoredLinkPoint*> PlacedLinkPoints::ListUnplaced(int limit) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -36,6 +37,10 @@ class PlacedLinkPoints {
   // pointers are valid as long as this.
   absl::StatusOr<std::vector<const storage::StoredLinkPoint*>> Find(const graph::GraphSnapshot& graph,
                                                                     const storage::LinkPointQuery& query) const;
+  // m, in the world, by slot; of those that have a place.
+  const graph::PointIndex& positions() const { return positions_; }
+  // The slots of maps without a place in the world. `graph` is the snapshot of this version.
+  std::vector<int> ListUnplacedMaps(const graph::GraphSnapshot& graph) const;
   // Those without a place in the world, by id. Looks at all link points, unless all have a place.
   std::vector<const storage::StoredLinkPoint*> ListUnplaced(int limit) const;
 
@@ -45,7 +50,9 @@ class PlacedLinkPoints {
 
   graph::CowVector<std::shared_ptr<const storage::StoredLinkPoint>> rows_;  // null: an empty slot
   graph::CowVector<std::optional<PoseWithCovariance>> map_places_;
-  graph::PointIndex positions_;  // m, in the world, by slot
+  // Whether map_places_ has none, by slot: a scan of bytes is quick.
+  graph::CowVector<std::uint8_t> has_no_place_;
+  graph::PointIndex positions_;
   int unplaced_ = 0;
 };
 

@@ -3,6 +3,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 #include "tests/support/pose_matchers.h"
 #include "tests/unit/core/closure/door_scenario.h"
 
@@ -18,8 +22,29 @@ using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 using Target = SearchGraph::Target;
 
-std::vector<std::string> FindPlaces(DoorScenario& scenario, DoorKnowledge* found = nullptr) {
-  DoorKnowledge knowledge = scenario.Knowledge();
+// As the server has it: where the first map with a solved pose places each link point.
+struct Indexed {
+  explicit Indexed(const graph::GraphSnapshot& graph) {
+    std::vector<graph::PointIndex::Point> points;
+    for (const graph::LinkPoint* link_point : graph.ListLinkPoints()) {
+      for (const graph::Anchor& anchor : link_point->anchors) {
+        const PoseWithCovariance* T_world_map = graph.FindSolvedPose(anchor.map);
+        if (T_world_map == nullptr) continue;
+        points.push_back({graph.LinkPointSlot(link_point->id), T_world_map->pose * anchor.T_map_place.translation()});
+        break;
+      }
+    }
+    positions = positions.With(points);
+    for (const graph::MapInGraph* map : graph.ListMaps()) {
+      if (graph.FindSolvedPose(map->id) == nullptr) unplaced_maps.push_back(graph.MapSlot(map->id));
+    }
+  }
+
+  graph::PointIndex positions;
+  std::vector<int> unplaced_maps;
+};
+
+std::vector<std::string> PlacesOf(DoorKnowledge& knowledge) {
   GraphSearch search;
   EXPECT_OK(search.Run({Target::kPassedDoor}, knowledge));
   EXPECT_OK(search.Run({Target::kPlaces}, knowledge));
@@ -30,16 +55,36 @@ std::vector<std::string> FindPlaces(DoorScenario& scenario, DoorKnowledge* found
     EXPECT_FALSE(place.images_compared || place.clouds_compared);
     names.push_back(place.link_point->id.value() + "@" + place.anchor->map.value());
   }
+  return names;
+}
+
+std::vector<std::string> MapsOf(DoorKnowledge knowledge) {
+  GraphSearch search;
+  EXPECT_OK(search.Run({Target::kMaps}, knowledge));
+  std::vector<std::string> names;
+  for (const SearchedMap& searched : *knowledge.maps) names.push_back(searched.map->id.value());
+  return names;
+}
+
+// With and without an index, which must not make a difference.
+std::vector<std::string> FindPlaces(DoorScenario& scenario, DoorKnowledge* found = nullptr) {
+  DoorKnowledge knowledge = scenario.Knowledge();
+  const Indexed index(*knowledge.graph);
+  DoorKnowledge indexed = knowledge;
+  indexed.world_index = {.positions = &index.positions, .unplaced_maps = index.unplaced_maps};
+  std::vector<std::string> names = PlacesOf(knowledge);
+  EXPECT_EQ(PlacesOf(indexed), names);
   if (found != nullptr) *found = std::move(knowledge);
   return names;
 }
 
 std::vector<std::string> FindMaps(DoorScenario& scenario) {
-  DoorKnowledge knowledge = scenario.Knowledge();
-  GraphSearch search;
-  EXPECT_OK(search.Run({Target::kMaps}, knowledge));
-  std::vector<std::string> names;
-  for (const SearchedMap& searched : *knowledge.maps) names.push_back(searched.map->id.value());
+  const DoorKnowledge knowledge = scenario.Knowledge();
+  const Indexed index(*knowledge.graph);
+  DoorKnowledge indexed = knowledge;
+  indexed.world_index = {.positions = &index.positions, .unplaced_maps = index.unplaced_maps};
+  std::vector<std::string> names = MapsOf(knowledge);
+  EXPECT_EQ(MapsOf(indexed), names);
   return names;
 }
 
@@ -147,6 +192,51 @@ TEST(GraphSearch, OfManyThatMayBeNearTheNearestAreFound) {
   rooms.resize(38);  // and the two of the scenario
   rooms.insert(rooms.begin(), {"hall", "room"});
   EXPECT_THAT(FindMaps(scenario), ElementsAreArray(rooms));
+}
+
+// Rooms on a grid, a door between each and the next; some not solved, some link points suspended, switched off or seen
+// from one side only.
+TEST(GraphSearch, AnIndexMakesNoDifference) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const auto chance = [&](double share) { return std::uniform_real_distribution<double>()(random) < share; };
+    DoorScenario scenario;
+    constexpr int kSide = 30;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const std::string room = fmt::format("grid{:03}", i);
+      scenario.AddMap(room, chance(0.3) ? 1 : 0);
+      const double x = 5.0 * (i % kSide);
+      const double y = 5.0 * std::floor(i / kSide);
+      if (chance(0.97)) scenario.Solve(room, Sure({x, y, 0.1 * (i % 7)}));
+      const auto add = [&](const std::string& id, const std::vector<std::pair<std::string, Pose2>>& anchors) {
+        const double kind = std::uniform_real_distribution<double>()(random);
+        if (kind < 0.05)
+          scenario.Add(id, anchors).use = graph::LinkPointUse::kSuspended;
+        else if (kind < 0.9)
+          scenario.Add(id, anchors);
+        else
+          scenario.Add(id, {anchors.back()});
+      };
+      if (i > 0) {
+        // Where the two rooms' poses agree.
+        const Pose2 in_world{x, y + 2.0, 0.0};
+        const int before = i - 1;
+        const Pose2 T_world_before{5.0 * (before % kSide), 5.0 * std::floor(before / kSide), 0.1 * (before % 7)};
+        const Pose2 T_world_room{x, y, 0.1 * (i % 7)};
+        add(fmt::format("door{:03}", i), {{fmt::format("grid{:03}", before), Inverse(T_world_before) * in_world},
+                                          {room, Inverse(T_world_room) * in_world}});
+      } else {
+        scenario.Add("entry", {{"here", {0, 2, 0}}, {room, {0, 2, 0}}});
+      }
+    }
+    scenario.knowledge().T_map_door = Sure({70, 80, 0});
+    scenario.knowledge().T_map_robot = Sure({72, 80, 0});
+    scenario.knowledge().T_map_door->covariance(0, 0) = chance(0.5) ? 1e6 : 1.0;
+    scenario.knowledge().T_map_robot->covariance(0, 0) = scenario.knowledge().T_map_door->covariance(0, 0);
+    EXPECT_FALSE(FindPlaces(scenario).empty());
+    FindMaps(scenario);
+  }
 }
 
 TEST(GraphSearch, APassedDoorHasItsLinkPointsAndSightingsApart) {
