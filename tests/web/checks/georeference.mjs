@@ -35,8 +35,11 @@ export function addGeoreference({ system, browser, at }) {
     const { camera, size } = await sceneOf(page);
     const screen = toScreen(camera, size, { x: 3, y: 4 });
     await page.locator('.scene-canvas').click({ position: { x: Math.round(screen.x), y: Math.round(screen.y) } });
-    const [x, y] = [Number(await page.getByLabel('x in the map, m').inputValue()), Number(await page.getByLabel('y in the map, m').inputValue())];
-    assert.ok(Math.abs(x - 3) * camera.scale < 1.2 && Math.abs(y - 4) * camera.scale < 1.2, `the click was at ${x}, ${y}`);
+    const chosen = async () => Promise.all(['x', 'y'].map(async (axis) => Number((await page.getByLabel(`${axis} in the map, m`).inputValue()) || NaN)));
+    await until('the form has the place', async () => {
+      const [x, y] = await chosen();
+      return Math.abs(x - 3) * camera.scale < 1.2 && Math.abs(y - 4) * camera.scale < 1.2;
+    }).catch(async () => assert.fail(`the click was at ${await chosen()}`));
     const pinAt = async (name) => (await sceneOf(page)).marks.find((mark) => mark.kind === 'pin' && mark.name === name)?.from;
     await until('the place is marked', async () => distance((await pinAt('chosen')) ?? { x: 1e9, y: 0 }, screen) < 1);
     await page.getByLabel('x in the map, m').fill(String(known[0].x));
