@@ -8,7 +8,7 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(installed_libraries client_import client_uplink client_api client_connection client_spool core_building
+set(installed_libraries client_import client_uplink client_api client_connection client_spool io_tls core_building
   client_map_manager proto_convert proto core_options core_sensor core_geometry core_base io)
 set(header_dir ${CMAKE_INSTALL_INCLUDEDIR}/enfilade)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/enfilade)

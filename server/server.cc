@@ -16,6 +16,7 @@
 #include "server/app/runtime/maintenance_jobs.h"
 #include "server/app/services.h"
 #include "server/app/survey/site_surveyor.h"
+#include "server/credentials.h"
 #include "server/rpc/api.h"
 #include "spdlog/spdlog.h"
 #include "storage/postgres/driver/pool.h"
@@ -172,9 +173,11 @@ class Server::Impl {
   }
 
   absl::Status Listen() {
+    for (const std::string& warning : options.Warnings()) spdlog::warn("{}", warning);
     grpc::ServerBuilder builder;
     int port = 0;
-    builder.AddListeningPort(options.listen.address, grpc::InsecureServerCredentials(), &port);
+    ENFILADE_ASSIGN_OR_RETURN(credentials, MakeListenCredentials(options.listen, *metrics));
+    builder.AddListeningPort(options.listen.address, credentials.credentials, &port);
     builder.SetMaxReceiveMessageSize(static_cast<int>(options.listen.max_message_bytes));
     // A second server on the same port must fail instead of receiving half of the calls.
     builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
@@ -234,6 +237,7 @@ class Server::Impl {
   const slam::SlamProfiles slam_profiles;
   const std::unique_ptr<storage::postgres::Pool> pool;
   const std::unique_ptr<Metrics> metrics;
+  ListenCredentials credentials;
   const storage::SiteStore sites{*pool};
   const storage::RobotStore robots{*pool};
   const storage::postgres::MapStore maps{*pool};

@@ -6,6 +6,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
+#include "io/tls/tls_files.h"
 
 namespace enfilade::cli {
 
@@ -17,6 +18,7 @@ struct Globals {
   double timeout_s = 30.0;                 // deadline of a unary call
   std::string site = "default";
   std::string actor;  // for the audit trail
+  io::TlsParts tls;   // without authorities: no TLS
 };
 
 // Adds the subcommand `name` to `parent` and returns it, so that options can be added. `run` is called if the command

@@ -20,6 +20,13 @@ int main(int argc, char** argv) {
   app.add_option("--server", globals.server, "The server: host:port or unix:/path")
       ->envname("ENFILADE_SERVER")
       ->capture_default_str();
+  app.add_option("--tls-authorities", globals.tls.authorities,
+                 "PEM file: whose word is taken for who the server is; speaks TLS")
+      ->envname("ENFILADE_TLS_AUTHORITIES");
+  app.add_option("--tls-certificate", globals.tls.certificate,
+                 "PEM file: your own certificate, if the server asks for one")
+      ->envname("ENFILADE_TLS_CERTIFICATE");
+  app.add_option("--tls-key", globals.tls.key, "PEM file: its key")->envname("ENFILADE_TLS_KEY");
   app.add_option("--timeout", globals.timeout_s, "Deadline of one call, seconds")->capture_default_str();
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
   if (const char* user = std::getenv("USER")) globals.actor = user;

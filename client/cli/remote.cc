@@ -2,12 +2,26 @@
 #include "client/cli/remote.h"
 
 #include <ctime>
+#include <iostream>
 #include <vector>
 
 #include "client/sdk/api/maps.h"
 #include "core/base/status_macros.h"
 
 namespace enfilade::cli {
+
+client::Connection ConnectionOf(const Globals& globals) {
+  client::Credentials credentials;
+  if (!globals.tls.empty()) {
+    auto made = client::Credentials::Tls(globals.tls, [](const absl::StatusOr<io::CheckedTls>& tls) {
+      if (tls.ok()) return;
+      std::cerr << "enfilade: the TLS files have changed, and are not used: " << tls.status().message() << '\n';
+    });
+    if (!made.ok()) throw CommandFailed{made.status()};
+    credentials = *std::move(made);
+  }
+  return {globals.server, std::chrono::duration<double>(globals.timeout_s), globals.actor, std::move(credentials)};
+}
 
 std::string ResourceNameOf(const Globals& globals, const std::string& collection, const std::string& id) {
   return id.starts_with("sites/") ? id : SiteNameOf(globals) + "/" + collection + "/" + id;

@@ -18,9 +18,8 @@ namespace enfilade::cli {
 
 // What the commands that call a server share.
 
-inline client::Connection ConnectionOf(const Globals& globals) {
-  return {globals.server, std::chrono::duration<double>(globals.timeout_s), globals.actor};
-}
+// Throws CommandFailed if the TLS files are not what they should be.
+client::Connection ConnectionOf(const Globals& globals);
 
 // sites/{--site}
 inline std::string SiteNameOf(const Globals& globals) { return "sites/" + globals.site; }

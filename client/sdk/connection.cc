@@ -10,7 +10,7 @@
 
 namespace enfilade::client {
 
-std::shared_ptr<grpc::Channel> Connect(const std::string& address) {
+std::shared_ptr<grpc::Channel> Connect(const std::string& address, const Credentials& credentials) {
   constexpr int kMaxMessageBytes = 66 << 20;
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
@@ -20,11 +20,16 @@ std::shared_ptr<grpc::Channel> Connect(const std::string& address) {
   // In spite of its name this is how long an attempt to connect may take: a busy server or a slow network needs time.
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 10'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, credentials.For(address), arguments);
 }
 
-Connection::Connection(std::string address, std::chrono::duration<double> timeout, const std::string& actor)
-    : address_(std::move(address)), timeout_(timeout), actor_(actor), channel_(Connect(address_)) {
+Connection::Connection(std::string address, std::chrono::duration<double> timeout, const std::string& actor,
+                       Credentials credentials)
+    : address_(std::move(address)),
+      timeout_(timeout),
+      actor_(actor),
+      credentials_(std::move(credentials)),
+      channel_(Connect(address_, credentials_)) {
   // What gRPC allows in a metadata value.
   std::replace_if(
       actor_.begin(), actor_.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
@@ -32,7 +37,7 @@ Connection::Connection(std::string address, std::chrono::duration<double> timeou
 
 Connection Connection::To(std::string address) const {
   Connection other = *this;
-  other.channel_ = Connect(address);
+  other.channel_ = Connect(address, credentials_);
   other.address_ = std::move(address);
   return other;
 }

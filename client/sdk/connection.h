@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/sdk/credentials.h"
 #include "client/sdk/graph_versions.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
@@ -17,7 +18,7 @@ namespace enfilade::client {
 
 // A channel to the server at host:port or unix:/path, with keepalive (a dead connection is noticed within 20 s) and for
 // messages of up to 66 MiB. It connects when first used, and reconnects.
-std::shared_ptr<grpc::Channel> Connect(const std::string& address);
+std::shared_ptr<grpc::Channel> Connect(const std::string& address, const Credentials& credentials = {});
 
 // The same code and message. UNAVAILABLE: the message names `address`.
 absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& address = "");
@@ -27,7 +28,8 @@ absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& addre
 class Connection {
  public:
   // `timeout`: of a unary call. `actor`: for the audit trail; characters that are not printable ASCII are sent as "?".
-  Connection(std::string address, std::chrono::duration<double> timeout, const std::string& actor = "");
+  Connection(std::string address, std::chrono::duration<double> timeout, const std::string& actor = "",
+             Credentials credentials = {});
 
   const std::string& address() const { return address_; }
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
@@ -67,6 +69,7 @@ class Connection {
   std::string address_;
   std::chrono::duration<double> timeout_;
   std::string actor_;
+  Credentials credentials_;
   std::shared_ptr<grpc::Channel> channel_;
   std::shared_ptr<GraphVersions> graph_versions_ = std::make_shared<GraphVersions>();
 };

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string_view>
 #include <thread>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/options/yaml_options.h"
+#include "fmt/format.h"
 
 namespace enfilade::server {
 namespace {
@@ -21,6 +23,11 @@ constexpr char kEnvironmentPrefix[] = "ENFILADE_SERVER_";
 template <typename Options, typename Visitor>
 void VisitOptions(Options& options, Visitor&& visit) {
   visit("listen.address", options.listen.address);
+  visit("listen.tls_certificate", options.listen.tls_certificate);
+  visit("listen.tls_key", options.listen.tls_key);
+  visit("listen.tls_client_authorities", options.listen.tls_client_authorities);
+  visit("listen.tls_revoked_directory", options.listen.tls_revoked_directory);
+  visit("listen.insecure", options.listen.insecure);
   visit("listen.grace_s", options.listen.grace_s);
   visit("listen.max_message_bytes", options.listen.max_message_bytes);
   visit("listen.workers", options.listen.workers);
@@ -63,6 +70,14 @@ void VisitOptions(Options& options, Visitor&& visit) {
 
 absl::Status Parse(const Setting& setting, std::string& value) {
   value = setting.value;
+  return absl::OkStatus();
+}
+
+absl::Status Parse(const Setting& setting, bool& value) {
+  if (setting.value != "true" && setting.value != "false") {
+    return InvalidArgument("option {} is \"{}\": it must be true or false", setting.key, setting.value);
+  }
+  value = setting.value == "true";
   return absl::OkStatus();
 }
 
@@ -121,6 +136,40 @@ absl::Status RequireAtLeast(const char* key, double value, double minimum) {
 
 constexpr double kCentury = 100 * 365 * 86'400.0;  // s
 
+// Whether other machines can reach it: no socket in the file system, and no address of this machine alone.
+bool IsReachedByOthers(std::string_view address) {
+  if (address.empty() || address.starts_with("unix:")) return false;
+  std::string_view host = address.substr(0, address.rfind(':'));
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  return host != "localhost" && host != "::1" && !host.starts_with("127.");
+}
+
+absl::Status ValidateTls(const ServerOptions& options) {
+  const ServerOptions::Listen& listen = options.listen;
+  if (listen.tls_certificate.empty() != listen.tls_key.empty()) {
+    return InvalidArgument("listen.tls_certificate and listen.tls_key go together: only {} is set",
+                           listen.tls_key.empty() ? "the certificate" : "the key");
+  }
+  if (listen.tls_certificate.empty() && !(listen.tls_client_authorities + listen.tls_revoked_directory).empty()) {
+    return InvalidArgument(
+        "listen.tls_client_authorities and listen.tls_revoked_directory need listen.tls_certificate");
+  }
+  if (listen.insecure) return absl::OkStatus();
+  if (listen.tls_certificate.empty() && IsReachedByOthers(listen.address)) {
+    return InvalidArgument(
+        "listen.address is {}, which other machines reach, and there is no TLS: set listen.tls_certificate and"
+        " listen.tls_key, or listen.insecure=true if the network is yours alone",
+        listen.address);
+  }
+  if (IsReachedByOthers(options.metrics.address)) {
+    return InvalidArgument(
+        "metrics.address is {}, which other machines reach, and metrics have no TLS: set listen.insecure=true if the"
+        " network is yours alone",
+        options.metrics.address);
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Apply(const Setting& setting, ServerOptions& options) {
@@ -171,7 +220,20 @@ int ServerOptions::Mapping::DefaultWorkers() {
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMost);
 }
 
+std::vector<std::string> ServerOptions::Warnings() const {
+  std::vector<std::string> warnings;
+  if (listen.tls_certificate.empty() && IsReachedByOthers(listen.address)) {
+    warnings.push_back(
+        fmt::format("{} is served without TLS: whoever reaches it can read and change all", listen.address));
+  }
+  if (IsReachedByOthers(metrics.address)) {
+    warnings.push_back(fmt::format("metrics are served at {} without TLS", metrics.address));
+  }
+  return warnings;
+}
+
 absl::Status ServerOptions::Validate() const {
+  ENFILADE_RETURN_IF_ERROR(ValidateTls(*this));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("listen.grace_s", listen.grace_s, 0.0));
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("listen.workers", listen.workers, 1));
   ENFILADE_RETURN_IF_ERROR(

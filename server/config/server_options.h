@@ -14,8 +14,21 @@ namespace enfilade::server {
 // (ENFILADE_SERVER_DATABASE_URL sets database.url), then the command line (--set database.url=...); later ones win.
 struct ServerOptions {
   struct Listen {
-    // host:port or unix:/path. Port 0: any free port, which is logged.
-    std::string address = "0.0.0.0:50051";
+    // host:port or unix:/path. Port 0: any free port, which is logged. An address that other machines reach needs TLS,
+    // or `insecure`.
+    std::string address = "127.0.0.1:50051";
+    // PEM files: the server's certificate, with those of the authorities between it and the root, and its key. With
+    // them host:port is served by TLS only, unix:/path never. They are read again when they change.
+    std::string tls_certificate;
+    std::string tls_key;
+    // PEM: whose certificates clients must have. Empty: clients need none.
+    std::string tls_client_authorities;
+    // A folder with the authorities' lists of revoked certificates (PEM), each named as `openssl rehash` does. Empty:
+    // none.
+    std::string tls_revoked_directory;
+    // Serve other machines without TLS: whoever reaches the port can read and change all. Also for metrics.address,
+    // which is always without TLS.
+    bool insecure = false;
     // After SIGTERM: how long streams may take to finish, s.
     double grace_s = 10.0;
     // The largest message accepted, bytes: an image or cloud of 64 MiB with its frame.
@@ -119,8 +132,8 @@ struct ServerOptions {
   } retention;
 
   struct Metrics {
-    // host:port for Prometheus; empty: not served.
-    std::string address = "0.0.0.0:9464";
+    // host:port for Prometheus; empty: not served. An address that other machines reach needs listen.insecure.
+    std::string address = "127.0.0.1:9464";
   } metrics;
 
   struct Log {
@@ -130,6 +143,8 @@ struct ServerOptions {
 
   // INVALID_ARGUMENT naming the key.
   absl::Status Validate() const;
+  // What is unsafe about them, for people: a sentence each.
+  std::vector<std::string> Warnings() const;
 };
 
 // One option by its key, for example "database.url".

@@ -23,13 +23,15 @@ absl::Status PrintStatus(const Globals& globals) {
                           {"schema_version", status.schema_version()},
                           {"expected_schema_version", status.expected_schema_version()},
                           {"sessions_mapping", status.sessions_mapping()},
-                          {"streams_open", status.streams_open()}});
+                          {"streams_open", status.streams_open()},
+                          {"warnings", std::vector<std::string>(status.warnings().begin(), status.warnings().end())}});
   } else {
     std::cout << "enfilade-server " << status.version() << " at " << globals.server << ", up "
               << FormatSeconds(static_cast<double>(status.uptime().seconds())) << '\n'
               << (status.ready() ? "ready" : "NOT READY: " + status.not_ready_reason()) << '\n'
               << "schema " << status.schema_version() << ", " << status.streams_open() << " streams open, "
               << status.sessions_mapping() << " sessions being mapped\n";
+    for (const std::string& warning : status.warnings()) std::cout << "warning: " << warning << '\n';
   }
   return status.ready() ? absl::OkStatus() : absl::UnavailableError("the server is not ready");
 }

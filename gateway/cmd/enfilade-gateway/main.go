@@ -43,6 +43,12 @@ func parse(arguments []string) (app.Options, error) {
 	flags.StringVar(&options.Listen, "listen", "127.0.0.1:8080", "address to listen on; port 0 takes a free one")
 	flags.StringVar(&options.MetricsListen, "metrics", "127.0.0.1:9465", "address of the metrics; empty: none")
 	flags.StringVar(&options.Server, "server", "localhost:50051", "enfilade-server: host:port or unix:PATH")
+	flags.StringVar(&options.ServerTLS.Authorities, "server-tls-authorities", "", "PEM file: whose word is taken for who enfilade-server is; calls it by TLS")
+	flags.StringVar(&options.ServerTLS.Certificate, "server-tls-certificate", "", "PEM file: the gateway's own certificate, if enfilade-server asks for one")
+	flags.StringVar(&options.ServerTLS.Key, "server-tls-key", "", "PEM file: its key")
+	flags.StringVar(&options.ListenTLS.Certificate, "tls-certificate", "", "PEM file: serves by TLS with this certificate")
+	flags.StringVar(&options.ListenTLS.Key, "tls-key", "", "PEM file: its key")
+	insecure := flags.Bool("insecure", false, "serve other machines without TLS")
 	flags.DurationVar(&options.CallTime, "call-time", 30*time.Second, "for a call that is no stream")
 	flags.Var((*names)(&options.Hosts), "host", "a host name that clients may call this gateway by, besides localhost; repeatable")
 	flags.Var((*names)(&options.Origins), "origin", "an origin whose pages may change things, such as https://maps.example.org; repeatable")
@@ -60,8 +66,14 @@ func parse(arguments []string) (app.Options, error) {
 	if err != nil {
 		return options, fmt.Errorf("--listen: %w", err)
 	}
-	if address := net.ParseIP(host); (address == nil || !address.IsLoopback()) && host != "localhost" && len(options.Hosts) == 0 {
+	address := net.ParseIP(host)
+	local := (address != nil && address.IsLoopback()) || host == "localhost"
+	if !local && len(options.Hosts) == 0 {
 		return options, errors.New("--listen is not local: say by --host under which names clients call the gateway")
+	}
+	if !local && options.ListenTLS.Empty() && !*insecure {
+		return options, errors.New("--listen is not local, and there is no TLS: give --tls-certificate and --tls-key, or" +
+			" --insecure if the network is yours alone, or a proxy before the gateway speaks TLS")
 	}
 	options.Hosts = append(options.Hosts, "localhost", "127.0.0.1", "::1")
 	return options, nil

@@ -10,14 +10,17 @@ import (
 	"log/slog"
 	"net"
 	"net/http"
+	"strings"
 	"time"
 
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
+	"google.golang.org/grpc/credentials"
 	"google.golang.org/grpc/credentials/insecure"
 	"google.golang.org/grpc/health/grpc_health_v1"
 	"google.golang.org/grpc/keepalive"
 
+	"enfilade/gateway/internal/certificates"
 	"enfilade/gateway/internal/dashboard"
 	"enfilade/gateway/internal/files"
 	"enfilade/gateway/internal/guard"
@@ -32,8 +35,10 @@ import (
 // Options of the gateway; see the command's flags.
 type Options struct {
 	Listen        string
-	MetricsListen string // empty: none
-	Server        string // of enfilade-server: host:port or unix:path
+	MetricsListen string             // empty: none
+	Server        string             // of enfilade-server: host:port or unix:path
+	ListenTLS     certificates.Files // certificate and key; none: plain HTTP
+	ServerTLS     certificates.Files // authorities; certificate and key if the server asks for them; none: no TLS
 	Hosts         []string
 	Origins       []string
 	CallTime      time.Duration // for a call that is no stream
@@ -54,8 +59,12 @@ type Gateway struct {
 
 // Start listens; Addr tells where.
 func Start(ctx context.Context, options Options, log *slog.Logger) (*Gateway, error) {
+	toServer, err := credentialsFor(options, log)
+	if err != nil {
+		return nil, err
+	}
 	server, err := grpc.NewClient(options.Server,
-		grpc.WithTransportCredentials(insecure.NewCredentials()),
+		grpc.WithTransportCredentials(toServer),
 		grpc.WithDefaultCallOptions(grpc.MaxCallRecvMsgSize(maxMessageBytes)),
 		grpc.WithUnaryInterceptor(limitTime(options.CallTime)),
 		grpc.WithKeepaliveParams(keepalive.ClientParameters{Time: 5 * time.Minute, Timeout: 20 * time.Second}))
@@ -73,13 +82,37 @@ func Start(ctx context.Context, options Options, log *slog.Logger) (*Gateway, er
 	}
 	g := &Gateway{server: server, listener: listener, errors: make(chan error, 2)}
 	g.public = newServer(metrics.Observe(handler, log))
-	go func() { g.errors <- g.public.Serve(listener) }()
+	if options.ListenTLS.Empty() {
+		go func() { g.errors <- g.public.Serve(listener) }()
+	} else {
+		files, err := certificates.Load(options.ListenTLS, log)
+		if err != nil {
+			return nil, errors.Join(err, g.Stop(ctx))
+		}
+		g.public.TLSConfig = files.ForServing()
+		go func() { g.errors <- g.public.ServeTLS(listener, "", "") }()
+	}
 	if options.MetricsListen != "" {
 		if err := g.serveMetrics(options.MetricsListen, metrics); err != nil {
 			return nil, errors.Join(err, g.Stop(ctx))
 		}
 	}
 	return g, nil
+}
+
+// A socket in the file system needs no TLS.
+func credentialsFor(options Options, log *slog.Logger) (credentials.TransportCredentials, error) {
+	if options.ServerTLS.Empty() || strings.HasPrefix(options.Server, "unix:") {
+		return insecure.NewCredentials(), nil
+	}
+	if options.ServerTLS.Authorities == "" {
+		return nil, errors.New("TLS to enfilade-server needs the authorities whose servers are trusted")
+	}
+	files, err := certificates.Load(options.ServerTLS, log)
+	if err != nil {
+		return nil, err
+	}
+	return credentials.NewTLS(files.ForCalling()), nil
 }
 
 func newServer(handler http.Handler) *http.Server {

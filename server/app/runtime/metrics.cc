@@ -86,6 +86,11 @@ class Metrics::Impl {
   prometheus::Gauge& watchers = Gauge("enfilade_watchers", "Open watches of poses and sites");
   prometheus::Counter& pyramids =
       Counter("enfilade_raster_pyramids_made_total", "Revisions whose tiles were made for viewers").Add({});
+  prometheus::Gauge& certificate_end =
+      Gauge("enfilade_tls_certificate_end_seconds", "When the own TLS certificate ends, s since 1970; 0 without TLS");
+  prometheus::Counter& tls_failures =
+      Counter("enfilade_tls_reload_failures_total", "Changed TLS files that are not used, because they are wrong")
+          .Add({});
   prometheus::Gauge& ready = Gauge("enfilade_ready", "1 if the server accepts work");
   prometheus::Gauge& connections_open = Gauge("enfilade_database_connections_open", "Connections of the pool");
   prometheus::Gauge& connections_busy = Gauge("enfilade_database_connections_busy", "Connections in use");
@@ -150,6 +155,10 @@ void Metrics::CountIdleSessionsClosed(std::int64_t finished, std::int64_t failed
 void Metrics::SetSitesDeleting(int sites) { impl_->sites_deleting.Set(sites); }
 void Metrics::SetWatchers(int watchers) { impl_->watchers.Set(watchers); }
 void Metrics::CountRasterPyramidMade() { impl_->pyramids.Increment(); }
+void Metrics::SetCertificateEnd(std::chrono::system_clock::time_point end) {
+  impl_->certificate_end.Set(std::chrono::duration<double>(end.time_since_epoch()).count());
+}
+void Metrics::CountTlsReloadFailure() { impl_->tls_failures.Increment(); }
 void Metrics::SetReady(bool ready) { impl_->ready.Set(ready ? 1.0 : 0.0); }
 void Metrics::SetDatabaseConnections(int open, int busy, int waiting) {
   impl_->connections_open.Set(open);

@@ -41,6 +41,10 @@ class Metrics {
   void SetWatchers(int watchers);
   // For somebody who looked at a revision first.
   void CountRasterPyramidMade();
+  // Of the server's own TLS certificate.
+  void SetCertificateEnd(std::chrono::system_clock::time_point end);
+  // TLS files that have changed and are not used, because something is wrong with them.
+  void CountTlsReloadFailure();
   void SetReady(bool ready);
   void SetDatabaseConnections(int open, int busy, int waiting);
 

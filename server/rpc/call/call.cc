@@ -45,7 +45,7 @@ Call::Call(const CallEnvironment& environment, const IncomingCall& incoming)
       rpc_(incoming.rpc),
       request_id_(RequestIdOrNew(incoming.request_id)),
       peer_(incoming.peer),
-      principal_(IdentifyPrincipal(incoming.actor)),
+      principal_(IdentifyPrincipal(incoming.certificate, incoming.actor)),
       client_deadline_(incoming.deadline),
       min_graph_versions_(incoming.min_graph_versions),
       context_{.deadline = client_deadline_.value_or(begin_ + environment.default_timeout),

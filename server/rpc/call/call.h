@@ -44,8 +44,9 @@ struct CallEnvironment {
 struct IncomingCall {
   const char* rpc;  // its name, for metrics and logs; a string literal
   std::string peer = {};
-  std::string_view request_id = {};  // request metadata "x-request-id"; empty if not set
-  std::string_view actor = {};       // request metadata "enfilade-actor"; empty if not set
+  std::string_view request_id = {};   // request metadata "x-request-id"; empty if not set
+  std::string_view certificate = {};  // the name in the client's certificate; empty if it has none
+  std::string_view actor = {};        // request metadata "enfilade-actor"; empty if not set
   // Request metadata "enfilade-min-graph-version", of any sites.
   std::vector<std::string> min_graph_versions = {};
   std::optional<std::chrono::steady_clock::time_point> deadline = {};  // unset: the client set none

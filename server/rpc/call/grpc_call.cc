@@ -33,6 +33,16 @@ std::vector<std::string> AllMetadataOf(const grpc::CallbackServerContext& contex
   return values;
 }
 
+// Of a client that the handshake has authenticated: the first SPIFFE id, else DNS name or common name of its
+// certificate, as gRPC chooses.
+std::string CertificateNameOf(const grpc::CallbackServerContext& context) {
+  const auto auth = context.auth_context();
+  if (auth == nullptr || !auth->IsPeerAuthenticated()) return {};
+  const std::vector<grpc::string_ref> spiffe = auth->FindPropertyValues("peer_spiffe_id");
+  const std::vector<grpc::string_ref> names = spiffe.empty() ? auth->GetPeerIdentity() : spiffe;
+  return names.empty() ? std::string() : std::string(names.front().data(), names.front().size());
+}
+
 // A call without a deadline reports one far beyond all times.
 std::optional<std::chrono::steady_clock::time_point> DeadlineOf(const grpc::CallbackServerContext& context) {
   const auto left = context.deadline() - std::chrono::system_clock::now();
@@ -55,6 +65,8 @@ Call BeginCall(const CallEntry& entry) {
   IncomingCall incoming = ReadIncomingCall(entry);
   const std::string request_id = RequestIdOrNew(incoming.request_id);
   incoming.request_id = request_id;
+  const std::string certificate = CertificateNameOf(entry.context);
+  incoming.certificate = certificate;
   entry.context.AddInitialMetadata(kRequestIdKey, request_id);
   return Call(entry.environment, incoming);
 }

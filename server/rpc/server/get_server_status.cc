@@ -18,6 +18,7 @@ absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(const Services& serv
   response.set_sessions_mapping(services.metrics.sessions_mapping());
   response.set_streams_open(services.metrics.streams_open());
   response.set_surveys_sites(services.options.survey.share > 0.0);
+  for (std::string& warning : services.options.Warnings()) *response.add_warnings() = std::move(warning);
   return response;
 }
 

@@ -15,6 +15,7 @@ namespace enfilade::server {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(ServerOptions, DefaultsAreValidAndEveryKeyTakesItsOwnValueBack) {
@@ -174,6 +175,36 @@ TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
   ServerOptions other_replica_maps;
   other_replica_maps.mapping.workers = 0;
   EXPECT_OK(other_replica_maps.Validate());
+}
+
+TEST(ServerOptions, OtherMachinesAreServedByTlsOnlyUnlessToldOtherwise) {
+  for (const char* address :
+       {"127.0.0.1:50051", "127.8.9.1:1", "localhost:0", "[::1]:50051", "unix:/run/enfilade/socket"}) {
+    ServerOptions options;
+    options.listen.address = address;
+    EXPECT_OK(options.Validate()) << address;
+    EXPECT_TRUE(options.Warnings().empty()) << address;
+  }
+  for (const char* address : {"0.0.0.0:50051", "[::]:50051", "192.168.1.7:50051", "robots.example:50051"}) {
+    ServerOptions options;
+    options.listen.address = address;
+    EXPECT_THAT(std::string(options.Validate().message()),
+                AllOf(HasSubstr(address), HasSubstr("listen.tls_certificate")));
+    options.listen.insecure = true;
+    EXPECT_OK(options.Validate());
+    EXPECT_THAT(options.Warnings(), ElementsAre(AllOf(HasSubstr(address), HasSubstr("without TLS"))));
+    options.listen.insecure = false;
+    options.listen.tls_certificate = "server.pem";
+    EXPECT_THAT(std::string(options.Validate().message()), HasSubstr("only the certificate is set"));
+    options.listen.tls_key = "server.key";
+    EXPECT_OK(options.Validate());
+    EXPECT_TRUE(options.Warnings().empty());
+  }
+  ServerOptions options;
+  options.metrics.address = "0.0.0.0:9464";
+  EXPECT_THAT(std::string(options.Validate().message()), HasSubstr("metrics.address"));
+  options.metrics.address = "";
+  EXPECT_OK(options.Validate());
 }
 
 }  // namespace

@@ -57,11 +57,16 @@ TEST(ToGrpcStatus, CutsAMessageThatQuotesTooMuch) {
 }
 
 TEST(Principal, IsWhatTheCallerSaysAndBounded) {
-  EXPECT_EQ(IdentifyPrincipal("ann").name, "ann");
-  EXPECT_FALSE(IdentifyPrincipal("ann").authenticated);
-  EXPECT_EQ(IdentifyPrincipal("").name, "");
-  EXPECT_EQ(IdentifyPrincipal(std::string(200, 'a')).name.size(), 200U);
-  EXPECT_EQ(IdentifyPrincipal(std::string(100'000, 'a')).name.size(), 200U);
+  EXPECT_EQ(IdentifyPrincipal("", "ann").name, "ann");
+  EXPECT_FALSE(IdentifyPrincipal("", "ann").authenticated);
+  EXPECT_EQ(IdentifyPrincipal("", "").name, "");
+  EXPECT_EQ(IdentifyPrincipal("", std::string(200, 'a')).name.size(), 200U);
+  EXPECT_EQ(IdentifyPrincipal("", std::string(100'000, 'a')).name.size(), 200U);
+  EXPECT_EQ(IdentifyPrincipal("robot-7", "").name, "robot-7");
+  EXPECT_EQ(IdentifyPrincipal("robot-7", "robot-7").name, "robot-7");
+  EXPECT_EQ(IdentifyPrincipal("robot-7", "root").name, "robot-7 (says: root)");
+  EXPECT_TRUE(IdentifyPrincipal("robot-7", "root").authenticated);
+  EXPECT_EQ(IdentifyPrincipal("robot-7", std::string(1000, 'a')).name.size(), 200U);
 }
 
 }  // namespace
