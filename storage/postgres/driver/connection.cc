@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -64,17 +65,30 @@ absl::Status AwaitConnected(pg_conn* connection, steady_clock::time_point deadli
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::string& url,
+absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::string& url, const Host& host,
                                                              const std::string& application_name, Deadline deadline) {
-  // Those before "dbname" are defaults that the URL may change.
-  constexpr std::array kKeywords = {"application_name", "keepalives_idle",  "keepalives_interval",
-                                    "keepalives_count", "tcp_user_timeout", "target_session_attrs",
-                                    "dbname",           "client_encoding",  static_cast<const char*>(nullptr)};
-  const std::array values = {
-      application_name.c_str(),         "15", "5", "3", "15000", "read-write", url.c_str(), "UTF8",
-      static_cast<const char*>(nullptr)};
-  static_assert(kKeywords.size() == std::tuple_size_v<decltype(values)>);
-  std::unique_ptr<Connection> opened(new Connection(PQconnectStartParams(kKeywords.data(), values.data(), 1)));
+  // Those before "dbname" are defaults that the URL may change; those behind it replace what the URL says.
+  std::vector<const char*> keywords;
+  std::vector<const char*> values;
+  const auto set = [&](const char* keyword, const char* value) {
+    keywords.push_back(keyword);
+    values.push_back(value);
+  };
+  set("application_name", application_name.c_str());
+  set("keepalives_idle", "15");
+  set("keepalives_interval", "5");
+  set("keepalives_count", "3");
+  set("tcp_user_timeout", "15000");
+  set("target_session_attrs", "read-write");
+  set("dbname", url.c_str());
+  set("client_encoding", "UTF8");
+  if (host != Host{}) {
+    set("host", host.host.c_str());
+    set("hostaddr", host.hostaddr.c_str());
+    set("port", host.port.c_str());
+  }
+  set(nullptr, nullptr);
+  std::unique_ptr<Connection> opened(new Connection(PQconnectStartParams(keywords.data(), values.data(), 1)));
   pg_conn* connection = opened->connection_.get();
   if (!connection) return absl::ResourceExhaustedError("cannot connect to the database: out of memory");
   ENFILADE_RETURN_IF_ERROR(AwaitConnected(connection, deadline));

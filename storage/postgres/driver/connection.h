@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "storage/call_context.h"
+#include "storage/postgres/driver/host_list.h"
 #include "storage/postgres/driver/params.h"
 #include "storage/postgres/driver/result.h"
 
@@ -31,10 +32,10 @@ class Connection {
  public:
   using Deadline = std::chrono::steady_clock::time_point;
 
-  // UNAVAILABLE with the reason; PERMISSION_DENIED; FAILED_PRECONDITION if the database does not exist or the server is
-  // too old.
-  static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& url, const std::string& application_name,
-                                                          Deadline deadline);
+  // `host`: one of those that the URL names; a default one: as the URL says. UNAVAILABLE with the reason;
+  // PERMISSION_DENIED; FAILED_PRECONDITION if the database does not exist or the server is too old.
+  static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& url, const Host& host,
+                                                          const std::string& application_name, Deadline deadline);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;

@@ -50,7 +50,7 @@ absl::StatusOr<std::unique_ptr<Pool>> Pool::Create(PoolOptions options) {
   return std::unique_ptr<Pool>(new Pool(std::move(options)));
 }
 
-Pool::Pool(PoolOptions options) : options_(std::move(options)) {}
+Pool::Pool(PoolOptions options) : options_(std::move(options)), hosts_(options_.url) {}
 Pool::~Pool() = default;
 
 Pool::Lease::Lease(Pool* pool, std::unique_ptr<Connection> connection)
@@ -107,7 +107,7 @@ absl::StatusOr<Pool::Take> Pool::TakeOrWait(const CallContext& context) {
 
 absl::StatusOr<std::unique_ptr<Connection>> Pool::Open(const CallContext& context) {
   const auto deadline = std::min(context.deadline, steady_clock::now() + options_.connect_timeout);
-  auto opened = Connection::Open(options_.url, options_.application_name, deadline);
+  auto opened = hosts_.Open(options_.application_name, deadline);
   const MutexLock lock(mutex_);
   if (opened.ok()) {
     ++stats_.opened;

@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/mutex.h"
 #include "storage/call_context.h"
+#include "storage/postgres/driver/host_list.h"
 
 namespace enfilade::storage::postgres {
 
@@ -94,6 +95,7 @@ class Pool {
   void Forget();
 
   const PoolOptions options_;
+  HostList hosts_;
   mutable Mutex mutex_;
   CondVar freed_;
   std::vector<Idle> idle_ ABSL_GUARDED_BY(mutex_);  // the last one was used last
