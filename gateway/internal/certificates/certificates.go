@@ -28,6 +28,11 @@ func (f Files) Empty() bool { return f == Files{} }
 
 const lookEvery = time.Second
 
+// Of TLS 1.2: those that encrypt and authenticate at once. Those of 1.3 all do.
+var suites = []uint16{tls.TLS_ECDHE_ECDSA_WITH_AES_128_GCM_SHA256, tls.TLS_ECDHE_ECDSA_WITH_AES_256_GCM_SHA384,
+	tls.TLS_ECDHE_ECDSA_WITH_CHACHA20_POLY1305_SHA256, tls.TLS_ECDHE_RSA_WITH_AES_128_GCM_SHA256,
+	tls.TLS_ECDHE_RSA_WITH_AES_256_GCM_SHA384, tls.TLS_ECDHE_RSA_WITH_CHACHA20_POLY1305_SHA256}
+
 // Set is the last good content of the files.
 type Set struct {
 	files Files
@@ -107,16 +112,18 @@ func (s *Set) current() (*tls.Certificate, *x509.CertPool) {
 
 // ForServing answers with the certificate.
 func (s *Set) ForServing() *tls.Config {
-	return &tls.Config{MinVersion: tls.VersionTLS12, GetCertificate: func(*tls.ClientHelloInfo) (*tls.Certificate, error) {
-		certificate, _ := s.current()
-		return certificate, nil
-	}}
+	return &tls.Config{MinVersion: tls.VersionTLS12, CipherSuites: suites,
+		GetCertificate: func(*tls.ClientHelloInfo) (*tls.Certificate, error) {
+			certificate, _ := s.current()
+			return certificate, nil
+		}}
 }
 
 // ForCalling shows the certificate, if there is one, and trusts the authorities only.
 func (s *Set) ForCalling() *tls.Config {
 	return &tls.Config{
-		MinVersion: tls.VersionTLS12,
+		MinVersion:   tls.VersionTLS12,
+		CipherSuites: suites,
 		GetClientCertificate: func(*tls.CertificateRequestInfo) (*tls.Certificate, error) {
 			certificate, _ := s.current()
 			if certificate == nil {

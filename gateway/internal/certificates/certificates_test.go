@@ -112,6 +112,23 @@ func TestACallerTrustsItsAuthoritiesOnly(t *testing.T) {
 	}
 }
 
+func TestOldVersionsAndWeakSuitesAreRefused(t *testing.T) {
+	ours := newAuthority(t)
+	server := load(t, ours.issue(t, t.TempDir()))
+	for name, weaken := range map[string]func(*tls.Config){
+		"TLS 1.1": func(c *tls.Config) { c.MinVersion, c.MaxVersion = tls.VersionTLS10, tls.VersionTLS11 },
+		"a suite with CBC": func(c *tls.Config) {
+			c.MaxVersion = tls.VersionTLS12
+			c.CipherSuites = []uint16{tls.TLS_ECDHE_ECDSA_WITH_AES_128_CBC_SHA}
+		}} {
+		calling := load(t, ours.issue(t, t.TempDir())).ForCalling()
+		weaken(calling)
+		if err := handshake(t, server.ForServing(), calling); err == nil {
+			t.Errorf("%s is accepted", name)
+		}
+	}
+}
+
 func TestChangedFilesAreUsedAndBrokenOnesAreNot(t *testing.T) {
 	before, after := newAuthority(t), newAuthority(t)
 	folder := t.TempDir()
