@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "perception/image/decode.h"
 
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <utility>
 
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/grid/files/png_codec.h"
 #include "core/sensor/record.h"
 #include "perception/image/image_header.h"
-#include "perception/image/opencv_guard.h"
+#include "perception/image/jpeg.h"
 
 namespace enfilade::perception {
 namespace {
@@ -24,19 +24,6 @@ absl::Status CheckSize(std::int64_t width, std::int64_t height, const DecodeLimi
   return absl::OkStatus();
 }
 
-absl::StatusOr<cv::Mat> Decode(std::string_view bytes, int flags, const ImageHeader& header) {
-  // OpenCV's decoder does not write to its input, although its interface takes a mutable pointer.
-  const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-  cv::Mat image = cv::imdecode(encoded, flags);
-  const char* name = header.format == ImageFormat::kPng ? "PNG" : "JPEG";
-  if (image.empty()) return InvalidArgument("the {} is damaged or truncated ({} bytes)", name, bytes.size());
-  if (header.format == ImageFormat::kJpeg && bytes.rfind("\xFF\xD9") == std::string_view::npos) {
-    // OpenCV silently fills missing pixels with grey.
-    return InvalidArgument("the JPEG is truncated ({} bytes, no end marker)", bytes.size());
-  }
-  return image;
-}
-
 absl::StatusOr<ImageHeader> CheckHeader(std::string_view bytes, const DecodeLimits& limits) {
   if (static_cast<std::int64_t>(bytes.size()) > sensor::kMaxBlobBytes) {
     return InvalidArgument("the image has {} bytes, more than the limit of {}", bytes.size(), sensor::kMaxBlobBytes);
@@ -50,9 +37,12 @@ absl::StatusOr<ImageHeader> CheckHeader(std::string_view bytes, const DecodeLimi
   return header;
 }
 
-// Whether core's PNG reader applies: it reports errors that OpenCV only prints to standard error, but reads no 16-bit
-// PNG.
-bool IsPlainPng(const ImageHeader& header) { return header.format == ImageFormat::kPng && header.bit_depth <= 8; }
+// With one channel or more, alpha last.
+absl::StatusOr<grid::PixelImage> DecodePixels(std::string_view bytes, JpegColors colors, const DecodeLimits& limits) {
+  ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
+  if (header.format == ImageFormat::kPng) return grid::DecodePng(bytes, grid::SixteenBits::kScaled);
+  return DecodeJpeg(bytes, colors);
+}
 
 std::uint8_t Luma(int red, int green, int blue) {
   return static_cast<std::uint8_t>((299 * red + 587 * green + 114 * blue + 500) / 1000);
@@ -79,39 +69,18 @@ ColorFrame ColorFrom(const grid::PixelImage& image) {
   return color;
 }
 
-template <typename Sample>
-std::vector<Sample> Samples(const cv::Mat& image) {
-  const cv::Mat whole = image.isContinuous() ? image : image.clone();
-  const auto* first = whole.ptr<Sample>();
-  return std::vector<Sample>(first, first + whole.total() * static_cast<std::size_t>(whole.channels()));
-}
-
 }  // namespace
 
 absl::StatusOr<GreyFrame> DecodeGrey(std::string_view bytes, const DecodeLimits& limits) {
-  ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
-  if (IsPlainPng(header)) {
-    ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes));
-    return GreyFrom(image);
-  }
-  return GuardOpenCv("decoding an image", [&]() -> absl::StatusOr<GreyFrame> {
-    ENFILADE_ASSIGN_OR_RETURN(const cv::Mat image, Decode(bytes, cv::IMREAD_GRAYSCALE, header));
-    return GreyFrame{image.cols, image.rows, Samples<std::uint8_t>(image)};
-  });
+  ENFILADE_ASSIGN_OR_RETURN(grid::PixelImage image, DecodePixels(bytes, JpegColors::kGrey, limits));
+  if (image.channels == 1) return GreyFrame{image.width, image.height, std::move(image.samples)};
+  return GreyFrom(image);
 }
 
 absl::StatusOr<ColorFrame> DecodeColor(std::string_view bytes, const DecodeLimits& limits) {
-  ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, CheckHeader(bytes, limits));
-  if (IsPlainPng(header)) {
-    ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes));
-    return ColorFrom(image);
-  }
-  return GuardOpenCv("decoding an image", [&]() -> absl::StatusOr<ColorFrame> {
-    ENFILADE_ASSIGN_OR_RETURN(const cv::Mat bgr, Decode(bytes, cv::IMREAD_COLOR, header));
-    cv::Mat rgb;
-    cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
-    return ColorFrame{rgb.cols, rgb.rows, Samples<std::uint8_t>(rgb)};
-  });
+  ENFILADE_ASSIGN_OR_RETURN(grid::PixelImage image, DecodePixels(bytes, JpegColors::kRgb, limits));
+  if (image.channels == 3) return ColorFrame{image.width, image.height, std::move(image.samples)};
+  return ColorFrom(image);
 }
 
 absl::StatusOr<DepthFrame> DecodeDepth(std::string_view bytes, double metres_per_unit, const DecodeLimits& limits) {
@@ -120,12 +89,15 @@ absl::StatusOr<DepthFrame> DecodeDepth(std::string_view bytes, double metres_per
     return InvalidArgument("a depth image is a PNG of one 16-bit channel: this is a {} of {} channels of {} bits",
                            header.format == ImageFormat::kPng ? "PNG" : "JPEG", header.components, header.bit_depth);
   }
-  return GuardOpenCv("decoding a depth image", [&]() -> absl::StatusOr<DepthFrame> {
-    ENFILADE_ASSIGN_OR_RETURN(const cv::Mat image, Decode(bytes, cv::IMREAD_UNCHANGED, header));
-    cv::Mat metres;
-    image.convertTo(metres, CV_32F, metres_per_unit);
-    return DepthFrame{metres.cols, metres.rows, Samples<float>(metres)};
-  });
+  ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes, grid::SixteenBits::kKept));
+  DepthFrame depth{image.width, image.height, {}};
+  const std::size_t sample_bytes = 2 * static_cast<std::size_t>(image.channels);  // a second channel is transparency
+  depth.metres.reserve(image.samples.size() / sample_bytes);
+  for (std::size_t i = 0; i < image.samples.size(); i += sample_bytes) {
+    const int units = 256 * image.samples[i] + image.samples[i + 1];
+    depth.metres.push_back(static_cast<float>(units * metres_per_unit));
+  }
+  return depth;
 }
 
 }  // namespace enfilade::perception

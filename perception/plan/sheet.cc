@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -8,6 +7,7 @@
 #include "core/grid/files/pgm_codec.h"
 #include "core/grid/files/png_codec.h"
 #include "perception/image/image_header.h"
+#include "perception/image/jpeg.h"
 #include "perception/image/opencv_guard.h"
 #include "perception/plan/opencv_sheet.h"
 
@@ -42,7 +42,6 @@ cv::Mat OverBackground(const cv::Mat& rgba) {
 
 Sheet SheetFrom(const cv::Mat& decoded) {
   cv::Mat image = decoded;
-  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 257);
   if (image.channels() == 2) {
     std::vector<cv::Mat> c;
     cv::split(image, c);
@@ -74,23 +73,9 @@ absl::StatusOr<Sheet> DecodePgmSheet(std::string_view bytes) {
   return Sheet{upright, {}};
 }
 
-absl::StatusOr<Sheet> DecodePlainPng(std::string_view bytes) {
-  ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes));
-  return SheetFrom(
-      cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.samples.data())));
-}
-
-absl::StatusOr<Sheet> DecodeByOpenCv(std::string_view bytes, const ImageHeader& header) {
-  const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-  const bool jpeg = header.format == ImageFormat::kJpeg;
-  // Only IMREAD_COLOR follows EXIF's orientation; only IMREAD_UNCHANGED keeps 16 bits and transparency.
-  cv::Mat image = cv::imdecode(encoded, jpeg ? cv::IMREAD_COLOR : cv::IMREAD_UNCHANGED);
-  if (image.empty() || (jpeg && bytes.rfind("\xFF\xD9") == std::string_view::npos)) {
-    return InvalidArgument("the {} is damaged or truncated ({} bytes)", jpeg ? "JPEG" : "PNG", bytes.size());
-  }
-  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
-  if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGBA);
-  return SheetFrom(image);
+absl::StatusOr<grid::PixelImage> DecodePixels(std::string_view bytes, const ImageHeader& header) {
+  if (header.format == ImageFormat::kPng) return grid::DecodePng(bytes, grid::SixteenBits::kScaled);
+  return DecodeJpeg(bytes, header.components == 1 ? JpegColors::kGrey : JpegColors::kRgb);
 }
 
 }  // namespace
@@ -100,9 +85,9 @@ absl::StatusOr<Sheet> DecodeSheet(std::string_view bytes) {
     if (bytes.substr(0, 2) == "P5" || bytes.substr(0, 2) == "P2") return DecodePgmSheet(bytes);
     ENFILADE_ASSIGN_OR_RETURN(const ImageHeader header, ReadImageHeader(bytes));
     ENFILADE_RETURN_IF_ERROR(CheckSheetSize(header.width, header.height));
-    // core's PNG reader says what is wrong with a file; it reads no 16 bits.
-    if (header.format == ImageFormat::kPng && header.bit_depth <= 8) return DecodePlainPng(bytes);
-    return DecodeByOpenCv(bytes, header);
+    ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, DecodePixels(bytes, header));
+    return SheetFrom(
+        cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.samples.data())));
   });
 }
 

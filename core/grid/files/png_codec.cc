@@ -57,12 +57,15 @@ void CheckSize(png_structp png, png_infop info, std::size_t file_size) {
 }
 
 // Jumps.
-void ReadHeader(png_structp png, png_infop info, Session& session) {
+void ReadHeader(png_structp png, png_infop info, Session& session, SixteenBits sixteen_bits) {
   png_set_user_limits(png, kMaxSide, kMaxSide);
   png_read_info(png, info);
-  if (png_get_bit_depth(png, info) == 16) {
+  const bool deep = png_get_bit_depth(png, info) == 16;
+  if (deep && sixteen_bits == SixteenBits::kRefused) {
     png_error(png, "16-bit samples are not supported, because 8 bits cannot restore them: convert to 8 bits");
   }
+  if (!deep && sixteen_bits == SixteenBits::kKept) png_error(png, "the samples do not have 16 bits");
+  if (deep && sixteen_bits == SixteenBits::kScaled) png_set_scale_16(png);
   CheckSize(png, info, session.input.size());
   png_set_expand(png);  // palettes, fewer than 8 bits, transparent colours
   png_set_interlace_handling(png);
@@ -95,29 +98,34 @@ void ReadRows(png_structp png, png_infop info, Session& session, PixelReceiver& 
 }
 
 // Jumps back into itself.
-bool Decode(png_structp png, png_infop info, Session& session, PixelReceiver& receiver) {
+bool Decode(png_structp png, png_infop info, Session& session, SixteenBits sixteen_bits, PixelReceiver& receiver) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_read_fn(png, &session, &OnRead);
-  ReadHeader(png, info, session);
+  ReadHeader(png, info, session, sixteen_bits);
   ReadRows(png, info, session, receiver);
   return true;
 }
 
 class ImageReceiver : public PixelReceiver {
  public:
+  explicit ImageReceiver(int sample_bytes) : sample_bytes_(sample_bytes) {}
   void Begin(int width, int height, int channels) override {
     image_.width = width;
     image_.height = height;
     image_.channels = channels;
-    image_.samples.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                           static_cast<std::size_t>(channels));
+    image_.samples.reserve(static_cast<std::size_t>(height) * RowBytes());
   }
   void Row(int /*row*/, const std::uint8_t* samples) override {
-    image_.samples.insert(image_.samples.end(), samples, samples + std::ptrdiff_t{image_.width} * image_.channels);
+    image_.samples.insert(image_.samples.end(), samples, samples + RowBytes());
   }
   PixelImage& image() { return image_; }
 
  private:
+  std::size_t RowBytes() const {
+    return static_cast<std::size_t>(image_.width) * static_cast<std::size_t>(image_.channels * sample_bytes_);
+  }
+
+  int sample_bytes_;
   PixelImage image_;
 };
 
@@ -143,7 +151,7 @@ bool Encode(png_structp png, png_infop info, const PixelRows& rows, Session& ses
 
 }  // namespace
 
-absl::Status ReadPng(std::string_view png_bytes, PixelReceiver& receiver) {
+absl::Status ReadPng(std::string_view png_bytes, PixelReceiver& receiver, SixteenBits sixteen_bits) {
   constexpr std::size_t kSignatureSize = 8;
   if (png_bytes.size() < kSignatureSize ||
       png_sig_cmp(reinterpret_cast<png_const_bytep>(png_bytes.data()), 0, kSignatureSize) != 0) {
@@ -154,7 +162,7 @@ absl::Status ReadPng(std::string_view png_bytes, PixelReceiver& receiver) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &session, &OnError, &OnWarning);
   if (png == nullptr) return ResourceExhausted("no memory to read a PNG image");
   png_infop info = png_create_info_struct(png);
-  const bool done = info != nullptr && Decode(png, info, session, receiver);
+  const bool done = info != nullptr && Decode(png, info, session, sixteen_bits, receiver);
   const png_uint_32 width = info != nullptr ? png_get_image_width(png, info) : 0;
   const png_uint_32 height = info != nullptr ? png_get_image_height(png, info) : 0;
   png_destroy_read_struct(&png, &info, nullptr);
@@ -162,9 +170,9 @@ absl::Status ReadPng(std::string_view png_bytes, PixelReceiver& receiver) {
   return InvalidArgument("cannot read the PNG image ({} x {} pixels): {}", width, height, session.error);
 }
 
-absl::StatusOr<PixelImage> DecodePng(std::string_view png) {
-  ImageReceiver receiver;
-  ENFILADE_RETURN_IF_ERROR(ReadPng(png, receiver));
+absl::StatusOr<PixelImage> DecodePng(std::string_view png, SixteenBits sixteen_bits) {
+  ImageReceiver receiver(sixteen_bits == SixteenBits::kKept ? 2 : 1);
+  ENFILADE_RETURN_IF_ERROR(ReadPng(png, receiver, sixteen_bits));
   return std::move(receiver.image());
 }
 

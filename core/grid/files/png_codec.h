@@ -12,12 +12,12 @@
 
 namespace enfilade::grid {
 
-// An image of 8-bit samples: 1 channel grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha; rows from the top.
+// An image of 8-bit samples (SixteenBits::kKept: of 16 bits): 1 channel grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha; rows from the top.
 struct PixelImage {
   int width = 0;
   int height = 0;
   int channels = 1;
-  std::vector<std::uint8_t> samples;  // width * height * channels
+  std::vector<std::uint8_t> samples;  // width * height * channels; twice as many of 16 bits
 
   friend bool operator==(const PixelImage&, const PixelImage&) = default;
 };
@@ -46,12 +46,19 @@ class PixelReceiver {
 // compression.
 constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 28;
 
+// What becomes of samples of 16 bits.
+enum class SixteenBits {
+  kRefused,  // 8 bits cannot restore them
+  kScaled,   // to 8 bits, rounded
+  kKept,     // each sample is two bytes, the higher first; other depths are refused
+};
+
 // Reads a PNG. Palettes and 1, 2 and 4 bits become 8 bits, a transparent colour becomes an alpha channel, samples are
-// taken as stored (no gamma). INVALID_ARGUMENT, with libpng's message, on damaged data; on 16-bit samples, which 8 bits
-// cannot restore; on more than kMaxImagePixels. Bytes after the end of the image are ignored. Interlaced images need
-// memory for a second copy of the image.
-absl::Status ReadPng(std::string_view png, PixelReceiver& receiver);
-absl::StatusOr<PixelImage> DecodePng(std::string_view png);
+// taken as stored (no gamma). INVALID_ARGUMENT, with libpng's message, on damaged data; on samples of 16 bits, unless
+// `sixteen_bits` says otherwise; on more than kMaxImagePixels. Bytes after the end of the image are ignored. Interlaced
+// images need memory for a second copy of the image.
+absl::Status ReadPng(std::string_view png, PixelReceiver& receiver, SixteenBits sixteen_bits = SixteenBits::kRefused);
+absl::StatusOr<PixelImage> DecodePng(std::string_view png, SixteenBits sixteen_bits = SixteenBits::kRefused);
 
 // Writes a PNG; the same rows give the same bytes. INVALID_ARGUMENT: a side is not positive or above 1,000,000,
 // or another number of channels or bits.

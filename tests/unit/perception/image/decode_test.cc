@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "core/grid/files/png_codec.h"
@@ -38,6 +39,71 @@ TEST(DecodeTest, WeighsColorsByRec601InEveryFormat) {
     EXPECT_NEAR(of_red.pixels[100], 76, 1) << extension;
     EXPECT_NEAR(of_blue.pixels[100], 29, 1) << extension;
   }
+}
+
+// `image` as OpenCV's own decoder has it.
+cv::Mat ByOpenCv(const std::string& encoded, int flags) {
+  const cv::Mat bytes(1, static_cast<int>(encoded.size()), CV_8U, const_cast<char*>(encoded.data()));
+  cv::Mat image = cv::imdecode(bytes, flags);
+  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+// A place of 61 x 47 pixels: no multiple of JPEG's blocks.
+cv::Mat ColorPlace() {
+  cv::Mat image, grey = testing::Place(3, {61, 47});
+  cv::applyColorMap(grey, image, cv::COLORMAP_JET);
+  return image;
+}
+
+std::string WithOrientation(std::string jpeg, char orientation) {
+  std::string exif("\xFF\xE1\x00\x22"
+                   "Exif\0\0MM\0\x2A\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x00\0\0\0\0\0\0",
+                   36);
+  exif[29] = orientation;
+  return jpeg.insert(2, exif);
+}
+
+void ExpectAsByOpenCv(const std::string& encoded) {
+  ASSERT_OK_AND_ASSIGN(const GreyFrame grey, DecodeGrey(encoded));
+  const cv::Mat grey_expected = ByOpenCv(encoded, cv::IMREAD_GRAYSCALE);
+  EXPECT_EQ(cv::Size(grey.width, grey.height), grey_expected.size());
+  EXPECT_TRUE(std::equal(grey.pixels.begin(), grey.pixels.end(), grey_expected.begin<std::uint8_t>()));
+  ASSERT_OK_AND_ASSIGN(const ColorFrame color, DecodeColor(encoded));
+  const cv::Mat color_expected = ByOpenCv(encoded, cv::IMREAD_COLOR);
+  EXPECT_EQ(cv::Size(color.width, color.height), color_expected.size());
+  EXPECT_TRUE(std::equal(color.samples.begin(), color.samples.end(), color_expected.ptr()));
+}
+
+TEST(DecodeTest, ReadsJpegsAsOpenCvDoes) {
+  for (const cv::Mat& image : {ColorPlace(), testing::Place(4, {61, 47})}) {
+    for (const int progressive : {0, 1}) {
+      std::vector<std::uint8_t> bytes;
+      cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, progressive, cv::IMWRITE_JPEG_QUALITY, 80});
+      ExpectAsByOpenCv({bytes.begin(), bytes.end()});
+    }
+  }
+}
+
+TEST(DecodeTest, TurnsJpegsAsTheySay) {
+  const std::string upright = Encode(ColorPlace(), ".jpg");
+  for (char orientation = 0; orientation <= 9; ++orientation) {  // 0 and 9 mean nothing
+    SCOPED_TRACE(static_cast<int>(orientation));
+    ExpectAsByOpenCv(WithOrientation(upright, orientation));
+  }
+}
+
+// A camera that writes bytes between the blocks of its image makes a JPEG that can be read.
+TEST(DecodeTest, ReadsJpegsWithStrayBytes) {
+  std::string jpeg = Encode(ColorPlace(), ".jpg");
+  jpeg.insert(jpeg.size() - 2, std::string(5, '\0'));
+  ExpectAsByOpenCv(jpeg);
+}
+
+TEST(DecodeTest, ScalesSixteenBitsToEight) {
+  const cv::Mat deep = (cv::Mat_<std::uint16_t>(1, 4) << 0, 128, 129, 65535);
+  ASSERT_OK_AND_ASSIGN(const GreyFrame frame, DecodeGrey(Encode(deep, ".png")));
+  EXPECT_THAT(frame.pixels, ::testing::ElementsAre(0, 0, 1, 255));
 }
 
 TEST(DecodeTest, DecodesColorsAsRgb) {

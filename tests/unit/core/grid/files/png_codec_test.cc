@@ -95,6 +95,15 @@ TEST(PngCodec, RefusesSixteenBits) {
   EXPECT_STATUS(DecodePng(FromHex(kSixteenBit)), absl::StatusCode::kInvalidArgument, HasSubstr("16-bit"));
 }
 
+TEST(PngCodec, KeepsOrScalesSixteenBits) {
+  ASSERT_OK_AND_ASSIGN(const PixelImage kept, DecodePng(FromHex(kSixteenBit), SixteenBits::kKept));
+  EXPECT_THAT(kept.samples, ElementsAre(1, 2));
+  ASSERT_OK_AND_ASSIGN(const PixelImage scaled, DecodePng(FromHex(kSixteenBit), SixteenBits::kScaled));
+  EXPECT_THAT(scaled.samples, ElementsAre(1));  // 258 / 257
+  EXPECT_STATUS(DecodePng(FromHex(kOneBit), SixteenBits::kKept), absl::StatusCode::kInvalidArgument,
+                HasSubstr("do not have 16 bits"));
+}
+
 TEST(PngCodec, RefusesHugeImagesBeforeAllocating) {
   EXPECT_STATUS(DecodePng(FromHex(kHuge)), absl::StatusCode::kInvalidArgument, HasSubstr("too large"));
 }
