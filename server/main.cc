@@ -11,12 +11,15 @@
 #include "absl/synchronization/mutex.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
+#include "fmt/format.h"
 #include "io/file.h"
+#include "io/manual/man_page.h"
 #include "server/app/runtime/logging.h"
+#include "server/app/runtime/service_manager.h"
 #include "server/config/server_options.h"
 #include "server/config/slam_profiles.h"
 #include "server/server.h"
-#include "server/version.h"
 #include "spdlog/spdlog.h"
 
 namespace {
@@ -48,6 +51,22 @@ absl::StatusOr<ServerOptions> LoadOptions(const CommandLine& command_line) {
   return options;
 }
 
+// Applies what may change while the server runs, and says what else has changed.
+void Reload(const CommandLine& command_line, const ServerOptions& running) {
+  const absl::StatusOr<ServerOptions> loaded = LoadOptions(command_line);
+  if (!loaded.ok()) {
+    spdlog::error("the configuration is not reloaded: {}", std::string(loaded.status().message()));
+    return;
+  }
+  spdlog::set_level(spdlog::level::from_str(loaded->log.level));
+  const std::vector<Setting> before = Describe(running), after = Describe(*loaded);
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (after[i].key == "log.level" || after[i].value == before[i].value) continue;
+    spdlog::warn("{} has changed: restart the server to use it", after[i].key);
+  }
+  spdlog::info("the configuration is reloaded");
+}
+
 absl::Status Run(const CommandLine& command_line) {
   ENFILADE_ASSIGN_OR_RETURN(const ServerOptions options, LoadOptions(command_line));
   if (command_line.print_config) {
@@ -59,18 +78,50 @@ absl::Status Run(const CommandLine& command_line) {
   // Only this thread receives signals, in sigwait(): threads that start from here on inherit the mask.
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   ENFILADE_ASSIGN_OR_RETURN(const slam::SlamProfiles slam, LoadSlamProfiles(options.mapping));
   ENFILADE_ASSIGN_OR_RETURN(const auto server, Server::Start(options, slam));
   spdlog::info("enfilade-server {} is listening on {}", kVersion, server->address());
+  NotifyReady();
   int signal = 0;
-  sigwait(&signals, &signal);
+  while (sigwait(&signals, &signal), signal == SIGHUP) {
+    NotifyReloading();
+    Reload(command_line, options);
+    NotifyReady();
+  }
   spdlog::info("signal {}", signal);
+  NotifyStopping();
   server->Shutdown();
   return absl::OkStatus();
+}
+
+// All options with their defaults, for the manual page.
+std::string OptionList() {
+  std::string list;
+  for (const Setting& setting : Describe(ServerOptions())) list += fmt::format("  {}: {}\n", setting.key, setting.value);
+  return list;
+}
+
+std::string Manual(const CLI::App& app) {
+  return io::ManPage(
+      app, "enfilade-server",
+      {.section = 8,
+       .version = kVersion,
+       .see_also = ".BR enfilade (1),\n.BR enfilade\\-gateway (8),\n.BR enfilade\\-migrate (8)",
+       .sections = {
+           {"CONFIGURATION",
+            "Options come from the file that --config names, from the environment, and from --set; later ones win. In the "
+            "environment, ENFILADE_SERVER_DATABASE_URL is database.url. In the file, groups are mappings:\n  listen:\n"
+            "    address: 127.0.0.1:50051\nThe options with their defaults are:\n" +
+                OptionList()},
+           {"SIGNALS",
+            "TERM and INT end the server: streams are answered and ended, checkpoints are stored. HUP reads the "
+            "configuration again and applies log.level; the log names what else has changed and needs a restart. TLS "
+            "files are read by themselves when they change."},
+           {"FILES", "  /etc/enfilade/server.yaml\n  /etc/enfilade/server.env"},
+           {"EXIT STATUS", "0: ended by a signal; 1: an error; 2: the options are wrong."}}});
 }
 
 }  // namespace
@@ -85,8 +136,14 @@ int main(int argc, char** argv) {
   app.add_option("--config", command_line.config, "A YAML file with options")->envname("ENFILADE_CONFIG");
   app.add_option("--set", command_line.settings,
                  "KEY=VALUE, for example listen.address=0.0.0.0:50051; may be repeated");
+  bool print_manual = false;
+  app.add_flag("--print-manual", print_manual, "Print the manual page, for man(7), and exit");
   app.add_flag("--print-config", command_line.print_config, "Print every option with its value and exit");
   CLI11_PARSE(app, argc, argv);
+  if (print_manual) {
+    std::cout << Manual(app);
+    return 0;
+  }
   const absl::Status status = Run(command_line);
   if (status.ok()) return 0;
   std::cerr << "enfilade-server: " << status.message() << '\n';

@@ -5,6 +5,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client/cli/command.h"
 #include "client/cli/commands/commands.h"
+#include "core/base/version.h"
 
 int main(int argc, char** argv) {
   using namespace enfilade::cli;
@@ -14,6 +15,7 @@ int main(int argc, char** argv) {
   CLI::App app("Enfilade: one campus map for a fleet of robots.", "enfilade");
   app.require_subcommand(1);
   app.fallthrough();
+  app.set_version_flag("--version", std::string(enfilade::kVersion));
   Globals globals;
   app.add_flag("--json", globals.json, "Print JSON");
   app.add_flag("-q,--quiet", globals.quiet, "No progress bars");
@@ -52,6 +54,7 @@ int main(int argc, char** argv) {
   AddSlam(app, globals);
   AddTrajectory(app, globals);
   AddCompletion(app);
+  AddManual(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

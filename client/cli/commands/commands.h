@@ -34,6 +34,7 @@ void AddSimulate(CLI::App& app, const Globals& globals);
 void AddSlam(CLI::App& app, const Globals& globals);
 
 void AddCompletion(CLI::App& app);
+void AddManual(CLI::App& app);
 
 // Parts of the commands above that have a file of their own. The first parameter is the command that they belong to.
 void AddGraphPlot(CLI::App& graph, const Globals& globals);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/server/handlers.h"
-#include "server/version.h"
+#include "core/base/version.h"
 
 namespace enfilade::server {
 

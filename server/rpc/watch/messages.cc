@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/version.h"
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
 #include "server/rpc/graph/get_global_pose.h"
 #include "server/rpc/graph/messages.h"
-#include "server/version.h"
 
 namespace enfilade::server {
 namespace {

@@ -10,13 +10,13 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/base/version.h"
 #include "proto/convert/names.h"
 #include "proto/convert/record.h"
 #include "server/app/watch/site_looks.h"
 #include "server/app/watch/site_updates.h"
 #include "server/rpc/watch/messages.h"
 #include "server/rpc/watch/resume_token.h"
-#include "server/version.h"
 
 namespace enfilade::server {
 namespace {

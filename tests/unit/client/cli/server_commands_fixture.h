@@ -57,6 +57,7 @@ class ServerCommandsTest : public CommandTest {
       AddSite(app, globals);
       AddTrajectory(app, globals);
       AddCompletion(app);
+      AddManual(app);
     };
     return RunCommandLine(add, std::move(arguments), as_json);
   }

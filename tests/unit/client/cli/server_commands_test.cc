@@ -208,5 +208,15 @@ TEST_F(ServerCommandsTest, CompletionKnowsEveryCommandAndOption) {
   EXPECT_THAT(printed_, HasSubstr("bashcompinit"));
 }
 
+TEST_F(ServerCommandsTest, EachCommandHasAManualPage) {
+  ASSERT_OK(Run({"manual", directory_.path()}));
+  const std::string map = Content(directory_.path() / "enfilade-map.1");
+  EXPECT_THAT(map, HasSubstr(".SS \\fBenfilade map export\\fR [\\fIOPTIONS\\fR] \\fIMAP\\fR\n"));
+  EXPECT_THAT(map, HasSubstr("\\fB\\-\\-format\\fR \\fITEXT\\fR\npgm or png"));
+  const std::string all = Content(directory_.path() / "enfilade.1");
+  EXPECT_THAT(all, HasSubstr("enfilade\\-map(1)"));
+  EXPECT_THAT(all, Not(HasSubstr(".SS")));
+}
+
 }  // namespace
 }  // namespace enfilade::cli
