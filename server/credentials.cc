@@ -39,7 +39,8 @@ absl::StatusOr<ListenCredentials> MakeListenCredentials(const ServerOptions::Lis
   }
   const io::TlsParts sources = {
       .certificate = options.tls_certificate, .key = options.tls_key, .authorities = options.tls_client_authorities};
-  ENFILADE_ASSIGN_OR_RETURN(made.files, io::ReloadedTlsFiles::Open(sources, Report(metrics)));
+  ENFILADE_ASSIGN_OR_RETURN(made.files,
+                            io::ReloadedTlsFiles::Open(sources, options.tls_revoked_directory, Report(metrics)));
   metrics.SetCertificateEnd(made.files->expires());
   const io::TlsParts copies = made.files->paths();
   tls::TlsServerCredentialsOptions given(std::make_shared<tls::FileWatcherCertificateProvider>(

@@ -22,7 +22,7 @@ absl::StatusOr<Credentials> Credentials::Tls(const io::TlsParts& files, io::Relo
   if (files.authorities.empty())
     return InvalidArgument("TLS needs the file of the authorities whose servers are trusted");
   Credentials made;
-  ENFILADE_ASSIGN_OR_RETURN(made.files_, io::ReloadedTlsFiles::Open(files, std::move(on_reload)));
+  ENFILADE_ASSIGN_OR_RETURN(made.files_, io::ReloadedTlsFiles::Open(files, "", std::move(on_reload)));
   const io::TlsParts copies = made.files_->paths();
   tls::TlsChannelCredentialsOptions options;
   options.set_certificate_provider(std::make_shared<tls::FileWatcherCertificateProvider>(

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tls/reloaded_tls_files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "fmt/format.h"
 #include "io/file.h"
 
 namespace enfilade::io {
@@ -16,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kInterval = std::chrono::seconds(1);
+constexpr auto kInterval = std::chrono::milliseconds(500);
 constexpr char kCertificate[] = "certificate.pem";
 constexpr char kKey[] = "key.pem";
 constexpr char kAuthorities[] = "authorities.pem";
@@ -24,6 +27,20 @@ constexpr char kCurrent[] = "current";  // a link to the folder of the last good
 
 absl::Status WriteIfAny(const fs::path& path, const std::string& content) {
   return content.empty() ? absl::OkStatus() : WriteFile(path, content);
+}
+
+// What tells a change of the files in `folder`, in PEM a comment. Files that come and go meanwhile are seen next time.
+std::string Listing(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::directory_iterator file(folder, error); !error && file != fs::directory_iterator(); file.increment(error)) {
+    const auto time = fs::last_write_time(file->path(), error).time_since_epoch().count();
+    files.push_back(
+        fmt::format("# {} {} {}\n", file->path().filename().string(), fs::file_size(file->path(), error), time));
+    error.clear();
+  }
+  std::sort(files.begin(), files.end());
+  return fmt::format("{}", fmt::join(files, ""));
 }
 
 // Where systemd gives the service a folder of its own, else the folder for temporary files.
@@ -34,19 +51,25 @@ fs::path ParentFolder() {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<ReloadedTlsFiles>> ReloadedTlsFiles::Open(const TlsParts& paths, OnReload on_reload) {
+absl::StatusOr<std::unique_ptr<ReloadedTlsFiles>> ReloadedTlsFiles::Open(const TlsParts& paths,
+                                                                         const std::string& revoked,
+                                                                         OnReload on_reload) {
+  const std::string lists = Listing(revoked);
   ENFILADE_ASSIGN_OR_RETURN(const CheckedTls tls, ReadTlsFiles(paths));
   std::string folder = ParentFolder() / "enfilade-tls-XXXXXX";
   if (mkdtemp(folder.data()) == nullptr) return FileError(folder, "cannot be made", errno);
-  std::unique_ptr<ReloadedTlsFiles> files(new ReloadedTlsFiles(paths, std::move(on_reload), folder));
-  ENFILADE_RETURN_IF_ERROR(files->Publish(tls));
+  std::unique_ptr<ReloadedTlsFiles> files(new ReloadedTlsFiles(paths, revoked, std::move(on_reload), folder));
+  ENFILADE_RETURN_IF_ERROR(files->Publish(tls, lists));
   files->expires_ = tls.expires;
   files->thread_ = std::thread([self = files.get()] { self->Watch(); });
   return files;
 }
 
-ReloadedTlsFiles::ReloadedTlsFiles(TlsParts sources, OnReload on_reload, fs::path folder)
-    : sources_(std::move(sources)), on_reload_(std::move(on_reload)), folder_(std::move(folder)) {}
+ReloadedTlsFiles::ReloadedTlsFiles(TlsParts sources, std::string revoked, OnReload on_reload, fs::path folder)
+    : sources_(std::move(sources)),
+      revoked_(std::move(revoked)),
+      on_reload_(std::move(on_reload)),
+      folder_(std::move(folder)) {}
 
 ReloadedTlsFiles::~ReloadedTlsFiles() {
   {
@@ -69,12 +92,13 @@ TlsParts ReloadedTlsFiles::paths() const {
           .authorities = path(sources_.authorities, kAuthorities)};
 }
 
-absl::Status ReloadedTlsFiles::Publish(const CheckedTls& tls) {
+absl::Status ReloadedTlsFiles::Publish(const CheckedTls& tls, const std::string& lists) {
   const fs::path next = folder_ / std::to_string(++generation_);
   std::error_code error;
   fs::create_directory(next, error);
   if (error) return FileError(next, "cannot be made", error.value());
-  ENFILADE_RETURN_IF_ERROR(WriteIfAny(next / kCertificate, tls.content.certificate));
+  ENFILADE_RETURN_IF_ERROR(
+      WriteIfAny(next / kCertificate, tls.content.certificate.empty() ? "" : lists + tls.content.certificate));
   ENFILADE_RETURN_IF_ERROR(WriteIfAny(next / kKey, tls.content.key));
   ENFILADE_RETURN_IF_ERROR(WriteIfAny(next / kAuthorities, tls.content.authorities));
   const fs::path link = folder_ / "next";
@@ -83,6 +107,7 @@ absl::Status ReloadedTlsFiles::Publish(const CheckedTls& tls) {
   if (!error) fs::rename(link, folder_ / kCurrent, error);
   if (error) return FileError(link, "cannot be put in place", error.value());
   published_ = tls.content;
+  published_lists_ = lists;
   // Who reads the set before may not be done; the one before that has been left for at least a second.
   fs::remove_all(folder_ / std::to_string(generation_ - 2), error);
   return absl::OkStatus();
@@ -100,13 +125,14 @@ void ReloadedTlsFiles::Watch() {
 }
 
 void ReloadedTlsFiles::LookForChanges() {
+  const std::string lists = Listing(revoked_);
   absl::StatusOr<CheckedTls> tls = ReadTlsFiles(sources_);
-  if (tls.ok() && tls->content == published_) {
+  if (tls.ok() && tls->content == published_ && lists == published_lists_) {
     last_error_.clear();
     return;
   }
   if (tls.ok()) {
-    if (absl::Status published = Publish(*tls); !published.ok()) tls = std::move(published);
+    if (absl::Status published = Publish(*tls, lists); !published.ok()) tls = std::move(published);
   }
   const std::string said = tls.ok() ? "" : std::string(tls.status().message());
   if (!tls.ok() && said == last_error_) return;  // has been told

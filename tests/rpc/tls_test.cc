@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -128,10 +129,27 @@ TEST_F(TlsTest, CertificatesThatHaveEndedOrAreRevokedAreRefused) {
             grpc::StatusCode::UNAVAILABLE);
 }
 
+TEST_F(TlsTest, RevocationCountsWhileTheServerRuns) {
+  const io::TlsParts robot = authority_.Issue("robot-1");
+  const std::filesystem::path lists = directory_.path() / "revoked";
+  std::filesystem::create_directory(lists);
+  authority_.WriteRevoked(lists);  // none
+  io::TlsParts files = authority_.Issue("server");
+  files.authorities = authority_.pem();
+  ASSERT_NO_FATAL_FAILURE(Serve(Write("server", files), lists));
+  ASSERT_TRUE(IsAccepted(Trusting(authority_, robot)));
+  const io::TlsParts lost = authority_.Issue("robot-2");
+  ASSERT_TRUE(IsAccepted(Trusting(authority_, lost)));
+  authority_.RevokeLast();
+  authority_.WriteRevoked(lists);
+  EXPECT_TRUE(Eventually([&] { return !IsAccepted(Trusting(authority_, lost)); }));
+  EXPECT_TRUE(IsAccepted(Trusting(authority_, robot)));
+}
+
 TEST_F(TlsTest, NewFilesAreServedWhileStreamsGoOn) {
   const io::TlsParts paths = Write("server", authority_.Issue("server"));
   ASSERT_NO_FATAL_FAILURE(Serve(paths));
-  constexpr int kStreams = 20;
+  constexpr int kStreams = 100;
   std::vector<client::Connection> robots;
   std::vector<std::unique_ptr<TestStream>> streams;
   for (int i = 0; i < kStreams; ++i) {
@@ -140,8 +158,11 @@ TEST_F(TlsTest, NewFilesAreServedWhileStreamsGoOn) {
     ASSERT_TRUE(streams.back()->SendBatch(ScanRecords(1, 1)));
     ASSERT_TRUE(streams.back()->AwaitAcknowledged(1));
   }
+  const auto begin = std::chrono::steady_clock::now();
   Write("server", other_.Issue("server"));
   EXPECT_TRUE(Eventually([&] { return IsAccepted(Trusting(other_)); }));
+  std::printf("the new certificate was served after %.2f s\n",
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   EXPECT_TRUE(Eventually([&] { return !IsAccepted(Trusting(authority_)); }));
   for (auto& stream : streams) {
     ASSERT_TRUE(stream->SendBatch(ScanRecords(2, 1)));
