@@ -31,10 +31,11 @@ absl::Status WritePages(const CLI::App& app, const std::filesystem::path& folder
   }
   options.commands = false;
   options.see_also = ".BR enfilade\\-server (8),\n.BR enfilade\\-gateway (8)";
-  options.sections = {{"COMMANDS", CommandList(app)},
-                      {"EXIT STATUS",
-                       "0: done; 2: wrong usage or input; 3: not found; 4: the server does not answer or is not ready; 1: "
-                       "any other error."}};
+  options.sections = {
+      {"COMMANDS", CommandList(app)},
+      {"EXIT STATUS",
+       "0: done; 2: wrong usage or input; 3: not found; 4: the server does not answer or is not ready; 1: "
+       "any other error."}};
   return io::WriteFile(folder / "enfilade.1", io::ManPage(app, "enfilade", options));
 }
 

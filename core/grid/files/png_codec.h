@@ -12,7 +12,8 @@
 
 namespace enfilade::grid {
 
-// An image of 8-bit samples (SixteenBits::kKept: of 16 bits): 1 channel grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha; rows from the top.
+// An image of 8-bit samples (SixteenBits::kKept: of 16 bits): 1 channel grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha;
+// rows from the top.
 struct PixelImage {
   int width = 0;
   int height = 0;
