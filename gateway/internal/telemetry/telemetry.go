@@ -58,6 +58,7 @@ func NewMetrics() *Metrics {
 			Name: openRequests, Help: "Requests under way, streams included."}),
 	}
 	m.registry.MustRegister(m.requests, m.time, m.cut, m.sent, m.open)
+	m.cut.WithLabelValues("watch") // is there before the first one is cut, for rates
 	return m
 }
 
