@@ -15,7 +15,7 @@ CALLS ?= 100000
 KILLS ?= 1000
 # Calls of each operation of the OpenAPI document.
 EXAMPLES ?= 1000
-.PHONY: help demo stop test test-web soak fleet-soak screenshots programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness
+.PHONY: help demo stop test test-web soak fleet-soak screenshots programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness packages package-check containers-check test-database restore-drill
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-13s %s\n", $$1, $$2}'
@@ -28,6 +28,10 @@ stop: ## stop what `make demo` started
 
 test: build ## build and run all tests
 	@ctest --preset $(PRESET) -j $(JOBS)
+
+test-database: build ## run the contract, rpc and e2e tests against the PostGIS that ENFILADE_TEST_DATABASE=URL names
+	@test -n "$$ENFILADE_TEST_DATABASE" || { echo 'set ENFILADE_TEST_DATABASE=postgresql://USER@HOST/DATABASE' >&2; exit 1; }
+	@ctest --preset $(PRESET) -j $(JOBS) -R '^(storage|rpc|e2e)_'
 
 test-web: programs ## test the dashboard in Chromium; T=NAME: one promise of gateway and dashboard, in Go, Chromium and Python
 	@$(if $(T),tests/web/check $(BIN) $(T),tests/web/run $(BIN))
@@ -56,6 +60,21 @@ configure: bootstrap
 
 bootstrap: ## install the Debian packages that are missing
 	@mkdir -p build && deploy/bootstrap $(PACKAGES)
+
+packages: ## build the Debian packages into build/packages
+	@mkdir -p build && deploy/bootstrap debian
+	@deploy/package build/packages
+
+package-check: packages ## lint, install, serve, upgrade and purge the Debian packages in an empty Debian; as root
+	@tests/packages/check build/packages
+
+containers-check: ## build the container images, run and test them (podman, or ENGINE=docker)
+	@mkdir -p build && deploy/bootstrap containers
+	@tests/containers/check build/containers
+
+restore-drill: ## destroy a database under load and restore it, with pgBackRest and with pg_dump; JSON in build/restore_drill
+	@$(MAKE) programs PACKAGES=backup
+	@tests/restore_drill/run $(BIN) build/restore_drill
 
 campus: configure ## measure automatic mapping of CAMPUS=figure1, random:1-9, ... over SEEDS=20 noise seeds; OPTIONS="--robots r1,r2"
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target enfilade enfilade-server campus_seeds
