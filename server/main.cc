@@ -100,7 +100,8 @@ absl::Status Run(const CommandLine& command_line) {
 // All options with their defaults, for the manual page.
 std::string OptionList() {
   std::string list;
-  for (const Setting& setting : Describe(ServerOptions())) list += fmt::format("  {}: {}\n", setting.key, setting.value);
+  for (const Setting& setting : Describe(ServerOptions()))
+    list += fmt::format("  {}: {}\n", setting.key, setting.value);
   return list;
 }
 
@@ -112,7 +113,8 @@ std::string Manual(const CLI::App& app) {
        .see_also = ".BR enfilade (1),\n.BR enfilade\\-gateway (8),\n.BR enfilade\\-migrate (8)",
        .sections = {
            {"CONFIGURATION",
-            "Options come from the file that --config names, from the environment, and from --set; later ones win. In the "
+            "Options come from the file that --config names, from the environment, and from --set; later ones win. In "
+            "the "
             "environment, ENFILADE_SERVER_DATABASE_URL is database.url. In the file, groups are mappings:\n  listen:\n"
             "    address: 127.0.0.1:50051\nThe options with their defaults are:\n" +
                 OptionList()},

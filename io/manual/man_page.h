@@ -19,8 +19,8 @@ struct ManPageOptions {
   std::vector<std::pair<std::string, std::string>> sections;
 };
 
-// The manual page of a command with its subcommands, for man(7), made of what its --help says. `path`: the whole command,
-// such as "enfilade map".
+// The manual page of a command with its subcommands, for man(7), made of what its --help says. `path`: the whole
+// command, such as "enfilade map".
 std::string ManPage(const CLI::App& command, const std::string& path, const ManPageOptions& options);
 
 }  // namespace enfilade::io

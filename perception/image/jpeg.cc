@@ -59,9 +59,8 @@ absl::Status Decompress(std::string_view jpeg, cv::Mat& image, TJPF format) {
   const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), &tjDestroy);
   if (!decoder) return ResourceExhausted("no memory to read a JPEG");
   // Without a limit of scans a small progressive file takes minutes.
-  const int result =
-      tjDecompress2(decoder.get(), Bytes(jpeg), jpeg.size(), image.data, image.cols, static_cast<int>(image.step[0]),
-                    image.rows, format, TJFLAG_LIMITSCANS);
+  const int result = tjDecompress2(decoder.get(), Bytes(jpeg), jpeg.size(), image.data, image.cols,
+                                   static_cast<int>(image.step[0]), image.rows, format, TJFLAG_LIMITSCANS);
   // A warning tells of bytes that were skipped, as cameras write them.
   if (result != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING) {
     return InvalidArgument("the JPEG is damaged or truncated ({} bytes): {}", jpeg.size(),
@@ -90,8 +89,10 @@ absl::StatusOr<cv::Mat> Decode(std::string_view bytes, const ImageHeader& header
   if (cmyk && colors == JpegColors::kGrey) return InvalidArgument("the JPEG is CMYK: expected grey or RGB");
   const cv::Size size(static_cast<int>(header.width), static_cast<int>(header.height));
   cv::Mat image(size, cmyk ? CV_8UC4 : colors == JpegColors::kGrey ? CV_8U : CV_8UC3);
-  ENFILADE_RETURN_IF_ERROR(
-      Decompress(bytes, image, cmyk ? TJPF_CMYK : colors == JpegColors::kGrey ? TJPF_GRAY : TJPF_RGB));
+  ENFILADE_RETURN_IF_ERROR(Decompress(bytes, image,
+                                      cmyk                          ? TJPF_CMYK
+                                      : colors == JpegColors::kGrey ? TJPF_GRAY
+                                                                    : TJPF_RGB));
   if (cmyk) image = RgbFromInvertedCmyk(image);
   return Turned(image, OrientationOf(bytes));
 }

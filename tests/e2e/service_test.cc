@@ -54,9 +54,10 @@ class ServiceTest : public ::testing::Test {
   ServiceTest() { Configure("info", 8); }
 
   void Configure(const std::string& level, int workers) const {
-    std::ofstream(config_) << "listen:\n  address: unix:" << folder_.path().string() << "/s.sock\n  workers: " << workers
-                           << "\nmetrics:\n  address: ''\ndatabase:\n  url: postgresql:///none?host=/nowhere\nlog:\n  level: "
-                           << level << "\n";
+    std::ofstream(config_)
+        << "listen:\n  address: unix:" << folder_.path().string() << "/s.sock\n  workers: " << workers
+        << "\nmetrics:\n  address: ''\ndatabase:\n  url: postgresql:///none?host=/nowhere\nlog:\n  level: " << level
+        << "\n";
   }
 
   const TemporaryDirectory folder_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rpc/server/handlers.h"
 #include "core/base/version.h"
+#include "server/rpc/server/handlers.h"
 
 namespace enfilade::server {
 

@@ -57,9 +57,10 @@ cv::Mat ColorPlace() {
 }
 
 std::string WithOrientation(std::string jpeg, char orientation) {
-  std::string exif("\xFF\xE1\x00\x22"
-                   "Exif\0\0MM\0\x2A\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x00\0\0\0\0\0\0",
-                   36);
+  std::string exif(
+      "\xFF\xE1\x00\x22"
+      "Exif\0\0MM\0\x2A\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x00\0\0\0\0\0\0",
+      36);
   exif[29] = orientation;
   return jpeg.insert(2, exif);
 }
