@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/graph/same_place.h"
 #include "core/survey/map_plan.h"
 
 namespace enfilade::survey {
@@ -80,6 +81,12 @@ class DoorArranger {
   }
 
  private:
+  // A link point as it will be, unless it is suspended.
+  struct Arranged {
+    graph::LinkPoint link_point = {};
+    bool changed = false;  // or new
+  };
+
   const MapId* MapOfRoom(int room) const {
     const auto found = plan_.map_of_room.find(room);
     return found == plan_.map_of_room.end() ? nullptr : &found->second;
@@ -107,8 +114,10 @@ class DoorArranger {
                        [&](const graph::Anchor& anchor) { return plan_.T_level_map.contains(anchor.map); });
   }
 
-  // The existing link point at the door: preferably one that joins its two maps already.
+  // The existing link point at the door: preferably one that joins its two maps already. One that would make the door's
+  // own redundant is at the door, however far away it is.
   const graph::LinkPoint* FindExisting(const PassedDoor& door, const MapId& from, const MapId& to) const {
+    const std::vector<graph::Anchor> anchors = AnchorsOf(door, from, to);
     const graph::LinkPoint* best = nullptr;
     double least = std::numeric_limits<double>::infinity();
     for (const graph::LinkPoint& link_point : survey_.link_points) {
@@ -119,7 +128,7 @@ class DoorArranger {
         const Pose2 place = *PlaceOfAnchor(anchor);
         distance = std::min(distance, (place.translation() - door.T_level_door.translation()).norm());
       }
-      if (distance > options_.same_door) continue;
+      if (distance > options_.same_door && !graph::FindCommonPlace(link_point.anchors, anchors)) continue;
       if (link_point.FindAnchor(from) == nullptr || link_point.FindAnchor(to) == nullptr) distance += 10.0;
       if (distance < least) {
         least = distance;
@@ -155,6 +164,30 @@ class DoorArranger {
     return {map, Between(plan_.T_level_map.at(map), T_level_door), Variances().asDiagonal()};
   }
 
+  std::vector<graph::Anchor> AnchorsOf(const PassedDoor& door, const MapId& from, const MapId& to) const {
+    return {AnchorIn(from, door.T_level_door), AnchorIn(to, door.T_level_door)};
+  }
+
+  // Would the store refuse it beside one of the link points arranged so far? What is stored already may stand beside
+  // what does not change.
+  bool IsRedundant(const graph::LinkPoint& link_point, bool changed) const {
+    return std::any_of(arranged_.begin(), arranged_.end(), [&](const Arranged& other) {
+      return (changed || other.changed) && graph::FindCommonPlace(link_point.anchors, other.link_point.anchors);
+    });
+  }
+
+  // The link point as it will be, with its place among the others. `existing` is the stored one, or null.
+  void Arrange(const graph::LinkPoint& link_point, const graph::LinkPoint* existing) {
+    const bool changed = existing == nullptr || !(link_point == *existing);
+    const bool counts = link_point.use != graph::LinkPointUse::kSuspended;
+    if (counts && IsRedundant(link_point, changed)) {
+      if (existing != nullptr) Remove(*existing);
+      return;
+    }
+    if (counts) arranged_.push_back({link_point, changed});
+    if (changed) result_.link_points.push_back(link_point);
+  }
+
   void Settle(const PassedDoor& door) {
     const MapId* from = MapOfRoom(door.from);
     const MapId* to = MapOfRoom(door.to);
@@ -162,7 +195,7 @@ class DoorArranger {
     places_.push_back(door.T_level_door);
     const graph::LinkPoint* existing = FindExisting(door, *from, *to);
     if (existing != nullptr) settled_.insert(existing->id);
-    if (existing != nullptr && IsRight(*existing, *from, *to)) return;
+    if (existing != nullptr && IsRight(*existing, *from, *to)) return Arrange(*existing, existing);
     graph::LinkPoint link_point;
     if (existing != nullptr) {
       link_point = *existing;
@@ -171,8 +204,8 @@ class DoorArranger {
       link_point.kind = graph::LinkPointKind::kDoor;
     }
     link_point.direction = *to;
-    link_point.anchors = {AnchorIn(*from, door.T_level_door), AnchorIn(*to, door.T_level_door)};
-    result_.link_points.push_back(std::move(link_point));
+    link_point.anchors = AnchorsOf(door, *from, *to);
+    Arrange(link_point, existing);
   }
 
   // How far aside a place is from the way of a robot that saw a door there; unset if it was not ahead.
@@ -243,12 +276,11 @@ class DoorArranger {
                            {anchor.T_map_place, anchor.covariance});
       anchor = {now, there.pose, there.covariance};
     }
-    if (moved == link_point) return;
     std::set<MapId> maps;
     for (const graph::Anchor& anchor : moved.anchors) maps.insert(anchor.map);
     if (maps.size() < moved.anchors.size()) return Remove(link_point);  // its maps are one room
-    moved.direction = plan_.NowOf(moved.direction);
-    result_.link_points.push_back(std::move(moved));
+    if (!(moved == link_point)) moved.direction = plan_.NowOf(moved.direction);
+    Arrange(moved, &link_point);
   }
 
   void Remove(const graph::LinkPoint& link_point) { result_.removed_link_points.push_back(link_point.id); }
@@ -262,6 +294,7 @@ class DoorArranger {
   std::vector<PassedDoor> passed_;
   std::vector<Pose2> places_;      // T_level_door of the passed doors
   std::set<LinkPointId> settled_;  // the existing link points of passed doors
+  std::vector<Arranged> arranged_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/survey/arrange_maps.h"
 
+#include "core/graph/same_place.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/unit/core/survey/drawn_level.h"
@@ -175,6 +176,71 @@ TEST(ArrangeMaps, ABusyMapStaysAndKeepsItsLinkPoints) {
   const rearrange::Rearrangement change = Arrange(survey);
   EXPECT_THAT(change.redirects, IsEmpty());
   for (const LinkPointId& removed : change.removed_link_points) EXPECT_NE(removed, LinkPointId("d2"));
+}
+
+// The pairs of link points of which one was changed, and makes the other redundant: the store would refuse the change.
+std::vector<std::string> RedundantAfter(const LevelSurvey& survey, const rearrange::Rearrangement& change) {
+  std::vector<std::string> pairs;
+  const LevelSurvey after = After(survey, change);
+  for (const graph::LinkPoint& changed : change.link_points) {
+    for (const graph::LinkPoint& other : after.link_points) {
+      if (other.id == changed.id || other.use == graph::LinkPointUse::kSuspended) continue;
+      if (graph::FindCommonPlace(changed.anchors, other.anchors)) {
+        pairs.push_back(changed.id.value() + " " + other.id.value());
+      }
+    }
+  }
+  return pairs;
+}
+
+// Two maps whose robots still record, and two link points at the door between them.
+LevelSurvey BusyDoorJoinedTwice(const Pose2& T_level_second) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive(
+      {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", {1.0, 1.0, 0.3}, {{1.5, 2.0}, {3.0, 1.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true, .busy = true}, {.id = MapId("b"), .busy = true}};
+  const Pose2 door{1.5, 2.75, -M_PI / 2};
+  for (const auto& [id, place] : {std::pair("d1", door), std::pair("d2", T_level_second)}) {
+    survey.link_points.push_back(Join(id, AnchorAt("a", {}, place), AnchorAt("b", {1.0, 1.0, 0.3}, place)));
+  }
+  return survey;
+}
+
+TEST(ArrangeMaps, ADoorJoinedTwiceKeepsOneLinkPoint) {
+  LevelSurvey survey = BusyDoorJoinedTwice({1.6, 2.8, -M_PI / 2});
+  survey.link_points[0].anchors[1].covariance(2, 2) = 0.04;  // the survey is surer, and changes it
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_THAT(RedundantAfter(survey, change), IsEmpty());
+  EXPECT_EQ(JoinedMaps(After(survey, change)), (std::multiset<std::set<std::string>>{{"a", "b"}}));
+  EXPECT_TRUE(Arrange(After(survey, change)).empty());
+}
+
+// Its covariance says that it may be the door's, though it is farther away than a neighbouring door would be.
+TEST(ArrangeMaps, AnUnsureLinkPointFarFromItsDoorIsThatDoors) {
+  LevelSurvey survey = BusyDoorJoinedTwice({3.2, 2.8, -M_PI / 2});
+  survey.link_points.erase(survey.link_points.begin());
+  for (graph::Anchor& anchor : survey.link_points[0].anchors) anchor.covariance = Eigen::Matrix3d::Identity();
+  const rearrange::Rearrangement change = Arrange(survey);
+  ASSERT_THAT(change.link_points, SizeIs(1));
+  EXPECT_EQ(change.link_points[0].id, LinkPointId("d2"));
+  EXPECT_THAT(RedundantAfter(survey, change), IsEmpty());
+  EXPECT_TRUE(Arrange(After(survey, change)).empty());
+}
+
+// Drives this uncertain cannot tell two doors apart that are side by side.
+TEST(ArrangeMaps, DoorsThatTheDrivesCannotTellApartAreOne) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive(
+      {{"s1", "a", {}, {{9.0, 4.0}, {1.2, 4.0}, {1.2, 1.0}}}, {"s2", "b", {}, {{1.2, 1.0}, {2.6, 1.0}, {2.6, 4.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
+  rooms::RoomPartition partition = Corridor();
+  partition.doors = {{{0.8, 2.75}, {1.6, 2.75}, {1, 2}}, {{2.2, 2.75}, {3.0, 2.75}, {1, 2}}};
+  const auto arrange = [&] { return ArrangeMaps(survey, partition, {}, NumberedIds()); };
+  EXPECT_THAT(arrange().link_points, SizeIs(2));
+  survey.variance_factor = 100.0;
+  const rearrange::Rearrangement change = arrange();
+  EXPECT_THAT(change.link_points, SizeIs(1));
+  EXPECT_THAT(RedundantAfter(survey, change), IsEmpty());
 }
 
 TEST(ArrangeMaps, AMapThatIsBusyElsewhereIsLeftInItsRoom) {
