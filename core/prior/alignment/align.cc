@@ -21,7 +21,6 @@ constexpr std::size_t kMostCandidates = 200;  // refined quickly
 constexpr std::size_t kMostFinalists = 20;    // refined well
 constexpr std::size_t kQuickPoints = 500;
 constexpr double kSamePlace = 1.0;  // m
-constexpr double kLeastGain = 0.9;  // of the residual that a more flexible model leaves
 
 struct Candidate {
   PlanTransform transform;
@@ -53,14 +52,16 @@ class Aligner {
 
   std::vector<Candidate> Search() const {
     const SheetSearch search(faces_, evidence_);
+    const std::vector<double> scales = ScalesOf(search);
     std::vector<Candidate> candidates;
     for (const bool mirrored : {false, true}) {
+      if (options_.known_shape && options_.known_shape->mirrored() != mirrored) continue;
       for (const double turn : LikelyTurns(faces_, evidence_, mirrored)) {
         for (int quarter = 0; quarter < 4; ++quarter) {
           const Eigen::Rotation2Dd rotation(turn + quarter * 0.5 * M_PI);
           const Eigen::Matrix2d turned =
               rotation.toRotationMatrix() * Eigen::Vector2d(1, mirrored ? 1 : -1).asDiagonal();
-          for (const double scale : search.Scales()) {
+          for (const double scale : scales) {
             for (const FoundTransform& found : search.Find(scale * turned)) {
               candidates.push_back({.transform = found.T_map_sheet, .score = found.score, .agreement = {}});
             }
@@ -96,7 +97,7 @@ class Aligner {
       next.transform = Refine(faces_, evidence_, best.transform,
                               {.model = model, .widest = model == TransformModel::kSimilarity ? widest : 1.0});
       Judge(next);
-      if (model == TransformModel::kSimilarity || 1 - next.score < kLeastGain * (1 - best.score)) best = next;
+      if (model == TransformModel::kSimilarity || 1 - next.score < options_.most_left * (1 - best.score)) best = next;
     }
     return best;
   }
@@ -126,6 +127,12 @@ class Aligner {
   static constexpr double kReach = 1.5;  // m
 
  private:
+  std::vector<double> ScalesOf(const SheetSearch& search) const {
+    if (!options_.known_shape) return search.Scales();
+    const double scale = options_.known_shape->scale();
+    return {(1 - kKnownScale) * scale, scale, (1 + kKnownScale) * scale};
+  }
+
   std::vector<WallFace> faces_;
   std::vector<Eigen::Vector2d> corners_;
   const MapEvidence& evidence_;
@@ -158,6 +165,13 @@ std::string ObjectionTo(const Alignment& alignment, const AlignOptions& options)
   return "";
 }
 
+// `within`: m, how far the start may be from where the plan lies.
+Alignment RefinedFrom(const Aligner& aligner, Candidate start, double within) {
+  aligner.Judge(start);
+  const Candidate refined = aligner.BestModel(start, within);
+  return ToAlignment(refined.score >= start.score ? refined : start);
+}
+
 }  // namespace
 
 absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
@@ -171,16 +185,19 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
   }
   ENFILADE_ASSIGN_OR_RETURN(const PairFit fit, FitPairs(pairs, (max - min).norm()));
   const Aligner aligner(plan, evidence, options);
-  Candidate shown{.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}};
-  aligner.Judge(shown);
-  const Candidate refined = aligner.BestModel(shown, 3.0);
-  Alignment alignment = ToAlignment(refined.score >= shown.score ? refined : shown);
+  Alignment alignment = RefinedFrom(aligner, {.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}}, 3.0);
   alignment.accepted = true;
   alignment.reason = fmt::format("{} pairs of points", pairs.size() - (fit.wrong ? 1 : 0));
   if (fit.wrong)
     alignment.reason +=
         fmt::format("; pair {} is {:.1f} m off and was left out", *fit.wrong + 1, fit.residuals[*fit.wrong]);
   return alignment;
+}
+
+Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& start,
+                    const AlignOptions& options) {
+  const Aligner aligner(plan, evidence, options);
+  return RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
 }
 
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options) {
@@ -201,7 +218,8 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   const double rival = candidates.size() > 1 ? candidates[1].score : 0;
   alignment.rival_ratio = rival > 0 ? candidates.front().score / rival : 99;
   alignment.reason = ObjectionTo(alignment, options);
-  const double needed = options.least_rival_ratio * (alignment.T_map_sheet.mirrored() ? options.mirror_gain : 1);
+  const bool could_be_straight = alignment.T_map_sheet.mirrored() && !options.known_shape;
+  const double needed = options.least_rival_ratio * (could_be_straight ? options.mirror_gain : 1);
   if (alignment.reason.empty() && alignment.rival_ratio < needed) {
     alignment.reason = fmt::format("another place fits nearly as well: {:.2f} times, {:.2f} are needed",
                                    alignment.rival_ratio, needed);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +35,13 @@ struct AlignOptions {
   double mirror_gain = 1.1;  // a mirrored plan must fit so much better than any that is not
   // The distortions to try.
   TransformModel widest_model = TransformModel::kAffine;
+  // A distortion is taken if it leaves at most this share of what the simpler one leaves unexplained.
+  double most_left = 0.9;
+  // Only places like this one: as large within kKnownScale, and mirrored or not as it is.
+  std::optional<PlanTransform> known_shape = std::nullopt;
 };
+
+constexpr double kKnownScale = 0.03;
 
 // By points that people have shown. The plan is then moved onto the map's walls, as far as the clicks may be wrong.
 absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
@@ -45,5 +51,9 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 // mirrored (SheetSearch); the best are refined (Refine) and compared. The best place is accepted if it explains enough
 // of the map's walls, is contradicted by little of what the map knows, and fits so much better than any other place.
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options);
+
+// From a place that is about right: the plan is moved onto the map's walls.
+Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& start,
+                    const AlignOptions& options);
 
 }  // namespace enfilade::prior

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/prior/alignment/plan_transform.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace enfilade::prior {
@@ -11,8 +12,15 @@ Eigen::Vector2d ToSheet(const PlanTransform& T_map_sheet, const Eigen::Vector2d&
   return T_map_sheet.linear.inverse() * (point_map - T_map_sheet.offset);
 }
 
+PlanTransform operator*(const Pose2& T_other_map, const PlanTransform& T_map_sheet) {
+  const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(T_other_map.yaw).toRotationMatrix();
+  return {rotation * T_map_sheet.linear, T_other_map * T_map_sheet.offset};
+}
+
 std::string_view NameOf(TransformModel model) {
   switch (model) {
+    case TransformModel::kRigid:
+      return "rigid";
     case TransformModel::kSimilarity:
       return "similarity";
     case TransformModel::kAnisotropic:
@@ -25,6 +33,8 @@ std::string_view NameOf(TransformModel model) {
 
 int FreedomOf(TransformModel model) {
   switch (model) {
+    case TransformModel::kRigid:
+      return 3;
     case TransformModel::kSimilarity:
       return 4;
     case TransformModel::kAnisotropic:

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/geometry/pose2.h"
+
 namespace enfilade::prior {
 
 // Where a plan lies in a map: p_map = linear * p_sheet + offset, from the sheet's units to metres.
@@ -23,14 +25,18 @@ struct PlanTransform {
 // The same point of the map, in the sheet.
 Eigen::Vector2d ToSheet(const PlanTransform& T_map_sheet, const Eigen::Vector2d& point_map);
 
+// The place in another frame of the map: T_other_map * T_map_sheet.
+PlanTransform operator*(const Pose2& T_other_map, const PlanTransform& T_map_sheet);
+
 // How a plan may be distorted as a whole.
 enum class TransformModel : std::uint8_t {
+  kRigid,        // turned only: its scale is known
   kSimilarity,   // turned and scaled
   kAnisotropic,  // and scaled otherwise along the sheet's y than along its x
   kAffine,       // and sheared
 };
 std::string_view NameOf(TransformModel model);
-// Its free numbers: 4, 5, 6.
+// Its free numbers: 3, 4, 5, 6.
 int FreedomOf(TransformModel model);
 
 }  // namespace enfilade::prior

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/prior/correction/wall_springs.h"
+
 namespace enfilade::prior {
 namespace {
 
@@ -45,7 +47,7 @@ std::vector<WallFace> CentreLines(const PlanGraph& plan, const PlanTransform& T_
 }
 
 // Weights of offsets by how well their walls agree with all others (dynamic covariance scaling; Agarwal et al. 2013).
-std::vector<double> WeightsOf(const DisplacementField& field, const std::vector<int>& walls) {
+std::vector<double> WeightsOf(const PlanDisplacement& field, const std::vector<int>& walls) {
   const std::vector<double> surprise = field.SurpriseOf(walls);
   std::vector<double> weights;
   for (const int wall : walls) {
@@ -57,11 +59,17 @@ std::vector<double> WeightsOf(const DisplacementField& field, const std::vector<
 
 }  // namespace
 
-CorrectedPlan::CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet)
+CorrectedPlan::CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet,
+                             Correction correction)
     : plan_(plan), evidence_(evidence), T_map_sheet_(T_map_sheet), sheet_faces_(FacesOf(plan)) {
   placed_ = std::make_unique<FaceIndex>(CentreLines(plan, T_map_sheet), kOnWall);
   model_.corner = 0.03;
-  field_ = std::make_unique<DisplacementField>(model_, std::vector<PlanOffset>{}, std::vector<double>{});
+  field_ = FieldOf(correction, {}, {});
+  if (correction != Correction::kNone) Correct(correction);
+  Describe();
+}
+
+void CorrectedPlan::Correct(Correction correction) {
   bool first = true;
   for (const double gate : kGates) {
     std::vector<PlanOffset> offsets = Associate(*field_, gate);
@@ -73,16 +81,26 @@ CorrectedPlan::CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence,
     }
     std::vector<double> weights;
     for (int i = 0; i < kReweightings; ++i) {
-      if (!first && i == 1) model_ = LikeliestModel(offsets, weights);
-      field_ = std::make_unique<DisplacementField>(model_, offsets, weights);
+      if (!first && i == 1 && correction == Correction::kField) model_ = LikeliestModel(offsets, weights);
+      field_ = FieldOf(correction, offsets, weights);
       if (i + 1 < kReweightings) weights = WeightsOf(*field_, walls);
     }
     first = false;
   }
-  Describe();
 }
 
-std::vector<WallFace> CorrectedPlan::MovedFaces(const DisplacementField& field) const {
+std::unique_ptr<const PlanDisplacement> CorrectedPlan::FieldOf(Correction correction,
+                                                               const std::vector<PlanOffset>& offsets,
+                                                               const std::vector<double>& weights) const {
+  if (correction != Correction::kWallSprings) return std::make_unique<DisplacementField>(model_, offsets, weights);
+  std::vector<Eigen::Vector2d> corners;
+  for (const PlanCorner& corner : plan_.corners) corners.push_back(T_map_sheet_(corner.point));
+  std::vector<WallSpring> walls;
+  for (const PlanWall& wall : plan_.walls) walls.push_back({wall.from, wall.to});
+  return std::make_unique<WallSprings>(SpringOptions{}, std::move(corners), walls, offsets, weights);
+}
+
+std::vector<WallFace> CorrectedPlan::MovedFaces(const PlanDisplacement& field) const {
   std::vector<Eigen::Vector2d> moves(plan_.corners.size());
   for (std::size_t i = 0; i < moves.size(); ++i) {
     moves[i] = field.MeanAt({T_map_sheet_(plan_.corners[i].point), {static_cast<int>(i), -1}, {1, 0}});
@@ -96,7 +114,7 @@ std::vector<WallFace> CorrectedPlan::MovedFaces(const DisplacementField& field) 
   return faces;
 }
 
-std::vector<PlanOffset> CorrectedPlan::Associate(const DisplacementField& field, double gate) const {
+std::vector<PlanOffset> CorrectedPlan::Associate(const PlanDisplacement& field, double gate) const {
   const std::vector<WallFace> moved = MovedFaces(field);
   const std::vector<WallFace> placed = Transformed(sheet_faces_, T_map_sheet_);
   const FaceIndex index(moved, gate);

@@ -9,6 +9,7 @@
 #include "core/prior/alignment/map_evidence.h"
 #include "core/prior/alignment/plan_transform.h"
 #include "core/prior/correction/displacement_field.h"
+#include "core/prior/correction/plan_displacement.h"
 #include "core/prior/plan/plan_graph.h"
 
 namespace enfilade::prior {
@@ -32,26 +33,36 @@ struct CorrectedPoint {
   Sight sight = Sight::kUnseen;                     // of the wall that it is on, or else of the place
 };
 
+// How what is seen of a plan moves the rest of it.
+enum class Correction {
+  kNone,         // not at all: the plan stays as it was placed
+  kField,        // DisplacementField
+  kWallSprings,  // WallSprings
+};
+
 // A plan whose walls have been moved onto those of a map. What no robot has seen follows what was seen nearby, and far
 // away the distortion of the whole. Immutable.
 class CorrectedPlan {
  public:
   // Rounds of associating walls of the map with those of the plan, within a gate that narrows, and of fitting the
   // displacements robustly. `T_map_sheet`: where the plan lies as a whole. `evidence` outlives the corrected plan.
-  CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet);
+  CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet,
+                Correction correction = Correction::kField);
 
   const std::vector<CorrectedCorner>& corners() const { return corners_; }
   const std::vector<CorrectedWall>& walls() const { return walls_; }
   // The walls' faces in the map's frame.
   const std::vector<WallFace>& faces() const { return faces_; }
   const Agreement& agreement() const { return agreement_; }
-  const FieldModel& model() const { return model_; }
   CorrectedPoint Locate(const Eigen::Vector2d& point_sheet) const;
 
  private:
   PlanPlace PlaceOf(const Eigen::Vector2d& point_sheet) const;
-  std::vector<WallFace> MovedFaces(const DisplacementField& field) const;
-  std::vector<PlanOffset> Associate(const DisplacementField& field, double gate) const;
+  std::vector<WallFace> MovedFaces(const PlanDisplacement& field) const;
+  void Correct(Correction correction);
+  std::unique_ptr<const PlanDisplacement> FieldOf(Correction correction, const std::vector<PlanOffset>& offsets,
+                                                  const std::vector<double>& weights) const;
+  std::vector<PlanOffset> Associate(const PlanDisplacement& field, double gate) const;
   void Describe();
 
   const PlanGraph plan_;
@@ -59,7 +70,7 @@ class CorrectedPlan {
   PlanTransform T_map_sheet_;
   std::vector<WallFace> sheet_faces_;
   std::unique_ptr<const FaceIndex> placed_;  // the walls' centre lines, not corrected
-  std::unique_ptr<const DisplacementField> field_;
+  std::unique_ptr<const PlanDisplacement> field_;
   FieldModel model_;
   std::vector<CorrectedCorner> corners_;
   std::vector<CorrectedWall> walls_;

@@ -103,12 +103,7 @@ Displacement DisplacementField::At(const PlanPlace& place) const {
 }
 
 std::vector<double> DisplacementField::SurpriseOf(const std::vector<int>& groups) const {
-  std::vector<std::vector<Eigen::Index>> members;
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const auto group = static_cast<std::size_t>(groups[i]);
-    if (members.size() <= group) members.resize(group + 1);
-    members[group].push_back(static_cast<Eigen::Index>(i));
-  }
+  const std::vector<std::vector<Eigen::Index>> members = MembersOf(groups);
   // With the inverse covariance P, what the others predict of group g is wrong by P_gg^-1 (P y)_g, with the covariance
   // P_gg^-1 (Rasmussen and Williams, equations 5.10 to 5.12, for more than one).
   const Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(solved_.size(), solved_.size()));

@@ -3,25 +3,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <array>
 #include <vector>
 
+#include "core/prior/correction/plan_displacement.h"
+
 namespace enfilade::prior {
-
-// A place of a plan whose displacement is asked for or measured. A place on a wall moves with the wall's two corners.
-struct PlanPlace {
-  Eigen::Vector2d point = Eigen::Vector2d::Zero();  // m, in the map's frame, before the correction
-  std::array<int, 2> corners = {-1, -1};            // -1: none
-  std::array<double, 2> shares = {0, 0};            // of each corner's own displacement
-};
-
-// How far a wall is from where the plan has it, across it: along the wall, nobody can see it move.
-struct PlanOffset {
-  PlanPlace place;
-  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  // unit, in the map's frame
-  double offset = 0;                                 // m, along the normal
-  double sigma = 0.06;                               // m
-};
 
 // How wrong plans are: standard deviations of what adds up to a displacement.
 struct FieldModel {
@@ -33,25 +19,18 @@ struct FieldModel {
   double corner = 0.1;       // m, of each corner by itself
 };
 
-struct Displacement {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();        // m
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // m^2
-};
-
 // The displacement of a plan as a Gaussian process that is given its normal components at some places (kriging with a
 // distortion of the whole plan as drift; G. Matheron, "The intrinsic random functions and their applications", 1973; C.
 // Rasmussen and C. Williams, "Gaussian Processes for Machine Learning", 2006, chapter 2). Near walls that were seen it
 // follows them; far away it returns to the distortion that fits them all. Immutable.
-class DisplacementField {
+class DisplacementField : public PlanDisplacement {
  public:
   // `weights`: of the offsets, in (0, 1]; empty: 1.
   DisplacementField(const FieldModel& model, std::vector<PlanOffset> offsets, const std::vector<double>& weights);
 
-  Displacement At(const PlanPlace& place) const;
-  Eigen::Vector2d MeanAt(const PlanPlace& place) const;
-  // How surprising the offsets of each group are to all others: the mean squared error, in standard deviations, of what
-  // the others predict (1 is usual). `groups`: of each offset, from 0 on.
-  std::vector<double> SurpriseOf(const std::vector<int>& groups) const;
+  Displacement At(const PlanPlace& place) const override;
+  Eigen::Vector2d MeanAt(const PlanPlace& place) const override;
+  std::vector<double> SurpriseOf(const std::vector<int>& groups) const override;
   // ln p(offsets): how well the model explains them (Rasmussen and Williams, equation 2.30).
   double log_likelihood() const { return log_likelihood_; }
 

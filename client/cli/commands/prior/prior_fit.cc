@@ -18,8 +18,7 @@
 #include "client/sources/log_reader.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/prior/alignment/align.h"
-#include "core/prior/correction/correct_plan.h"
+#include "core/prior/fit/fit_plan.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -32,21 +31,14 @@ using Clock = std::chrono::steady_clock;
 
 struct PriorFitOptions {
   PlanOptions plan;
-  std::string input;
+  std::vector<std::string> inputs;
   std::string directory;
   std::string pairs;
   std::string points;
+  std::string mode{prior::NameOf(prior::FitMode::kFull)};
   bool automatic = false;
   std::optional<double> resolution;
   sources::LogOptions reading;
-};
-
-struct PriorFit {
-  grid::OccupancyGrid map;
-  prior::Alignment alignment;
-  std::unique_ptr<prior::MapEvidence> evidence;
-  std::unique_ptr<prior::CorrectedPlan> corrected;
-  double seconds = 0;  // without mapping a log
 };
 
 bool IsMap(const std::filesystem::path& path) {
@@ -55,40 +47,36 @@ bool IsMap(const std::filesystem::path& path) {
          extension == ".pgm";
 }
 
-absl::StatusOr<grid::OccupancyGrid> MapLog(const Globals& globals, const PriorFitOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.input, options.reading));
+absl::StatusOr<grid::OccupancyGrid> MapLog(const Globals& globals, const PriorFitOptions& options,
+                                           const std::string& path) {
+  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(path, options.reading));
   slam::LogMapper mapper(sensor::ScanPairingOptions{}, slam::SlamOptions{});
   ENFILADE_RETURN_IF_ERROR(MapToEnd(globals, reader, mapper).status());
   return mapper.RenderGrid();
 }
 
-absl::StatusOr<PriorFit> Fit(const Globals& globals, const PriorFitOptions& options, const prior::PlanGraph& plan) {
-  std::vector<prior::ControlPair> pairs;
+absl::StatusOr<std::vector<grid::OccupancyGrid>> ReadInputs(const Globals& globals, const PriorFitOptions& options) {
+  std::vector<grid::OccupancyGrid> maps;
+  for (const std::string& path : options.inputs) {
+    ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid map, IsMap(path) ? ReadOccupancyMap(path, options.resolution)
+                                                                   : MapLog(globals, options, path));
+    maps.push_back(std::move(map));
+  }
+  return maps;
+}
+
+absl::StatusOr<prior::FitOptions> ToFitOptions(const PriorFitOptions& options) {
+  prior::FitOptions fit;
+  const std::optional<prior::FitMode> mode = prior::FitModeFrom(options.mode);
+  if (!mode) return InvalidArgument("--mode: \"{}\" is none of full, acg, similarity, affine", options.mode);
+  fit.mode = *mode;
   if (!options.pairs.empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(pairs, ReadPairs(options.pairs));
+    ENFILADE_ASSIGN_OR_RETURN(fit.pairs, ReadPairs(options.pairs));
   }
-  PriorFit fit;
-  if (IsMap(options.input)) {
-    ENFILADE_ASSIGN_OR_RETURN(fit.map, ReadOccupancyMap(options.input, options.resolution));
-  } else {
-    ENFILADE_ASSIGN_OR_RETURN(fit.map, MapLog(globals, options));
-  }
-  const Clock::time_point begin = Clock::now();
-  fit.evidence = std::make_unique<prior::MapEvidence>(prior::EvidenceOf(fit.map));
-  if (fit.evidence->walls.empty()) return InvalidArgument("{}: the map has no walls", options.input);
-  if (options.pairs.empty()) {
-    fit.alignment = prior::AlignByItself(plan, *fit.evidence, {});
-  } else {
-    ENFILADE_ASSIGN_OR_RETURN(fit.alignment, prior::AlignByPairs(plan, *fit.evidence, pairs, {}));
-  }
-  if (fit.alignment.accepted) {
-    fit.corrected = std::make_unique<prior::CorrectedPlan>(plan, *fit.evidence, fit.alignment.T_map_sheet);
-  }
-  fit.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return fit;
 }
 
-absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& plan, const PriorFit& fit,
+absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& plan, const prior::PlanFit& fit,
                         const std::vector<Eigen::Vector2d>& points) {
   const std::filesystem::path directory = options.directory;
   std::error_code error;
@@ -101,22 +89,35 @@ absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& 
   return io::WriteFile(directory / "points.csv", WriteLocatedPoints(points, *fit.corrected));
 }
 
-void PrintReport(const Globals& globals, const PriorFit& fit) {
+nlohmann::json InputReport(const std::string& input, const prior::FittedMap& map) {
+  nlohmann::json report = {{"input", input}, {"accepted", map.alignment.accepted}, {"reason", map.alignment.reason}};
+  if (map.T_first_map) report["T_first_input"] = {map.T_first_map->x, map.T_first_map->y, map.T_first_map->yaw};
+  return report;
+}
+
+// `seconds`: without mapping logs.
+void PrintReport(const Globals& globals, const PriorFitOptions& options, const prior::PlanFit& fit, double seconds) {
   const prior::Alignment& alignment = fit.alignment;
   const prior::Agreement& agreement = fit.corrected ? fit.corrected->agreement() : alignment.agreement;
   const Eigen::Matrix2d& linear = alignment.T_map_sheet.linear;
   const Eigen::Vector2d& offset = alignment.T_map_sheet.offset;
   if (globals.json) {
-    return PrintJson(
-        std::cout, {{"accepted", alignment.accepted},
-                    {"reason", alignment.reason},
-                    {"mirrored", alignment.T_map_sheet.mirrored()},
-                    {"model", prior::NameOf(alignment.model)},
-                    {"A_input_plan", {linear(0, 0), linear(0, 1), offset.x(), linear(1, 0), linear(1, 1), offset.y()}},
-                    {"explained", agreement.explained},
-                    {"contradicted", agreement.contradicted()},
-                    {"rival_ratio", alignment.rival_ratio},
-                    {"seconds", fit.seconds}});
+    nlohmann::json report = {
+        {"accepted", alignment.accepted},
+        {"reason", alignment.reason},
+        {"mode", options.mode},
+        {"mirrored", alignment.T_map_sheet.mirrored()},
+        {"model", prior::NameOf(alignment.model)},
+        {"A_input_plan", {linear(0, 0), linear(0, 1), offset.x(), linear(1, 0), linear(1, 1), offset.y()}},
+        {"explained", agreement.explained},
+        {"contradicted", agreement.contradicted()},
+        {"rival_ratio", alignment.rival_ratio},
+        {"inputs", nlohmann::json::array()},
+        {"seconds", seconds}};
+    for (std::size_t i = 0; i < fit.maps.size(); ++i) {
+      report["inputs"].push_back(InputReport(options.inputs[i], fit.maps[i]));
+    }
+    return PrintJson(std::cout, report);
   }
   std::cout << fmt::format("{}: {}\n", alignment.accepted ? "accepted" : "refused", alignment.reason)
             << fmt::format(
@@ -124,7 +125,11 @@ void PrintReport(const Globals& globals, const PriorFit& fit) {
                    "plan's known walls contradicted; {}\n",
                    alignment.T_map_sheet.mirrored() ? "mirrored, " : "", prior::NameOf(alignment.model),
                    alignment.T_map_sheet.scale(), 100 * agreement.explained, 100 * agreement.contradicted(),
-                   FormatSeconds(fit.seconds));
+                   FormatSeconds(seconds));
+  for (std::size_t i = 1; i < fit.maps.size(); ++i) {
+    std::cout << fmt::format("{}: {}{}\n", options.inputs[i], fit.maps[i].T_first_map ? "joined; " : "left out; ",
+                             fit.maps[i].alignment.reason);
+  }
 }
 
 absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options) {
@@ -135,9 +140,13 @@ absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options)
   }
   ENFILADE_ASSIGN_OR_RETURN(const perception::ReadPlanOptions reading, ToReadOptions(options.plan));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, perception::ReadPlan(options.plan.path, reading));
-  ENFILADE_ASSIGN_OR_RETURN(const PriorFit fit, Fit(globals, options, plan));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::FitOptions fitting, ToFitOptions(options));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::OccupancyGrid> maps, ReadInputs(globals, options));
+  const Clock::time_point begin = Clock::now();
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, maps, fitting));
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (fit.corrected && !options.directory.empty()) ENFILADE_RETURN_IF_ERROR(WriteFiles(options, plan, fit, points));
-  PrintReport(globals, fit);
+  PrintReport(globals, options, fit, seconds);
   return absl::OkStatus();
 }
 
@@ -150,7 +159,9 @@ void AddPriorFit(CLI::App& prior, const Globals& globals) {
                  [&globals, options] { return RunPriorFit(globals, *options); });
   AddPlanOptions(*command, options->plan);
   command
-      ->add_option("INPUT", options->input, "A map (YAML, JSON, PNG or PGM), or a recorded log, which is mapped first")
+      ->add_option("INPUT", options->inputs,
+                   "Maps (YAML, JSON, PNG or PGM) and recorded logs, which are mapped first. Several are joined by the "
+                   "plan, in the frame of the first")
       ->required();
   command->add_option("-o,--output", options->directory,
                       "Write walls.geojson and fit.png into this folder, and points.csv with --points");
@@ -158,14 +169,22 @@ void AddPriorFit(CLI::App& prior, const Globals& globals) {
       "--pairs", options->pairs, "Points that are known in both: lines of plan_x_px,plan_y_px,input_x_m,input_y_m");
   command->add_flag("--auto", options->automatic, "Find the place without help (the default without --pairs)")
       ->excludes(pairs);
+  command
+      ->add_option(
+          "--mode", options->mode,
+          "What follows where the plan was seen: full (all of it), acg (walls as springs, as in the Auto-Complete "
+          "Graph), similarity or affine (nothing: the plan is only placed)")
+      ->check(CLI::IsMember({"full", "acg", "similarity", "affine"}))
+      ->capture_default_str();
   command->add_option("--points", options->points, "Lines of plan_x_px,plan_y_px: where do they lie in the input?");
   command->add_option("--resolution", options->resolution,
-                      "Metres per pixel of INPUT (default: the YAML file's; of a picture 0.05)");
+                      "Metres per pixel of INPUTs (default: the YAML file's; of a picture 0.05)");
   AddLogOptions(*command, options->reading);
   AddNoOdometry(*command, options->reading);
   command->footer(
       "Examples:\n  enfilade prior fit plan.png map.yaml -o out\n"
-      "  enfilade prior fit plan.png drive.jsonl --pairs pairs.csv --points corners.csv -o out --json");
+      "  enfilade prior fit plan.png drive.jsonl --pairs pairs.csv --points corners.csv -o out --json\n"
+      "  enfilade prior fit plan.png monday.jsonl tuesday.jsonl -o out");
 }
 
 }  // namespace enfilade::cli

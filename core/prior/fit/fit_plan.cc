@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/fit/fit_plan.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/status_macros.h"
+#include "core/prior/fit/join_maps.h"
+
+namespace enfilade::prior {
+namespace {
+
+constexpr int kJoinRounds = 2;  // of moving maps onto the plan, and the plan onto the maps
+
+constexpr std::pair<FitMode, std::string_view> kNames[] = {{FitMode::kFull, "full"},
+                                                           {FitMode::kAcg, "acg"},
+                                                           {FitMode::kSimilarity, "similarity"},
+                                                           {FitMode::kAffine, "affine"}};
+
+AlignOptions AlignOptionsOf(FitMode mode) {
+  AlignOptions options;
+  // ACG places a plan by a similarity.
+  if (mode == FitMode::kSimilarity || mode == FitMode::kAcg) options.widest_model = TransformModel::kSimilarity;
+  if (mode == FitMode::kAffine) options.most_left = std::numeric_limits<double>::infinity();
+  return options;
+}
+
+Correction CorrectionOf(FitMode mode) {
+  if (mode == FitMode::kFull) return Correction::kField;
+  return mode == FitMode::kAcg ? Correction::kWallSprings : Correction::kNone;
+}
+
+class PlanFitter {
+ public:
+  PlanFitter(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps, const FitOptions& options)
+      : plan_(plan), maps_(maps), options_(options), aligning_(AlignOptionsOf(options.mode)) {}
+
+  absl::StatusOr<PlanFit> Run() {
+    if (maps_.empty()) return InvalidArgument("fitting a plan: no map");
+    for (std::size_t i = 0; i < maps_.size(); ++i) {
+      evidence_.push_back(EvidenceOf(maps_[i]));
+      if (evidence_.back().walls.empty()) return InvalidArgument("map {} has no walls", i + 1);
+    }
+    ENFILADE_RETURN_IF_ERROR(AlignEach());
+    fit_.alignment = fit_.maps.front().alignment;
+    if (fit_.alignment.accepted) ENFILADE_RETURN_IF_ERROR(JoinAccepted());
+    return std::move(fit_);
+  }
+
+ private:
+  absl::Status AlignEach() {
+    for (std::size_t i = 0; i < maps_.size(); ++i) {
+      Alignment alignment;
+      if (i == 0 && !options_.pairs.empty()) {
+        ENFILADE_ASSIGN_OR_RETURN(alignment, AlignByPairs(plan_, evidence_[i], options_.pairs, aligning_));
+      } else {
+        alignment = AlignByItself(plan_, evidence_[i], aligning_);
+      }
+      fit_.maps.push_back({std::move(alignment)});
+    }
+    const auto surest = std::max_element(fit_.maps.begin(), fit_.maps.end(), [](const auto& a, const auto& b) {
+      if (a.alignment.accepted != b.alignment.accepted) return b.alignment.accepted;
+      return a.alignment.agreement.explained_length < b.alignment.agreement.explained_length;
+    });
+    if (!surest->alignment.accepted) return absl::OkStatus();
+    AlignOptions known = aligning_;
+    known.known_shape = surest->alignment.T_map_sheet;
+    for (std::size_t i = 0; i < maps_.size(); ++i) {
+      if (!fit_.maps[i].alignment.accepted) fit_.maps[i].alignment = AlignByItself(plan_, evidence_[i], known);
+    }
+    return absl::OkStatus();
+  }
+
+  // The frame is the first map's.
+  absl::Status JoinAccepted() {
+    fit_.maps.front().T_first_map = Pose2{};
+    for (std::size_t i = 1; i < maps_.size(); ++i) {
+      const Alignment& alignment = fit_.maps[i].alignment;
+      if (!alignment.accepted) continue;
+      fit_.maps[i].T_first_map = JoinByPlan(evidence_[i], alignment.T_map_sheet, fit_.alignment.T_map_sheet);
+    }
+    ENFILADE_RETURN_IF_ERROR(Correct());
+    for (int round = 0; maps_.size() > 1 && round < kJoinRounds; ++round) {
+      for (std::size_t i = 1; i < maps_.size(); ++i) {
+        std::optional<Pose2>& place = fit_.maps[i].T_first_map;
+        if (place) place = RefineOnPlan(evidence_[i], *fit_.corrected, *place);
+      }
+      ENFILADE_RETURN_IF_ERROR(Correct());
+    }
+    return absl::OkStatus();
+  }
+
+  // With all maps where they are now.
+  absl::Status Correct() {
+    std::vector<PlacedMap> placed;
+    for (std::size_t i = 0; i < maps_.size(); ++i) {
+      if (fit_.maps[i].T_first_map) placed.push_back({&maps_[i], &evidence_[i], *fit_.maps[i].T_first_map});
+    }
+    if (placed.size() == 1) {
+      fit_.map = maps_.front();
+    } else {
+      ENFILADE_ASSIGN_OR_RETURN(fit_.map, Overlaid(placed));
+    }
+    fit_.corrected = nullptr;
+    fit_.evidence = std::make_unique<MapEvidence>(EvidenceOf(fit_.map));
+    if (placed.size() > 1) {
+      Alignment all = AlignFrom(plan_, *fit_.evidence, fit_.alignment.T_map_sheet, aligning_);
+      all.accepted = true;
+      all.reason = fit_.alignment.reason;
+      all.rival_ratio = fit_.alignment.rival_ratio;
+      fit_.alignment = std::move(all);
+    }
+    fit_.corrected =
+        std::make_unique<CorrectedPlan>(plan_, *fit_.evidence, fit_.alignment.T_map_sheet, CorrectionOf(options_.mode));
+    return absl::OkStatus();
+  }
+
+  const PlanGraph& plan_;
+  const std::vector<grid::OccupancyGrid>& maps_;
+  const FitOptions& options_;
+  const AlignOptions aligning_;
+  std::vector<MapEvidence> evidence_;
+  PlanFit fit_;
+};
+
+}  // namespace
+
+std::string_view NameOf(FitMode mode) {
+  return std::find_if(std::begin(kNames), std::end(kNames), [&](const auto& one) { return one.first == mode; })->second;
+}
+
+std::optional<FitMode> FitModeFrom(std::string_view name) {
+  for (const auto& [mode, of_mode] : kNames) {
+    if (of_mode == name) return mode;
+  }
+  return std::nullopt;
+}
+
+absl::StatusOr<PlanFit> FitPlan(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps,
+                                const FitOptions& options) {
+  return PlanFitter(plan, maps, options).Run();
+}
+
+}  // namespace enfilade::prior

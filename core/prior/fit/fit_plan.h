@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/pose2.h"
+#include "core/grid/occupancy_grid.h"
+#include "core/prior/alignment/align.h"
+#include "core/prior/alignment/control_pairs.h"
+#include "core/prior/correction/correct_plan.h"
+#include "core/prior/plan/plan_graph.h"
+
+namespace enfilade::prior {
+
+enum class FitMode {
+  kFull,        // the plan is placed and corrected (DisplacementField)
+  kAcg,         // the plan is placed and corrected by WallSprings
+  kSimilarity,  // the plan is placed: turned, shifted and scaled
+  kAffine,      // and stretched and sheared as a whole
+};
+std::string_view NameOf(FitMode mode);
+std::optional<FitMode> FitModeFrom(std::string_view name);
+
+struct FitOptions {
+  FitMode mode = FitMode::kFull;
+  // Points known in the plan and in the first map; empty: the place is found without help.
+  std::vector<ControlPair> pairs = {};
+};
+
+// What became of one map.
+struct FittedMap {
+  Alignment alignment;                              // of the plan in the map's own frame
+  std::optional<Pose2> T_first_map = std::nullopt;  // set: it is joined with the first map, by the plan
+};
+
+// A plan that lies in one map or more. The frame of all is the first map's.
+struct PlanFit {
+  std::vector<FittedMap> maps;  // as given
+  Alignment alignment;          // of the plan in the joined maps
+  // Not set if the plan is not accepted.
+  grid::OccupancyGrid map;  // the joined maps
+  std::unique_ptr<const MapEvidence> evidence = nullptr;
+  std::unique_ptr<const CorrectedPlan> corrected = nullptr;
+};
+
+// Each map is aligned with the plan. One that is accepted tells the plan's scale, and whether it is mirrored, to those
+// that fit at several places. Maps in which the plan is accepted are joined by it, and the plan is corrected with all
+// of them; the others are left out. It is refused if the first map is. INVALID_ARGUMENT: no map, a map without walls
+// (named by its number), pairs that determine nothing (FitPairs), maps too large to be joined.
+absl::StatusOr<PlanFit> FitPlan(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps,
+                                const FitOptions& options);
+
+}  // namespace enfilade::prior

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/fit/join_maps.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstddef>
+
+#include "core/base/status_macros.h"
+#include "core/grid/overlay.h"
+#include "core/prior/alignment/refine.h"
+
+namespace enfilade::prior {
+
+Pose2 JoinByPlan(const MapEvidence& evidence, const PlanTransform& T_map_sheet, const PlanTransform& T_other_sheet) {
+  const auto size = static_cast<double>(evidence.walls.size());
+  const auto in_other = [&](const WallPoint& wall) { return T_other_sheet(ToSheet(T_map_sheet, wall.point)); };
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Vector2d mean_other = Eigen::Vector2d::Zero();
+  for (const WallPoint& wall : evidence.walls) {
+    mean += wall.point / size;
+    mean_other += in_other(wall) / size;
+  }
+  double cosine = 0;
+  double sine = 0;
+  for (const WallPoint& wall : evidence.walls) {
+    const Eigen::Vector2d from = wall.point - mean;
+    const Eigen::Vector2d to = in_other(wall) - mean_other;
+    cosine += from.dot(to);
+    sine += from.x() * to.y() - from.y() * to.x();
+  }
+  const double yaw = std::atan2(sine, cosine);
+  const Eigen::Vector2d shift = mean_other - Eigen::Rotation2Dd(yaw) * mean;
+  return {shift.x(), shift.y(), yaw};
+}
+
+Pose2 RefineOnPlan(const MapEvidence& evidence, const CorrectedPlan& corrected, const Pose2& T_frame_map) {
+  const Pose2 T_map_frame = Inverse(T_frame_map);
+  const PlanTransform start{Eigen::Rotation2Dd(T_map_frame.yaw).toRotationMatrix(), T_map_frame.translation()};
+  const PlanTransform refined =
+      Refine(corrected.faces(), evidence, start, {.model = TransformModel::kRigid, .widest = 1.0, .narrowest = 0.2});
+  const double yaw = std::atan2(refined.linear(1, 0), refined.linear(0, 0));
+  return Inverse(Pose2{refined.offset.x(), refined.offset.y(), yaw});
+}
+
+absl::StatusOr<grid::OccupancyGrid> Overlaid(const std::vector<PlacedMap>& maps) {
+  grid::OccupancyGrid all;
+  for (const PlacedMap& one : maps) {
+    grid::OccupancyGrid moved = *one.map;
+    for (std::size_t i = 0; i < moved.cells.size(); ++i) {
+      if (one.evidence->ground[i] == Ground::kUnknown) moved.cells[i] = grid::kUnknownCell;
+    }
+    moved.geometry.T_map_grid = one.T_frame_map * moved.geometry.T_map_grid;
+    ENFILADE_ASSIGN_OR_RETURN(moved, grid::ResampleToLattice(moved, maps.front().map->geometry.resolution));
+    ENFILADE_ASSIGN_OR_RETURN(all, grid::Overlay(all, moved));
+  }
+  return all;
+}
+
+}  // namespace enfilade::prior

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/fit/fit_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/unit/core/prior/alignment/drawn_building.h"
+
+namespace enfilade::prior {
+namespace {
+
+PlanTransform Turned(double turn) {
+  Eigen::Matrix2d rotation;
+  rotation << std::cos(turn), -std::sin(turn), std::sin(turn), std::cos(turn);
+  return {0.05 * rotation * Eigen::Vector2d(1, -1).asDiagonal(), {3.5, -7.25}};
+}
+
+bool IsWest(const Eigen::Vector2d& sheet) { return sheet.x() < 520; }
+bool IsEast(const Eigen::Vector2d& sheet) { return sheet.x() > 330; }
+bool IsRoom(const Eigen::Vector2d& sheet) { return sheet.x() < 102 && sheet.y() < 202; }
+
+constexpr Pose2 kPlaceOfSecond{12.0, -4.0, 2.2};  // T_first_second
+
+grid::OccupancyGrid Seen(const PlanGraph& plan, const Pose2& T_map_first,
+                         const std::function<bool(const Eigen::Vector2d&)>& is_seen) {
+  const PlanTransform truth = T_map_first * Turned(0.3);
+  return MapOf(plan, truth, is_seen);
+}
+
+TEST(FitPlan, JoinsTwoMapsByThePlan) {
+  const PlanGraph plan = DrawnBuilding();
+  const auto fit = FitPlan(plan, {Seen(plan, {}, IsWest), Seen(plan, Inverse(kPlaceOfSecond), IsEast)}, {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  ASSERT_TRUE(fit->alignment.accepted) << fit->alignment.reason;
+  ASSERT_TRUE(fit->maps[1].T_first_map.has_value()) << fit->maps[1].alignment.reason;
+  const Pose2 error = Between(kPlaceOfSecond, *fit->maps[1].T_first_map);
+  EXPECT_LT(error.translation().norm(), 0.06);
+  EXPECT_LT(std::abs(error.yaw), 0.005);
+  // Both have been seen: the east end by the second robot only.
+  const CorrectedPoint east = fit->corrected->Locate({880, 160});
+  EXPECT_EQ(east.sight, Sight::kSeen);
+  EXPECT_LT((east.point - Turned(0.3)(Eigen::Vector2d(880, 160))).norm(), 0.1);
+}
+
+// One room fits in many places; by the scale that another map tells it still does.
+TEST(FitPlan, LeavesOutAMapThatFitsInManyPlaces) {
+  const PlanGraph plan = DrawnBuilding();
+  const auto fit = FitPlan(plan, {Seen(plan, {}, IsWest), Seen(plan, {1, 2, 0.5}, IsRoom)}, {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_TRUE(fit->alignment.accepted);
+  EXPECT_FALSE(fit->maps[1].T_first_map.has_value());
+  EXPECT_FALSE(fit->maps[1].alignment.accepted);
+}
+
+TEST(FitPlan, RefusesAPlanThatIsRefusedInTheFirstMap) {
+  const PlanGraph plan = DrawnBuilding();
+  const auto fit = FitPlan(plan, {Seen(plan, {}, IsRoom), Seen(plan, {}, IsWest)}, {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_FALSE(fit->alignment.accepted);
+  EXPECT_EQ(fit->corrected, nullptr);
+}
+
+TEST(FitPlan, ModesDifferInWhatFollowsTheSeenWalls) {
+  const PlanGraph plan = DrawnBuilding();
+  // Drawn 6 % too long along x.
+  const PlanTransform drawn = Turned(0.3);
+  const Placement built = [&](const Eigen::Vector2d& p) { return drawn(Eigen::Vector2d(0.94 * p.x(), p.y())); };
+  const std::vector<grid::OccupancyGrid> maps = {MapOf(plan, built, IsWest)};
+  std::vector<ControlPair> pairs;
+  for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {500, 20}, {30, 400}})
+    pairs.push_back({point, built(point)});
+  const Eigen::Vector2d far(880, 0);
+  std::map<FitMode, double> errors;
+  for (const FitMode mode : {FitMode::kFull, FitMode::kAcg, FitMode::kSimilarity, FitMode::kAffine}) {
+    const auto fit = FitPlan(plan, maps, {.mode = mode, .pairs = pairs});
+    ASSERT_TRUE(fit.ok()) << fit.status();
+    ASSERT_TRUE(fit->alignment.accepted) << NameOf(mode) << ": " << fit->alignment.reason;
+    errors[mode] = (fit->corrected->Locate(far).point - built(far)).norm();
+  }
+  EXPECT_LT(errors[FitMode::kAffine], 0.25 * errors[FitMode::kSimilarity]);
+  EXPECT_LT(errors[FitMode::kFull], 0.25 * errors[FitMode::kSimilarity]);
+  EXPECT_GT(errors[FitMode::kAcg], errors[FitMode::kFull]);
+}
+
+TEST(FitPlan, NamesAMapWithoutWalls) {
+  const PlanGraph plan = DrawnBuilding();
+  grid::OccupancyGrid blank = Seen(plan, {}, IsWest);
+  std::fill(blank.cells.begin(), blank.cells.end(), grid::kUnknownCell);
+  EXPECT_THAT(FitPlan(plan, {Seen(plan, {}, IsWest), blank}, {}).status().message(),
+              testing::HasSubstr("map 2 has no walls"));
+  EXPECT_FALSE(FitPlan(plan, {}, {}).ok());
+}
+
+TEST(FitMode, NamesAreRead) {
+  for (const FitMode mode : {FitMode::kFull, FitMode::kAcg, FitMode::kSimilarity, FitMode::kAffine}) {
+    EXPECT_EQ(FitModeFrom(NameOf(mode)), mode);
+  }
+  EXPECT_EQ(FitModeFrom("best"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace enfilade::prior
