@@ -6,11 +6,10 @@
 #include <utility>
 
 #include "client/simulator/sensors/noise.h"
+#include "client/simulator/world/door_gaps.h"
 
 namespace enfilade::simulator {
 namespace {
-
-constexpr double kAlong = 0.3;  // m: a door cuts the walls that are no farther from its line
 
 struct WallLine {
   Eigen::Vector2d p;
@@ -68,19 +67,9 @@ class FaceBuilder {
     if (length < 1e-9) return;
     const Eigen::Vector2d on = (wall.q - wall.p) / length;
     std::vector<std::pair<double, double>> gaps;
-    for (const Door& door : campus_.doors) {
-      if (door.level != level_) continue;
-      const auto along = [&](const Eigen::Vector2d& point) { return on.dot(point - wall.p); };
-      const auto beside = [&](const Eigen::Vector2d& point) {
-        return std::abs(on.x() * (point - wall.p).y() - on.y() * (point - wall.p).x());
-      };
-      if (beside(door.a) > kAlong || beside(door.b) > kAlong) continue;
-      double begin = along(door.a);
-      double end = along(door.b);
-      if (begin > end) std::swap(begin, end);
-      if (end - begin < 0.9 * door.width() || end < 1e-6 || begin > length - 1e-6) continue;
-      gaps.emplace_back(begin, end);
-      if (door.height < wall.top) AddBlock(wall, on, begin, end, door.height);
+    for (const DoorGap& gap : DoorGapsOf(campus_, level_, wall.p, wall.q)) {
+      gaps.emplace_back(gap.begin, gap.end);
+      if (gap.door->height < wall.top) AddBlock(wall, on, gap.begin, gap.end, gap.door->height);
     }
     // The wall's texture may change at another area's corner: a new piece begins there.
     for (const Area& area : campus_.areas) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -186,6 +187,13 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
   ENFILADE_ASSIGN_OR_RETURN(const PairFit fit, FitPairs(pairs, (max - min).norm()));
   const Aligner aligner(plan, evidence, options);
   Alignment alignment = RefinedFrom(aligner, {.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}}, 3.0);
+  if (fit.T_map_sheet_turned) {
+    Alignment turned = RefinedFrom(aligner, {.transform = *fit.T_map_sheet_turned, .agreement = {}}, 3.0);
+    const double straight = ScoreOf((alignment.T_map_sheet.mirrored() ? turned : alignment).agreement);
+    const double mirrored = ScoreOf((alignment.T_map_sheet.mirrored() ? alignment : turned).agreement);
+    const bool is_mirrored = mirrored > options.mirror_gain * straight;
+    if (is_mirrored != alignment.T_map_sheet.mirrored()) alignment = std::move(turned);
+  }
   alignment.accepted = true;
   alignment.reason = fmt::format("{} pairs of points", pairs.size() - (fit.wrong ? 1 : 0));
   if (fit.wrong)

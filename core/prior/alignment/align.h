@@ -44,6 +44,7 @@ struct AlignOptions {
 constexpr double kKnownScale = 0.03;
 
 // By points that people have shown. The plan is then moved onto the map's walls, as far as the clicks may be wrong.
+// Where the pairs fit it turned over, too, the walls decide whether it is mirrored.
 absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
                                        const std::vector<ControlPair>& pairs, const AlignOptions& options);
 

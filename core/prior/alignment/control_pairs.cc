@@ -164,7 +164,10 @@ absl::StatusOr<PairFit> FitPairs(const std::vector<ControlPair>& pairs, double s
   if (absl::Status status = Check(pairs, sheet_size); !status.ok()) return status;
   PairFit result;
   result.wrong = FindWrong(pairs);
-  const Fit fit = FitTo(result.wrong ? Without(pairs, *result.wrong) : pairs);
+  const std::vector<ControlPair> right = result.wrong ? Without(pairs, *result.wrong) : pairs;
+  const Fit fit = FitTo(right);
+  const PlanTransform turned = FitSimilarity(right, !fit.transform.mirrored());
+  if (RmsOf(turned, right) < std::max(kClickSigma, RmsOf(fit.transform, right))) result.T_map_sheet_turned = turned;
   result.T_map_sheet = fit.transform;
   result.model = fit.model;
   for (const ControlPair& pair : pairs) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <deque>
+#include <iterator>
 #include <unordered_map>
 
 #include "core/grid/distance_field.h"
@@ -21,6 +22,8 @@ constexpr double kLeastSpacing = 0.1;     // m
 constexpr double kSurroundings = 0.5;     // m
 constexpr std::size_t kFewestAround = 4;  // points within kSurroundings, else it is noise
 constexpr std::size_t kMostPoints = 6000;
+constexpr double kStraightEnough = 0.8;
+constexpr double kBeside[] = {0.1, 0.15, 0.2, 0.25};  // m, where free ground is looked for
 
 using grid::GridGeometry;
 
@@ -157,9 +160,22 @@ std::vector<WallPoint> WithDirections(const std::vector<Eigen::Vector2d>& points
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
     const double largest = axes.eigenvalues()(1);
     if (!(largest > 0)) continue;
-    walls.push_back({point, axes.eigenvectors().col(1), 1.0 - axes.eigenvalues()(0) / largest});
+    walls.push_back(
+        {.point = point, .along = axes.eigenvectors().col(1), .straightness = 1.0 - axes.eigenvalues()(0) / largest});
   }
   return walls;
+}
+
+Eigen::Vector2d OpenSideOf(const WallPoint& wall, const MapEvidence& evidence) {
+  const Eigen::Vector2d across(-wall.along.y(), wall.along.x());
+  const auto free = [&](double side) {
+    return std::any_of(std::begin(kBeside), std::end(kBeside), [&](double distance) {
+      return evidence.GroundAt(wall.point + side * distance * across) == Ground::kFree;
+    });
+  };
+  const bool left = free(1);
+  if (left == free(-1)) return Eigen::Vector2d::Zero();
+  return left ? across : Eigen::Vector2d(-across);
 }
 
 }  // namespace
@@ -205,6 +221,9 @@ MapEvidence EvidenceOf(const grid::OccupancyGrid& grid) {
     points = Thinned(cells, evidence.spacing);
   }
   evidence.walls = WithDirections(points);
+  for (WallPoint& wall : evidence.walls) {
+    if (wall.straightness > kStraightEnough) wall.open = OpenSideOf(wall, evidence);
+  }
   return evidence;
 }
 

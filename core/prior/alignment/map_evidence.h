@@ -18,6 +18,9 @@ struct WallPoint {
   Eigen::Vector2d along = Eigen::Vector2d::Zero();  // unit; the direction of the wall, either way
   // How straight the wall is around the point, 0 to 1: 1 - the ratio of the principal variances.
   double straightness = 0;
+  // Unit, across the wall, to the side on which there is free ground; zero: on both, on none, or the wall is not
+  // straight.
+  Eigen::Vector2d open = Eigen::Vector2d::Zero();
 };
 
 enum class Ground : std::uint8_t { kUnknown, kFree, kWall };

@@ -68,7 +68,7 @@ std::vector<Pair> PairsOf(const FaceIndex& index, const std::vector<WallFace>& f
   for (std::size_t i = 0; i < evidence.walls.size(); i += stride) {
     const WallPoint& wall = evidence.walls[i];
     const Eigen::Vector2d along = wall.straightness > kStraight ? wall.along : Eigen::Vector2d::Zero();
-    const auto nearest = index.Nearest(wall.point, along, kParallel);
+    const auto nearest = index.Nearest(wall.point, along, kParallel, wall.open);
     if (!nearest) continue;
     const Eigen::Vector2d normal(-nearest->along.y(), nearest->along.x());
     const double scaled = nearest->distance * nearest->distance / (width * width);

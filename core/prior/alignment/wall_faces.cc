@@ -34,8 +34,8 @@ std::vector<WallFace> FacesOf(const PlanGraph& plan) {
     const Eigen::Vector2d to = plan.corners[wall.to].point;
     const Eigen::Vector2d along = (to - from).normalized();
     const Eigen::Vector2d aside = 0.5 * wall.thickness * Eigen::Vector2d(-along.y(), along.x());
-    faces.push_back({from + aside, to + aside, i});
-    if (wall.thickness > 0) faces.push_back({from - aside, to - aside, i});
+    faces.push_back({from + aside, to + aside, i, aside});
+    if (wall.thickness > 0) faces.push_back({from - aside, to - aside, i, -aside});
   }
   return faces;
 }
@@ -45,6 +45,7 @@ std::vector<WallFace> Transformed(const std::vector<WallFace>& faces, const Plan
   for (WallFace& face : moved) {
     face.from = T_map_sheet(face.from);
     face.to = T_map_sheet(face.to);
+    face.outward = T_map_sheet.linear * face.outward;
   }
   return moved;
 }
@@ -88,7 +89,7 @@ FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach) : faces_(std::mo
 }
 
 std::optional<NearestFace> FaceIndex::Nearest(const Eigen::Vector2d& point, const Eigen::Vector2d& along,
-                                              double max_angle) const {
+                                              double max_angle, const Eigen::Vector2d& open) const {
   if (faces_.empty()) return std::nullopt;
   const Eigen::Vector2d offset = (point - min_) / kBucket;
   if (!(offset.x() >= 0 && offset.y() >= 0 && offset.x() < columns_ && offset.y() < rows_)) return std::nullopt;
@@ -99,6 +100,7 @@ std::optional<NearestFace> FaceIndex::Nearest(const Eigen::Vector2d& point, cons
   double best = reach_;
   for (int i = first_[bucket]; i < first_[bucket + 1]; ++i) {
     const WallFace& face = faces_[members_[i]];
+    if (face.outward.dot(open) < 0) continue;
     const Foot foot = FootOn(face, point);
     const double distance = (foot.point - point).norm();
     if (distance >= best) continue;

@@ -15,6 +15,8 @@ struct WallFace {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
   int wall = 0;  // index in the plan
+  // Away from the wall, not normalised; zero for the line of a wall without thickness, which is seen from both sides.
+  Eigen::Vector2d outward = Eigen::Vector2d::Zero();
 };
 
 // In the sheet frame.
@@ -35,9 +37,10 @@ class FaceIndex {
   // Faces farther than `reach` (m) are not found.
   FaceIndex(std::vector<WallFace> faces, double reach);
 
-  // `along`: only faces within `max_angle` (rad) of this direction; zero: all.
-  std::optional<NearestFace> Nearest(const Eigen::Vector2d& point, const Eigen::Vector2d& along,
-                                     double max_angle) const;
+  // `along`: only faces within `max_angle` (rad) of this direction; zero: all. `open`: only faces that look this way;
+  // zero: all.
+  std::optional<NearestFace> Nearest(const Eigen::Vector2d& point, const Eigen::Vector2d& along, double max_angle,
+                                     const Eigen::Vector2d& open = Eigen::Vector2d::Zero()) const;
   const std::vector<WallFace>& faces() const { return faces_; }
 
  private:

@@ -41,7 +41,7 @@ std::vector<WallFace> CentreLines(const PlanGraph& plan, const PlanTransform& T_
   for (int i = 0; i < static_cast<int>(plan.walls.size()); ++i) {
     const PlanWall& wall = plan.walls[static_cast<std::size_t>(i)];
     lines.push_back({T_map_sheet(plan.corners[static_cast<std::size_t>(wall.from)].point),
-                     T_map_sheet(plan.corners[static_cast<std::size_t>(wall.to)].point), i});
+                     T_map_sheet(plan.corners[static_cast<std::size_t>(wall.to)].point), i, Eigen::Vector2d::Zero()});
   }
   return lines;
 }
@@ -126,7 +126,7 @@ std::vector<PlanOffset> CorrectedPlan::Associate(const PlanDisplacement& field, 
   std::map<Piece, std::vector<double>> seen;  // offsets from where the wall was placed
   for (const WallPoint& wall : evidence_.walls) {
     if (wall.straightness < kLeastStraight) continue;
-    const auto nearest = index.Nearest(wall.point, wall.along, kParallel);
+    const auto nearest = index.Nearest(wall.point, wall.along, kParallel, wall.open);
     // Beyond a wall's end there may be anything.
     if (!nearest || nearest->fraction <= 0 || nearest->fraction >= 1) continue;
     const WallFace& before = placed[static_cast<std::size_t>(nearest->face)];

@@ -87,19 +87,27 @@ class PlanFitter {
     for (int round = 0; maps_.size() > 1 && round < kJoinRounds; ++round) {
       for (std::size_t i = 1; i < maps_.size(); ++i) {
         std::optional<Pose2>& place = fit_.maps[i].T_first_map;
-        if (place) place = RefineOnPlan(evidence_[i], *fit_.corrected, *place);
+        if (!place) continue;
+        ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid others, Overlaid(PlacedWithout(i)));
+        place = RefineAmong(evidence_[i], EvidenceOf(others), *fit_.corrected, *place);
       }
       ENFILADE_RETURN_IF_ERROR(Correct());
     }
     return absl::OkStatus();
   }
 
-  // With all maps where they are now.
-  absl::Status Correct() {
+  std::vector<PlacedMap> PlacedWithout(std::optional<std::size_t> left_out) const {
     std::vector<PlacedMap> placed;
     for (std::size_t i = 0; i < maps_.size(); ++i) {
-      if (fit_.maps[i].T_first_map) placed.push_back({&maps_[i], &evidence_[i], *fit_.maps[i].T_first_map});
+      const std::optional<Pose2>& place = fit_.maps[i].T_first_map;
+      if (place && i != left_out) placed.push_back({&maps_[i], &evidence_[i], *place});
     }
+    return placed;
+  }
+
+  // With all maps where they are now.
+  absl::Status Correct() {
+    const std::vector<PlacedMap> placed = PlacedWithout(std::nullopt);
     if (placed.size() == 1) {
       fit_.map = maps_.front();
     } else {

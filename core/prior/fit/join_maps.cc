@@ -10,6 +10,25 @@
 #include "core/prior/alignment/refine.h"
 
 namespace enfilade::prior {
+namespace {
+
+constexpr double kLeastStraight = 0.6;
+
+// What has been seen, and the plan's walls elsewhere.
+std::vector<WallFace> FacesAround(const MapEvidence& seen, const CorrectedPlan& corrected) {
+  std::vector<WallFace> faces;
+  for (const WallPoint& wall : seen.walls) {
+    if (wall.straightness < kLeastStraight) continue;
+    const Eigen::Vector2d half = seen.spacing * wall.along;
+    faces.push_back({wall.point - half, wall.point + half, -1, wall.open});
+  }
+  for (const WallFace& face : corrected.faces()) {
+    if (SightOf(seen, 0.5 * (face.from + face.to)) == Sight::kUnseen) faces.push_back(face);
+  }
+  return faces;
+}
+
+}  // namespace
 
 Pose2 JoinByPlan(const MapEvidence& evidence, const PlanTransform& T_map_sheet, const PlanTransform& T_other_sheet) {
   const auto size = static_cast<double>(evidence.walls.size());
@@ -33,11 +52,12 @@ Pose2 JoinByPlan(const MapEvidence& evidence, const PlanTransform& T_map_sheet, 
   return {shift.x(), shift.y(), yaw};
 }
 
-Pose2 RefineOnPlan(const MapEvidence& evidence, const CorrectedPlan& corrected, const Pose2& T_frame_map) {
+Pose2 RefineAmong(const MapEvidence& evidence, const MapEvidence& others, const CorrectedPlan& corrected,
+                  const Pose2& T_frame_map) {
   const Pose2 T_map_frame = Inverse(T_frame_map);
   const PlanTransform start{Eigen::Rotation2Dd(T_map_frame.yaw).toRotationMatrix(), T_map_frame.translation()};
-  const PlanTransform refined =
-      Refine(corrected.faces(), evidence, start, {.model = TransformModel::kRigid, .widest = 1.0, .narrowest = 0.2});
+  const PlanTransform refined = Refine(FacesAround(others, corrected), evidence, start,
+                                       {.model = TransformModel::kRigid, .widest = 1.0, .narrowest = 0.2});
   const double yaw = std::atan2(refined.linear(1, 0), refined.linear(0, 0));
   return Inverse(Pose2{refined.offset.x(), refined.offset.y(), yaw});
 }

@@ -18,8 +18,10 @@ namespace enfilade::prior {
 // transformation parameters between two point patterns", 1991, without the scale).
 Pose2 JoinByPlan(const MapEvidence& evidence, const PlanTransform& T_map_sheet, const PlanTransform& T_other_sheet);
 
-// The map's place, T_frame_map, moved so that its walls lie on those of the corrected plan, which is in `frame`.
-Pose2 RefineOnPlan(const MapEvidence& evidence, const CorrectedPlan& corrected, const Pose2& T_frame_map);
+// The map's place, T_frame_map, moved so that its walls lie on those of the other maps (`others`, in `frame`), and
+// where these have seen nothing on those of the corrected plan.
+Pose2 RefineAmong(const MapEvidence& evidence, const MapEvidence& others, const CorrectedPlan& corrected,
+                  const Pose2& T_frame_map);
 
 struct PlacedMap {
   const grid::OccupancyGrid* map = nullptr;

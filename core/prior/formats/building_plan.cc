@@ -2,6 +2,11 @@
 #include "core/prior/formats/building_plan.h"
 
 #include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "fmt/format.h"
+#include "yaml-cpp/yaml.h"
 
 namespace enfilade::prior {
 namespace {
@@ -49,6 +54,44 @@ PlanGraph PlanOfLevel(const Building& building, std::size_t level_index) {
     }
   }
   return plan;
+}
+
+std::string WriteBuildingPlan(const PlanGraph& plan, const std::string& level, double metres_per_unit) {
+  YAML::Emitter yaml;
+  const auto vertex = [&](const Vector2d& point, const std::string& name) {
+    yaml << YAML::Flow << YAML::BeginSeq << point.x() << point.y() << 0.0 << name << YAML::EndSeq;
+  };
+  const auto typed = [&](const char* key, int type, const auto& value) {
+    yaml << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginSeq << type << value << YAML::EndSeq;
+  };
+  yaml << YAML::BeginMap << YAML::Key << "name" << YAML::Value << level;
+  yaml << YAML::Key << "levels" << YAML::Value << YAML::BeginMap << YAML::Key << level << YAML::Value << YAML::BeginMap;
+  yaml << YAML::Key << "elevation" << YAML::Value << 0.0;
+  yaml << YAML::Key << "vertices" << YAML::Value << YAML::BeginSeq;
+  for (const PlanCorner& corner : plan.corners) vertex(corner.point, "");
+  for (const PlanDoor& door : plan.doors) vertex(door.from, ""), vertex(door.to, "");
+  yaml << YAML::EndSeq << YAML::Key << "walls" << YAML::Value << YAML::BeginSeq;
+  const PlanWall* longest = nullptr;
+  for (const PlanWall& wall : plan.walls) {
+    yaml << YAML::Flow << YAML::BeginSeq << wall.from << wall.to << YAML::BeginMap << YAML::EndMap << YAML::EndSeq;
+    if (longest == nullptr || LengthOf(plan, wall) > LengthOf(plan, *longest)) longest = &wall;
+  }
+  yaml << YAML::EndSeq << YAML::Key << "doors" << YAML::Value << YAML::BeginSeq;
+  for (std::size_t i = 0; i < plan.doors.size(); ++i) {
+    const std::size_t first = plan.corners.size() + 2 * i;
+    yaml << YAML::Flow << YAML::BeginSeq << first << first + 1 << YAML::BeginMap;
+    typed("name", 1, fmt::format("door{}", i + 1));
+    typed("type", 1, "hinged");
+    yaml << YAML::EndMap << YAML::EndSeq;
+  }
+  yaml << YAML::EndSeq << YAML::Key << "measurements" << YAML::Value << YAML::BeginSeq;
+  if (longest != nullptr) {
+    yaml << YAML::Flow << YAML::BeginSeq << longest->from << longest->to << YAML::BeginMap;
+    typed("distance", 3, LengthOf(plan, *longest) * metres_per_unit);
+    yaml << YAML::EndMap << YAML::EndSeq;
+  }
+  yaml << YAML::EndSeq << YAML::EndMap << YAML::EndMap << YAML::EndMap;
+  return std::string(yaml.c_str()) + "\n";
 }
 
 }  // namespace enfilade::prior

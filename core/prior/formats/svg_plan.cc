@@ -5,11 +5,13 @@
 #include <map>
 #include <pugixml.hpp>
 #include <set>
+#include <sstream>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/prior/formats/plan_lines.h"
 #include "core/prior/formats/svg_numbers.h"
+#include "fmt/format.h"
 
 namespace enfilade::prior {
 namespace {
@@ -191,6 +193,45 @@ absl::StatusOr<VectorPlan> ReadSvgPlan(std::string_view text, const std::vector<
     return InvalidArgument("not an SVG drawing: {} at byte {}", result.description(), result.offset);
   }
   return SvgReader(document, layers).Read();
+}
+
+std::string WriteSvgPlan(const PlanGraph& plan) {
+  Eigen::Vector2d size(0, 0);
+  for (const PlanCorner& corner : plan.corners) size = size.cwiseMax(corner.point);
+  const auto number = [](double value) { return fmt::format("{:.3f}", value); };
+  pugi::xml_document document;
+  pugi::xml_node svg = document.append_child("svg");
+  svg.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
+  svg.append_attribute("width") = number(size.x()).c_str();
+  svg.append_attribute("height") = number(size.y()).c_str();
+  svg.append_attribute("viewBox") = fmt::format("0 0 {:.3f} {:.3f}", size.x(), size.y()).c_str();
+  pugi::xml_node walls = svg.append_child("g");
+  walls.append_attribute("id") = "walls";
+  walls.append_attribute("stroke") = "black";
+  for (const PlanWall& wall : plan.walls) {
+    const Eigen::Vector2d from = plan.corners[static_cast<std::size_t>(wall.from)].point;
+    const Eigen::Vector2d to = plan.corners[static_cast<std::size_t>(wall.to)].point;
+    pugi::xml_node line = walls.append_child("line");
+    line.append_attribute("x1") = number(from.x()).c_str();
+    line.append_attribute("y1") = number(from.y()).c_str();
+    line.append_attribute("x2") = number(to.x()).c_str();
+    line.append_attribute("y2") = number(to.y()).c_str();
+    line.append_attribute("stroke-width") = number(wall.thickness > 0 ? wall.thickness : 1.0).c_str();
+  }
+  pugi::xml_node names = svg.append_child("g");
+  names.append_attribute("id") = "rooms";
+  for (const PlanRoom& room : plan.rooms) {
+    if (room.name.empty() || room.outline.empty()) continue;
+    Eigen::Vector2d middle(0, 0);
+    for (const Eigen::Vector2d& corner : room.outline) middle += corner / static_cast<double>(room.outline.size());
+    pugi::xml_node text = names.append_child("text");
+    text.append_attribute("x") = number(middle.x()).c_str();
+    text.append_attribute("y") = number(middle.y()).c_str();
+    text.text() = room.name.c_str();
+  }
+  std::ostringstream out;
+  document.save(out, " ");
+  return out.str();
 }
 
 }  // namespace enfilade::prior

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/prior/formats/dxf_plan.h"
+#include "core/prior/plan/plan_graph.h"
 
 namespace enfilade::prior {
 
@@ -17,5 +18,8 @@ namespace enfilade::prior {
 // Nothing is fetched or executed: scripts, pictures and references to other files are left out with a warning, and
 // entities are not expanded. INVALID_ARGUMENT: no SVG, or damaged; RESOURCE_EXHAUSTED: more than kMostWalls lines.
 absl::StatusOr<VectorPlan> ReadSvgPlan(std::string_view text, const std::vector<std::string>& layers = {});
+
+// The walls as lines, as thick as they are, in a sheet that begins at the origin; rooms' names as texts.
+std::string WriteSvgPlan(const PlanGraph& plan);
 
 }  // namespace enfilade::prior

@@ -6,7 +6,7 @@
 #include <map>
 #include <system_error>
 
-#include "client/simulator/plan_picture.h"
+#include "client/simulator/plan/plan_picture.h"
 #include "client/simulator/simulation.h"
 
 namespace enfilade::testing {

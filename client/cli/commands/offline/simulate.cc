@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -11,7 +12,8 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/simulator/campus/shipped_campuses.h"
-#include "client/simulator/plan_picture.h"
+#include "client/simulator/plan/plan_files.h"
+#include "client/simulator/plan/plan_picture.h"
 #include "client/simulator/simulation_files.h"
 #include "client/sources/formats/json_lines_writer.h"
 #include "core/base/error.h"
@@ -36,6 +38,8 @@ struct SimulateCommandOptions {
   std::optional<double> field_of_view_deg;
   std::optional<double> range_max;
   std::optional<int> laps;
+  std::string plan_output;
+  std::optional<std::uint64_t> plan_deform;
   simulator::SimulationOptions simulation;
 };
 
@@ -86,6 +90,9 @@ absl::Status SimulateCampus(const Globals& globals, const SimulateCommandOptions
     return InvalidArgument("--truth: a campus's truth is always written, as ROBOT/truth.txt and ROBOT/truth.jsonl");
   }
   ENFILADE_ASSIGN_OR_RETURN(simulator::Campus campus, simulator::LoadCampus(options.campus));
+  if (!options.plan_output.empty()) {
+    ENFILADE_RETURN_IF_ERROR(simulator::WritePlanFiles(campus, options.plan_deform, options.plan_output));
+  }
   simulator::ScannerOptions scanner = options.simulation.scanner;
   scanner.field_of_view = kDefaultFieldOfViewDeg * kDegree;
   const simulator::SimulationOptions simulation = SimulationOf(options, scanner);
@@ -116,6 +123,7 @@ absl::Status SimulateCampus(const Globals& globals, const SimulateCommandOptions
 absl::Status SimulateRooms(const Globals& globals, const SimulateCommandOptions& options) {
   const simulator::SimulationOptions& asked = options.simulation;
   if (!options.robots.empty()) return InvalidArgument("--robots: needs a CAMPUS");
+  if (!options.plan_output.empty()) return InvalidArgument("--plan-out: needs a CAMPUS");
   if (asked.image_hz > 0.0 || asked.depth_hz > 0.0 || asked.cloud_hz > 0.0) {
     return InvalidArgument("images, depth images and point clouds need a CAMPUS: without one there is a log only");
   }
@@ -187,6 +195,13 @@ void AddSimulate(CLI::App& app, const Globals& globals) {
                       "The robots are switched on at this time of their routes, s");
   command->add_option("--laps", options->laps,
                       "Rounds of each robot's route (default: the campus's; without CAMPUS 2)");
+  CLI::Option* plans = command->add_option("--plan-out", options->plan_output,
+                                           "Also write floor plans of the campus into this folder, and their truth");
+  command
+      ->add_option("--plan-deform", options->plan_deform,
+                   "The seed of what is wrong with these plans: scales, corners, doors, walls left out and invented "
+                   "(default: they are right)")
+      ->needs(plans);
   AddSensors(*command, options);
   command->footer(
       "Examples:\n"

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/prior/correction/correct_plan.h"
 #include "tests/unit/core/prior/alignment/drawn_building.h"
 
@@ -78,6 +80,34 @@ TEST(AlignByItselfTest, RefusesABareRoomThatFitsInManyPlaces) {
   EXPECT_FALSE(prior::AlignByItself(plan, evidence, {}).accepted);
 }
 
+// A wall 0.3 m thick along x, and free ground on one side of it.
+TEST(WallFacesTest, AWallIsComparedWithTheFaceThatLooksAtTheFreeGround) {
+  grid::OccupancyGrid map;
+  map.geometry = {0.05, {}, 100, 60};
+  map.cells.assign(map.geometry.cell_count(), grid::kUnknownCell);
+  for (int column = 0; column < 100; ++column) {
+    for (int row = 20; row < 40; ++row) {
+      map.cells[map.geometry.index(column, row)] = grid::CellFromProbability(row < 39 ? 0.05 : 0.95);
+    }
+  }
+  const MapEvidence evidence = EvidenceOf(map);
+  const auto wall = std::find_if(evidence.walls.begin(), evidence.walls.end(),
+                                 [](const WallPoint& one) { return std::abs(one.point.x() - 2.5) < 0.2; });
+  ASSERT_NE(wall, evidence.walls.end());
+  EXPECT_NEAR(wall->open.y(), -1.0, 0.05);
+  PlanGraph plan;
+  plan.corners = {{{0, 0}}, {{100, 0}}};
+  plan.walls = {{.from = 0, .to = 1, .thickness = 6}};  // 0.3 m
+  // The lower face, which the robot has seen, lies 0.2 m too low, and so the upper one is the nearer.
+  const PlanTransform place{Eigen::Vector2d(0.05, -0.05).asDiagonal(), {0, 1.975 - 0.2 + 0.15}};
+  const FaceIndex index(Transformed(FacesOf(plan), place), 1.0);
+  const auto nearest = index.Nearest(wall->point, wall->along, kParallel);
+  const auto looking = index.Nearest(wall->point, wall->along, kParallel, wall->open);
+  ASSERT_TRUE(nearest && looking);
+  EXPECT_GT(nearest->point.y(), place.offset.y());
+  EXPECT_LT(looking->point.y(), place.offset.y());
+}
+
 TEST(AlignByPairsTest, ClicksThatAreOffAreMovedOntoTheWalls) {
   const PlanGraph plan = DrawnBuilding();
   const PlanTransform truth = Turned(0.7, 0.05, false);
@@ -87,6 +117,21 @@ TEST(AlignByPairsTest, ClicksThatAreOffAreMovedOntoTheWalls) {
   const auto alignment = prior::AlignByPairs(plan, evidence, pairs, {});
   ASSERT_TRUE(alignment.ok()) << alignment.status();
   EXPECT_LT(LargestError(plan, alignment->T_map_sheet, truth), 0.2);
+}
+
+TEST(AlignByPairsTest, WallsTellWhetherAPlanIsMirrored) {
+  const PlanGraph plan = DrawnBuilding();
+  for (const bool mirrored : {false, true}) {
+    const PlanTransform truth = Turned(0.7, 0.05, mirrored);
+    const MapEvidence evidence = EvidenceOf(MapOf(plan, truth, IsLeft));
+    // Two pairs fit both ways.
+    const std::vector<ControlPair> pairs = {{{0, 0}, truth(Eigen::Vector2d(0, 0))},
+                                            {{520, 200}, truth(Eigen::Vector2d(520, 200))}};
+    const auto alignment = prior::AlignByPairs(plan, evidence, pairs, {});
+    ASSERT_TRUE(alignment.ok()) << alignment.status();
+    EXPECT_EQ(alignment->T_map_sheet.mirrored(), mirrored);
+    EXPECT_LT(LargestError(plan, alignment->T_map_sheet, truth), 0.2);
+  }
 }
 
 TEST(FitPairsTest, TheWrongOneOfFiveIsNamedAndLeftOut) {

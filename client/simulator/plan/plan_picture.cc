@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/simulator/plan_picture.h"
+#include "client/simulator/plan/plan_picture.h"
 
 #include <algorithm>
 #include <cmath>

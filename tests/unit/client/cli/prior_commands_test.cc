@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "client/cli/commands/commands.h"
+#include "core/geometry/pose2.h"
+#include "tests/support/status_assertions.h"
+#include "tests/unit/client/cli/command_test.h"
+
+namespace enfilade::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A simulated building, its plan as people would draw it, and what two robots recorded there.
+class PriorCommandsTest : public CommandTest {
+ protected:
+  absl::Status Run(std::vector<std::string> arguments) {
+    const auto add = [](CLI::App& app, const Globals& globals) {
+      AddSimulate(app, globals);
+      AddPrior(app, globals);
+    };
+    return RunCommandLine(add, std::move(arguments), true);
+  }
+  std::string Path(const std::string& name) const { return directory_.path() / name; }
+  void Simulate() {
+    ASSERT_OK(
+        Run({"simulate", "random:402", "-o", Path("campus"), "--plan-out", Path("plan"), "--plan-deform", "402"}));
+  }
+  // Where a robot was switched on, which is the origin of its map.
+  Pose2 StartOf(const std::string& robot) const {
+    std::istringstream line(Content(Path("campus/" + robot + "/truth.txt")));
+    double time = 0;
+    Pose2 pose;
+    line >> time >> pose.x >> pose.y >> pose.yaw;
+    return pose;
+  }
+  nlohmann::json Printed() const { return nlohmann::json::parse(printed_); }
+};
+
+TEST_F(PriorCommandsTest, FitJoinsTheLogsOfTwoRobotsByAPicture) {
+  Simulate();
+  const std::string points = File("points.csv", "100,100\n");
+  ASSERT_OK(Run({"prior", "fit", Path("plan/plan-filled.png"), Path("campus/robot/log.jsonl"),
+                 Path("campus/robot2/log.jsonl"), "--points", points, "-o", Path("out")}));
+  const nlohmann::json report = Printed();
+  EXPECT_EQ(report["accepted"], true) << report["reason"];
+  EXPECT_EQ(report["mode"], "full");
+  ASSERT_EQ(report["inputs"].size(), 2U);
+  EXPECT_TRUE(report["inputs"][1].contains("T_first_input")) << report["inputs"][1]["reason"];
+  const std::vector<double> place = report["inputs"][1]["T_first_input"];
+  const Pose2 error = Between(Between(StartOf("robot"), StartOf("robot2")), Pose2{place[0], place[1], place[2]});
+  EXPECT_LT(error.translation().norm(), 0.1);
+  EXPECT_LT(std::abs(error.yaw), 0.01);
+  EXPECT_THAT(Content(Path("out/points.csv")), HasSubstr("100,100,"));
+  for (const char* file : {"walls.geojson", "fit.png"}) EXPECT_FALSE(Content(Path("out") + "/" + file).empty());
+}
+
+TEST_F(PriorCommandsTest, FitNamesAModeThatDoesNotExist) {
+  EXPECT_STATUS(Run({"prior", "fit", "plan.png", "map.yaml", "--mode", "best"}), absl::StatusCode::kInvalidArgument,
+                HasSubstr("--mode"));
+}
+
+TEST_F(PriorCommandsTest, PlansNeedACampus) {
+  EXPECT_STATUS(Run({"simulate", "-o", Path("drive.jsonl"), "--plan-out", Path("plan")}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("--plan-out"));
+}
+
+}  // namespace
+}  // namespace enfilade::cli
