@@ -12,8 +12,8 @@
 namespace enfilade::simulator {
 namespace {
 
-constexpr double kPaperBeyond = 30.0;  // px
-constexpr double kPen = 2.0;           // px, of double lines
+constexpr double kPaperBeyond = 30.0;    // px
+constexpr double kPen = 2.0;             // px, of double lines
 constexpr double kThinnest = 2.0;        // px, of filled walls
 constexpr double kThinnestDouble = 8.0;  // px, of walls that are two lines
 constexpr double kMostPixels = 64e6;

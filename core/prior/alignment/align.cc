@@ -94,7 +94,7 @@ class Aligner {
          {TransformModel::kSimilarity, TransformModel::kAnisotropic, TransformModel::kAffine}) {
       if (FreedomOf(model) > FreedomOf(options_.widest_model)) break;
       Candidate next = best;
-      next.model = model;
+      next.model = std::max(model, start.model);
       next.transform = Refine(faces_, evidence_, best.transform,
                               {.model = model, .widest = model == TransformModel::kSimilarity ? widest : 1.0});
       Judge(next);
@@ -173,6 +173,22 @@ Alignment RefinedFrom(const Aligner& aligner, Candidate start, double within) {
   return ToAlignment(refined.score >= start.score ? refined : start);
 }
 
+bool IsAllowed(const PlanTransform& transform, const AlignOptions& options) {
+  const double ratio = transform.linear.col(0).norm() / transform.linear.col(1).norm();
+  return options.widest_model != TransformModel::kSimilarity || std::abs(ratio - 1) < 1e-6;
+}
+
+// Does it fit better, and if it is the more unusual of the two by as much as that takes?
+bool IsBetter(const Alignment& next, const Alignment& best, const AlignOptions& options) {
+  const double score = ScoreOf(next.agreement);
+  const double known = ScoreOf(best.agreement);
+  const bool mirrored = next.T_map_sheet.mirrored();
+  if (mirrored != best.T_map_sheet.mirrored()) {
+    return mirrored ? score > options.mirror_gain * known : options.mirror_gain * score > known;
+  }
+  return 1 - score < options.most_left * (1 - known);
+}
+
 }  // namespace
 
 absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
@@ -187,12 +203,11 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
   ENFILADE_ASSIGN_OR_RETURN(const PairFit fit, FitPairs(pairs, (max - min).norm()));
   const Aligner aligner(plan, evidence, options);
   Alignment alignment = RefinedFrom(aligner, {.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}}, 3.0);
-  if (fit.T_map_sheet_turned) {
-    Alignment turned = RefinedFrom(aligner, {.transform = *fit.T_map_sheet_turned, .agreement = {}}, 3.0);
-    const double straight = ScoreOf((alignment.T_map_sheet.mirrored() ? turned : alignment).agreement);
-    const double mirrored = ScoreOf((alignment.T_map_sheet.mirrored() ? alignment : turned).agreement);
-    const bool is_mirrored = mirrored > options.mirror_gain * straight;
-    if (is_mirrored != alignment.T_map_sheet.mirrored()) alignment = std::move(turned);
+  for (const PlanTransform& other : fit.others) {
+    if (!IsAllowed(other, options)) continue;
+    Alignment next =
+        RefinedFrom(aligner, {.transform = other, .model = TransformModel::kAnisotropic, .agreement = {}}, 3.0);
+    if (IsBetter(next, alignment, options)) alignment = std::move(next);
   }
   alignment.accepted = true;
   alignment.reason = fmt::format("{} pairs of points", pairs.size() - (fit.wrong ? 1 : 0));
@@ -227,7 +242,10 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   alignment.rival_ratio = rival > 0 ? candidates.front().score / rival : 99;
   alignment.reason = ObjectionTo(alignment, options);
   const bool could_be_straight = alignment.T_map_sheet.mirrored() && !options.known_shape;
-  const double needed = options.least_rival_ratio * (could_be_straight ? options.mirror_gain : 1);
+  const bool sure = alignment.agreement.explained >= options.sure_explained &&
+                    alignment.agreement.contradicted() <= options.sure_contradicted;
+  const double needed =
+      (sure ? options.sure_rival_ratio : options.least_rival_ratio) * (could_be_straight ? options.mirror_gain : 1);
   if (alignment.reason.empty() && alignment.rival_ratio < needed) {
     alignment.reason = fmt::format("another place fits nearly as well: {:.2f} times, {:.2f} are needed",
                                    alignment.rival_ratio, needed);

@@ -31,6 +31,10 @@ struct AlignOptions {
   double least_explained = 0.35;
   double most_contradicted = 0.25;
   double least_rival_ratio = 1.3;
+  // A place that explains so much, and is contradicted by so little, need not be so much better than any other.
+  double sure_explained = 0.5;
+  double sure_contradicted = 0.1;
+  double sure_rival_ratio = 1.15;
   double least_length = 25;  // m of the map's walls that the plan explains
   double mirror_gain = 1.1;  // a mirrored plan must fit so much better than any that is not
   // The distortions to try.

@@ -17,6 +17,7 @@ constexpr std::size_t kFewestForAxes = 4;
 constexpr std::size_t kFewestForWrong = 5;
 constexpr double kMirrorGain = 3.0;  // how much smaller the residual of a mirrored plan must be
 constexpr double kWrongSigmas = 4.0;
+constexpr double kAxisRatios[] = {0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.4};
 
 // A similarity has the matrix [a, b; b, -a] (sheets' y points down), or [a, -b; b, a] if mirrored: linear in a, b, x,
 // y.
@@ -34,6 +35,14 @@ PlanTransform FitSimilarity(const std::vector<ControlPair>& pairs, bool mirrored
   PlanTransform transform;
   transform.linear << solved(0), sign * solved(1), solved(1), -sign * solved(0);
   transform.offset = solved.tail<2>();
+  return transform;
+}
+
+// `ratio`: of the scale along the sheet's y by that along its x.
+PlanTransform FitWithRatio(std::vector<ControlPair> pairs, bool mirrored, double ratio) {
+  for (ControlPair& pair : pairs) pair.point_sheet.y() *= ratio;
+  PlanTransform transform = FitSimilarity(pairs, mirrored);
+  transform.linear.col(1) *= ratio;
   return transform;
 }
 
@@ -166,8 +175,15 @@ absl::StatusOr<PairFit> FitPairs(const std::vector<ControlPair>& pairs, double s
   result.wrong = FindWrong(pairs);
   const std::vector<ControlPair> right = result.wrong ? Without(pairs, *result.wrong) : pairs;
   const Fit fit = FitTo(right);
-  const PlanTransform turned = FitSimilarity(right, !fit.transform.mirrored());
-  if (RmsOf(turned, right) < std::max(kClickSigma, RmsOf(fit.transform, right))) result.T_map_sheet_turned = turned;
+  for (const bool mirrored : {false, true}) {
+    for (const double ratio : kAxisRatios) {
+      const PlanTransform other = FitWithRatio(right, mirrored, ratio);
+      const bool same =
+          mirrored == fit.transform.mirrored() && (ratio == 1 || fit.model != TransformModel::kSimilarity);
+      const double usual = std::max(kClickSigma, RmsOf(fit.transform, right));
+      if (!same && RmsOf(other, right) < usual) result.others.push_back(other);
+    }
+  }
   result.T_map_sheet = fit.transform;
   result.model = fit.model;
   for (const ControlPair& pair : pairs) {

@@ -25,8 +25,9 @@ struct PairFit {
   std::vector<double> residuals;  // m, of each pair
   // The pair that contradicts the others (five and more tell which; of fewer none does): it is left out of the fit.
   std::optional<std::size_t> wrong;
-  // The plan turned over, if the pairs fit that about as well: two always do.
-  std::optional<PlanTransform> T_map_sheet_turned;
+  // Other places that the pairs fit about as well: turned over, and with another scale along the sheet's y than along
+  // its x. Two pairs leave many; well spread ones none.
+  std::vector<PlanTransform> others;
 };
 
 // Least squares: a similarity, turned over if that fits much better (S. Umeyama, "Least-squares estimation of
