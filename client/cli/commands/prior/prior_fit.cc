@@ -67,9 +67,7 @@ absl::StatusOr<std::vector<grid::OccupancyGrid>> ReadInputs(const Globals& globa
 
 absl::StatusOr<prior::FitOptions> ToFitOptions(const PriorFitOptions& options) {
   prior::FitOptions fit;
-  const std::optional<prior::FitMode> mode = prior::FitModeFrom(options.mode);
-  if (!mode) return InvalidArgument("--mode: \"{}\" is none of full, acg, similarity, affine", options.mode);
-  fit.mode = *mode;
+  fit.mode = prior::FitModeFrom(options.mode).value();  // the command line has checked it
   if (!options.pairs.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(fit.pairs, ReadPairs(options.pairs));
   }
