@@ -24,6 +24,19 @@ struct PlanDeformation {
   double door_shift = 0.3;  // m: doors are drawn up to this far aside
   double mirrored = 0.1;    // the chance that it is
   bool turned = true;       // by any angle
+
+  // Nothing is wrong with the plan.
+  static PlanDeformation None() {
+    return {.least_scale = 1,
+            .most_scale = 1,
+            .stretch = 0,
+            .jitter = 0,
+            .left_out = 0,
+            .invented = 0,
+            .door_shift = 0,
+            .mirrored = 0,
+            .turned = false};
+  }
 };
 
 struct DeformedPlan {

@@ -20,19 +20,6 @@ namespace {
 
 nlohmann::json Pair(const Eigen::Vector2d& point) { return {point.x(), point.y()}; }
 
-PlanDeformation DeformationOf(std::optional<std::uint64_t> seed) {
-  if (seed) return {.seed = *seed};
-  return {.least_scale = 1,
-          .most_scale = 1,
-          .stretch = 0,
-          .jitter = 0,
-          .left_out = 0,
-          .invented = 0,
-          .door_shift = 0,
-          .mirrored = 0,
-          .turned = false};
-}
-
 std::string TruthOf(const DeformedPlan& plan) {
   nlohmann::json truth = {{"mirrored", plan.mirrored},
                           {"corners", nlohmann::json::array()},
@@ -73,8 +60,10 @@ absl::Status WritePlanFiles(const Campus& campus, std::optional<std::uint64_t> d
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return FailedPrecondition("{}: {}", folder.string(), error.message());
+  PlanDeformation deformation = PlanDeformation::None();
+  if (deform_seed) deformation = {.seed = *deform_seed};
   for (const auto& [level, height] : campus.levels) {
-    ENFILADE_RETURN_IF_ERROR(WriteLevel(campus, level, DeformationOf(deform_seed), folder));
+    ENFILADE_RETURN_IF_ERROR(WriteLevel(campus, level, deformation, folder));
   }
   return absl::OkStatus();
 }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "client/simulator/plan/plan_drawing.h"
 #include "core/grid/files/png_codec.h"
 
 namespace enfilade::testing {
@@ -86,15 +87,6 @@ double DistanceTo(const Vector2d& p, const Piece& piece) {
   return (piece.a + share * along - p).norm();
 }
 
-// Of the rectangle around the piece: negative within.
-double SignedDistance(const Vector2d& p, const Piece& piece, double thickness) {
-  const Vector2d along = (piece.b - piece.a).normalized();
-  const Vector2d from_middle = p - (piece.a + piece.b) / 2;
-  const double x = std::abs(from_middle.dot(along)) - (piece.b - piece.a).norm() / 2;
-  const double y = std::abs(from_middle.x() * along.y() - from_middle.y() * along.x()) - thickness / 2;
-  return std::hypot(std::max(x, 0.0), std::max(y, 0.0)) + std::min(std::max(x, y), 0.0);
-}
-
 class Drawing {
  public:
   explicit Drawing(const DrawnPlanOptions& options) : options_(options) {
@@ -134,7 +126,8 @@ class Drawing {
   std::uint8_t BrightnessAt(const Vector2d& p) const {
     const double thickness = options_.wall_m * options_.px_per_m;
     double signed_distance = std::numeric_limits<double>::max();
-    for (const Piece& wall : walls_) signed_distance = std::min(signed_distance, SignedDistance(p, wall, thickness));
+    for (const Piece& wall : walls_)
+      signed_distance = std::min(signed_distance, simulator::DistanceToInk(p, wall.a, wall.b, thickness));
     double ink = options_.style == WallStyle::kFilled ? Coverage(-signed_distance)
                                                       : Coverage(options_.line_px / 2 - std::abs(signed_distance));
     for (const Piece& line : lines_) ink = std::max(ink, Coverage(options_.line_px / 2 - DistanceTo(p, line)));

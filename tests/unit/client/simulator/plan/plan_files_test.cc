@@ -75,17 +75,9 @@ TEST_P(CampusPlan, DeformedKnowsWhereItsCornersAre) {
 
 INSTANTIATE_TEST_SUITE_P(Buildings, CampusPlan, ::testing::Range(11, 19));
 
-TEST(PlanDeformation, WithoutFaultsTheplanIsTheBuilding) {
+TEST(PlanDeformation, WithoutFaultsThePlanIsTheBuilding) {
   const prior::PlanGraph built = PlanOfRandom(7);
-  const DeformedPlan plan = Deform(built, {.least_scale = 1,
-                                           .most_scale = 1,
-                                           .stretch = 0,
-                                           .jitter = 0,
-                                           .left_out = 0,
-                                           .invented = 0,
-                                           .door_shift = 0,
-                                           .mirrored = 0,
-                                           .turned = false});
+  const DeformedPlan plan = Deform(built, PlanDeformation::None());
   ASSERT_EQ(plan.graph.walls.size(), built.walls.size());
   for (std::size_t i = 0; i < plan.corners.size(); ++i) {
     const Eigen::Vector2d way = plan.graph.corners[i].point - plan.graph.corners[0].point;
