@@ -54,6 +54,7 @@ class CorrectedPlan {
   // The walls' faces in the map's frame.
   const std::vector<WallFace>& faces() const { return faces_; }
   const Agreement& agreement() const { return agreement_; }
+  double scale() const { return T_map_sheet_.scale(); }  // m per unit of the sheet, of the plan as a whole
   CorrectedPoint Locate(const Eigen::Vector2d& point_sheet) const;
 
  private:

@@ -196,15 +196,21 @@ absl::StatusOr<VectorPlan> ReadSvgPlan(std::string_view text, const std::vector<
 }
 
 std::string WriteSvgPlan(const PlanGraph& plan) {
-  Eigen::Vector2d size(0, 0);
-  for (const PlanCorner& corner : plan.corners) size = size.cwiseMax(corner.point);
+  Eigen::Vector2d low(0, 0);
+  Eigen::Vector2d high(0, 0);
+  for (const PlanCorner& corner : plan.corners) {
+    low = low.cwiseMin(corner.point);
+    high = high.cwiseMax(corner.point);
+  }
+  const Eigen::Vector2d size = high - low;
   const auto number = [](double value) { return fmt::format("{:.3f}", value); };
   pugi::xml_document document;
   pugi::xml_node svg = document.append_child("svg");
   svg.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
   svg.append_attribute("width") = number(size.x()).c_str();
   svg.append_attribute("height") = number(size.y()).c_str();
-  svg.append_attribute("viewBox") = fmt::format("0 0 {:.3f} {:.3f}", size.x(), size.y()).c_str();
+  svg.append_attribute("viewBox") =
+      fmt::format("{:.3f} {:.3f} {:.3f} {:.3f}", low.x(), low.y(), size.x(), size.y()).c_str();
   pugi::xml_node walls = svg.append_child("g");
   walls.append_attribute("id") = "walls";
   walls.append_attribute("stroke") = "black";

@@ -19,7 +19,7 @@ namespace enfilade::prior {
 // entities are not expanded. INVALID_ARGUMENT: no SVG, or damaged; RESOURCE_EXHAUSTED: more than kMostWalls lines.
 absl::StatusOr<VectorPlan> ReadSvgPlan(std::string_view text, const std::vector<std::string>& layers = {});
 
-// The walls as lines, as thick as they are, in a sheet that begins at the origin; rooms' names as texts.
+// The walls as lines, as thick as they are; rooms' names as texts. The sheet holds the origin.
 std::string WriteSvgPlan(const PlanGraph& plan);
 
 }  // namespace enfilade::prior

@@ -18,7 +18,11 @@
 #include "client/sources/log_reader.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/grid/files/map_files.h"
 #include "core/prior/fit/fit_plan.h"
+#include "core/prior/fit/planning_map.h"
+#include "core/prior/formats/building_plan.h"
+#include "core/prior/formats/svg_plan.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -74,6 +78,17 @@ absl::StatusOr<prior::FitOptions> ToFitOptions(const PriorFitOptions& options) {
   return fit;
 }
 
+absl::Status WritePlanningMap(const std::filesystem::path& directory, const prior::PlanGraph& plan,
+                              const prior::PlanFit& fit) {
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanningMap planning,
+                            prior::MakePlanningMap(fit.map, *fit.evidence, plan, *fit.corrected));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files,
+                            grid::RenderFiles(grid::FromOccupancyGrid(planning.map), "planning", {}));
+  for (const grid::MapFile& file : files) ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / file.name, file.bytes));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string mask, DrawMask(planning));
+  return io::WriteFile(directory / "planning-mask.png", mask);
+}
+
 absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& plan, const prior::PlanFit& fit,
                         const std::vector<Eigen::Vector2d>& points) {
   const std::filesystem::path directory = options.directory;
@@ -81,6 +96,11 @@ absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& 
   std::filesystem::create_directories(directory, error);
   if (error) return InvalidArgument("{}: {}", options.directory, error.message());
   ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "walls.geojson", WriteCorrectedPlan(plan, *fit.corrected)));
+  const prior::PlanGraph corrected = prior::CorrectedGraph(plan, *fit.corrected);
+  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "walls.svg", prior::WriteSvgPlan(corrected)));
+  ENFILADE_RETURN_IF_ERROR(
+      io::WriteFile(directory / "walls.building.yaml", prior::WriteBuildingPlan(corrected, "plan", 1.0)));
+  ENFILADE_RETURN_IF_ERROR(WritePlanningMap(directory, plan, fit));
   ENFILADE_ASSIGN_OR_RETURN(const std::string png, DrawFit(fit.map, plan, fit.alignment.T_map_sheet, *fit.corrected));
   ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "fit.png", png));
   if (options.points.empty()) return absl::OkStatus();
@@ -161,8 +181,9 @@ void AddPriorFit(CLI::App& prior, const Globals& globals) {
                    "Maps (YAML, JSON, PNG or PGM) and recorded logs, which are mapped first. Several are joined by the "
                    "plan, in the frame of the first")
       ->required();
-  command->add_option("-o,--output", options->directory,
-                      "Write walls.geojson and fit.png into this folder, and points.csv with --points");
+  command->add_option(
+      "-o,--output", options->directory,
+      "Write the corrected walls, the planning map and fit.png into this folder, and points.csv with --points");
   CLI::Option* pairs = command->add_option(
       "--pairs", options->pairs, "Points that are known in both: lines of plan_x_px,plan_y_px,input_x_m,input_y_m");
   command->add_flag("--auto", options->automatic, "Find the place without help (the default without --pairs)")

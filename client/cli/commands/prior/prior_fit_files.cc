@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/grid/files/png_codec.h"
 #include "core/plot/scene.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -140,6 +141,18 @@ absl::StatusOr<std::string> DrawFit(const grid::OccupancyGrid& map, const prior:
   }
   ENFILADE_ASSIGN_OR_RETURN(const plot::SceneView view, plot::ViewOf(scene, kPlotSide));
   return grid::EncodePng(plot::DrawScene(scene, view));
+}
+
+absl::StatusOr<std::string> DrawMask(const prior::PlanningMap& planning) {
+  const grid::GridGeometry& geometry = planning.map.geometry;
+  grid::PixelImage image{.width = geometry.width, .height = geometry.height, .channels = 1, .samples = {}};
+  image.samples.reserve(planning.sources.size());
+  for (int row = geometry.height - 1; row >= 0; --row) {  // pictures begin at the top
+    for (int column = 0; column < geometry.width; ++column) {
+      image.samples.push_back(static_cast<std::uint8_t>(planning.sources[geometry.index(column, row)]));
+    }
+  }
+  return grid::EncodePng(image);
 }
 
 }  // namespace enfilade::cli

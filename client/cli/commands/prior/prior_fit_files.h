@@ -12,6 +12,7 @@
 #include "core/grid/occupancy_grid.h"
 #include "core/prior/alignment/control_pairs.h"
 #include "core/prior/correction/correct_plan.h"
+#include "core/prior/fit/planning_map.h"
 #include "core/prior/plan/plan_graph.h"
 
 namespace enfilade::cli {
@@ -30,5 +31,8 @@ std::string WriteLocatedPoints(const std::vector<Eigen::Vector2d>& points, const
 // A PNG: the map, the plan as it was placed (grey) and corrected (seen green, unseen blue, contradicted red).
 absl::StatusOr<std::string> DrawFit(const grid::OccupancyGrid& map, const prior::PlanGraph& plan,
                                     const prior::PlanTransform& T_map_sheet, const prior::CorrectedPlan& corrected);
+
+// A grey PNG, a pixel for each cell: 0 unknown, 1 seen by a robot, 2 predicted by the plan.
+absl::StatusOr<std::string> DrawMask(const prior::PlanningMap& planning);
 
 }  // namespace enfilade::cli

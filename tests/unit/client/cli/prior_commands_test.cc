@@ -57,7 +57,16 @@ TEST_F(PriorCommandsTest, FitJoinsTheLogsOfTwoRobotsByAPicture) {
   EXPECT_LT(error.translation().norm(), 0.1);
   EXPECT_LT(std::abs(error.yaw), 0.01);
   EXPECT_THAT(Content(Path("out/points.csv")), HasSubstr("100,100,"));
-  for (const char* file : {"walls.geojson", "fit.png"}) EXPECT_FALSE(Content(Path("out") + "/" + file).empty());
+  for (const char* file : {"walls.geojson", "fit.png", "planning.pgm", "planning-mask.png"}) {
+    EXPECT_FALSE(Content(Path("out") + "/" + file).empty()) << file;
+  }
+  // What was written can be read: the plan from each of its formats, and the map.
+  for (const char* file : {"out/walls.svg", "out/walls.building.yaml"}) {
+    ASSERT_OK(Run({"prior", "import", Path(file), "-o", Path("again.geojson")})) << file;
+    EXPECT_GE(Printed()["walls"], 8) << file;
+  }
+  ASSERT_OK(Run({"prior", "fit", Path("plan/plan.svg"), Path("out/planning.yaml")}));
+  EXPECT_EQ(Printed()["accepted"], true) << Printed()["reason"];
 }
 
 TEST_F(PriorCommandsTest, FitNamesAModeThatDoesNotExist) {
