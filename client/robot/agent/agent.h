@@ -120,6 +120,9 @@ class Agent {
   absl::Status Begin(client::SpoolSession session, const std::string& description);
   // While the robot is not located: asks the server if that is due, and takes its answer.
   absl::Status LookAround(const sensor::PairedScan& scan);
+  // Whether the server has mapped what the robot recorded before. Waits for it if the source can wait and the server
+  // answers.
+  bool EarlierMapped() const;
   // Waits for the answer if the source can wait.
   void TakeStartAnswer();
   absl::Status EnterStartMap(const StartDecision& decision);

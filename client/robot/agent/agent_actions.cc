@@ -2,6 +2,7 @@
 // How the agent executes the state machine's actions.
 #include <chrono>
 #include <ctime>
+#include <thread>
 
 #include "client/robot/agent/agent.h"
 #include "client/robot/agent/campus_edits.h"
@@ -15,6 +16,7 @@ namespace {
 using client::SpoolItem;
 
 constexpr std::size_t kMaxKeptDoors = 16;
+constexpr auto kMappedPoll = std::chrono::milliseconds(50);
 
 std::string DefaultMapName(const RobotId& robot) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -87,11 +89,26 @@ absl::Status Agent::LookAround(const sensor::PairedScan& scan) {
   if (start_answer_.valid()) TakeStartAnswer();
   if (start_->Add(scan) && !start_answer_.valid()) {
     T_odom_asked_ = *scan.T_odom_robot;
-    start_answer_ = std::async(std::launch::async, context_.locate, start_->scans());
-    TakeStartAnswer();
+    if (EarlierMapped()) {
+      start_answer_ = std::async(std::launch::async, context_.locate, start_->scans());
+      TakeStartAnswer();
+    } else {
+      start_->Answer(absl::UnavailableError("what the robot recorded before is not mapped yet"), T_odom_asked_);
+    }
   }
   const std::optional<StartDecision> decision = start_->Decide();
   return decision ? EnterStartMap(*decision) : absl::OkStatus();
+}
+
+// A search in maps that lack the robot's own latest rooms takes another place that looks alike for the robot's.
+bool Agent::EarlierMapped() const {
+  while (!context_.uploader.EarlierMapped()) {
+    const Uploader::Progress progress = context_.uploader.progress();
+    const bool hopeless = !progress.reachable || !progress.blocked.empty() || context_.interrupted();
+    if (!setup_.options.spool.wait_when_full || hopeless) return false;
+    std::this_thread::sleep_for(kMappedPoll);
+  }
+  return true;
 }
 
 void Agent::TakeStartAnswer() {

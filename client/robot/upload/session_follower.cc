@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/robot/upload/session_follower.h"
 
+#include <algorithm>
 #include <cctype>
 #include <utility>
 #include <vector>
@@ -39,8 +40,13 @@ void SessionFollower::Poll() {
   std::erase_if(sessions_, [&](Followed& followed) { return PollSession(followed); });
 }
 
+std::int64_t SessionFollower::unmapped() const {
+  return std::count_if(sessions_.begin(), sessions_.end(), [](const Followed& followed) { return !followed.mapped; });
+}
+
 bool SessionFollower::PollSession(Followed& followed) {
   const absl::StatusOr<v1::Session> session = client::GetSession(connection_, robot_.site, followed.session);
+  reachable_ = session.ok() || client::IsPermanent(session.status());
   // Permanent: it was deleted, and nothing more will come. Otherwise the next poll asks again.
   if (!session.ok()) return client::IsPermanent(session.status());
   if (!followed.map_reported && !session->map().empty()) {

@@ -40,6 +40,10 @@ class SessionFollower {
   // Asks for the robot's pose in the world, and notifies if it has changed.
   void PollGlobalPose();
   std::int64_t size() const { return static_cast<std::int64_t>(sessions_.size()); }
+  // Of these, how many are not mapped yet.
+  std::int64_t unmapped() const;
+  // Whether the server answered when it was last asked about a session.
+  bool reachable() const { return reachable_; }
 
  private:
   struct Followed {
@@ -61,6 +65,7 @@ class SessionFollower {
   const NotificationListener listener_;
   const Hooks hooks_;
   std::deque<Followed> sessions_;
+  bool reachable_ = true;
   std::optional<bool> server_surveys_;
   std::map<std::string, std::string> display_names_;  // by the map's resource name
   std::string last_global_pose_;

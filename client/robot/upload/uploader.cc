@@ -88,6 +88,16 @@ bool Uploader::Done(bool judged) {
   return !uplink_ && (!judged || progress_.followed == 0);
 }
 
+bool Uploader::EarlierMapped() {
+  const std::vector<client::SpoolSession> sessions = spool_.ListSessions();
+  MutexLock lock(mutex_);
+  for (const client::SpoolSession& session : sessions) {
+    if (session.id == held_) break;
+    if (!session.closed) return false;
+  }
+  return !uplink_ && progress_.unmapped == 0;
+}
+
 void Uploader::Run() {
   Clock::time_point next_follow = Clock::now();
   while (true) {
@@ -106,12 +116,7 @@ void Uploader::Run() {
       if (end) OnUplinkEnded(*end);
     }
     if (Clock::now() >= next_follow) {
-      follower_.Poll();
-      {
-        MutexLock lock(mutex_);
-        progress_.followed = follower_.size();
-      }
-      if (options_.global_pose) follower_.PollGlobalPose();
+      Follow();
       next_follow =
           Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.follow_s));
     }
@@ -149,6 +154,7 @@ void Uploader::UpdateProgress() {
     MutexLock lock(mutex_);
     if (!uplink_) return;
     progress_.uplink = uplink_->progress();
+    progress_.reachable = progress_.uplink.last_error.empty();
     progress_.waiting = waiting;
     error = progress_.uplink.last_error;
     pose_error = progress_.uplink.pose_error;
@@ -161,6 +167,15 @@ void Uploader::UpdateProgress() {
   last_error_ = error;
   if (error.empty()) return listener_({"uplink", "the server accepts records again", {{"error", nullptr}}});
   listener_({"uplink", error + "; recording continues, nothing is lost", {{"error", error}}});
+}
+
+void Uploader::Follow() {
+  follower_.Poll();
+  if (options_.global_pose) follower_.PollGlobalPose();
+  MutexLock lock(mutex_);
+  progress_.followed = follower_.size();
+  progress_.unmapped = follower_.unmapped();
+  if (!uplink_) progress_.reachable = follower_.reachable();
 }
 
 void Uploader::OnUplinkEnded(const absl::Status& status) {
@@ -176,7 +191,10 @@ void Uploader::OnUplinkEnded(const absl::Status& status) {
       retry_blocked_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                           std::chrono::duration<double>(options_.retry_blocked_s));
     }
-    if (status.ok()) ++progress_.followed;
+    if (status.ok()) {
+      ++progress_.followed;
+      ++progress_.unmapped;
+    }
   }
   if (!status.ok()) {
     const std::string message(status.message());

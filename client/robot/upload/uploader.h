@@ -40,6 +40,8 @@ class Uploader {
     client::UplinkProgress uplink;
     std::int64_t waiting = 0;   // sessions in the spool that the server has not received whole
     std::int64_t followed = 0;  // sessions that it has received and is still mapping or judging
+    std::int64_t unmapped = 0;  // of these, not mapped yet
+    bool reachable = true;      // whether the server takes records, or else answers
     std::string blocked;        // why nothing is uploaded at present; empty: all is well
     std::string map;            // the display name of the map where the server last saw the robot
     std::string map_name;       // and its resource name
@@ -67,11 +69,14 @@ class Uploader {
   Progress progress();
   // The server has every finished session; with `judged` it has also mapped them and judged their doors.
   bool Done(bool judged);
+  // The server has every session before the held one, and has mapped them.
+  bool EarlierMapped();
 
  private:
   void Run();
   void StartNext();
   void UpdateProgress();
+  void Follow();
   void OnUplinkEnded(const absl::Status& status);
   // Called by the uplink's thread and the worker.
   void OnMapEntered(const SessionId& session, const v1::MapEntered& entered);

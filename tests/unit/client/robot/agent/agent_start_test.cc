@@ -26,6 +26,7 @@ class AgentStartTest : public ::testing::Test {
     UploaderOptions options;
     options.uplink.min_backoff_s = 0.001;
     options.uplink.max_backoff_s = 0.02;
+    options.follow_s = 0.02;
     uploader_ = std::make_unique<Uploader>(
         connection_, *spool_, convert::RobotName{SiteId("s"), RobotId("r1")}, [](const Notification&) {}, options);
     uploader_->Start();
@@ -37,6 +38,7 @@ class AgentStartTest : public ::testing::Test {
     setup.site = SiteId("s");
     setup.robot = RobotId("r1");
     setup.options.automatic = automatic;
+    setup.options.spool.wait_when_full = wait_when_full_;
     setup.start = LocateRobot{};
     auto agent = Agent::Make(std::move(setup),
                              {connection_, *spool_, *uploader_, [](const Notification&) {}, [] { return false; },
@@ -48,6 +50,17 @@ class AgentStartTest : public ::testing::Test {
     ASSERT_OK(agent.status());
     agent_ = *std::move(agent);
     ASSERT_OK(agent_->Start());
+  }
+  // A session of an earlier run, which is not uploaded yet.
+  void RecordEarlier() {
+    client::SpoolSession earlier;
+    earlier.site = SiteId("s");
+    earlier.robot = RobotId("r1");
+    earlier.id = SessionId("earlier");
+    earlier.request_id = "request";
+    earlier.map = "hall";
+    ASSERT_OK(spool_->CreateSession(earlier));
+    ASSERT_OK(spool_->MarkFinished(earlier.id));
   }
   // Along x in a round room, 0.1 m a step.
   void Drive(double metres) {
@@ -82,6 +95,7 @@ class AgentStartTest : public ::testing::Test {
   std::unique_ptr<Uploader> uploader_;
   std::unique_ptr<Agent> agent_;
   absl::StatusOr<StartAnswer> answer_ = Hypothesis();
+  bool wait_when_full_ = true;
   int asked_ = 0;
   sensor::PairedScan last_asked_;
   double x_ = 0.0;
@@ -116,6 +130,32 @@ TEST_F(AgentStartTest, NothingIsUploadedBeforeItIsDecidedAndAllOfItAfterwards) {
   EXPECT_TRUE(Eventually([&] { return uploader_->progress().session == Session().id.value(); }))
       << "after 10 m a new map begins";
   EXPECT_FALSE(Session().entry.T_map_robot);
+}
+
+TEST_F(AgentStartTest, ARobotDoesNotAskBeforeItsEarlierSessionsAreMapped) {
+  RecordEarlier();
+  answer_->confident = true;
+  wait_when_full_ = false;  // a live robot
+  Start();
+  Drive(3.0);
+  EXPECT_EQ(asked_, 0);
+  ASSERT_TRUE(Eventually([&] { return uploader_->progress().unmapped == 1; })) << "received";
+  Drive(2.0);
+  EXPECT_EQ(asked_, 0);
+  server_.Edit("sites/s/sessions/earlier",
+               [](FakeServer::Session& session) { session.session.set_state(v1::Session::STATE_MAPPED); });
+  ASSERT_TRUE(Eventually([&] { return uploader_->EarlierMapped(); }));
+  Drive(2.0);
+  EXPECT_EQ(asked_, 1);
+}
+
+TEST_F(AgentStartTest, ALogDoesNotWaitForAServerThatIsAway) {
+  server_.Stop();
+  RecordEarlier();
+  Start();
+  Drive(11.0);
+  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(spool_->ListSessions().size(), 2U);
 }
 
 TEST_F(AgentStartTest, AtTheEndOfTheDriveTheMapIsANewOne) {
