@@ -56,7 +56,7 @@ struct Outcome {
 
 class BadDriveTest : public ::testing::Test {
  protected:
-  BadDriveTest() : system_(Cluster::Durability::kFast, {}) {
+  BadDriveTest() : system_({}) {
     system_.CreateSite("s");
     auto drive = simulator::SimulateDrive(world_, kRobot, {});
     if (!drive.ok()) throw std::runtime_error(std::string(drive.status().message()));

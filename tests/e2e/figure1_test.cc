@@ -29,7 +29,7 @@ void ExpectExact(const CampusResult& result) {
 }
 
 TEST(Figure1, IsMappedAutomatically) {
-  WholeSystem system(Cluster::Durability::kFast, {});
+  WholeSystem system({});
   const CampusResult result = RunCampus(system, CampusRunOf({"r1"}));
   ExpectExact(result);
   EXPECT_LT(result.final_error, 0.6);
@@ -51,7 +51,7 @@ TEST(Figure1, IsMappedAutomatically) {
 
 // Each robot enters areas that the other one enters for the first time, too, by other doors.
 TEST(Figure1, IsTheSameGraphWhenTwoRobotsMapItTogether) {
-  WholeSystem system(Cluster::Durability::kFast, {});
+  WholeSystem system({});
   const CampusResult result = RunCampus(system, CampusRunOf({"r1", "r2"}));
   for (const std::string& verdict : result.verdicts) std::cout << verdict << "\n";
   ExpectExact(result);

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 class GraphCommands : public ::testing::Test {
  protected:
-  GraphCommands() : system_(Cluster::Durability::kFast, {}) {
+  GraphCommands() : system_({}) {
     system_.CreateSite("s");
     for (const std::string name : {"Hall", "Lab"}) {
       WriteRoom(name);

@@ -19,7 +19,7 @@ void RunOrFail(const std::vector<std::string>& command) {
 
 class Install : public ::testing::Test {
  protected:
-  Install() : system_(Cluster::Durability::kFast, {}) { system_.CreateSite("s"); }
+  Install() : system_({}) { system_.CreateSite("s"); }
 
   void InstallAll() {
     ASSERT_NO_FATAL_FAILURE(RunOrFail({"cmake", "--install", ENFILADE_BUILD_DIR, "--prefix", prefix_}));

@@ -84,7 +84,7 @@ void KillStorm::KillBackend() {
       " AND pid <> pg_backend_pid() ORDER BY pid");
   if (!backends || backends->empty()) {
     system_.KillDatabase();  // it is recovering: kill the whole database instead
-    system_.cluster().Restart();
+    system_.RestartDatabase();
     return;
   }
   const std::size_t which = std::uniform_int_distribution<std::size_t>(0, backends->size() - 1)(random_);
@@ -106,7 +106,7 @@ void KillStorm::KillAndRestart(Victim victim) {
     case Victim::kDatabase:
       system_.KillDatabase();
       std::this_thread::sleep_for(RandomTime(300));
-      system_.cluster().Restart();
+      system_.RestartDatabase();
       break;
     case Victim::kDatabaseBackend:
       KillBackend();

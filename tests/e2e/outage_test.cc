@@ -13,12 +13,12 @@
 namespace enfilade::testing {
 namespace {
 
+const std::vector<std::string> kSettings = {"mapping.lease_s=1", "listen.grace_s=5"};
+
 class OutageTest : public ::testing::Test {
  protected:
-  OutageTest() : system_(Cluster::Durability::kFast, {"mapping.lease_s=1", "listen.grace_s=5"}) {
-    system_.RecordDrive(2);
-    system_.CreateSite("s");
-  }
+  OutageTest() : system_(kSettings) { Prepare(); }
+  explicit OutageTest(Cluster::Durability durability) : system_(durability, kSettings) { Prepare(); }
 
   absl::Status ListSites() const {
     return system_.server().Connect().Call(&v1::SiteService::Stub::ListSites, v1::ListSitesRequest()).status();
@@ -30,6 +30,17 @@ class OutageTest : public ::testing::Test {
   }
 
   mutable WholeSystem system_;
+
+ private:
+  void Prepare() {
+    system_.RecordDrive(2);
+    system_.CreateSite("s");
+  }
+};
+
+class DatabaseOutageTest : public OutageTest {
+ protected:
+  DatabaseOutageTest() : OutageTest(Cluster::Durability::kFast) {}
 };
 
 TEST_F(OutageTest, SigtermAnswersOpenStreamsAndEndsInTime) {
@@ -62,7 +73,7 @@ TEST_F(OutageTest, SigtermAnswersOpenStreamsAndEndsInTime) {
   EXPECT_TRUE(Eventually([&] { return system_.AcknowledgedSequence("s") > acknowledged; }));
 }
 
-TEST_F(OutageTest, WithoutDatabaseTheServerIsNotReadyAndRobotsSpoolOn) {
+TEST_F(DatabaseOutageTest, WithoutDatabaseTheServerIsNotReadyAndRobotsSpoolOn) {
   const Replay replay{.site = "s", .rate = "10"};
   const auto robot = system_.StartReplay(replay, system_.server());
   ASSERT_TRUE(Eventually([&] { return system_.AcknowledgedSequence("s") > 0; })) << TailOf(system_.ReplayLog(replay));
@@ -73,7 +84,7 @@ TEST_F(OutageTest, WithoutDatabaseTheServerIsNotReadyAndRobotsSpoolOn) {
   EXPECT_TRUE(SpoolGrows(replay));
   EXPECT_TRUE(robot->running());
 
-  system_.cluster().Restart();
+  system_.RestartDatabase();
   EXPECT_TRUE(Eventually([&] { return HealthOf(connection) == Health::kServing; }));
   EXPECT_EQ(ListSites(), absl::OkStatus());
   EXPECT_EQ(robot->Wait(std::chrono::minutes(5)), 0) << TailOf(system_.ReplayLog(replay));

@@ -33,7 +33,7 @@ constexpr int kLaps = 2;
 
 class RestartTest : public ::testing::Test {
  protected:
-  RestartTest() : system_(Cluster::Durability::kFast, {"mapping.lease_s=1"}) { system_.CreateSite("s"); }
+  RestartTest() : system_({"mapping.lease_s=1"}) { system_.CreateSite("s"); }
 
   std::unique_ptr<Process> StartRobot(const std::vector<std::string>& arguments, const std::string& output) {
     std::vector<std::string> command = {Program("enfilade"),

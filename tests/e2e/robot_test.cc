@@ -16,7 +16,7 @@ using nlohmann::json;
 
 class RobotTest : public ::testing::Test {
  protected:
-  RobotTest() : system_(Cluster::Durability::kFast, {"mapping.lease_s=1"}) { system_.CreateSite("s"); }
+  RobotTest() : system_({"mapping.lease_s=1"}) { system_.CreateSite("s"); }
 
   std::unique_ptr<Process> StartRobot(const std::vector<std::string>& arguments, const std::string& output) {
     std::vector<std::string> command = {Program("enfilade"),

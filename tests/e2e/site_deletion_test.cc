@@ -12,7 +12,7 @@ constexpr std::int64_t kRecords = 20'000;
 
 class SiteDeletionTest : public ::testing::Test {
  protected:
-  SiteDeletionTest() : system_(Cluster::Durability::kFast, {"listen.grace_s=2"}) {
+  SiteDeletionTest() : system_({"listen.grace_s=2"}) {
     system_.CreateSite("s");
     system_.CreateSite("other");
     // Of a long day: twenty sessions.

@@ -26,16 +26,35 @@ std::string ReadAll(const fs::path& path) {
 }  // namespace
 
 WholeSystem::WholeSystem(Cluster::Durability durability, std::vector<std::string> server_settings)
-    : cluster_(durability),
+    : database_(std::in_place_type<Cluster>, durability),
       settings_(std::move(server_settings)),
-      server_(directory_.path(), "server", cluster_.url(), settings_) {
-  const CommandResult migrate = RunCommand({ProjectFile("deploy/database/migrate"), "up", cluster_.url()});
+      server_(directory_.path(), "server", database_url(), settings_) {
+  const CommandResult migrate = RunCommand({ProjectFile("deploy/database/migrate"), "up", database_url()});
   if (migrate.exit_code != 0) throw std::runtime_error("the migrations failed:\n" + migrate.output);
   server_.StartAndWait();
 }
 
+WholeSystem::WholeSystem(std::vector<std::string> server_settings)
+    : database_(std::in_place_type<TestDatabase>),
+      settings_(std::move(server_settings)),
+      server_(directory_.path(), "server", database_url(), settings_) {
+  server_.StartAndWait();
+}
+
+const std::string& WholeSystem::database_url() const {
+  return std::visit([](const auto& database) -> const std::string& { return database.url(); }, database_);
+}
+
+Cluster& WholeSystem::own_cluster() {
+  Cluster* cluster = std::get_if<Cluster>(&database_);
+  if (!cluster) throw std::logic_error("others may use this database's server");
+  return *cluster;
+}
+
+void WholeSystem::RestartDatabase() { own_cluster().Restart(); }
+
 void WholeSystem::KillDatabase() {
-  const pid_t postmaster = cluster_.pid();
+  const pid_t postmaster = own_cluster().pid();
   if (postmaster <= 1) throw std::runtime_error("no database is running");  // 0 would be this test's own group
   kill(postmaster, SIGKILL);
   // Until it is gone, not only dying, PostgreSQL refuses to start again.
@@ -43,7 +62,7 @@ void WholeSystem::KillDatabase() {
 }
 
 std::unique_ptr<ServerProcess> WholeSystem::AnotherServer(const std::string& name) const {
-  return std::make_unique<ServerProcess>(directory_.path(), name, cluster_.url(), settings_);
+  return std::make_unique<ServerProcess>(directory_.path(), name, database_url(), settings_);
 }
 
 void WholeSystem::Tool(const std::string& site, const std::vector<std::string>& arguments) const {
@@ -103,7 +122,7 @@ std::int64_t WholeSystem::SpooledSequence(const Replay& replay) const {
 }
 
 std::optional<std::vector<std::string>> WholeSystem::TryQuery(const std::string& sql) const {
-  const std::unique_ptr<PGconn, void (*)(PGconn*)> connection(PQconnectdb(cluster_.url().c_str()), PQfinish);
+  const std::unique_ptr<PGconn, void (*)(PGconn*)> connection(PQconnectdb(database_url().c_str()), PQfinish);
   PQclear(PQexec(connection.get(), "SET search_path = enfilade, public"));
   const std::unique_ptr<PGresult, void (*)(PGresult*)> result(PQexec(connection.get(), sql.c_str()), PQclear);
   if (PQresultStatus(result.get()) != PGRES_TUPLES_OK) return std::nullopt;

@@ -6,9 +6,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "tests/support/cluster.h"
+#include "tests/support/database.h"
 #include "tests/support/process.h"
 #include "tests/support/server_process.h"
 #include "tests/support/test_data.h"
@@ -27,13 +29,16 @@ struct Replay {
 // Database, server and a recorded drive in one temporary directory.
 class WholeSystem {
  public:
+  // On a TestDatabase, which may be in a server that others use.
+  explicit WholeSystem(std::vector<std::string> server_settings);
+  // On a cluster of its own, which the test may kill.
   WholeSystem(Cluster::Durability durability, std::vector<std::string> server_settings);
 
-  Cluster& cluster() { return cluster_; }
   ServerProcess& server() { return server_; }
   const std::filesystem::path& directory() const { return directory_.path(); }
-  // kill -9 of the postmaster. Throws if none is running.
+  // Of a cluster of its own: kill -9 of the postmaster. Throws if none is running.
   void KillDatabase();
+  void RestartDatabase();
   // Another server on the same database, not yet started.
   std::unique_ptr<ServerProcess> AnotherServer(const std::string& name) const;
 
@@ -60,11 +65,13 @@ class WholeSystem {
   std::vector<std::pair<std::string, std::string>> ExportAll(const std::string& site) const;
 
  private:
+  const std::string& database_url() const;
+  Cluster& own_cluster();
   std::int64_t NumberOf(const std::string& sql) const;
   std::filesystem::path SpoolOf(const Replay& replay) const;
 
   TemporaryDirectory directory_;
-  Cluster cluster_;
+  std::variant<Cluster, TestDatabase> database_;
   std::vector<std::string> settings_;
   ServerProcess server_;
 };

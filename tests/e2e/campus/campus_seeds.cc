@@ -135,7 +135,7 @@ class Experiment {
   explicit Experiment(const Options& options) : options_(options) {}
 
   int Run() {
-    WholeSystem system(Cluster::Durability::kFast, options_.settings);
+    WholeSystem system(options_.settings);
     if (!options_.logs.empty()) RunLogs(system);
     if (!options_.campuses.empty()) RunCampuses(system);
     const bool enough = totals_.exact_share() >= options_.require - 1e-9 || options_.campuses.empty();
