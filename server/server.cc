@@ -113,6 +113,7 @@ class Server::Impl {
                                                    maps,
                                                    revisions,
                                                    pyramids,
+                                                   prior_maps,
                                                    sessions,
                                                    records,
                                                    blobs,
@@ -131,6 +132,7 @@ class Server::Impl {
                                                    mapping,
                                                    *exports,
                                                    raster_pyramids,
+                                                   prior_alignment,
                                                    graphs,
                                                    graph_waits,
                                                    pose_looks,
@@ -243,6 +245,7 @@ class Server::Impl {
   const storage::postgres::MapStore maps{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
   const storage::PyramidStore pyramids{*pool};
+  const storage::PriorMapStore prior_maps{*pool};
   const storage::postgres::SessionStore sessions{*pool};
   const storage::postgres::RecordStore records{*pool};
   const storage::postgres::BlobStore blobs{*pool};
@@ -277,6 +280,7 @@ class Server::Impl {
   GraphVersionWaits graph_waits{graphs, std::chrono::milliseconds(std::llround(options.graph.version_wait_s * 1000.0))};
   PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
+  const PriorAlignment prior_alignment{prior_maps, maps, revisions, blobs, graphs};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, {solver_leases, site_leases}, graphs, changed_sites};

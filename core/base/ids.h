@@ -29,6 +29,7 @@ class Id {
 
 using SiteId = Id<struct SiteTag>;
 using MapId = Id<struct MapTag>;
+using PriorMapId = Id<struct PriorMapTag>;
 using LinkPointId = Id<struct LinkPointTag>;
 using RobotId = Id<struct RobotTag>;
 using SessionId = Id<struct SessionTag>;

@@ -21,6 +21,9 @@ std::string ChildOf(const SiteId& site, std::string_view collection, const std::
 std::string NameOf(const SiteId& site) { return ChildOf(site, "", ""); }
 std::string NameOf(const SiteId& site, const RobotId& robot) { return ChildOf(site, "/robots/", robot.value()); }
 std::string NameOf(const SiteId& site, const MapId& map) { return ChildOf(site, "/maps/", map.value()); }
+std::string NameOf(const SiteId& site, const PriorMapId& prior_map) {
+  return ChildOf(site, "/priorMaps/", prior_map.value());
+}
 std::string NameOf(const SiteId& site, const LinkPointId& link_point) {
   return ChildOf(site, "/linkPoints/", link_point.value());
 }

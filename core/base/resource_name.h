@@ -11,6 +11,7 @@ namespace enfilade {
 std::string NameOf(const SiteId& site);
 std::string NameOf(const SiteId& site, const RobotId& robot);
 std::string NameOf(const SiteId& site, const MapId& map);
+std::string NameOf(const SiteId& site, const PriorMapId& prior_map);
 std::string NameOf(const SiteId& site, const LinkPointId& link_point);
 std::string NameOf(const SiteId& site, const SessionId& session);
 

@@ -55,6 +55,7 @@ std::optional<std::int64_t> ToNumber(const std::string& text) {
 constexpr std::string_view kSiteForm = "sites/{site}";
 constexpr std::string_view kMapForm = "sites/{site}/maps/{map}";
 constexpr std::string_view kRevisionForm = "sites/{site}/maps/{map}/revisions/{revision}";
+constexpr std::string_view kPriorMapForm = "sites/{site}/priorMaps/{prior_map}";
 constexpr std::string_view kLinkPointForm = "sites/{site}/linkPoints/{link_point}";
 constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
 constexpr std::string_view kSessionForm = "sites/{site}/sessions/{session}";
@@ -68,6 +69,7 @@ std::string NameOf(const MapName& name) { return NameOf(name.site, name.map); }
 std::string NameOf(const RevisionName& name) {
   return NameOf(name.site, name.map) + "/revisions/" + std::to_string(name.revision);
 }
+std::string NameOf(const PriorMapName& name) { return NameOf(name.site, name.prior_map); }
 std::string NameOf(const LinkPointName& name) { return NameOf(name.site, name.link_point); }
 std::string NameOf(const RobotName& name) { return NameOf(name.site, name.robot); }
 std::string NameOf(const SessionName& name) { return NameOf(name.site, name.session); }
@@ -103,6 +105,11 @@ absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::stri
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name) {
   if (const auto map = ParseMapName(field, name); map.ok()) return RevisionName{map->site, map->map, 0};
   return ParseRevisionName(field, name);
+}
+
+absl::StatusOr<PriorMapName> ParsePriorMapName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kPriorMapForm, field, name));
+  return PriorMapName{SiteId(ids[0]), PriorMapId(ids[1])};
 }
 
 absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::string_view name) {

@@ -23,6 +23,10 @@ struct RevisionName {
   MapId map;
   std::int64_t revision = 0;  // 0: the newest
 };
+struct PriorMapName {
+  SiteId site;
+  PriorMapId prior_map;
+};
 struct LinkPointName {
   SiteId site;
   LinkPointId link_point;
@@ -55,6 +59,7 @@ struct RearrangementName {
 
 std::string NameOf(const MapName& name);
 std::string NameOf(const RevisionName& name);
+std::string NameOf(const PriorMapName& name);
 std::string NameOf(const LinkPointName& name);
 std::string NameOf(const RobotName& name);
 std::string NameOf(const SessionName& name);
@@ -67,6 +72,7 @@ absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view na
 // Takes a map's name too, meaning its newest revision.
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name);
 absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::string_view name);
+absl::StatusOr<PriorMapName> ParsePriorMapName(std::string_view field, std::string_view name);
 absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::string_view name);
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);
 absl::StatusOr<SessionName> ParseSessionName(std::string_view field, std::string_view name);

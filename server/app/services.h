@@ -14,6 +14,7 @@
 #include "server/app/ingest/pose_reports.h"
 #include "server/app/localization/robot_localization.h"
 #include "server/app/mapping/mapping.h"
+#include "server/app/priors/prior_alignment.h"
 #include "server/app/rasters/raster_pyramids.h"
 #include "server/app/rearrange/map_rearrangements.h"
 #include "server/app/runtime/executor.h"
@@ -30,6 +31,7 @@
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_store.h"
+#include "storage/maps/prior_map_store.h"
 #include "storage/maps/pyramid_store.h"
 #include "storage/maps/revision_store.h"
 #include "storage/sessions/loop_closure_store.h"
@@ -60,6 +62,7 @@ struct Services {
   const storage::MapReader& maps;
   const storage::RevisionStore& revisions;
   const storage::PyramidStore& pyramids;
+  const storage::PriorMapStore& prior_maps;
   const storage::SessionStore& sessions;
   const storage::RecordStore& records;
   const storage::BlobStore& blobs;
@@ -79,6 +82,7 @@ struct Services {
   Mapping& mapping;
   MapExports& exports;
   RasterPyramids& raster_pyramids;
+  const PriorAlignment& prior_alignment;
   SiteGraphs& graphs;
   GraphVersionWaits& graph_waits;
   PoseLooks& pose_looks;

@@ -12,6 +12,7 @@
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
 #include "enfilade/v1/robot_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
@@ -32,6 +33,8 @@
 #include "server/rpc/map/export_map.h"
 #include "server/rpc/map/handlers.h"
 #include "server/rpc/map/import_map.h"
+#include "server/rpc/prior/handlers.h"
+#include "server/rpc/prior/import_prior_map.h"
 #include "server/rpc/raster/handlers.h"
 #include "server/rpc/rearrange/handlers.h"
 #include "server/rpc/robot/handlers.h"
@@ -246,6 +249,21 @@ class RasterApi final : public ApiOf<v1::RasterService::CallbackService> {
   ENFILADE_BULK_UNARY(ListRasterThumbnails)
 };
 
+class PriorMapApi final : public ApiOf<v1::PriorMapService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_CLIENT_STREAM(ImportPriorMap)
+  ENFILADE_UNARY(GetPriorMap)
+  ENFILADE_UNARY(ListPriorMaps)
+  ENFILADE_UNARY(UpdatePriorMap)
+  ENFILADE_UNARY(DeletePriorMap)
+  ENFILADE_UNARY_ON_GRAPH(AlignPriorMap, CallLane::kSlow)
+  ENFILADE_UNARY(ActivatePriorMap)
+  ENFILADE_UNARY(SuspendPriorMap)
+  ENFILADE_SERVER_STREAM(ExportPriorMap)
+};
+
 class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
  public:
   using ApiOf::ApiOf;
@@ -295,6 +313,7 @@ struct Api::Impl {
         localization(services, calls),
         server(services, calls),
         raster(services, calls),
+        prior_map(services, calls),
         watch(services, calls) {}
 
   const CallEnvironment calls;
@@ -308,6 +327,7 @@ struct Api::Impl {
   LocalizationApi localization;
   ServerApi server;
   RasterApi raster;
+  PriorMapApi prior_map;
   WatchApi watch;
 };
 
@@ -325,6 +345,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->localization);
   builder.RegisterService(&impl_->server);
   builder.RegisterService(&impl_->raster);
+  builder.RegisterService(&impl_->prior_map);
   builder.RegisterService(&impl_->watch);
 }
 

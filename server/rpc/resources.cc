@@ -26,12 +26,6 @@ std::size_t CountCharacters(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
-absl::Status CheckDisplayName(const char* field, const std::string& name) {
-  const std::size_t characters = CountCharacters(name);
-  if (characters >= 1 && characters <= kMaxNameCharacters) return absl::OkStatus();
-  return InvalidArgument("{} must have 1 to {} characters and no NUL", field, kMaxNameCharacters);
-}
-
 absl::StatusOr<std::chrono::seconds> ReadRetention(const char* field, const google::protobuf::Duration& in) {
   if (in.seconds() < 0 || in.seconds() > storage::kMaxRetention.count() || in.nanos() != 0) {
     return InvalidArgument("{} must be a whole number of seconds, 0 to {}; unset for ever", field,
@@ -53,6 +47,12 @@ absl::StatusOr<storage::RevisionRetention> ReadRevisionRetention(const v1::Revis
 }
 
 }  // namespace
+
+absl::Status CheckDisplayName(const char* field, const std::string& name) {
+  const std::size_t characters = CountCharacters(name);
+  if (characters >= 1 && characters <= kMaxNameCharacters) return absl::OkStatus();
+  return InvalidArgument("{} must have 1 to {} characters and no NUL", field, kMaxNameCharacters);
+}
 
 v1::Site ToProto(const storage::Site& site) {
   v1::Site out;

@@ -35,6 +35,8 @@ v1::Closure ToProto(const convert::SessionName& session, const slam::LoopClosure
 absl::StatusOr<storage::Site> FromProto(const v1::Site& site);
 // INVALID_ARGUMENT naming the field, if it is not the tag of a revision.
 absl::Status CheckTag(const char* field, const std::string& tag);
+// INVALID_ARGUMENT naming the field, unless it has 1 to 200 characters.
+absl::Status CheckDisplayName(const char* field, const std::string& name);
 absl::StatusOr<storage::Robot> FromProto(const v1::Robot& robot);
 absl::StatusOr<storage::Map> FromProto(const v1::Map& map);
 

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
 #include "grpc/grpc.h"
 #include "tests/rpc/server_test.h"
@@ -60,6 +61,13 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
   ExpectRefusesEmpty(*connection_, &LocalizationService::Stub::LocalizeRobot);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::GetPriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorMaps);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::UpdatePriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::DeletePriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::AlignPriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ActivatePriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::SuspendPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::RasterService::Stub::GetRasterManifest);
   ExpectRefusesEmpty(*connection_, &v1::RasterService::Stub::ListRasterThumbnails);
 

@@ -17,6 +17,7 @@
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
+#include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
 #include "enfilade/v1/session_service.grpc.pb.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
@@ -148,6 +149,19 @@ class ScriptedServer {
     ScriptedServer& owner;
     ENFILADE_SCRIPTED(Unary, LocalizeRobot, localize_robot)
   };
+  struct PriorMaps final : v1::PriorMapService::Service {
+    explicit PriorMaps(ScriptedServer& server) : owner(server) {}
+    ScriptedServer& owner;
+    ENFILADE_SCRIPTED(Upload, ImportPriorMap, import_file)
+    ENFILADE_SCRIPTED(Unary, GetPriorMap, get)
+    ENFILADE_SCRIPTED(Unary, ListPriorMaps, list)
+    ENFILADE_SCRIPTED(Unary, UpdatePriorMap, update)
+    ENFILADE_SCRIPTED(Unary, DeletePriorMap, remove)
+    ENFILADE_SCRIPTED(Unary, AlignPriorMap, align)
+    ENFILADE_SCRIPTED(Unary, ActivatePriorMap, activate)
+    ENFILADE_SCRIPTED(Unary, SuspendPriorMap, suspend)
+    ENFILADE_SCRIPTED(Download, ExportPriorMap, export_files)
+  };
   struct Ingest final : v1::IngestService::Service {
     explicit Ingest(ScriptedServer& server) : owner(server) {}
     ScriptedServer& owner;
@@ -164,8 +178,8 @@ class ScriptedServer {
   void Start() {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
-    for (grpc::Service* service :
-         std::vector<grpc::Service*>{&maps, &link_points, &graph, &sessions, &sites, &status, &ingest, &localization}) {
+    for (grpc::Service* service : std::vector<grpc::Service*>{&maps, &link_points, &graph, &sessions, &sites, &status,
+                                                              &ingest, &localization, &prior_maps}) {
       builder.RegisterService(service);
     }
     server_ = builder.BuildAndStart();
@@ -192,6 +206,7 @@ class ScriptedServer {
   Status status{*this};
   Ingest ingest{*this};
   Localization localization{*this};
+  PriorMaps prior_maps{*this};
 
  private:
   void Note(const grpc::ServerContext& context) {
@@ -212,7 +227,7 @@ class ScriptedServer {
   std::vector<CallFacts> calls_ ABSL_GUARDED_BY(mutex_);
 };
 
-// Adds a file to a manifest of type v1::ExportMapManifest or v1::ExportGraphManifest.
+// Adds a file to a manifest, such as v1::ExportMapManifest.
 template <typename Manifest>
 void AddToManifest(const std::string& name, const std::string& bytes, Manifest& manifest) {
   v1::FileEntry& file = *manifest.add_files();
@@ -221,7 +236,7 @@ void AddToManifest(const std::string& name, const std::string& bytes, Manifest& 
   file.set_sha256(Sha256(bytes));
 }
 
-// A chunk of a download of type v1::ExportMapResponse or v1::ExportGraphResponse.
+// A chunk of a download, such as v1::ExportMapResponse.
 template <typename Response>
 Response ChunkOf(int file, std::int64_t offset, const std::string& data) {
   Response response;

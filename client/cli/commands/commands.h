@@ -17,6 +17,8 @@ void AddLocalize(CLI::App& app, const Globals& globals);
 // map list | show | create | update | export | import | merge | split | undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
+// prior list | show | add | align | activate | suspend | rename | export | delete; import | fit need no server
+void AddPrior(CLI::App& app, const Globals& globals);
 void AddReplay(CLI::App& app, const Globals& globals);
 void AddRobot(CLI::App& app, const Globals& globals);
 void AddServer(CLI::App& app, const Globals& globals);      // server status
@@ -28,7 +30,6 @@ void AddTrajectory(CLI::App& app, const Globals& globals);  // trajectory export
 void AddDoors(CLI::App& app, const Globals& globals);
 void AddEnvironment(CLI::App& app, const Globals& globals);
 void AddMatch(CLI::App& app, const Globals& globals);  // match images | clouds
-void AddPrior(CLI::App& app, const Globals& globals);  // prior import
 void AddRooms(CLI::App& app, const Globals& globals);
 void AddSimulate(CLI::App& app, const Globals& globals);
 void AddSlam(CLI::App& app, const Globals& globals);
@@ -45,8 +46,12 @@ void AddMapImport(CLI::App& map, const Globals& globals);
 void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);
+void AddPriorAdd(CLI::App& prior, const Globals& globals);
+void AddPriorAlign(CLI::App& prior, const Globals& globals);
+void AddPriorExport(CLI::App& prior, const Globals& globals);
 void AddPriorFit(CLI::App& prior, const Globals& globals);
 void AddPriorImport(CLI::App& prior, const Globals& globals);
+void AddPriorMaps(CLI::App& prior, const Globals& globals);  // list, show, activate, suspend, rename, delete
 void AddSessionDoors(CLI::App& session, const Globals& globals);
 
 }  // namespace enfilade::cli

@@ -17,6 +17,12 @@ namespace enfilade::client {
 // The largest chunk that the server takes.
 constexpr std::size_t kChunkBytes = 1U << 20;
 
+// A file by its name, without a folder, and its bytes.
+struct NamedFile {
+  std::string name;
+  std::string bytes;
+};
+
 // How much of a transfer is done, of `total` bytes. Called from the thread that transfers.
 using TransferProgress = std::function<void(std::int64_t done, std::int64_t total)>;
 

@@ -14,12 +14,6 @@
 
 namespace enfilade::client {
 
-// A file by its name, without a folder, and its bytes.
-struct NamedFile {
-  std::string name;
-  std::string bytes;
-};
-
 struct DownloadedMap {
   v1::MapRevision revision;
   std::vector<NamedFile> files;

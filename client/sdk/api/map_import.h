@@ -6,7 +6,6 @@
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "client/sdk/api/chunks.h"
-#include "client/sdk/api/map_export.h"
 #include "client/sdk/connection.h"
 #include "enfilade/v1/map_service.pb.h"
 

@@ -27,6 +27,7 @@ std::string SiteOf(const Request& request) {
   if constexpr (requires { request.name(); }) read(request.name());
   if constexpr (requires { request.site(); }) read(request.site());
   if constexpr (requires { request.map(); }) read(request.map());
+  if constexpr (requires { request.prior_map(); }) read(request.prior_map());
   if constexpr (requires { request.link_point(); }) read(request.link_point());
   if constexpr (requires { request.session(); }) read(request.session());
   if constexpr (requires { request.robot(); }) read(request.robot());

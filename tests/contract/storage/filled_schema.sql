@@ -148,3 +148,9 @@ SELECT pg_temp.fill('rearrangement_images', '{"rearrangement_id": "merge", "rela
   "before": {}}');
 SELECT pg_temp.fill('rearrangement_blobs', jsonb_build_object('rearrangement_id', 'merge',
   'sha256', pg_temp.hash('2')));
+SELECT pg_temp.fill('prior_maps', '{"prior_map_id": "plan", "display_name": "Plan", "level": 0, "state": 2, "reason": "-",
+  "file_name": "plan.png", "warnings": [], "walls": 8, "corners": 8, "doors": 0, "rooms": 1, "shafts": 0,
+  "affine": [1, 0, 0, 0, -1, 0], "model": 2, "explained": 1, "contradicted": 0, "rival_ratio": 2, "aligned_maps": ["m1"],
+  "graph_version": 1, "pair_maps": ["m1"], "pair_points": [1, 2, 3, 4], "align_time": "2026-01-01"}');
+SELECT pg_temp.fill('prior_map_files', jsonb_build_object('prior_map_id', 'plan', 'product', 1, 'name', 'plan.png',
+  'size_bytes', 1, 'sha256', pg_temp.hash('2')));

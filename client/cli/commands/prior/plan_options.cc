@@ -7,13 +7,16 @@
 
 namespace enfilade::cli {
 
-void AddPlanOptions(CLI::App& command, PlanOptions& options) {
+void AddPlanOptions(CLI::App& command, PlanOptions& options, const std::string& level_option) {
   command.add_option("PLAN", options.path, "The plan (docs/prior_maps.md lists the formats)")->required();
   command.add_option("--measure", options.measure,
                      "A known distance between two points of the plan, X1,Y1,X2,Y2=METRES: gives the scale");
   command.add_option("--page", options.page, "The page of a PDF, from 1")->check(CLI::PositiveNumber);
-  command.add_option("--layers", options.layers, "Layers of SVG and DXF to read: patterns such as A-WALL*");
-  command.add_option("--level", options.level, "The level of a building.yaml (default: the lowest)");
+  command
+      .add_option("--layers", options.layers,
+                  "Layers of SVG and DXF to read: patterns such as A-WALL*, with commas between them")
+      ->delimiter(',');
+  command.add_option(level_option, options.level, "The level of a building.yaml (default: the lowest)");
 }
 
 absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options) {

@@ -19,7 +19,8 @@ struct PlanOptions {
   std::string level;
 };
 
-void AddPlanOptions(CLI::App& command, PlanOptions& options);
+// `level_option`: the name of the option for the level of a building.yaml.
+void AddPlanOptions(CLI::App& command, PlanOptions& options, const std::string& level_option = "--level");
 
 // INVALID_ARGUMENT, naming the option.
 absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options);

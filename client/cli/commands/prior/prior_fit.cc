@@ -19,10 +19,9 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/grid/files/map_files.h"
+#include "core/prior/alignment/map_evidence.h"
 #include "core/prior/fit/fit_plan.h"
-#include "core/prior/fit/planning_map.h"
-#include "core/prior/formats/building_plan.h"
-#include "core/prior/formats/svg_plan.h"
+#include "core/prior/products/products.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -69,6 +68,18 @@ absl::StatusOr<std::vector<grid::OccupancyGrid>> ReadInputs(const Globals& globa
   return maps;
 }
 
+// FitPlan knows maps by their numbers only: an error that is one input's own begins with its path.
+absl::StatusOr<prior::PlanFit> FitInputs(const PriorFitOptions& options, const prior::PlanGraph& plan,
+                                         const std::vector<grid::OccupancyGrid>& maps,
+                                         const prior::FitOptions& fitting) {
+  absl::StatusOr<prior::PlanFit> fit = prior::FitPlan(plan, maps, fitting);
+  if (!absl::IsInvalidArgument(fit.status())) return fit;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    if (prior::EvidenceOf(maps[i]).walls.empty()) return InvalidArgument("{}: no walls in it", options.inputs[i]);
+  }
+  return fit;
+}
+
 absl::StatusOr<prior::FitOptions> ToFitOptions(const PriorFitOptions& options) {
   prior::FitOptions fit;
   fit.mode = prior::FitModeFrom(options.mode).value();  // the command line has checked it
@@ -78,15 +89,9 @@ absl::StatusOr<prior::FitOptions> ToFitOptions(const PriorFitOptions& options) {
   return fit;
 }
 
-absl::Status WritePlanningMap(const std::filesystem::path& directory, const prior::PlanGraph& plan,
-                              const prior::PlanFit& fit) {
-  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanningMap planning,
-                            prior::MakePlanningMap(fit.map, *fit.evidence, plan, *fit.corrected));
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files,
-                            grid::RenderFiles(grid::FromOccupancyGrid(planning.map), "planning", {}));
+absl::Status WriteAll(const std::filesystem::path& directory, const std::vector<grid::MapFile>& files) {
   for (const grid::MapFile& file : files) ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / file.name, file.bytes));
-  ENFILADE_ASSIGN_OR_RETURN(const std::string mask, DrawMask(planning));
-  return io::WriteFile(directory / "planning-mask.png", mask);
+  return absl::OkStatus();
 }
 
 absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& plan, const prior::PlanFit& fit,
@@ -95,14 +100,11 @@ absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& 
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) return InvalidArgument("{}: {}", options.directory, error.message());
-  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "walls.geojson", WriteCorrectedPlan(plan, *fit.corrected)));
-  const prior::PlanGraph corrected = prior::CorrectedGraph(plan, *fit.corrected);
-  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "walls.svg", prior::WriteSvgPlan(corrected)));
-  ENFILADE_RETURN_IF_ERROR(
-      io::WriteFile(directory / "walls.building.yaml", prior::WriteBuildingPlan(corrected, "plan", 1.0)));
-  ENFILADE_RETURN_IF_ERROR(WritePlanningMap(directory, plan, fit));
-  ENFILADE_ASSIGN_OR_RETURN(const std::string png, DrawFit(fit.map, plan, fit.alignment.T_map_sheet, *fit.corrected));
-  ENFILADE_RETURN_IF_ERROR(io::WriteFile(directory / "fit.png", png));
+  ENFILADE_RETURN_IF_ERROR(WriteAll(directory, prior::CorrectedFiles(plan, *fit.corrected)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto planning, prior::PlanningFiles(plan, fit, grid::MapFileFormat::kPgm));
+  ENFILADE_RETURN_IF_ERROR(WriteAll(directory, planning));
+  ENFILADE_ASSIGN_OR_RETURN(const grid::MapFile picture, prior::PictureFile(plan, fit));
+  ENFILADE_RETURN_IF_ERROR(WriteAll(directory, {picture}));
   if (options.points.empty()) return absl::OkStatus();
   return io::WriteFile(directory / "points.csv", WriteLocatedPoints(points, *fit.corrected));
 }
@@ -161,7 +163,7 @@ absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options)
   ENFILADE_ASSIGN_OR_RETURN(const prior::FitOptions fitting, ToFitOptions(options));
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::OccupancyGrid> maps, ReadInputs(globals, options));
   const Clock::time_point begin = Clock::now();
-  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, maps, fitting));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, FitInputs(options, plan, maps, fitting));
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (fit.corrected && !options.directory.empty()) ENFILADE_RETURN_IF_ERROR(WriteFiles(options, plan, fit, points));
   PrintReport(globals, options, fit, seconds);

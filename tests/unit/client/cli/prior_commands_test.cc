@@ -74,6 +74,16 @@ TEST_F(PriorCommandsTest, FitNamesAModeThatDoesNotExist) {
                 HasSubstr("--mode"));
 }
 
+TEST_F(PriorCommandsTest, FitNamesAnInputWithoutWallsByItsPath) {
+  Simulate();
+  const std::string empty = File("empty.pgm", "P5\n40 40\n255\n" + std::string(1600, '\xff'));
+  EXPECT_STATUS(Run({"prior", "fit", Path("plan/plan.svg"), empty}), absl::StatusCode::kInvalidArgument,
+                ::testing::StartsWith(empty + ": "));
+  const std::string drive = Path("campus/robot/log.jsonl");
+  EXPECT_STATUS(Run({"prior", "fit", Path("plan/plan.svg"), drive, empty}), absl::StatusCode::kInvalidArgument,
+                ::testing::StartsWith(empty + ": "));
+}
+
 TEST_F(PriorCommandsTest, PlansNeedACampus) {
   EXPECT_STATUS(Run({"simulate", "-o", Path("drive.jsonl"), "--plan-out", Path("plan")}),
                 absl::StatusCode::kInvalidArgument, HasSubstr("--plan-out"));

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "core/prior/correction/correct_plan.h"
-#include "tests/unit/core/prior/alignment/drawn_building.h"
+#include "tests/support/plans/drawn_building.h"
 
 namespace enfilade::prior {
 namespace {

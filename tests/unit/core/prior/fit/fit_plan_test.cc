@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "tests/unit/core/prior/alignment/drawn_building.h"
+#include "tests/support/plans/drawn_building.h"
 
 namespace enfilade::prior {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/prior/plan/planar.h"
-#include "tests/unit/core/prior/alignment/drawn_building.h"
+#include "tests/support/plans/drawn_building.h"
 
 namespace enfilade::prior {
 namespace {

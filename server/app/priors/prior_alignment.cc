@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/priors/prior_alignment.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/resource_name.h"
+#include "core/base/status_macros.h"
+#include "core/prior/fit/fit_plan.h"
+#include "core/prior/fit/join_maps.h"
+#include "core/prior/formats/geojson_plan.h"
+#include "core/prior/products/products.h"
+#include "server/app/mapping/raster_revision.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr double kCell = 0.05;  // m
+constexpr int kPage = 1000;
+
+struct LevelMap {
+  MapId id;
+  Pose2 T_world_map;
+  grid::OccupancyGrid grid;
+  prior::MapEvidence evidence;
+};
+
+absl::StatusOr<std::vector<prior::ControlPair>> InWorld(const std::vector<storage::PriorMapPair>& pairs,
+                                                        const std::vector<LevelMap>& maps) {
+  std::vector<prior::ControlPair> in_world;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const storage::PriorMapPair& pair = pairs[i];
+    Eigen::Vector2d point = pair.point_map;
+    if (!pair.map.empty()) {
+      const auto map = std::find_if(maps.begin(), maps.end(), [&](const LevelMap& one) { return one.id == pair.map; });
+      if (map == maps.end()) {
+        return InvalidArgument(
+            "pairs[{}].map is \"{}\": expected a map of the plan's level that has walls and is joined to the root map",
+            i, pair.map.value());
+      }
+      point = map->T_world_map * point;
+    }
+    in_world.push_back({pair.point_sheet, point});
+  }
+  return in_world;
+}
+
+// The maps as one, in the world frame.
+absl::StatusOr<grid::OccupancyGrid> Joined(const std::vector<LevelMap>& maps) {
+  std::vector<prior::PlacedMap> placed;
+  for (const LevelMap& map : maps) placed.push_back({&map.grid, &map.evidence, map.T_world_map});
+  return prior::Overlaid(placed);
+}
+
+void AddFiles(storage::PriorMapProduct product, std::vector<grid::MapFile> files,
+              std::vector<storage::NewPriorMapFile>& out) {
+  for (grid::MapFile& file : files) out.push_back({product, std::move(file.name), std::move(file.bytes)});
+}
+
+absl::StatusOr<std::vector<storage::NewPriorMapFile>> ProductsOf(const prior::PlanGraph& plan,
+                                                                 const prior::PlanFit& fit) {
+  std::vector<storage::NewPriorMapFile> files;
+  AddFiles(storage::PriorMapProduct::kCorrected, prior::CorrectedFiles(plan, *fit.corrected), files);
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<grid::MapFile> planning,
+                            prior::PlanningFiles(plan, fit, grid::MapFileFormat::kPng));
+  AddFiles(storage::PriorMapProduct::kPlanning, std::move(planning), files);
+  ENFILADE_ASSIGN_OR_RETURN(grid::MapFile picture, prior::PictureFile(plan, fit));
+  AddFiles(storage::PriorMapProduct::kPicture, {std::move(picture)}, files);
+  return files;
+}
+
+}  // namespace
+
+struct PriorAlignment::Level {
+  std::vector<LevelMap> maps;  // with walls and a place in the world, by id
+  std::int64_t graph_version = 0;
+};
+
+absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::CallContext& context,
+                                                                const storage::PriorMap& prior_map) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(context, prior_map.site));
+  Level level;
+  level.graph_version = graph->graph().version();
+  for (std::string after;;) {
+    ENFILADE_ASSIGN_OR_RETURN(const auto page, maps_.List(context, prior_map.site, {kPage, after}));
+    for (const storage::Map& map : page) {
+      if (map.level != prior_map.level || map.current_revision == 0) continue;
+      const auto place = graph->poses.Find(map.id);
+      if (!place.ok() || !*place) continue;  // it was made after this version, or nothing joins it to the root
+      ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
+                                revisions_.Get(context, prior_map.site, map.id, map.current_revision));
+      ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, revisions_, revision));
+      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(raster, kCell));
+      prior::MapEvidence evidence = prior::EvidenceOf(grid);
+      if (evidence.walls.empty()) continue;
+      level.maps.push_back({map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence)});
+    }
+    if (page.size() < kPage) break;
+    after = page.back().id.value();
+  }
+  if (level.maps.empty()) {
+    return FailedPrecondition("no map of level {} has walls and is joined to the root map of {}", prior_map.level,
+                              NameOf(prior_map.site));
+  }
+  return level;
+}
+
+absl::StatusOr<std::string> PriorAlignment::ReadPlan(const storage::CallContext& context,
+                                                     const storage::PriorMap& prior_map) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto files, prior_maps_.ListFiles(context, prior_map.site, prior_map.id));
+  for (const storage::PriorMapFile& file : files) {
+    if (file.product == storage::PriorMapProduct::kPlan) return blobs_.Get(context, prior_map.site, file.sha256);
+  }
+  return NotFound("{} does not exist", NameOf(prior_map.site, prior_map.id));
+}
+
+absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext& context,
+                                                      const storage::PriorMap& prior_map,
+                                                      const std::vector<storage::PriorMapPair>& pairs,
+                                                      bool activate) const {
+  ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadPlan(context, prior_map));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, prior::ReadGeoJsonPlan(text));
+  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
+  prior::FitOptions options;
+  ENFILADE_ASSIGN_OR_RETURN(options.pairs, InWorld(pairs, level.maps));
+  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
+  std::vector<grid::OccupancyGrid> world;
+  world.push_back(std::move(joined));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, world, options));
+
+  AlignedPriorMap aligned;
+  aligned.outcome.reason = fit.alignment.reason;
+  if (!fit.alignment.accepted) return aligned;
+  aligned.outcome.state = activate ? storage::PriorMapState::kActive : storage::PriorMapState::kProposed;
+  storage::PriorMapAlignment& alignment = aligned.outcome.alignment.emplace();
+  alignment.T_world_sheet = fit.alignment.T_map_sheet;
+  alignment.model = fit.alignment.model;
+  alignment.explained = fit.corrected->agreement().explained;
+  alignment.contradicted = fit.corrected->agreement().contradicted();
+  alignment.rival_ratio = fit.alignment.rival_ratio;
+  for (const LevelMap& map : level.maps) alignment.maps.push_back(map.id);
+  alignment.graph_version = level.graph_version;
+  alignment.pairs = pairs;
+  for (const prior::ControlPair& pair : options.pairs) {
+    aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
+  }
+  ENFILADE_ASSIGN_OR_RETURN(aligned.outcome.files, ProductsOf(plan, fit));
+  return aligned;
+}
+
+}  // namespace enfilade::server

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/app/graph/site_graphs.h"
+#include "storage/call_context.h"
+#include "storage/maps/blob_store.h"
+#include "storage/maps/map_store.h"
+#include "storage/maps/prior_map_store.h"
+#include "storage/maps/revision_store.h"
+
+namespace enfilade::server {
+
+// What became of a prior map that was looked for in the maps of its level.
+struct AlignedPriorMap {
+  storage::PriorMapOutcome outcome;
+  std::vector<double> pair_residuals;  // m, of each pair; empty if it was not accepted
+};
+
+// Finds plans in the maps of their level, as they lie in the world by the graph. Thread-safe; each call computes for
+// seconds.
+class PriorAlignment {
+ public:
+  PriorAlignment(const storage::PriorMapStore& prior_maps, const storage::MapReader& maps,
+                 const storage::RevisionStore& revisions, const storage::BlobStore& blobs, SiteGraphs& graphs)
+      : prior_maps_(prior_maps), maps_(maps), revisions_(revisions), blobs_(blobs), graphs_(graphs) {}
+
+  // Nothing is stored. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the
+  // level; FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
+  absl::StatusOr<AlignedPriorMap> Align(const storage::CallContext& context, const storage::PriorMap& prior_map,
+                                        const std::vector<storage::PriorMapPair>& pairs, bool activate) const;
+
+ private:
+  struct Level;
+
+  absl::StatusOr<Level> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
+  absl::StatusOr<std::string> ReadPlan(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
+
+  const storage::PriorMapStore& prior_maps_;
+  const storage::MapReader& maps_;
+  const storage::RevisionStore& revisions_;
+  const storage::BlobStore& blobs_;
+  SiteGraphs& graphs_;
+};
+
+}  // namespace enfilade::server

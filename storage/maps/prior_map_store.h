@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+#include "core/base/time.h"
+#include "core/prior/alignment/plan_transform.h"
+#include "storage/call_context.h"
+
+namespace enfilade::storage {
+namespace postgres {
+class Pool;
+}
+
+// The numbers are those of the database.
+enum class PriorMapState {
+  kNew = 1,
+  kProposed = 2,
+  kActive = 3,
+  kDiverged = 4,
+  kSuspended = 5,
+};
+
+// What was found in the file.
+struct PriorMapElements {
+  int walls = 0;
+  int corners = 0;
+  int doors = 0;
+  int rooms = 0;
+  int shafts = 0;
+  std::optional<double> metres_per_unit = std::nullopt;
+};
+
+// The same point on the sheet and in a map, as a person has shown it.
+struct PriorMapPair {
+  Eigen::Vector2d point_sheet = Eigen::Vector2d::Zero();
+  MapId map;                                            // empty: the world frame
+  Eigen::Vector2d point_map = Eigen::Vector2d::Zero();  // m
+};
+
+struct PriorMapAlignment {
+  prior::PlanTransform T_world_sheet;
+  prior::TransformModel model = prior::TransformModel::kSimilarity;
+  double explained = 0;
+  double contradicted = 0;
+  double rival_ratio = 0;
+  std::vector<MapId> maps;
+  std::int64_t graph_version = 0;
+  std::vector<PriorMapPair> pairs;
+  TimeNs time = 0;  // set by the store
+};
+
+struct PriorMap {
+  SiteId site;
+  PriorMapId id;
+  std::string display_name;  // 1 to 200 characters, unique in its site
+  int level = 0;
+  PriorMapState state = PriorMapState::kNew;
+  std::string reason;
+  std::string file_name;
+  std::vector<std::string> warnings;
+  PriorMapElements elements;
+  std::optional<PriorMapAlignment> alignment;
+  // Set by the store.
+  std::int64_t etag = 0;
+  TimeNs create_time = 0;
+  TimeNs update_time = 0;
+};
+
+// The numbers are those of the database.
+enum class PriorMapProduct {
+  kSheet = 1,      // the imported file
+  kPlan = 2,       // what was found in it
+  kCorrected = 3,  // the plan as it is built
+  kPlanning = 4,
+  kPicture = 5,
+};
+
+struct PriorMapFile {
+  PriorMapProduct product = PriorMapProduct::kSheet;
+  std::string name;
+  std::int64_t size = 0;
+  std::string sha256;  // of its blob
+};
+
+// A file with its bytes.
+struct NewPriorMapFile {
+  PriorMapProduct product = PriorMapProduct::kSheet;
+  std::string name;
+  std::string bytes;  // 1 byte to kMaxBlobBytes
+};
+
+// What becomes of a prior map when it is aligned.
+struct PriorMapOutcome {
+  PriorMapState state = PriorMapState::kDiverged;
+  std::string reason;
+  // Unset: the last one stays, with what was made by it.
+  std::optional<PriorMapAlignment> alignment = std::nullopt;
+  std::vector<NewPriorMapFile> files = {};  // of the alignment
+};
+
+// Prior maps with their files, whose blobs they keep. Thread-safe; errors common to all stores: see SiteStore. A stale
+// etag (0: any) is ABORTED.
+class PriorMapStore {
+ public:
+  explicit PriorMapStore(postgres::Pool& pool) : pool_(pool) {}
+
+  // With the files of the import. ALREADY_EXISTS naming whether the id or the display name is taken; NOT_FOUND if the
+  // site does not exist.
+  absl::StatusOr<PriorMap> Create(const CallContext& context, const PriorMap& prior_map,
+                                  const std::vector<NewPriorMapFile>& files) const;
+  // NOT_FOUND.
+  absl::StatusOr<PriorMap> Get(const CallContext& context, const SiteId& site, const PriorMapId& id) const;
+  // By id.
+  absl::StatusOr<std::vector<PriorMap>> List(const CallContext& context, const SiteId& site,
+                                             const PageRequest& page) const;
+  // NOT_FOUND; ALREADY_EXISTS.
+  absl::StatusOr<PriorMap> Rename(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                  std::int64_t etag, const std::string& display_name) const;
+  // NOT_FOUND.
+  absl::StatusOr<PriorMap> SetState(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                    std::int64_t etag, PriorMapState state, const std::string& reason) const;
+  // NOT_FOUND.
+  absl::StatusOr<PriorMap> SetOutcome(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                      std::int64_t etag, const PriorMapOutcome& outcome) const;
+  // NOT_FOUND.
+  absl::Status Delete(const CallContext& context, const SiteId& site, const PriorMapId& id, std::int64_t etag) const;
+  // By product and name; none if there is no such prior map.
+  absl::StatusOr<std::vector<PriorMapFile>> ListFiles(const CallContext& context, const SiteId& site,
+                                                      const PriorMapId& id) const;
+
+ private:
+  postgres::Pool& pool_;
+};
+
+}  // namespace enfilade::storage

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/maps/prior_map_store.h"
+
+#include <string_view>
+#include <utility>
+
+#include "core/base/resource_name.h"
+#include "core/base/sha256.h"
+#include "storage/postgres/driver/etag.h"
+#include "storage/postgres/driver/rows.h"
+#include "storage/postgres/maps/blob_store.h"
+
+namespace enfilade::storage {
+namespace {
+
+using postgres::Bytes;
+using postgres::ExecuteAlone;
+using postgres::Params;
+using postgres::Row;
+using postgres::Statement;
+using postgres::Transaction;
+
+// Those of an alignment are empty without one.
+#define ENFILADE_PRIOR_MAP_COLUMNS                                                                                \
+  "site_id, prior_map_id, display_name, level, state, reason, file_name, warnings, walls, corners, doors, rooms," \
+  " shafts, metres_per_unit, etag, create_time, update_time, align_time, coalesce(affine, '{}'),"                 \
+  " coalesce(model, 2::smallint), coalesce(explained, 0), coalesce(contradicted, 0), coalesce(rival_ratio, 0),"   \
+  " coalesce(aligned_maps, '{}'), coalesce(graph_version, 0), coalesce(pair_maps, '{}'), coalesce(pair_points, '{}')"
+
+constexpr Statement kInsertPriorMap{
+    "creating the prior map",
+    "INSERT INTO enfilade.prior_maps (site_id, prior_map_id, display_name, level, state, reason, file_name, warnings,"
+    " walls, corners, doors, rooms, shafts, metres_per_unit, etag)"
+    " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)"
+    " RETURNING " ENFILADE_PRIOR_MAP_COLUMNS};
+constexpr Statement kInsertPriorMapFiles{
+    "storing the prior map's files",
+    "INSERT INTO enfilade.prior_map_files (site_id, prior_map_id, product, name, size_bytes, sha256)"
+    " SELECT $1, $2, u.product, u.name, u.size_bytes, u.sha256"
+    " FROM unnest($3::smallint[], $4::text[], $5::bigint[], $6::bytea[]) AS u (product, name, size_bytes, sha256)"};
+constexpr Statement kDeleteAlignedFiles{"deleting the last alignment's files",
+                                        "DELETE FROM enfilade.prior_map_files"
+                                        " WHERE site_id = $1 AND prior_map_id = $2 AND product >= $3"};
+constexpr Statement kSelectPriorMap{"reading the prior map",
+                                    "SELECT " ENFILADE_PRIOR_MAP_COLUMNS
+                                    " FROM enfilade.prior_maps WHERE site_id = $1 AND prior_map_id = $2"};
+constexpr Statement kListPriorMaps{"listing prior maps",
+                                   "SELECT " ENFILADE_PRIOR_MAP_COLUMNS
+                                   " FROM enfilade.prior_maps WHERE site_id = $1 AND prior_map_id > $2"
+                                   " ORDER BY prior_map_id LIMIT $3"};
+#define ENFILADE_UPDATE_PRIOR_MAP(assignments)  \
+  "UPDATE enfilade.prior_maps SET " assignments \
+  ", etag = $4, update_time = now()"            \
+  " WHERE site_id = $1 AND prior_map_id = $2 AND ($3 = 0 OR etag = $3) RETURNING " ENFILADE_PRIOR_MAP_COLUMNS
+constexpr Statement kRenamePriorMap{"renaming the prior map", ENFILADE_UPDATE_PRIOR_MAP("display_name = $5")};
+constexpr Statement kSetPriorMapState{"changing the prior map's state",
+                                      ENFILADE_UPDATE_PRIOR_MAP("state = $5, reason = $6")};
+constexpr Statement kSetPriorMapAlignment{
+    "storing the alignment",
+    ENFILADE_UPDATE_PRIOR_MAP("state = $5, reason = $6, affine = $7, model = $8, explained = $9, contradicted = $10,"
+                              " rival_ratio = $11, aligned_maps = $12, graph_version = $13, pair_maps = $14,"
+                              " pair_points = $15, align_time = now()")};
+constexpr Statement kDeletePriorMap{"deleting the prior map",
+                                    "DELETE FROM enfilade.prior_maps"
+                                    " WHERE site_id = $1 AND prior_map_id = $2 AND ($3 = 0 OR etag = $3)"};
+constexpr Statement kListPriorMapFiles{"listing the prior map's files",
+                                       "SELECT product, name, size_bytes, sha256 FROM enfilade.prior_map_files"
+                                       " WHERE site_id = $1 AND prior_map_id = $2 ORDER BY product, name"};
+
+PriorMapAlignment ReadAlignment(Row& row, TimeNs time) {
+  PriorMapAlignment alignment;
+  alignment.time = time;
+  std::array<double, 6> affine{};
+  row.DoublesInto(absl::MakeSpan(affine));
+  alignment.T_world_sheet.linear << affine[0], affine[1], affine[3], affine[4];
+  alignment.T_world_sheet.offset << affine[2], affine[5];
+  alignment.model = static_cast<prior::TransformModel>(row.Int16() - 1);
+  alignment.explained = row.Double();
+  alignment.contradicted = row.Double();
+  alignment.rival_ratio = row.Double();
+  for (std::string& map : row.OptionalTexts()) alignment.maps.emplace_back(std::move(map));
+  alignment.graph_version = row.Int64();
+  const std::vector<std::string> maps = row.OptionalTexts();
+  const std::vector<double> points = row.Doubles();
+  for (std::size_t i = 0; i < maps.size() && points.size() == 4 * maps.size(); ++i) {
+    const double* point = &points[4 * i];
+    alignment.pairs.push_back({{point[0], point[1]}, MapId(maps[i]), {point[2], point[3]}});
+  }
+  return alignment;
+}
+
+PriorMap ReadPriorMap(Row& row) {
+  PriorMap map;
+  map.site = SiteId(std::string(row.Text()));
+  map.id = PriorMapId(std::string(row.Text()));
+  map.display_name = row.Text();
+  map.level = row.Int32();
+  map.state = static_cast<PriorMapState>(row.Int16());
+  map.reason = row.Text();
+  map.file_name = row.Text();
+  map.warnings = row.OptionalTexts();
+  map.elements.walls = row.Int32();
+  map.elements.corners = row.Int32();
+  map.elements.doors = row.Int32();
+  map.elements.rooms = row.Int32();
+  map.elements.shafts = row.Int32();
+  map.elements.metres_per_unit = row.OptionalDouble();
+  map.etag = row.Int64();
+  map.create_time = row.Time();
+  map.update_time = row.Time();
+  if (const std::optional<TimeNs> time = row.OptionalTime()) map.alignment = ReadAlignment(row, *time);
+  return map;
+}
+
+PriorMapFile ReadFile(Row& row) {
+  PriorMapFile file;
+  file.product = static_cast<PriorMapProduct>(row.Int16());
+  file.name = row.Text();
+  file.size = row.Int64();
+  file.sha256 = row.Bytes();
+  return file;
+}
+
+absl::Status Explain(const absl::Status& status, const SiteId& site, const PriorMapId& id,
+                     const std::string& display_name) {
+  if (postgres::ConstraintOf(status) == "prior_maps_site_id_display_name_key") {
+    return AlreadyExists("{} has a prior map with the display name \"{}\" already", NameOf(site), display_name);
+  }
+  if (absl::IsAlreadyExists(status)) return AlreadyExists("{} exists already", NameOf(site, id));
+  if (postgres::SqlStateOf(status) == "23503") return NotFound("{} does not exist", NameOf(site));
+  return WithContext(status, NameOf(site, id));
+}
+
+// Files with the digests of their bytes, which they outlive not.
+class FilesToStore {
+ public:
+  explicit FilesToStore(const std::vector<NewPriorMapFile>& files) : files_(files) {
+    for (const NewPriorMapFile& file : files) digests_.push_back(Sha256(file.bytes));
+  }
+
+  std::vector<BlobView> blobs() const {
+    std::vector<BlobView> blobs;
+    for (std::size_t i = 0; i < files_.size(); ++i) blobs.push_back({digests_[i], files_[i].bytes});
+    return blobs;
+  }
+  void Queue(Transaction& transaction, const SiteId& site, const PriorMapId& id) const {
+    std::vector<std::int16_t> products;
+    std::vector<std::string_view> names;
+    std::vector<std::int64_t> sizes;
+    std::vector<Bytes> digests;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      products.push_back(static_cast<std::int16_t>(files_[i].product));
+      names.emplace_back(files_[i].name);
+      sizes.push_back(static_cast<std::int64_t>(files_[i].bytes.size()));
+      digests.push_back(Bytes{digests_[i]});
+    }
+    transaction.Queue(kInsertPriorMapFiles, Params(site, id, products, names, sizes, digests));
+  }
+
+ private:
+  const std::vector<NewPriorMapFile>& files_;
+  std::vector<std::string> digests_;
+};
+
+}  // namespace
+
+absl::StatusOr<PriorMap> PriorMapStore::Create(const CallContext& context, const PriorMap& map,
+                                               const std::vector<NewPriorMapFile>& files) const {
+  const FilesToStore to_store(files);
+  ENFILADE_RETURN_IF_ERROR(ValidateBlobs(to_store.blobs()));
+  const std::vector<std::string_view> warnings(map.warnings.begin(), map.warnings.end());
+  const PriorMapElements& elements = map.elements;
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  const auto inserted = transaction.Execute(
+      kInsertPriorMap, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
+                              static_cast<std::int16_t>(PriorMapState::kNew), map.reason, map.file_name, warnings,
+                              std::int32_t{elements.walls}, std::int32_t{elements.corners},
+                              std::int32_t{elements.doors}, std::int32_t{elements.rooms}, std::int32_t{elements.shafts},
+                              elements.metres_per_unit, postgres::NewEtag()));
+  if (!inserted.ok()) return Explain(inserted.status(), map.site, map.id, map.display_name);
+  postgres::QueueBlobs(transaction, map.site, to_store.blobs());
+  to_store.Queue(transaction, map.site, map.id);
+  ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(map.site, map.id)));
+  return postgres::ReadOne(*inserted, ReadPriorMap, NameOf(map.site, map.id));
+}
+
+absl::StatusOr<PriorMap> PriorMapStore::Get(const CallContext& context, const SiteId& site,
+                                            const PriorMapId& id) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectPriorMap, Params(site, id)));
+  return postgres::ReadOne(result, ReadPriorMap, NameOf(site, id));
+}
+
+absl::StatusOr<std::vector<PriorMap>> PriorMapStore::List(const CallContext& context, const SiteId& site,
+                                                          const PageRequest& page) const {
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto result,
+      ExecuteAlone(pool_, context, kListPriorMaps, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
+  return postgres::ReadRows(result, ReadPriorMap);
+}
+
+absl::StatusOr<PriorMap> PriorMapStore::Rename(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                               std::int64_t etag, const std::string& display_name) const {
+  const auto updated =
+      ExecuteAlone(pool_, context, kRenamePriorMap, Params(site, id, etag, postgres::NewEtag(), display_name));
+  if (!updated.ok()) return Explain(updated.status(), site, id, display_name);
+  if (updated->rows() > 0) return postgres::ReadOne(*updated, ReadPriorMap, NameOf(site, id));
+  ENFILADE_RETURN_IF_ERROR(Get(context, site, id).status());
+  return postgres::StaleEtag(NameOf(site, id));
+}
+
+absl::StatusOr<PriorMap> PriorMapStore::SetState(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                                 std::int64_t etag, PriorMapState state,
+                                                 const std::string& reason) const {
+  return SetOutcome(context, site, id, etag, {state, reason});
+}
+
+absl::StatusOr<PriorMap> PriorMapStore::SetOutcome(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                                   std::int64_t etag, const PriorMapOutcome& outcome) const {
+  const std::string name = NameOf(site, id);
+  const FilesToStore to_store(outcome.files);
+  ENFILADE_RETURN_IF_ERROR(ValidateBlobs(to_store.blobs()));
+  const auto state = static_cast<std::int16_t>(outcome.state);
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  absl::StatusOr<postgres::Result> updated = absl::UnknownError("");
+  if (outcome.alignment) {
+    const PriorMapAlignment& alignment = *outcome.alignment;
+    const Eigen::Matrix2d& linear = alignment.T_world_sheet.linear;
+    const Eigen::Vector2d& offset = alignment.T_world_sheet.offset;
+    const std::vector<double> affine{linear(0, 0), linear(0, 1), offset.x(), linear(1, 0), linear(1, 1), offset.y()};
+    std::vector<std::string_view> maps, pair_maps;
+    std::vector<double> points;
+    for (const MapId& map : alignment.maps) maps.emplace_back(map.value());
+    for (const PriorMapPair& pair : alignment.pairs) {
+      pair_maps.emplace_back(pair.map.value());
+      points.insert(points.end(), {pair.point_sheet.x(), pair.point_sheet.y(), pair.point_map.x(), pair.point_map.y()});
+    }
+    updated = transaction.Execute(
+        kSetPriorMapAlignment,
+        Params(site, id, etag, postgres::NewEtag(), state, outcome.reason, affine,
+               static_cast<std::int16_t>(static_cast<int>(alignment.model) + 1), alignment.explained,
+               alignment.contradicted, alignment.rival_ratio, maps, alignment.graph_version, pair_maps, points));
+  } else {
+    updated =
+        transaction.Execute(kSetPriorMapState, Params(site, id, etag, postgres::NewEtag(), state, outcome.reason));
+  }
+  if (!updated.ok()) return WithContext(updated.status(), name);
+  if (updated->rows() == 0) {
+    ENFILADE_RETURN_IF_ERROR(Get(context, site, id).status());
+    return postgres::StaleEtag(name);
+  }
+  if (outcome.alignment) {
+    transaction.Queue(kDeleteAlignedFiles, Params(site, id, static_cast<std::int16_t>(PriorMapProduct::kCorrected)));
+    postgres::QueueBlobs(transaction, site, to_store.blobs());
+    to_store.Queue(transaction, site, id);
+  }
+  ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), name));
+  return postgres::ReadOne(*updated, ReadPriorMap, name);
+}
+
+absl::Status PriorMapStore::Delete(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                   std::int64_t etag) const {
+  const auto deleted = ExecuteAlone(pool_, context, kDeletePriorMap, Params(site, id, etag));
+  if (!deleted.ok()) return WithContext(deleted.status(), NameOf(site, id));
+  if (deleted->affected() > 0) return absl::OkStatus();
+  ENFILADE_RETURN_IF_ERROR(Get(context, site, id).status());
+  return postgres::StaleEtag(NameOf(site, id));
+}
+
+absl::StatusOr<std::vector<PriorMapFile>> PriorMapStore::ListFiles(const CallContext& context, const SiteId& site,
+                                                                   const PriorMapId& id) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListPriorMapFiles, Params(site, id)));
+  return postgres::ReadRows(result, ReadFile);
+}
+
+}  // namespace enfilade::storage

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "storage/maps/prior_map_store.h"
+
+#include <gmock/gmock.h>
+
+#include "core/base/sha256.h"
+#include "storage/sites/maintenance.h"
+#include "tests/contract/storage/store_test.h"
+
+namespace enfilade::testing {
+namespace {
+
+using storage::NewPriorMapFile;
+using storage::PriorMap;
+using storage::PriorMapProduct;
+using storage::PriorMapState;
+
+class PriorMapStoreTest : public StoreTest {
+ protected:
+  absl::StatusOr<PriorMap> Create(const std::string& id, const std::string& display_name) {
+    PriorMap prior_map;
+    prior_map.site = site_;
+    prior_map.id = PriorMapId(id);
+    prior_map.display_name = display_name;
+    prior_map.level = -1;
+    prior_map.reason = "new";
+    prior_map.file_name = "plan.png";
+    prior_map.warnings = {"a \"warning\"", "another"};
+    prior_map.elements = {.walls = 9, .corners = 8, .doors = 7, .rooms = 6, .shafts = 5, .metres_per_unit = 0.05};
+    return prior_maps_.Create(
+        Soon(), prior_map, {{PriorMapProduct::kSheet, "sheet.png", "pixels"}, {PriorMapProduct::kPlan, "plan", "{}"}});
+  }
+  static storage::PriorMapOutcome Accepted(std::vector<NewPriorMapFile> files) {
+    storage::PriorMapOutcome outcome{.state = PriorMapState::kProposed, .reason = "it fits"};
+    storage::PriorMapAlignment& alignment = outcome.alignment.emplace();
+    alignment.T_world_sheet.linear << 1, 2, 3, 4;
+    alignment.T_world_sheet.offset = {5, 6};
+    alignment.model = prior::TransformModel::kAffine;
+    alignment.explained = 0.75;
+    alignment.contradicted = 0.125;
+    alignment.rival_ratio = 1.5;
+    alignment.maps = {MapId("hall"), MapId("lab")};
+    alignment.graph_version = 7;
+    alignment.pairs = {{{1, 2}, MapId("hall"), {3, 4}}, {{5, 6}, MapId(), {7, 8}}};
+    outcome.files = std::move(files);
+    return outcome;
+  }
+  std::vector<std::string> FilesOf(const PriorMapId& id) {
+    std::vector<std::string> files;
+    const auto stored = prior_maps_.ListFiles(Soon(), site_, id);
+    EXPECT_OK(stored.status());
+    if (!stored.ok()) return files;
+    for (const storage::PriorMapFile& file : *stored) {
+      const auto bytes = blobs_.Get(Soon(), site_, file.sha256);
+      files.push_back(file.name + ": " + bytes.value_or("missing"));
+      EXPECT_EQ(file.size, static_cast<std::int64_t>(bytes.value_or("").size()));
+    }
+    return files;
+  }
+
+  const PriorMapId plan_{"plan"};
+  storage::PriorMapStore prior_maps_{*pool_};
+};
+
+TEST_F(PriorMapStoreTest, GivesBackWhatWasImported) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  ASSERT_OK_AND_ASSIGN(const PriorMap found, prior_maps_.Get(Soon(), site_, plan_));
+  EXPECT_EQ(found.display_name, "Ground floor");
+  EXPECT_EQ(found.level, -1);
+  EXPECT_EQ(found.state, PriorMapState::kNew);
+  EXPECT_EQ(found.file_name, "plan.png");
+  EXPECT_THAT(found.warnings, ::testing::ElementsAre("a \"warning\"", "another"));
+  EXPECT_EQ(found.elements.rooms, 6);
+  EXPECT_EQ(found.elements.metres_per_unit, 0.05);
+  EXPECT_FALSE(found.alignment.has_value());
+  EXPECT_GT(found.create_time, 0);
+  EXPECT_THAT(FilesOf(plan_), ::testing::ElementsAre("sheet.png: pixels", "plan: {}"));
+}
+
+TEST_F(PriorMapStoreTest, NamesWhatIsTaken) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  const auto same_id = Create("plan", "Other");
+  EXPECT_CODE(same_id, absl::StatusCode::kAlreadyExists);
+  EXPECT_THAT(same_id.status().message(), ::testing::HasSubstr("priorMaps/plan"));
+  const auto same_name = Create("other", "Ground floor");
+  EXPECT_CODE(same_name, absl::StatusCode::kAlreadyExists);
+  EXPECT_THAT(same_name.status().message(), ::testing::HasSubstr("\"Ground floor\""));
+  DeleteSite(site_);
+  EXPECT_CODE(Create("third", "Third"), absl::StatusCode::kNotFound);
+}
+
+TEST_F(PriorMapStoreTest, ListsById) {
+  for (const char* id : {"c", "a", "b"}) ASSERT_OK(Create(id, id));
+  ASSERT_OK_AND_ASSIGN(const auto first, prior_maps_.List(Soon(), site_, {.limit = 2, .after = ""}));
+  ASSERT_EQ(first.size(), 2U);
+  EXPECT_EQ(first[0].id.value(), "a");
+  ASSERT_OK_AND_ASSIGN(const auto rest, prior_maps_.List(Soon(), site_, {.limit = 2, .after = "b"}));
+  ASSERT_EQ(rest.size(), 1U);
+  EXPECT_EQ(rest[0].id.value(), "c");
+}
+
+TEST_F(PriorMapStoreTest, AnAlignmentReplacesTheOneBefore) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  ASSERT_OK(prior_maps_.SetOutcome(Soon(), site_, plan_, 0,
+                                   Accepted({{PriorMapProduct::kCorrected, "walls", "old"},
+                                             {PriorMapProduct::kPicture, "fit.png", "old picture"}})));
+  ASSERT_OK_AND_ASSIGN(
+      const PriorMap set,
+      prior_maps_.SetOutcome(Soon(), site_, plan_, 0, Accepted({{PriorMapProduct::kCorrected, "walls", "new"}})));
+  EXPECT_EQ(set.state, PriorMapState::kProposed);
+  EXPECT_EQ(set.reason, "it fits");
+  ASSERT_OK_AND_ASSIGN(const PriorMap found, prior_maps_.Get(Soon(), site_, plan_));
+  ASSERT_TRUE(found.alignment.has_value());
+  EXPECT_EQ(found.alignment->T_world_sheet.linear, Accepted({}).alignment->T_world_sheet.linear);
+  EXPECT_EQ(found.alignment->T_world_sheet.offset, Eigen::Vector2d(5, 6));
+  EXPECT_EQ(found.alignment->model, prior::TransformModel::kAffine);
+  EXPECT_EQ(found.alignment->explained, 0.75);
+  EXPECT_EQ(found.alignment->contradicted, 0.125);
+  EXPECT_EQ(found.alignment->rival_ratio, 1.5);
+  EXPECT_EQ(found.alignment->maps, Accepted({}).alignment->maps);
+  EXPECT_EQ(found.alignment->graph_version, 7);
+  ASSERT_EQ(found.alignment->pairs.size(), 2U);
+  EXPECT_EQ(found.alignment->pairs[0].map, MapId("hall"));
+  EXPECT_EQ(found.alignment->pairs[1].point_map, Eigen::Vector2d(7, 8));
+  EXPECT_GT(found.alignment->time, 0);
+  EXPECT_THAT(FilesOf(plan_), ::testing::ElementsAre("sheet.png: pixels", "plan: {}", "walls: new"));
+}
+
+TEST_F(PriorMapStoreTest, ARefusedAlignmentKeepsTheLastOne) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  ASSERT_OK(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, Accepted({{PriorMapProduct::kCorrected, "walls", "old"}})));
+  ASSERT_OK_AND_ASSIGN(const PriorMap refused,
+                       prior_maps_.SetOutcome(Soon(), site_, plan_, 0, {PriorMapState::kDiverged, "nothing fits"}));
+  EXPECT_EQ(refused.state, PriorMapState::kDiverged);
+  EXPECT_EQ(refused.reason, "nothing fits");
+  EXPECT_TRUE(refused.alignment.has_value());
+  EXPECT_EQ(FilesOf(plan_).size(), 3U);
+}
+
+TEST_F(PriorMapStoreTest, StaleEtagsChangeNothing) {
+  ASSERT_OK_AND_ASSIGN(const PriorMap created, Create("plan", "Ground floor"));
+  ASSERT_OK_AND_ASSIGN(const PriorMap renamed, prior_maps_.Rename(Soon(), site_, plan_, created.etag, "Cellar"));
+  EXPECT_EQ(renamed.display_name, "Cellar");
+  EXPECT_CODE(prior_maps_.Rename(Soon(), site_, plan_, created.etag, "Roof"), absl::StatusCode::kAborted);
+  EXPECT_CODE(prior_maps_.SetOutcome(Soon(), site_, plan_, created.etag, Accepted({})), absl::StatusCode::kAborted);
+  EXPECT_CODE(prior_maps_.SetState(Soon(), site_, plan_, created.etag, PriorMapState::kSuspended, ""),
+              absl::StatusCode::kAborted);
+  EXPECT_CODE(prior_maps_.Delete(Soon(), site_, plan_, created.etag), absl::StatusCode::kAborted);
+  ASSERT_OK_AND_ASSIGN(const PriorMap found, prior_maps_.Get(Soon(), site_, plan_));
+  EXPECT_EQ(found.etag, renamed.etag);
+  EXPECT_EQ(found.display_name, "Cellar");
+  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, found.etag));
+  EXPECT_CODE(prior_maps_.Get(Soon(), site_, plan_), absl::StatusCode::kNotFound);
+  EXPECT_CODE(prior_maps_.Delete(Soon(), site_, plan_, 0), absl::StatusCode::kNotFound);
+}
+
+TEST_F(PriorMapStoreTest, ItsFilesAreKeptAsLongAsItIsThere) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  const storage::Maintenance maintenance(*pool_);
+  database_.Sql("UPDATE enfilade.blobs SET put_time = now() - interval '1 day'");
+  ASSERT_OK(maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 1000));
+  EXPECT_THAT(FilesOf(plan_), ::testing::ElementsAre("sheet.png: pixels", "plan: {}"));
+  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, 0));
+  ASSERT_OK(maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 1000));
+  EXPECT_CODE(blobs_.Get(Soon(), site_, Sha256("pixels")), absl::StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace enfilade::testing
