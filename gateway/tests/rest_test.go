@@ -21,7 +21,8 @@ import (
 )
 
 // RPCs that clients stream to: over HTTP they are uploads of files, or not to be had.
-var withoutRule = []string{"IngestService.StreamRecords", "LinkPointService.AttachEvidence", "MapService.ImportMap"}
+var withoutRule = []string{"IngestService.StreamRecords", "LinkPointService.AttachEvidence", "MapService.ImportMap",
+	"PriorMapService.ImportPriorMap"}
 
 // ruleless names the RPCs of `set` that have neither a rule nor a place in withoutRule, and those that have both.
 func ruleless(set *descriptorpb.FileDescriptorSet, rules string) (wrong []string, count int) {

@@ -5,6 +5,7 @@ import { addGeoreference } from './checks/georeference.mjs';
 import { addHistory } from './checks/history.mjs';
 import { addImports } from './checks/imports.mjs';
 import { addPages } from './checks/pages.mjs';
+import { addPlans } from './checks/plans.mjs';
 import { addRobots } from './checks/robots.mjs';
 import { addScene } from './checks/scene.mjs';
 import { addSessions } from './checks/sessions.mjs';
@@ -22,4 +23,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addCampus, addStates, addHistory, addSessions, addGeoreference, addImports, addRobots, addPages]) add(stage);
+for (const add of [addScene, addCampus, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addRobots, addPages]) add(stage);

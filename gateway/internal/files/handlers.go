@@ -29,7 +29,13 @@ type handlers struct {
 	sessions pb.SessionServiceClient
 	ingest   pb.IngestServiceClient
 	points   pb.LinkPointServiceClient
+	priors   pb.PriorMapServiceClient
 	limits   UploadLimits
+}
+
+type route struct {
+	methods, pattern string
+	handle           func(http.ResponseWriter, *http.Request, map[string]string) error
 }
 
 // Register adds the routes of files to `mux`; they go before those of the RPCs.
@@ -37,12 +43,9 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimit
 	h := &handlers{
 		maps: pb.NewMapServiceClient(server), graphs: pb.NewGraphServiceClient(server),
 		sessions: pb.NewSessionServiceClient(server), ingest: pb.NewIngestServiceClient(server),
-		points: pb.NewLinkPointServiceClient(server), limits: limits,
+		points: pb.NewLinkPointServiceClient(server), priors: pb.NewPriorMapServiceClient(server), limits: limits,
 	}
-	for _, route := range []struct {
-		methods, pattern string
-		handle           func(http.ResponseWriter, *http.Request, map[string]string) error
-	}{
+	routes := []route{
 		{"GET", "/v1/{name=sites/*/maps/*}/files", h.listMapFiles},
 		{"GET", "/v1/{name=sites/*/maps/*/revisions/*}/files", h.listMapFiles},
 		{"GET HEAD", "/v1/{name=sites/*/maps/*/revisions/*}/files/{file}", h.sendMapFile},
@@ -51,7 +54,8 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimit
 		{"GET HEAD", "/v1/{parent=sites/*}/blobs/{sha256}", h.sendBlob},
 		{"POST", "/v1/{name=sites/*/maps/*}:import", h.importMap},
 		{"POST", "/v1/{name=sites/*/linkPoints/*}/evidence", h.attachEvidence},
-	} {
+	}
+	for _, route := range append(routes, h.priorMapRoutes()...) {
 		handle := route.handle
 		for _, method := range strings.Fields(route.methods) {
 			err := mux.HandlePath(method, route.pattern, func(w http.ResponseWriter, r *http.Request, path map[string]string) {

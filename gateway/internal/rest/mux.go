@@ -56,9 +56,9 @@ func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, er
 	)
 	for _, service := range []register{
 		pb.RegisterGraphServiceHandler, pb.RegisterIngestServiceHandler, pb.RegisterLinkPointServiceHandler,
-		pb.RegisterLocalizationServiceHandler, pb.RegisterMapServiceHandler, pb.RegisterRasterServiceHandler,
-		pb.RegisterRobotServiceHandler, pb.RegisterServerServiceHandler, pb.RegisterSessionServiceHandler,
-		pb.RegisterSiteServiceHandler, pb.RegisterWatchServiceHandler,
+		pb.RegisterLocalizationServiceHandler, pb.RegisterMapServiceHandler, pb.RegisterPriorMapServiceHandler,
+		pb.RegisterRasterServiceHandler, pb.RegisterRobotServiceHandler, pb.RegisterServerServiceHandler,
+		pb.RegisterSessionServiceHandler, pb.RegisterSiteServiceHandler, pb.RegisterWatchServiceHandler,
 	} {
 		if err := service(ctx, mux, server); err != nil {
 			return nil, err

@@ -3,6 +3,7 @@ import { createClient } from '@connectrpc/connect';
 import { GraphService } from '../gen/enfilade/v1/graph_service_pb';
 import { LinkPointService } from '../gen/enfilade/v1/link_point_service_pb';
 import { MapService } from '../gen/enfilade/v1/map_service_pb';
+import { PriorMapService } from '../gen/enfilade/v1/prior_map_service_pb';
 import { RasterService } from '../gen/enfilade/v1/raster_service_pb';
 import { RobotService } from '../gen/enfilade/v1/robot_service_pb';
 import { ServerService } from '../gen/enfilade/v1/server_service_pb';
@@ -17,6 +18,7 @@ const transport = createRestTransport(routes, readOwnWrites((url, init) => fetch
 export const graphs = createClient(GraphService, transport);
 export const linkPoints = createClient(LinkPointService, transport);
 export const maps = createClient(MapService, transport);
+export const priorMaps = createClient(PriorMapService, transport);
 export const rasters = createClient(RasterService, transport);
 export const robots = createClient(RobotService, transport);
 export const server = createClient(ServerService, transport);

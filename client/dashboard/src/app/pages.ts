@@ -18,6 +18,7 @@ export interface Page {
 export const pages: Page[] = [
   { path: 'campus', title: 'Campus', icon: 'campus', component: CampusPage },
   { path: 'maps', title: 'Maps', icon: 'map', component: lazy(() => import('../pages/maps/MapsPage')), count: (site) => site.maps.size },
+  { path: 'plans', title: 'Plans', icon: 'plan', component: lazy(() => import('../pages/plans/PlansPage')) },
   { path: 'linkPoints', title: 'Link points', icon: 'link', component: lazy(() => import('../pages/linkpoints/LinkPointsPage')), count: (site) => site.linkPoints.size },
   { path: 'robots', title: 'Robots', icon: 'robot', component: lazy(() => import('../pages/robots/RobotsPage')), count: (site) => site.robots.count },
   { path: 'sessions', title: 'Sessions', icon: 'session', component: lazy(() => import('../pages/sessions/SessionsPage')) },

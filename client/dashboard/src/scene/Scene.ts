@@ -16,6 +16,7 @@ import { thumbnailAffine } from './outlines';
 import { addPath, boundsOfPath } from './path';
 import { knowsCell, pickIcon } from './pick';
 import { addPins } from './pins';
+import { addPlans } from './plans';
 import { eachPlace, placeOfMap } from './places';
 import type { Thumbnail } from './tiles/manifest';
 
@@ -218,6 +219,7 @@ export class Scene {
     const sources = this.surface.sources();
     this.placement.update(frame, sources, palette);
     const missing = addMaps(rasters, glyphs, palette, frame, sources, this.placement.maps);
+    addPlans(glyphs, palette, frame);
     addMoves(glyphs, palette, frame, sources);
     addExplanation(glyphs, palette, frame, this.measured);
     addLinkPoints(glyphs, palette, frame, this.placement.links);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveSite } from '../live/site';
 import type { Bounds, Camera, Point, Pose, Size } from './camera';
+import type { Plan } from './plans';
 
 // A place that the page marks; the active one is being chosen.
 export interface Pin {
@@ -61,6 +62,8 @@ export interface View {
   // A way in the frame that is shown. Robots are left out then.
   path?: Path | undefined;
   pins?: Pin[] | undefined;
+  // Floor plans, in the world.
+  plans?: readonly Plan[] | undefined;
 }
 
 export type ObjectKind = 'robot' | 'link' | 'map';
@@ -81,8 +84,9 @@ export interface Drawn {
 }
 
 // What is drawn besides objects, as in the last frame, in CSS pixels; for tests. A cursor's `to` lies a metre ahead of it.
+// A plan's are its upper left and lower right corners.
 export interface Mark {
-  kind: 'move' | 'path' | 'cursor' | 'pin' | 'trail';
+  kind: 'move' | 'path' | 'cursor' | 'pin' | 'trail' | 'plan';
   name: string;
   from: Point;
   to: Point;

@@ -11,7 +11,7 @@ export interface Palette {
   select: [number, number, number, number];
   before: [number, number, number, number];
   after: [number, number, number, number];
-  colour: Record<'robot' | 'stale' | 'link' | 'candidate' | 'blocked' | 'off' | 'select' | 'halo' | 'grid', Rgb>;
+  colour: Record<'robot' | 'stale' | 'link' | 'candidate' | 'blocked' | 'off' | 'select' | 'halo' | 'grid' | 'planSeen' | 'planUnseen', Rgb>;
 }
 
 export function parseColour(text: string): Rgb {
@@ -66,6 +66,7 @@ export function readPalette(classes: Uint8Array): Palette {
     colour: {
       robot: colour('robot'), stale: colour('robot-stale'), link: colour('link'), candidate: colour('candidate'),
       blocked: colour('blocked'), off: colour('off'), select: colour('select'), halo: colour('halo'), grid: colour('grid'),
+      planSeen: colour('plan-seen'), planUnseen: colour('plan-unseen'),
     },
   };
 }

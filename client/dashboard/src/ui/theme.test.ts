@@ -56,7 +56,7 @@ test('objects stand out against free space', () => {
   for (const theme of themes) {
     for (const palette of palettes) {
       const colours = coloursOf(theme, palette);
-      for (const name of ['occupied', ...objects]) {
+      for (const name of ['occupied', 'plan-seen', 'plan-unseen', ...objects]) {
         expect(contrast(colours.get(name)!, colours.get('free')!), `${name}, ${theme}, ${palette}`).toBeGreaterThan(palette === 'contrast' ? 7 : 3);
       }
     }

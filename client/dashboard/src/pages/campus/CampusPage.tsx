@@ -16,6 +16,7 @@ import { chainOf } from './explanation';
 import { useGlobalPose } from './HowKnown';
 import { Inspector } from './Inspector';
 import { ObjectList } from './ObjectList';
+import { usePlanWalls } from './planWalls';
 import { usePointMenu } from './PointMenu';
 import { Readout, type ReadoutHandle } from './Readout';
 import { UnplacedTray } from './UnplacedTray';
@@ -56,6 +57,8 @@ function Campus() {
   const [follow, setFollow] = useState(false);
   const [measuring, setMeasuring] = useState(false);
   const [trails, setTrails] = useState(true);
+  const [plansOn, setPlansOn] = useState(true);
+  const plans = usePlanWalls(live.id, level, plansOn);
   const points = usePointMenu();
   const measure = useMeasure(measuring);
   const { data: pose } = useGlobalPose(live, selected);
@@ -64,15 +67,16 @@ function Campus() {
 
   const robot = selected === undefined ? undefined : live.robots.get(selected);
   const view = useMemo<View>(() => ({
-    level, selected, follow, measuring, trails, chain: pose && chainOf(live, pose),
+    level, selected, follow, measuring, trails, plans: plans.walls, chain: pose && chainOf(live, pose),
     searchRadius: robot?.poseWorld && pose && pose.searchRadiusM > 0 ? { at: robot.poseWorld, radius: pose.searchRadiusM } : undefined,
-  }), [live, level, selected, follow, measuring, trails, pose, robot?.poseWorld]);
+  }), [live, level, selected, follow, measuring, trails, plans.walls, pose, robot?.poseWorld]);
 
   const openMap = (name: string) => collectionOf(name) === 'maps' && navigate(addressOf(live.id, 'maps', [idOf(name)]));
   const onKey = (key: string) => {
     if (key === 'f' && robot) setFollow(!follow);
     else if (key === 'm') setMeasuring(!measuring);
     else if (key === 't') setTrails(!trails);
+    else if (key === 'p' && plans.exist) setPlansOn(!plansOn);
     else if (key === 'Escape') (measuring ? setMeasuring(false) : select(undefined));
     else if (key === 'Enter' && selected !== undefined) openMap(selected);
     else return false;
@@ -93,6 +97,7 @@ function Campus() {
         <>
           <ToolButton icon="ruler" title="Measure a distance" keys="m" pressed={measuring} onClick={() => setMeasuring(!measuring)} />
           <ToolButton icon="trail" title="Show where robots come from" keys="t" pressed={trails} onClick={() => setTrails(!trails)} />
+          {plans.exist && <ToolButton icon="plan" title="Show floor plans" keys="p" pressed={plansOn} onClick={() => setPlansOn(!plansOn)} />}
           {selected !== undefined && <ToolButton icon="follow" title="Go to the selection" onClick={() => scene?.fit(selected)} />}
         </>
       }>

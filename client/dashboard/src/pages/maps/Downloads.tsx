@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useQuery } from '@tanstack/react-query';
 import { useState } from 'react';
-import { errorOfResponse, problemOf } from '../../api/errors';
+import { problemOf } from '../../api/errors';
 import type { MapRevision } from '../../gen/enfilade/v1/map_pb';
-import { bytes } from '../../ui/format';
-import { Icon } from '../../ui/Icon';
-
-interface FileLink {
-  name: string;
-  // A 64-bit integer.
-  sizeBytes: string;
-  path: string;
-}
+import { FileLinks, filesAt } from '../../ui/FileLinks';
 
 const formats = [
   ['pgm', 'PGM and YAML, for Nav2'],
@@ -26,28 +18,14 @@ function Format({ revision, format, title }: { revision: string; format: string;
     queryKey: ['files', revision, format],
     enabled: open,
     staleTime: Infinity,
-    queryFn: async () => {
-      const response = await fetch(`/v1/${revision}/files?format=${format}`);
-      if (!response.ok) throw await errorOfResponse(response);
-      return ((await response.json()) as { files: FileLink[] }).files;
-    },
+    queryFn: () => filesAt(`/v1/${revision}/files?format=${format}`),
   });
   return (
     <details className="download" onToggle={(event) => setOpen(event.currentTarget.open)}>
       <summary>{title}</summary>
       {isFetching && <p className="sub">Rendering …</p>}
       {error && <p className="sub">{problemOf(error).text}</p>}
-      <ul>
-        {data?.map(({ name, sizeBytes, path }) => (
-          <li key={path}>
-            <a className="download-file" href={path} download={name}>
-              <Icon name="download" />
-              <span>{name}</span>
-              <span className="sub">{bytes(Number(sizeBytes))}</span>
-            </a>
-          </li>
-        ))}
-      </ul>
+      <FileLinks files={data} />
     </details>
   );
 }

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-import './import.css';
-import { Code, ConnectError } from '@connectrpc/connect';
 import { useEffect, useRef, useState, type FormEvent } from 'react';
-import { problemOf } from '../../api/errors';
 import { idOf } from '../../api/names';
 import type { Progress } from '../../api/upload';
 import { addressOf, Link } from '../../app/router';
 import { useLevel } from '../../app/selection';
 import { useLive } from '../../live/context';
 import { titleOf } from '../../live/objects';
-import { byName, bytes } from '../../ui/format';
+import { byName } from '../../ui/format';
+import { refusalOf, Sending } from '../../ui/Sending';
 import { importMap, lacking, type Imported } from './importing';
 
 type State =
@@ -17,25 +15,6 @@ type State =
   | { kind: 'refused'; text: string }
   | { kind: 'sending'; progress: Progress | undefined; abort: AbortController }
   | { kind: 'done'; imported: Imported };
-
-function refusalOf(error: unknown): string {
-  if (ConnectError.from(error).code === Code.Canceled) return 'Cancelled: nothing was stored.';
-  const { title, text } = problemOf(error);
-  return `${title}: ${text}`;
-}
-
-function Sending({ progress, cancel }: { progress: Progress | undefined; cancel: () => void }) {
-  const isSent = progress !== undefined && progress.sent >= progress.size;
-  return (
-    <div className="import-progress">
-      <progress aria-label="Upload" max={progress?.size ?? 1} value={progress?.sent ?? 0} />
-      <span role="status">{progress === undefined ? 'Beginning …' : isSent ? 'The server reads the files …' : `${bytes(progress.sent)} of ${bytes(progress.size)} sent`}</span>
-      <button className="button" type="button" onClick={cancel}>
-        Cancel
-      </button>
-    </div>
-  );
-}
 
 function Done({ imported: { map, warnings } }: { imported: Imported }) {
   const live = useLive();
