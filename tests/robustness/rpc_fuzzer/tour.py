@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Valid calls of every RPC on a site of their own, which becomes the deep state that malformed calls are made on."""
 import hashlib
+import json
 import math
 import random
 import struct
@@ -19,6 +20,12 @@ DONE_STATES = (3, 4)  # of a session: MAPPED, FAILED
 CAUSE_OPTIMIZED = 7  # of a version of the graph
 
 
+# The walls of a building of 14 m x 9 m, m.
+WALLS = [((0, 0), (14, 0)), ((14, 0), (14, 9)), ((14, 9), (0, 9)), ((0, 9), (0, 0)), ((5, 0), (5, 3)), ((5, 4), (5, 9)),
+         ((5, 4), (7, 4)), ((8, 4), (14, 4)), ((9.5, 4), (9.5, 7.5)), ((2, 0), (2, 2.5)), ((11, 0), (11, 2))]
+CELL_M = 0.05
+
+
 class TourError(Exception):
     """A valid call failed."""
 
@@ -32,6 +39,30 @@ def png(side=48):
 
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)) +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def building():
+    """A map of it as PGM, with 1 m around: white ground between black walls."""
+    width, height = 320, 220
+    cells = bytearray(254 if 20 <= x < 300 and 20 <= y < 200 else 205 for y in range(height) for x in range(width))
+    for (x0, y0), (x1, y1) in WALLS:
+        steps = round(max(abs(x1 - x0), abs(y1 - y0)) / CELL_M)
+        for i in range(steps + 1):
+            x, y = (round((1 + a + (b - a) * i / steps) / CELL_M) for a, b in ((x0, x1), (y0, y1)))
+            cells[(height - 1 - y) * width + x] = 0
+    return b"P5\n320 220\n255\n" + bytes(cells)
+
+
+def on_sheet(x, y):
+    """The point of the building on its plan, px."""
+    return [x / CELL_M, (9 - y) / CELL_M]
+
+
+def plan():
+    """Of the building, as GeoJSON."""
+    walls = [{"type": "Feature", "properties": {"kind": "wall"},
+              "geometry": {"type": "LineString", "coordinates": [on_sheet(*a), on_sheet(*b)]}} for a, b in WALLS]
+    return json.dumps({"type": "FeatureCollection", "frame": "sheet", "metres_per_unit": CELL_M, "features": walls}).encode()
 
 
 def cloud():
@@ -99,6 +130,7 @@ class Tour:
         self.sessions(first)
         self.graph()
         self.rearrange(second)
+        self.prior_maps()
         self.localize()
         self.closures(closures)
 
@@ -262,6 +294,34 @@ class Tour:
         self.ok("MapService.SplitMap", {"name": f"{site}/maps/a", "sessions": [session], "map_id": "split"})
         self.ok("MapService.ListRearrangements", {"parent": site})
 
+    def prior_maps(self):
+        """On a site of their own, whose only map is the building."""
+        site = self.site + "-plan"
+        self.ok("SiteService.CreateSite", {"site_id": site.split("/")[1], "site": {"display_name": "Plan"}})
+        self.ok("MapService.CreateMap", {"parent": site, "map_id": "m", "map": {"display_name": "m", "environment": INDOOR}})
+        files = {"m.yaml": f"image: m.pgm\nresolution: {CELL_M}\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+                           "free_thresh: 0.196\n".encode(), "m.pgm": building()}
+        entries = [{"name": n, "size_bytes": len(d), "sha256": sha(d)} for n, d in files.items()]
+        chunks = [{"chunk": {"file": i, "data": d}} for i, d in enumerate(files.values())]
+        self.ok("MapService.ImportMap", {"manifest": {"parent": f"{site}/maps/m", "dialect": NAV2, "files": entries}}, *chunks)
+        for name in ("plan", "spare"):
+            self.ok("PriorMapService.ImportPriorMap",
+                    {"manifest": {"parent": site, "prior_map_id": name, "display_name": name,
+                                  "file": {"name": "plan.geojson", "size_bytes": len(plan()), "sha256": sha(plan())}}},
+                    {"chunk": {"data": plan()}})
+        name = f"{site}/priorMaps/plan"
+        self.ok("PriorMapService.GetPriorMap", {"name": name})
+        self.ok("PriorMapService.ListPriorMaps", {"parent": site, "page_size": 1})
+        self.ok("PriorMapService.UpdatePriorMap", {"prior_map": {"name": name, "display_name": "Plan"},
+                                                   "update_mask": {"paths": ["display_name"]}})
+        pairs = [{"sheet_x": on_sheet(x, y)[0], "sheet_y": on_sheet(x, y)[1], "map": f"{site}/maps/m", "x_m": x + 1, "y_m": y + 1}
+                 for x, y in ((0, 0), (14, 0), (5, 9))]
+        self.ok("PriorMapService.AlignPriorMap", {"name": name, "pairs": pairs})
+        self.ok("PriorMapService.ActivatePriorMap", {"name": name})
+        self.ok("PriorMapService.SuspendPriorMap", {"name": name})
+        self.ok("PriorMapService.ExportPriorMap", {"name": name})
+        self.ok("PriorMapService.DeletePriorMap", {"name": f"{site}/priorMaps/spare"})
+
     def localize(self):
         self.ok("LocalizationService.LocalizeRobot", {"site": self.site, "scans": [{"scan": scan(3)}]})
 
@@ -275,7 +335,8 @@ class Tour:
         self.ok("SessionService.ResumeClosure", {"name": name})
 
     def clear(self):
-        """Deletes the site, if it is still there."""
+        """Deletes the sites, if they are still there."""
         method = self.api.methods["SiteService.DeleteSite"]
-        request = method.request(name=self.site, force=True)
-        self.counts.add(method.name, self.api.call(method, [request.SerializeToString()], timeout=TIMEOUT_S))
+        for site in (self.site, self.site + "-plan"):
+            request = method.request(name=site, force=True)
+            self.counts.add(method.name, self.api.call(method, [request.SerializeToString()], timeout=TIMEOUT_S))
