@@ -175,6 +175,10 @@ absl::StatusOr<PairFit> FitPairs(const std::vector<ControlPair>& pairs, double s
   result.wrong = FindWrong(pairs);
   const std::vector<ControlPair> right = result.wrong ? Without(pairs, *result.wrong) : pairs;
   const Fit fit = FitTo(right);
+  const double size = fit.transform.scale() * sheet_size;
+  if (!(size <= kLargestPlan)) {
+    return InvalidArgument("by the pairs the plan is {:.0f} m wide, at most {:.0f} m are possible", size, kLargestPlan);
+  }
   for (const bool mirrored : {false, true}) {
     for (const double ratio : kAxisRatios) {
       const PlanTransform other = FitWithRatio(right, mirrored, ratio);

@@ -12,6 +12,13 @@ namespace {
 constexpr double kBucket = 1.0;     // m
 constexpr int kMostBuckets = 4096;  // a side
 
+// Of an offset, m; cut to what an index can have.
+int BucketOf(double offset) {
+  const double bucket = offset / kBucket;
+  if (!(bucket < kMostBuckets)) return kMostBuckets;  // not a number, too
+  return static_cast<int>(std::max(bucket, -1.0));
+}
+
 struct Foot {
   double fraction;
   Eigen::Vector2d point;
@@ -60,8 +67,8 @@ FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach) : faces_(std::mo
   }
   min_.array() -= reach;
   max.array() += reach;
-  columns_ = std::min(kMostBuckets, static_cast<int>((max.x() - min_.x()) / kBucket) + 1);
-  rows_ = std::min(kMostBuckets, static_cast<int>((max.y() - min_.y()) / kBucket) + 1);
+  columns_ = std::min(kMostBuckets, BucketOf(max.x() - min_.x()) + 1);
+  rows_ = std::min(kMostBuckets, BucketOf(max.y() - min_.y()) + 1);
 
   // Twice: first the sizes of the buckets, then what is in them.
   const auto for_each_bucket = [&](const auto& act) {
@@ -70,10 +77,10 @@ FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach) : faces_(std::mo
       const WallFace& face = faces_[i];
       const Eigen::Vector2d low = (face.from.cwiseMin(face.to) - min_).array() - reach;
       const Eigen::Vector2d high = (face.from.cwiseMax(face.to) - min_).array() + reach;
-      const int right = std::min(columns_ - 1, static_cast<int>(high.x() / kBucket));
-      const int top = std::min(rows_ - 1, static_cast<int>(high.y() / kBucket));
-      for (int row = std::max(0, static_cast<int>(low.y() / kBucket)); row <= top; ++row) {
-        for (int column = std::max(0, static_cast<int>(low.x() / kBucket)); column <= right; ++column) {
+      const int right = std::min(columns_ - 1, BucketOf(high.x()));
+      const int top = std::min(rows_ - 1, BucketOf(high.y()));
+      for (int row = std::max(0, BucketOf(low.y())); row <= top; ++row) {
+        for (int column = std::max(0, BucketOf(low.x())); column <= right; ++column) {
           const Eigen::Vector2d centre = min_ + kBucket * Eigen::Vector2d(column + 0.5, row + 0.5);
           if ((FootOn(face, centre).point - centre).norm() <= farthest) act(row * columns_ + column, i);
         }

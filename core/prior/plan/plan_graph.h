@@ -60,11 +60,16 @@ struct PlanGraph {
   std::optional<double> metres_per_unit = std::nullopt;
 };
 
+// Larger buildings are errors of scale.
+constexpr double kLargestPlan = 20'000;  // m
+constexpr double kLargestCoordinate = 1e12;
+
 double LengthOf(const PlanGraph& plan, const PlanWall& wall);
 double WallLength(const PlanGraph& plan);  // of all walls
 
 // Fails with INVALID_ARGUMENT, naming the element: an index that no corner has, a wall without length, a number that is
-// not finite, a confidence outside (0, 1], an outline of fewer than three points.
+// not finite, a corner beyond kLargestCoordinate, a confidence outside (0, 1], an outline of fewer than three points, a
+// scale by which the plan is larger than kLargestPlan.
 absl::Status Validate(const PlanGraph& plan);
 
 }  // namespace enfilade::prior

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "core/prior/correction/correct_plan.h"
 #include "tests/support/plans/drawn_building.h"
@@ -147,6 +148,22 @@ TEST(FitPairsTest, TheWrongOneOfFiveIsNamedAndLeftOut) {
   EXPECT_EQ(*fit->wrong, 3U);
   EXPECT_NEAR(fit->residuals[3], std::hypot(2.5, 1.0), 1e-6);
   EXPECT_NEAR(fit->T_map_sheet.scale(), 0.05, 1e-9);
+}
+
+TEST(FitPairsTest, PairsThatMakeAPlanLargerThanAnyBuildingAreRefused) {
+  for (const double far : {1e6, 1e150, 1e300}) {
+    const auto fit = FitPairs({{{0, 0}, {0, 0}}, {{1000, 0}, {far, 0}}}, 1000);
+    EXPECT_EQ(fit.status().code(), absl::StatusCode::kInvalidArgument) << far;
+  }
+  EXPECT_TRUE(FitPairs({{{0, 0}, {0, 0}}, {{1000, 0}, {1000, 0}}}, 1000).ok());
+}
+
+TEST(FaceIndexTest, HoldsWallsWhereverTheyAre) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double far : {1e5, 1e12, 1e300, std::numeric_limits<double>::infinity(), nan}) {
+    const FaceIndex index({{{0, 0}, {1, 0}}, {{-far, 3}, {far, 3}}}, 1.0);
+    index.Nearest({0.5, 0.1}, {1, 0}, 1.0);  // that it ends is enough
+  }
 }
 
 TEST(FitPairsTest, AMirroredPlanIsRecognised) {

@@ -21,6 +21,19 @@ PlanGraph Room() {
   return plan;
 }
 
+TEST(PlanGraph, ThatIsLargerThanAnyBuildingIsRefused) {
+  PlanGraph plan;
+  plan.corners = {{{0, 0}}, {{30'000, 0}}};
+  plan.walls = {{.from = 0, .to = 1}};
+  EXPECT_TRUE(Validate(plan).ok()) << "its unit is unknown";
+  plan.metres_per_unit = 1.0;
+  EXPECT_EQ(Validate(plan).code(), absl::StatusCode::kInvalidArgument);
+  plan.metres_per_unit = 0.001;
+  EXPECT_TRUE(Validate(plan).ok());
+  plan.corners[1].point.x() = 1e13;
+  EXPECT_EQ(Validate(plan).code(), absl::StatusCode::kInvalidArgument);
+}
+
 TEST(PlanGraph, LengthsAreThoseOfTheCentreLines) {
   EXPECT_EQ(LengthOf(Room(), Room().walls[1]), 30);
   EXPECT_EQ(WallLength(Room()), 140);
