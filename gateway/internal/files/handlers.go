@@ -6,11 +6,9 @@ import (
 	"bytes"
 	"context"
 	"encoding/hex"
-	"encoding/json"
 	"fmt"
 	"io"
 	"net/http"
-	"net/url"
 	"path"
 	"strings"
 
@@ -83,35 +81,12 @@ func formatOf(name string) (pb.MapFormat, error) {
 	return pb.MapFormat(format), nil
 }
 
-type mapExport struct {
-	stream   grpc.ServerStreamingClient[pb.ExportMapResponse]
-	manifest *pb.ExportMapManifest
-}
-
-func (h *handlers) openMap(ctx context.Context, name, formatName string) (*mapExport, error) {
+func (h *handlers) openMap(ctx context.Context, name, formatName string) (*export[*pb.ExportMapManifest], error) {
 	format, err := formatOf(formatName)
 	if err != nil {
 		return nil, err
 	}
-	stream, err := h.maps.ExportMap(ctx, &pb.ExportMapRequest{Name: name, Format: format})
-	if err != nil {
-		return nil, err
-	}
-	first, err := stream.Recv()
-	if err != nil {
-		return nil, err
-	}
-	if first.GetManifest() == nil {
-		return nil, errNoManifest
-	}
-	return &mapExport{stream, first.GetManifest()}, nil
-}
-
-type fileLink struct {
-	Name      string `json:"name"`
-	SizeBytes int64  `json:"sizeBytes,string"`
-	SHA256    string `json:"sha256"`
-	Path      string `json:"path"`
+	return openExport(h.maps.ExportMap(ctx, &pb.ExportMapRequest{Name: name, Format: format}))
 }
 
 // The files of a map's newest or given revision, with the paths at which they are found.
@@ -123,18 +98,7 @@ func (h *handlers) listMapFiles(w http.ResponseWriter, r *http.Request, path map
 	if err != nil {
 		return err
 	}
-	links := []fileLink{}
-	revision := export.manifest.GetRevision().GetName()
-	for _, file := range export.manifest.GetFiles() {
-		link := "/v1/" + revision + "/files/" + url.PathEscape(file.GetName())
-		if format != "" {
-			link += "?format=" + url.QueryEscape(format)
-		}
-		links = append(links, fileLink{file.GetName(), file.GetSizeBytes(), hex.EncodeToString(file.GetSha256()), link})
-	}
-	w.Header().Set("Content-Type", "application/json")
-	w.Header().Set("Cache-Control", "private, no-cache")
-	return json.NewEncoder(w).Encode(map[string]any{"revision": revision, "files": links})
+	return writeLinks(w, "revision", export.manifest.GetRevision().GetName(), export.manifest.GetFiles(), "format", format)
 }
 
 var mediaTypes = map[string]string{
@@ -155,15 +119,7 @@ func (h *handlers) sendMapFile(w http.ResponseWriter, r *http.Request, variables
 	if err != nil {
 		return err
 	}
-	for index, entry := range export.manifest.GetFiles() {
-		if entry.GetName() != variables["file"] {
-			continue
-		}
-		Send(w, r, &File{
-			Name: entry.GetName(), Size: entry.GetSizeBytes(), SHA256: entry.GetSha256(),
-			MediaType: mediaTypes[path.Ext(entry.GetName())],
-			Next:      chunksOf(int32(index), func() (*pb.FileChunk, error) { return chunk(export.stream.Recv()) }),
-		})
+	if export.send(w, r, variables["file"], func(file string) string { return mediaTypes[path.Ext(file)] }) {
 		return nil
 	}
 	return status.Errorf(codes.NotFound, "%s has no file %s in this format", variables["name"], variables["file"])

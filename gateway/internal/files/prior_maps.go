@@ -4,15 +4,11 @@ package files
 
 import (
 	"context"
-	"encoding/hex"
-	"encoding/json"
 	"net/http"
-	"net/url"
 	"path"
 	"strconv"
 	"strings"
 
-	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
 	"google.golang.org/grpc/status"
 
@@ -63,28 +59,12 @@ func productsOf(name string) ([]pb.PriorMapProduct, error) {
 	return []pb.PriorMapProduct{pb.PriorMapProduct(product)}, nil
 }
 
-type priorMapExport struct {
-	stream   grpc.ServerStreamingClient[pb.ExportPriorMapResponse]
-	manifest *pb.ExportPriorMapManifest
-}
-
-func (h *handlers) openPriorMap(ctx context.Context, name, productName string) (*priorMapExport, error) {
+func (h *handlers) openPriorMap(ctx context.Context, name, productName string) (*export[*pb.ExportPriorMapManifest], error) {
 	products, err := productsOf(productName)
 	if err != nil {
 		return nil, err
 	}
-	stream, err := h.priors.ExportPriorMap(ctx, &pb.ExportPriorMapRequest{Name: name, Products: products})
-	if err != nil {
-		return nil, err
-	}
-	first, err := stream.Recv()
-	if err != nil {
-		return nil, err
-	}
-	if first.GetManifest() == nil {
-		return nil, errNoManifest
-	}
-	return &priorMapExport{stream, first.GetManifest()}, nil
+	return openExport(h.priors.ExportPriorMap(ctx, &pb.ExportPriorMapRequest{Name: name, Products: products}))
 }
 
 // The files of a prior map, with the paths at which they are found. They change when it is aligned anew.
@@ -96,17 +76,7 @@ func (h *handlers) listPriorMapFiles(w http.ResponseWriter, r *http.Request, pat
 	if err != nil {
 		return err
 	}
-	links := []fileLink{}
-	for _, file := range export.manifest.GetFiles() {
-		link := "/v1/" + path["name"] + "/files/" + url.PathEscape(file.GetName())
-		if product != "" {
-			link += "?product=" + url.QueryEscape(product)
-		}
-		links = append(links, fileLink{file.GetName(), file.GetSizeBytes(), hex.EncodeToString(file.GetSha256()), link})
-	}
-	w.Header().Set("Content-Type", "application/json")
-	w.Header().Set("Cache-Control", "private, no-cache")
-	return json.NewEncoder(w).Encode(map[string]any{"priorMap": path["name"], "files": links})
+	return writeLinks(w, "priorMap", path["name"], export.manifest.GetFiles(), "product", product)
 }
 
 func (h *handlers) sendPriorMapFile(w http.ResponseWriter, r *http.Request, variables map[string]string) error {
@@ -123,15 +93,7 @@ func (h *handlers) sendPriorMapFile(w http.ResponseWriter, r *http.Request, vari
 	if err != nil {
 		return err
 	}
-	for index, entry := range export.manifest.GetFiles() {
-		if entry.GetName() != variables["file"] {
-			continue
-		}
-		Send(w, r, &File{
-			Name: entry.GetName(), Size: entry.GetSizeBytes(), SHA256: entry.GetSha256(),
-			MediaType: priorMediaType(entry.GetName()),
-			Next:      chunksOf(int32(index), func() (*pb.FileChunk, error) { return chunk(export.stream.Recv()) }),
-		})
+	if export.send(w, r, variables["file"], priorMediaType) {
 		return nil
 	}
 	return status.Errorf(codes.NotFound, "%s has no file %s", variables["name"], variables["file"])

@@ -8,6 +8,7 @@ import { useLive } from '../../live/context';
 import { titleOf } from '../../live/objects';
 import { byName } from '../../ui/format';
 import { refusalOf, Sending } from '../../ui/Sending';
+import { UploadResult } from '../../ui/UploadResult';
 import { importMap, lacking, type Imported } from './importing';
 
 type State =
@@ -19,16 +20,9 @@ type State =
 function Done({ imported: { map, warnings } }: { imported: Imported }) {
   const live = useLive();
   return (
-    <div role="status">
-      <p>
-        Imported: <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link>
-      </p>
-      {warnings.map((warning) => (
-        <p key={warning} className="sub">
-          {warning}
-        </p>
-      ))}
-    </div>
+    <UploadResult warnings={warnings}>
+      <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link>
+    </UploadResult>
   );
 }
 

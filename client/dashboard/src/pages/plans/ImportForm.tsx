@@ -9,6 +9,7 @@ import type { PriorMap } from '../../gen/enfilade/v1/prior_map_pb';
 import { useLive } from '../../live/context';
 import { plansKey } from '../../live/plans';
 import { refusalOf, Sending } from '../../ui/Sending';
+import { UploadResult } from '../../ui/UploadResult';
 import { hasLayers, hasPages, importPlan, lacking } from './importing';
 import { elementsText } from './plans';
 
@@ -21,16 +22,9 @@ type State =
 function Done({ plan: { name, displayName, elements, warnings } }: { plan: PriorMap }) {
   const live = useLive();
   return (
-    <div role="status">
-      <p>
-        Imported: <Link href={addressOf(live.id, 'plans', [idOf(name)])}>{displayName}</Link>, {elementsText(elements)}
-      </p>
-      {warnings.map((warning) => (
-        <p key={warning} className="sub">
-          {warning}
-        </p>
-      ))}
-    </div>
+    <UploadResult warnings={warnings}>
+      <Link href={addressOf(live.id, 'plans', [idOf(name)])}>{displayName}</Link>, {elementsText(elements)}
+    </UploadResult>
   );
 }
 
