@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
 
-#include "core/base/error.h"
-#include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/prior/convert.h"
 #include "server/rpc/prior/handlers.h"
 #include "server/rpc/resources.h"
+#include "storage/etag.h"
 
 namespace enfilade::server {
 namespace {
@@ -24,10 +23,7 @@ absl::StatusOr<v1::AlignPriorMapResponse> AlignPriorMap(const Services& services
   ENFILADE_ASSIGN_OR_RETURN(const auto pairs, PairsOf(name.site, request.pairs()));
   ENFILADE_ASSIGN_OR_RETURN(storage::PriorMap prior_map,
                             services.prior_maps.Get(call.context(), name.site, name.prior_map));
-  if (etag != 0 && etag != prior_map.etag) {
-    return Aborted("{} has been changed meanwhile: read it again and repeat the change",
-                   NameOf(name.site, name.prior_map));
-  }
+  if (etag != 0 && etag != prior_map.etag) return storage::StaleEtag(convert::NameOf(name));
   ENFILADE_ASSIGN_OR_RETURN(const AlignedPriorMap aligned,
                             services.prior_alignment.Align(call.context(), prior_map, pairs, request.activate()));
   for (const double residual : aligned.pair_residuals) response.add_pair_residuals_m(residual);

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "storage/etag.h"
 #include "storage/postgres/driver/error.h"
 #include "storage/postgres/driver/transaction.h"
 #include "storage/request_id.h"
@@ -71,9 +72,6 @@ auto ReadRequested(const Result& result, const Read& read, const std::string& na
   return value;
 }
 
-// ABORTED: `name` was changed since the caller read it.
-inline absl::Status StaleEtag(const std::string& name) {
-  return Aborted("{} has been changed meanwhile: read it again and repeat the change", name);
-}
+using storage::StaleEtag;
 
 }  // namespace enfilade::storage::postgres
