@@ -29,6 +29,9 @@ class Id {
 
 using SiteId = Id<struct SiteTag>;
 using MapId = Id<struct MapTag>;
+using MapDraftId = Id<struct MapDraftTag>;
+using MapAreaId = Id<struct MapAreaTag>;
+using MapAliasId = Id<struct MapAliasTag>;
 using PriorMapId = Id<struct PriorMapTag>;
 using LinkPointId = Id<struct LinkPointTag>;
 using RobotId = Id<struct RobotTag>;

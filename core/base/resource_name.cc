@@ -21,6 +21,15 @@ std::string ChildOf(const SiteId& site, std::string_view collection, const std::
 std::string NameOf(const SiteId& site) { return ChildOf(site, "", ""); }
 std::string NameOf(const SiteId& site, const RobotId& robot) { return ChildOf(site, "/robots/", robot.value()); }
 std::string NameOf(const SiteId& site, const MapId& map) { return ChildOf(site, "/maps/", map.value()); }
+std::string NameOf(const SiteId& site, const MapId& map, const MapDraftId& draft) {
+  return NameOf(site, map) + "/drafts/" + draft.value();
+}
+std::string NameOf(const SiteId& site, const MapId& map, const MapAreaId& area) {
+  return NameOf(site, map) + "/areas/" + area.value();
+}
+std::string NameOf(const SiteId& site, const MapId& map, const MapAliasId& alias) {
+  return NameOf(site, map) + "/aliases/" + alias.value();
+}
 std::string NameOf(const SiteId& site, const PriorMapId& prior_map) {
   return ChildOf(site, "/priorMaps/", prior_map.value());
 }

@@ -11,6 +11,9 @@ namespace enfilade {
 std::string NameOf(const SiteId& site);
 std::string NameOf(const SiteId& site, const RobotId& robot);
 std::string NameOf(const SiteId& site, const MapId& map);
+std::string NameOf(const SiteId& site, const MapId& map, const MapDraftId& draft);
+std::string NameOf(const SiteId& site, const MapId& map, const MapAreaId& area);
+std::string NameOf(const SiteId& site, const MapId& map, const MapAliasId& alias);
 std::string NameOf(const SiteId& site, const PriorMapId& prior_map);
 std::string NameOf(const SiteId& site, const LinkPointId& link_point);
 std::string NameOf(const SiteId& site, const SessionId& session);

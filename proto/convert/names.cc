@@ -55,6 +55,9 @@ std::optional<std::int64_t> ToNumber(const std::string& text) {
 constexpr std::string_view kSiteForm = "sites/{site}";
 constexpr std::string_view kMapForm = "sites/{site}/maps/{map}";
 constexpr std::string_view kRevisionForm = "sites/{site}/maps/{map}/revisions/{revision}";
+constexpr std::string_view kMapDraftForm = "sites/{site}/maps/{map}/drafts/{draft}";
+constexpr std::string_view kMapAreaForm = "sites/{site}/maps/{map}/areas/{area}";
+constexpr std::string_view kMapAliasForm = "sites/{site}/maps/{map}/aliases/{alias}";
 constexpr std::string_view kPriorMapForm = "sites/{site}/priorMaps/{prior_map}";
 constexpr std::string_view kLinkPointForm = "sites/{site}/linkPoints/{link_point}";
 constexpr std::string_view kRobotForm = "sites/{site}/robots/{robot}";
@@ -69,6 +72,9 @@ std::string NameOf(const MapName& name) { return NameOf(name.site, name.map); }
 std::string NameOf(const RevisionName& name) {
   return NameOf(name.site, name.map) + "/revisions/" + std::to_string(name.revision);
 }
+std::string NameOf(const MapDraftName& name) { return NameOf(name.site, name.map, name.draft); }
+std::string NameOf(const MapAreaName& name) { return NameOf(name.site, name.map, name.area); }
+std::string NameOf(const MapAliasName& name) { return NameOf(name.site, name.map, name.alias); }
 std::string NameOf(const PriorMapName& name) { return NameOf(name.site, name.prior_map); }
 std::string NameOf(const LinkPointName& name) { return NameOf(name.site, name.link_point); }
 std::string NameOf(const RobotName& name) { return NameOf(name.site, name.robot); }
@@ -105,6 +111,21 @@ absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::stri
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name) {
   if (const auto map = ParseMapName(field, name); map.ok()) return RevisionName{map->site, map->map, 0};
   return ParseRevisionName(field, name);
+}
+
+absl::StatusOr<MapDraftName> ParseMapDraftName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kMapDraftForm, field, name));
+  return MapDraftName{SiteId(ids[0]), MapId(ids[1]), MapDraftId(ids[2])};
+}
+
+absl::StatusOr<MapAreaName> ParseMapAreaName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kMapAreaForm, field, name));
+  return MapAreaName{SiteId(ids[0]), MapId(ids[1]), MapAreaId(ids[2])};
+}
+
+absl::StatusOr<MapAliasName> ParseMapAliasName(std::string_view field, std::string_view name) {
+  ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kMapAliasForm, field, name));
+  return MapAliasName{SiteId(ids[0]), MapId(ids[1]), MapAliasId(ids[2])};
 }
 
 absl::StatusOr<PriorMapName> ParsePriorMapName(std::string_view field, std::string_view name) {

@@ -23,6 +23,21 @@ struct RevisionName {
   MapId map;
   std::int64_t revision = 0;  // 0: the newest
 };
+struct MapDraftName {
+  SiteId site;
+  MapId map;
+  MapDraftId draft;
+};
+struct MapAreaName {
+  SiteId site;
+  MapId map;
+  MapAreaId area;
+};
+struct MapAliasName {
+  SiteId site;
+  MapId map;
+  MapAliasId alias;
+};
 struct PriorMapName {
   SiteId site;
   PriorMapId prior_map;
@@ -59,6 +74,9 @@ struct RearrangementName {
 
 std::string NameOf(const MapName& name);
 std::string NameOf(const RevisionName& name);
+std::string NameOf(const MapDraftName& name);
+std::string NameOf(const MapAreaName& name);
+std::string NameOf(const MapAliasName& name);
 std::string NameOf(const PriorMapName& name);
 std::string NameOf(const LinkPointName& name);
 std::string NameOf(const RobotName& name);
@@ -72,6 +90,9 @@ absl::StatusOr<MapName> ParseMapName(std::string_view field, std::string_view na
 // Takes a map's name too, meaning its newest revision.
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name);
 absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::string_view name);
+absl::StatusOr<MapDraftName> ParseMapDraftName(std::string_view field, std::string_view name);
+absl::StatusOr<MapAreaName> ParseMapAreaName(std::string_view field, std::string_view name);
+absl::StatusOr<MapAliasName> ParseMapAliasName(std::string_view field, std::string_view name);
 absl::StatusOr<PriorMapName> ParsePriorMapName(std::string_view field, std::string_view name);
 absl::StatusOr<LinkPointName> ParseLinkPointName(std::string_view field, std::string_view name);
 absl::StatusOr<RobotName> ParseRobotName(std::string_view field, std::string_view name);

@@ -56,7 +56,8 @@ func NewMux(ctx context.Context, server *grpc.ClientConn) (*runtime.ServeMux, er
 	)
 	for _, service := range []register{
 		pb.RegisterGraphServiceHandler, pb.RegisterIngestServiceHandler, pb.RegisterLinkPointServiceHandler,
-		pb.RegisterLocalizationServiceHandler, pb.RegisterMapServiceHandler, pb.RegisterPriorMapServiceHandler,
+		pb.RegisterLocalizationServiceHandler, pb.RegisterMapAreaServiceHandler, pb.RegisterMapEditServiceHandler,
+		pb.RegisterMapServiceHandler, pb.RegisterPriorMapServiceHandler,
 		pb.RegisterRasterServiceHandler, pb.RegisterRobotServiceHandler, pb.RegisterServerServiceHandler,
 		pb.RegisterSessionServiceHandler, pb.RegisterSiteServiceHandler, pb.RegisterWatchServiceHandler,
 	} {

@@ -31,6 +31,10 @@ std::string SiteOf(const Request& request) {
   if constexpr (requires { request.link_point(); }) read(request.link_point());
   if constexpr (requires { request.session(); }) read(request.session());
   if constexpr (requires { request.robot(); }) read(request.robot());
+  if constexpr (requires { request.area(); }) read(request.area());
+  if constexpr (requires { request.alias(); }) read(request.alias());
+  if constexpr (requires { request.base(); }) read(request.base());
+  if constexpr (requires { request.map_a(); }) read(request.map_a());
   if constexpr (requires { request.map_pose(); }) read(request.map_pose());
   if constexpr (requires { request.source_map(); }) read(request.source_map());
   if constexpr (requires { request.start_map(); }) read(request.start_map());

@@ -2,6 +2,8 @@
 import { createClient } from '@connectrpc/connect';
 import { GraphService } from '../gen/enfilade/v1/graph_service_pb';
 import { LinkPointService } from '../gen/enfilade/v1/link_point_service_pb';
+import { MapAreaService } from '../gen/enfilade/v1/map_area_service_pb';
+import { MapEditService } from '../gen/enfilade/v1/map_edit_service_pb';
 import { MapService } from '../gen/enfilade/v1/map_service_pb';
 import { PriorMapService } from '../gen/enfilade/v1/prior_map_service_pb';
 import { RasterService } from '../gen/enfilade/v1/raster_service_pb';
@@ -17,6 +19,8 @@ const transport = createRestTransport(routes, readOwnWrites((url, init) => fetch
 
 export const graphs = createClient(GraphService, transport);
 export const linkPoints = createClient(LinkPointService, transport);
+export const mapAreas = createClient(MapAreaService, transport);
+export const mapEdits = createClient(MapEditService, transport);
 export const maps = createClient(MapService, transport);
 export const priorMaps = createClient(PriorMapService, transport);
 export const rasters = createClient(RasterService, transport);
