@@ -14,7 +14,7 @@ namespace {
 
 #define ENFILADE_REVISION_COLUMNS                                                                             \
   "site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height," \
-  " raster_header, content_sha256, tile_count, tile_bytes, create_time, tag"
+  " raster_header, content_sha256, tile_count, tile_bytes, create_time, tag, edit_version"
 
 constexpr Statement kSelectRevision{"reading the revision",
                                     "SELECT " ENFILADE_REVISION_COLUMNS
@@ -68,6 +68,7 @@ MapRevision ReadRevision(Row& row) {
   revision.tile_bytes = row.Int64();
   revision.create_time = row.Time();
   revision.tag = row.Text();
+  revision.edit_version = row.Int64();
   return revision;
 }
 
