@@ -117,10 +117,6 @@ class MapEditStore {
                                   std::int64_t to, absl::Span<const NewMapEdit> edits) const;
 
   absl::StatusOr<OverlayState> ReadOverlay(const CallContext& context, const SiteId& site, const MapId& map) const;
-  // Those that still count with an edit_version of more than `after` and at most `up_to`, in their order.
-  absl::StatusOr<std::vector<edit::Publication>> ReadPublications(const CallContext& context, const SiteId& site,
-                                                                  const MapId& map, std::int64_t after,
-                                                                  std::int64_t up_to) const;
   // The layers of sessions that began after a publication.
   absl::StatusOr<std::vector<LayerWitness>> ReadWitnesses(const CallContext& context, const SiteId& site,
                                                           const MapId& map) const;

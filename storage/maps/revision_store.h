@@ -12,6 +12,7 @@
 #include "absl/types/span.h"
 #include "core/base/ids.h"
 #include "core/base/time.h"
+#include "core/edit/history.h"
 #include "core/edit/map_edit.h"
 #include "core/grid/occupancy_grid.h"
 #include "storage/call_context.h"
@@ -183,6 +184,20 @@ class RevisionStore {
   // `max_bytes` in total. Empty at the end, or if there is no such revision. Holds no connection between calls.
   virtual absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,
                                                       std::optional<TileKey> after, std::int64_t max_bytes) const = 0;
+
+  // Edits. A store that has no drafts has none of either.
+  // The map's newest revision without the edits that lie over it; unset: it has none.
+  virtual absl::StatusOr<std::optional<StoredRaster>> ReadEvidence(const CallContext& /*context*/,
+                                                                   const SiteId& /*site*/, const MapId& /*map*/) const {
+    return std::nullopt;
+  }
+  // The publications of the map with an edit_version of more than `after` and at most `up_to`, in their order.
+  virtual absl::StatusOr<std::vector<edit::Publication>> ReadPublications(const CallContext& /*context*/,
+                                                                          const SiteId& /*site*/,
+                                                                          const MapId& /*map*/, std::int64_t /*after*/,
+                                                                          std::int64_t /*up_to*/) const {
+    return std::vector<edit::Publication>();
+  }
 };
 
 }  // namespace enfilade::storage

@@ -226,7 +226,11 @@ void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& 
   if (!revision.session) {
     QueueLayersChange(transaction, key);
     transaction.Queue(kDeleteLayers, Params(site, map));
-    transaction.Queue(kInsertImport, Params(site, map, number));
+    if (revision.edits) {
+      QueueTopLayer(transaction, key, std::nullopt, revision.edits->evidence);
+    } else {
+      transaction.Queue(kInsertImport, Params(site, map, number));
+    }
     return;
   }
   std::optional<std::int64_t> whole;

@@ -192,13 +192,6 @@ absl::StatusOr<OverlayState> MapEditStore::ReadOverlay(const CallContext& contex
   return state;
 }
 
-absl::StatusOr<std::vector<edit::Publication>> MapEditStore::ReadPublications(const CallContext& context,
-                                                                              const SiteId& site, const MapId& map,
-                                                                              std::int64_t after,
-                                                                              std::int64_t up_to) const {
-  return postgres::ReadPublicationRows(pool_, context, {site, map}, after, up_to);
-}
-
 absl::StatusOr<std::vector<LayerWitness>> MapEditStore::ReadWitnesses(const CallContext& context, const SiteId& site,
                                                                       const MapId& map) const {
   return postgres::ReadWitnessRows(pool_, context, {site, map});

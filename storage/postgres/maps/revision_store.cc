@@ -6,7 +6,9 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/maps/layer_rows.h"
+#include "storage/postgres/maps/map_edit_rows.h"
 #include "storage/postgres/maps/orphaned_layers.h"
+#include "storage/postgres/maps/overlay_rows.h"
 #include "storage/postgres/maps/revision_rows.h"
 
 namespace enfilade::storage::postgres {
@@ -168,6 +170,19 @@ absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& co
     tile.data = row.Bytes();
     return tile;
   });
+}
+
+absl::StatusOr<std::optional<StoredRaster>> RevisionStore::ReadEvidence(const CallContext& context, const SiteId& site,
+                                                                        const MapId& map) const {
+  ENFILADE_ASSIGN_OR_RETURN(OverlayState state, ReadOverlayRows(pool_, context, {site, map}));
+  return std::move(state.evidence);
+}
+
+absl::StatusOr<std::vector<edit::Publication>> RevisionStore::ReadPublications(const CallContext& context,
+                                                                               const SiteId& site, const MapId& map,
+                                                                               std::int64_t after,
+                                                                               std::int64_t up_to) const {
+  return ReadPublicationRows(pool_, context, {site, map}, after, up_to);
 }
 
 }  // namespace enfilade::storage::postgres
