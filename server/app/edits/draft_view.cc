@@ -35,8 +35,8 @@ absl::Status DraftView::UpdateBase(const storage::CallContext& context) {
     if (version == overlay.edit_version && draft_.lattice == overlay.lattice) {
       ENFILADE_ASSIGN_OR_RETURN(base, ReadOverlay(context, rasters_.blobs, key_.site, overlay));
     } else {
-      ENFILADE_ASSIGN_OR_RETURN(base, DrawOverlay(context, rasters_.revisions, {key_.site, key_.map}, overlay, version,
-                                                  draft_.lattice));
+      ENFILADE_ASSIGN_OR_RETURN(
+          base, DrawOverlay(context, rasters_.revisions, {key_.site, key_.map}, overlay, version, draft_.lattice));
     }
   }
   for (const auto& [index, cells] : base_.tiles()) changed_.insert(index);
@@ -75,7 +75,8 @@ void DraftView::Apply(storage::StoredMapEdit edit) {
     stored = std::move(edit);
     return;
   }
-  // Appended edits come in the order of their sequences, but for those that were switched since: these have later heads.
+  // Appended edits come in the order of their sequences, but for those that were switched since: these have later
+  // heads.
   const auto later = [](const storage::StoredMapEdit& a, std::int64_t sequence) { return a.kept.sequence < sequence; };
   const auto at = std::lower_bound(stored_.begin(), stored_.end(), edit.kept.sequence, later);
   const auto place = static_cast<std::size_t>(at - stored_.begin());

@@ -53,10 +53,10 @@ class DraftView {
   edit::Overlay base_;
   edit::Overlay layer_;
   std::vector<storage::StoredMapEdit> stored_;
-  std::map<std::string, std::size_t> place_of_;         // by edit id
-  std::vector<std::set<grid::TileIndex>> tiles_of_;     // of each edit
-  std::int64_t head_ = 0, sequence_ = 0;                // of the last edit that was read
-  std::set<grid::TileIndex> stale_;                     // to be drawn again
+  std::map<std::string, std::size_t> place_of_;      // by edit id
+  std::vector<std::set<grid::TileIndex>> tiles_of_;  // of each edit
+  std::int64_t head_ = 0, sequence_ = 0;             // of the last edit that was read
+  std::set<grid::TileIndex> stale_;                  // to be drawn again
   std::set<grid::TileIndex> changed_;
 };
 

@@ -43,9 +43,8 @@ absl::StatusOr<storage::StoredOverlay> PutOverlay(const storage::CallContext& co
 absl::StatusOr<edit::Overlay> DrawOverlay(const storage::CallContext& context, const storage::RevisionStore& revisions,
                                           const EditedMap& map, const storage::StoredOverlay& overlay,
                                           std::int64_t up_to, const edit::Lattice& lattice) {
-  ENFILADE_ASSIGN_OR_RETURN(
-      const std::vector<edit::Publication> publications,
-      revisions.ReadPublications(context, map.site, map.map, overlay.first_version - 1, up_to));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<edit::Publication> publications,
+                            revisions.ReadPublications(context, map.site, map.map, overlay.first_version - 1, up_to));
   return edit::OverlayOf(publications, lattice);
 }
 
@@ -64,16 +63,15 @@ absl::StatusOr<RasterRevision> StoreEdited(const storage::CallContext& context, 
   ENFILADE_ASSIGN_OR_RETURN(RasterRevision evidence, ToRevision(raster));
   ENFILADE_RETURN_IF_ERROR(PutTiles(context, stores.blobs, map.site, evidence, known));
   if (!overlay) return evidence;
-  ENFILADE_ASSIGN_OR_RETURN(const grid::RasterHeader header,
-                            grid::DecodeRasterHeader(evidence.revision.raster_header));
+  ENFILADE_ASSIGN_OR_RETURN(const grid::RasterHeader header, grid::DecodeRasterHeader(evidence.revision.raster_header));
   const edit::Lattice lattice = edit::LatticeOf(header);
   storage::StoredOverlay stored = *overlay;
   edit::Overlay instructions;
   if (lattice == overlay->lattice) {
     ENFILADE_ASSIGN_OR_RETURN(instructions, ReadOverlay(context, stores.blobs, map.site, stored));
   } else {
-    ENFILADE_ASSIGN_OR_RETURN(instructions, DrawOverlay(context, stores.revisions, map, *overlay,
-                                                        overlay->edit_version, lattice));
+    ENFILADE_ASSIGN_OR_RETURN(instructions,
+                              DrawOverlay(context, stores.revisions, map, *overlay, overlay->edit_version, lattice));
     ENFILADE_ASSIGN_OR_RETURN(stored, PutOverlay(context, stores.blobs, map.site, lattice, instructions));
     stored.edit_version = overlay->edit_version;
     stored.first_version = overlay->first_version;
@@ -83,8 +81,8 @@ absl::StatusOr<RasterRevision> StoreEdited(const storage::CallContext& context, 
   std::set<std::string> present = known;
   for (const storage::TileRef& tile : evidence.revision.tiles) present.insert(tile.sha256);
   ENFILADE_RETURN_IF_ERROR(PutTiles(context, stores.blobs, map.site, edited, present));
-  edited.revision.edits = storage::RevisionEdits{
-      std::move(stored), {evidence.revision.raster_header, std::move(evidence.revision.tiles)}};
+  edited.revision.edits =
+      storage::RevisionEdits{std::move(stored), {evidence.revision.raster_header, std::move(evidence.revision.tiles)}};
   return edited;
 }
 
