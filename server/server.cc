@@ -111,6 +111,7 @@ class Server::Impl {
                                                    sites,
                                                    robots,
                                                    maps,
+                                                   map_areas,
                                                    revisions,
                                                    pyramids,
                                                    prior_maps,
@@ -243,6 +244,7 @@ class Server::Impl {
   const storage::SiteStore sites{*pool};
   const storage::RobotStore robots{*pool};
   const storage::postgres::MapStore maps{*pool};
+  const storage::MapAreaStore map_areas{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
   const storage::PyramidStore pyramids{*pool};
   const storage::PriorMapStore prior_maps{*pool};

@@ -30,6 +30,7 @@
 #include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
+#include "storage/maps/map_area_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/prior_map_store.h"
 #include "storage/maps/pyramid_store.h"
@@ -60,6 +61,7 @@ struct Services {
   const storage::SiteStore& sites;
   const storage::RobotStore& robots;
   const storage::MapReader& maps;
+  const storage::MapAreaStore& map_areas;
   const storage::RevisionStore& revisions;
   const storage::PyramidStore& pyramids;
   const storage::PriorMapStore& prior_maps;
