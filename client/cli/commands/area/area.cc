@@ -11,7 +11,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
-#include "client/sdk/api/map_areas.h"
+#include "client/sdk/editing/map_areas.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "fmt/format.h"

@@ -10,7 +10,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
-#include "client/sdk/api/map_areas.h"
+#include "client/sdk/editing/map_areas.h"
 #include "core/areas/area_geojson.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"

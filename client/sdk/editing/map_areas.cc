@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/sdk/api/map_areas.h"
+#include "client/sdk/editing/map_areas.h"
 
 #include <utility>
 
