@@ -111,6 +111,7 @@ class Server::Impl {
                                                    sites,
                                                    robots,
                                                    maps,
+                                                   map_areas,
                                                    revisions,
                                                    pyramids,
                                                    map_edit_store,
@@ -246,6 +247,7 @@ class Server::Impl {
   const storage::SiteStore sites{*pool};
   const storage::RobotStore robots{*pool};
   const storage::postgres::MapStore maps{*pool};
+  const storage::MapAreaStore map_areas{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
   const storage::PyramidStore pyramids{*pool};
   const storage::MapEditStore map_edit_store{*pool};

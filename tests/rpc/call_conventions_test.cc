@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
 #include "grpc/grpc.h"
@@ -61,6 +62,11 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
   ExpectRefusesEmpty(*connection_, &LocalizationService::Stub::LocalizeRobot);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::CreateMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::GetMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::ListMapAreas);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::UpdateMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::DeleteMapArea);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::GetPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorMaps);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::UpdatePriorMap);
@@ -80,12 +86,15 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   const auto maps = MapService::NewStub(connection_->channel());
   const auto sessions = SessionService::NewStub(connection_->channel());
   const auto ingest = IngestService::NewStub(connection_->channel());
-  grpc::ClientContext contexts[4];
+  const auto areas = v1::MapAreaService::NewStub(connection_->channel());
+  grpc::ClientContext contexts[5];
   EXPECT_CODE(first_of(std::pair(v1::ExportMapResponse(), maps->ExportMap(&contexts[0], {}))),
               absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(first_of(std::pair(v1::ExportTrajectoryResponse(), sessions->ExportTrajectory(&contexts[1], {}))),
               absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(first_of(std::pair(v1::DownloadBlobResponse(), ingest->DownloadBlob(&contexts[2], {}))),
+              absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(first_of(std::pair(v1::ExportMapAreasResponse(), areas->ExportMapAreas(&contexts[4], {}))),
               absl::StatusCode::kInvalidArgument);
   v1::ImportMapResponse imported;
   const auto import = maps->ImportMap(&contexts[3], &imported);

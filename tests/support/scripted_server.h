@@ -16,6 +16,7 @@
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
@@ -162,6 +163,16 @@ class ScriptedServer {
     ENFILADE_SCRIPTED(Unary, SuspendPriorMap, suspend)
     ENFILADE_SCRIPTED(Download, ExportPriorMap, export_files)
   };
+  struct MapAreas final : v1::MapAreaService::Service {
+    explicit MapAreas(ScriptedServer& server) : owner(server) {}
+    ScriptedServer& owner;
+    ENFILADE_SCRIPTED(Unary, CreateMapArea, create)
+    ENFILADE_SCRIPTED(Unary, GetMapArea, get)
+    ENFILADE_SCRIPTED(Unary, ListMapAreas, list)
+    ENFILADE_SCRIPTED(Unary, UpdateMapArea, update)
+    ENFILADE_SCRIPTED(Unary, DeleteMapArea, remove)
+    ENFILADE_SCRIPTED(Download, ExportMapAreas, export_files)
+  };
   struct Ingest final : v1::IngestService::Service {
     explicit Ingest(ScriptedServer& server) : owner(server) {}
     ScriptedServer& owner;
@@ -179,7 +190,7 @@ class ScriptedServer {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
     for (grpc::Service* service : std::vector<grpc::Service*>{&maps, &link_points, &graph, &sessions, &sites, &status,
-                                                              &ingest, &localization, &prior_maps}) {
+                                                              &ingest, &localization, &prior_maps, &map_areas}) {
       builder.RegisterService(service);
     }
     server_ = builder.BuildAndStart();
@@ -207,6 +218,7 @@ class ScriptedServer {
   Ingest ingest{*this};
   Localization localization{*this};
   PriorMaps prior_maps{*this};
+  MapAreas map_areas{*this};
 
  private:
   void Note(const grpc::ServerContext& context) {

@@ -9,6 +9,7 @@ namespace enfilade::cli {
 // command runs.
 
 // A server's site: one file per command below commands/, named after it.
+void AddArea(CLI::App& app, const Globals& globals);         // area add | list | show | update | delete | export
 void AddGraph(CLI::App& app, const Globals& globals);        // graph show | versions | optimize | export | plot | solve
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
@@ -38,6 +39,7 @@ void AddCompletion(CLI::App& app);
 void AddManual(CLI::App& app);
 
 // Parts of the commands above that have a file of their own. The first parameter is the command that they belong to.
+void AddAreaEdit(CLI::App& area, const Globals& globals);  // add, update
 void AddGraphPlot(CLI::App& graph, const Globals& globals);
 void AddGraphSolve(CLI::App& graph, const Globals& globals);
 void AddMapEdit(CLI::App& map, const Globals& globals);

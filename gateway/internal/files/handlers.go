@@ -23,6 +23,7 @@ import (
 
 type handlers struct {
 	maps     pb.MapServiceClient
+	areas    pb.MapAreaServiceClient
 	graphs   pb.GraphServiceClient
 	sessions pb.SessionServiceClient
 	ingest   pb.IngestServiceClient
@@ -39,7 +40,7 @@ type route struct {
 // Register adds the routes of files to `mux`; they go before those of the RPCs.
 func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimits) error {
 	h := &handlers{
-		maps: pb.NewMapServiceClient(server), graphs: pb.NewGraphServiceClient(server),
+		maps: pb.NewMapServiceClient(server), areas: pb.NewMapAreaServiceClient(server), graphs: pb.NewGraphServiceClient(server),
 		sessions: pb.NewSessionServiceClient(server), ingest: pb.NewIngestServiceClient(server),
 		points: pb.NewLinkPointServiceClient(server), priors: pb.NewPriorMapServiceClient(server), limits: limits,
 	}
@@ -53,6 +54,7 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimit
 		{"POST", "/v1/{name=sites/*/maps/*}:import", h.importMap},
 		{"POST", "/v1/{name=sites/*/linkPoints/*}/evidence", h.attachEvidence},
 	}
+	routes = append(routes, h.mapAreaRoutes()...)
 	for _, route := range append(routes, h.priorMapRoutes()...) {
 		handle := route.handle
 		for _, method := range strings.Fields(route.methods) {

@@ -59,6 +59,7 @@ constexpr std::array kTables = {
     ENFILADE_OF_SITE("map_overlays"),
     ENFILADE_OF_SITE("map_edits"),
     ENFILADE_OF_SITE("map_drafts"),
+    ENFILADE_OF_SITE("map_areas"),
     ENFILADE_OF_SITE("prior_map_files"),
     ENFILADE_OF_SITE("prior_maps"),
     ENFILADE_OF_SITE("rearrangement_images"),

@@ -16,6 +16,8 @@ INDOOR, DOOR, PGM, NAV2 = 1, 1, 1, 1
 COVARIANCE = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]
 WORLD = {"pose": {"x": 1.0, "y": 0.5, "yaw": 0.1}, "covariance": COVARIANCE}
 TIMEOUT_S = 60
+KEEP_OUT, SPEED_LIMIT, ROOM = 1, 2, 5  # kinds of areas
+AREA_FORMATS = (1, 2, 3)  # GeoJSON, and masks for Nav2
 DONE_STATES = (3, 4)  # of a session: MAPPED, FAILED
 CAUSE_OPTIMIZED = 7  # of a version of the graph
 
@@ -122,6 +124,7 @@ class Tour:
         """Every RPC at least once."""
         self.sites_and_robots()
         self.maps()
+        self.areas()
         first, second = self.drive("one"), self.drive("two")
         self.blobs()
         self.link_points()
@@ -176,6 +179,26 @@ class Tour:
         self.ok("MapService.TagMapRevision", {"name": imported.revision.name, "tag": "as imported"})
         self.ok("MapService.ListMapRevisions", {"parent": f"{site}/maps/b"})
         self.ok("MapService.ExportMap", {"name": f"{site}/maps/b", "format": PGM})
+
+    def areas(self):
+        """Of the map "b", which has a revision."""
+        parent = f"{self.site}/maps/b"
+
+        def outline(x, y):
+            return {"corners": [{"x": x, "y": y}, {"x": x + 0.5, "y": y}, {"x": x, "y": y + 0.5}]}
+
+        for name, kind in (("stop", KEEP_OUT), ("slow", SPEED_LIMIT), ("spare", ROOM)):
+            area = {"display_name": name, "kind": kind, "outline": outline(0.1, 0.1), "robot_types": ["cleaner"],
+                    "speed_limit_mps": 0.3 if kind == SPEED_LIMIT else 0, "valid_from": {"seconds": START_S}}
+            self.ok("MapAreaService.CreateMapArea", {"parent": parent, "area_id": name, "area": area,
+                                                     "request_id": f"area-{name}"})
+        self.ok("MapAreaService.GetMapArea", {"name": f"{parent}/areas/stop"})
+        self.ok("MapAreaService.ListMapAreas", {"parent": parent, "page_size": 2})
+        self.ok("MapAreaService.UpdateMapArea", {"area": {"name": f"{parent}/areas/stop", "outline": outline(0.2, 0.3)},
+                                                 "update_mask": {"paths": ["outline"]}})
+        self.ok("MapAreaService.DeleteMapArea", {"name": f"{parent}/areas/spare"})
+        for area_format in AREA_FORMATS:
+            self.ok("MapAreaService.ExportMapAreas", {"parent": parent, "format": area_format, "robot_type": "cleaner"})
 
     def drive(self, session_id):
         """A finished session in the map "a": the first records by single calls, the others by a stream."""

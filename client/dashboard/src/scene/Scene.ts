@@ -3,6 +3,7 @@ import type { LiveSite } from '../live/site';
 import { Signal } from '../signal';
 import { onColoursChange } from '../ui/theme';
 import { affineOf, apply, united } from './affine';
+import { addAreas } from './areas';
 import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Size } from './camera';
 import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds } from './drawing';
 import { Surface } from './Surface';
@@ -220,6 +221,7 @@ export class Scene {
     this.placement.update(frame, sources, palette);
     const missing = addMaps(rasters, glyphs, palette, frame, sources, this.placement.maps);
     addPlans(glyphs, palette, frame);
+    addAreas(glyphs, palette, frame);
     addMoves(glyphs, palette, frame, sources);
     addExplanation(glyphs, palette, frame, this.measured);
     addLinkPoints(glyphs, palette, frame, this.placement.links);

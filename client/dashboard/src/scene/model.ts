@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveSite } from '../live/site';
+import type { Area } from './areas';
 import type { Bounds, Camera, Point, Pose, Size } from './camera';
 import type { Plan } from './plans';
 
@@ -64,6 +65,8 @@ export interface View {
   pins?: Pin[] | undefined;
   // Floor plans, in the world.
   plans?: readonly Plan[] | undefined;
+  // Areas of the map, in its frame.
+  areas?: readonly Area[] | undefined;
 }
 
 export type ObjectKind = 'robot' | 'link' | 'map';
@@ -84,9 +87,9 @@ export interface Drawn {
 }
 
 // What is drawn besides objects, as in the last frame, in CSS pixels; for tests. A cursor's `to` lies a metre ahead of it.
-// A plan's are its upper left and lower right corners.
+// A plan's and an area's are its upper left and lower right corners.
 export interface Mark {
-  kind: 'move' | 'path' | 'cursor' | 'pin' | 'trail' | 'plan';
+  kind: 'move' | 'path' | 'cursor' | 'pin' | 'trail' | 'plan' | 'area';
   name: string;
   from: Point;
   to: Point;

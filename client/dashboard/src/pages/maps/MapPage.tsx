@@ -6,7 +6,9 @@ import { collect, maps } from '../../api/clients';
 import { idOf, withSite } from '../../api/names';
 import { addressOf, Link, setQuery, usePlace } from '../../app/router';
 import { onCampus, select, useSelection } from '../../app/selection';
+import type { MapArea } from '../../gen/enfilade/v1/map_area_pb';
 import type { MapRevision } from '../../gen/enfilade/v1/map_pb';
+import { useAreas } from '../../live/areas';
 import { useLive } from '../../live/context';
 import type { Compare, RasterChoice, View } from '../../scene/model';
 import { SceneView } from '../../scene/SceneView';
@@ -14,6 +16,8 @@ import { levelName } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
 import { usePointMenu } from '../campus/PointMenu';
 import { Readout, type ReadoutHandle } from '../campus/Readout';
+import { Areas } from './Areas';
+import { areaShown } from './areas';
 import { CompareBar } from './CompareBar';
 import { Downloads } from './Downloads';
 import { MapLinkPoints } from './MapLinkPoints';
@@ -21,6 +25,9 @@ import { MapUse } from './MapUse';
 import { RevisionList } from './RevisionList';
 
 const BLINK_MS = 700;
+const AREAS_POLL_MS = 30_000;
+
+const none: MapArea[] = [];
 
 const compares: Compare[] = ['blink', 'swipe', 'difference'];
 
@@ -58,6 +65,7 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
   const readout = useRef<ReadoutHandle>(null);
   const [swipe, setSwipe] = useState(0.5);
   const points = usePointMenu(map);
+  const { data: areas = none } = useAreas(map, AREAS_POLL_MS);
   const find = (id: string | null) => revisions.find(({ name }) => idOf(name) === id);
   const shown = find(query.get('rev')) ?? revisions[0]!;
   const found = find(query.get('with'));
@@ -67,7 +75,8 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
 
   const view = useMemo<View>(() => ({
     map, selected, swipe, compare: other && compare, rasters: rastersOf(map, shown.name, other?.name, compare, blinked),
-  }), [map, selected, swipe, compare, shown, other, blinked]);
+    areas: areas.map(areaShown),
+  }), [map, selected, swipe, compare, shown, other, blinked, areas]);
   return (
     <div className="campus">
       <SceneView view={view} events={{ hover: (...at) => readout.current?.hover(...at), click: (what) => select(what), menu: points.open }}>
@@ -79,6 +88,7 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
         <MapHead map={map} />
         <RevisionList revisions={revisions} shown={shown} other={other} show={(id) => setQuery({ rev: id })} compareWith={(id) => setQuery({ with: id })} />
         <Downloads revision={shown} />
+        <Areas map={map} areas={areas} />
         <MapLinkPoints map={map} />
         <MapUse map={map} />
       </aside>
