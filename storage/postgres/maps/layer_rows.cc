@@ -205,12 +205,13 @@ void QueueLayersChange(Transaction& transaction, const MapKey& key) {
 
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   const auto& [site, map] = key;
-  if (!revision.session) {
+  if (ReplacesLayers(revision.source)) {
     QueueLayersChange(transaction, key);
     transaction.Queue(kDeleteLayers, Params(site, map));
     transaction.Queue(kInsertImport, Params(site, map, number));
     return;
   }
+  if (!revision.session) return;
   std::optional<std::int64_t> whole;
   std::optional<Bytes> header;
   if (revision.layer) {
