@@ -67,11 +67,15 @@ void ChangedRuns::Group() {
       Join(i, run);
     }
   }
-  for (std::uint32_t run = 0; run < count; ++run) runs_[run].group = RootOf(run);
+  for (std::uint32_t run = 0; run < count; ++run) {
+    runs_[run].group = RootOf(run);
+    group_count_ += runs_[run].group == run ? 1U : 0U;
+  }
 }
 
-std::vector<ChangedGroup> ChangedRuns::Groups() const {
+std::vector<ChangedGroup> ChangedRuns::Largest(std::size_t count) const {
   std::vector<ChangedGroup> groups;
+  groups.reserve(group_count_);
   std::vector<std::uint32_t> place(runs_.size());  // of the group, by its first run
   for (std::uint32_t i = 0; i < runs_.size(); ++i) {
     const ChangedRun& run = runs_[i];
@@ -88,10 +92,12 @@ std::vector<ChangedGroup> ChangedRuns::Groups() const {
     group.to[1] += run.to_free;
     group.to[2] += run.to_occupied;
   }
-  std::sort(groups.begin(), groups.end(), [](const ChangedGroup& a, const ChangedGroup& b) {
+  const auto given = groups.begin() + static_cast<std::ptrdiff_t>(std::min(count, groups.size()));
+  std::partial_sort(groups.begin(), given, groups.end(), [](const ChangedGroup& a, const ChangedGroup& b) {
     return std::tuple(-a.cells, a.min.row, a.min.column, a.first_run) <
            std::tuple(-b.cells, b.min.row, b.min.column, b.first_run);
   });
+  groups.erase(given, groups.end());
   return groups;
 }
 

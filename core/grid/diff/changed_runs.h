@@ -45,8 +45,9 @@ class ChangedRuns {
 
   // After Group(): row by row, from the left.
   const std::vector<ChangedRun>& runs() const { return runs_; }
-  // The largest first; of equal ones the lowest, then the leftmost.
-  std::vector<ChangedGroup> Groups() const;
+  std::size_t group_count() const { return group_count_; }
+  // At most `count` groups, the largest first; of equal ones the lowest, then the leftmost.
+  std::vector<ChangedGroup> Largest(std::size_t count) const;
 
  private:
   static constexpr int kBandRows = 256;
@@ -59,6 +60,7 @@ class ChangedRuns {
   std::array<std::vector<ChangedRun>, kBandRows> band_;  // by row
   std::size_t in_band_ = 0;
   int band_row_ = 0;  // its first
+  std::size_t group_count_ = 0;
 };
 
 }  // namespace enfilade::grid

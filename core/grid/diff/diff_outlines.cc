@@ -25,9 +25,7 @@ struct Outlined {
 std::vector<Outlined> LargestOf(const ChangedRuns& changed, const char* change, std::size_t count) {
   std::vector<Outlined> largest;
   std::unordered_map<std::uint32_t, std::size_t> place;  // by the group's first run
-  std::vector<ChangedGroup> groups = changed.Groups();
-  if (groups.size() > count) groups.resize(count);
-  for (const ChangedGroup& group : groups) {
+  for (const ChangedGroup& group : changed.Largest(count)) {
     place.emplace(group.first_run, largest.size());
     largest.push_back({change, group, {}});
   }

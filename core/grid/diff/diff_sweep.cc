@@ -97,10 +97,10 @@ absl::StatusOr<MapDiff> DiffSweep::Finish() && {
   }
   diff.cells[0] = lattice_.cell_count() - told;
   changed_.Group();
-  const std::vector<ChangedGroup> groups = changed_.Groups();
-  diff.region_count = static_cast<std::int64_t>(groups.size());
-  const std::size_t given = std::min(groups.size(), options_.max_regions);
-  for (std::size_t i = 0; i < given; ++i) diff.regions.push_back(RegionOf(groups[i], lattice_));
+  diff.region_count = static_cast<std::int64_t>(changed_.group_count());
+  for (const ChangedGroup& group : changed_.Largest(options_.max_regions)) {
+    diff.regions.push_back(RegionOf(group, lattice_));
+  }
   if (picture_) diff.picture = std::move(*picture_).Finish();
   if (options_.with_geojson) {
     came_.Group();

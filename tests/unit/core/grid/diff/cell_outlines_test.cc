@@ -117,8 +117,8 @@ TEST(MapDiffGeoJsonTest, WhatCameAndWentAreFeaturesInTheMapsFrame) {
   OccupancyGrid revision = base;
   for (int row = 5; row < 8; ++row) revision.cells[revision.geometry.index(10, row)] = 240;
   for (const int step : {0, 1}) base.cells[base.geometry.index(30 + step, 20 + step)] = 240;
-  ASSERT_OK_AND_ASSIGN(const MapDiff diff, DiffRasters(FromOccupancyGrid(base), FromOccupancyGrid(revision),
-                                                       {.with_geojson = true}));
+  ASSERT_OK_AND_ASSIGN(const MapDiff diff,
+                       DiffRasters(FromOccupancyGrid(base), FromOccupancyGrid(revision), {.with_geojson = true}));
   const auto document = nlohmann::json::parse(diff.geojson);
   ASSERT_EQ(document["features"].size(), 2U);
   const auto& came = document["features"][0];

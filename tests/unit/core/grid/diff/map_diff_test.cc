@@ -141,7 +141,8 @@ TEST(MapDiffTest, TilesThatBothHaveAreReadOnce) {
   OccupancyGrid revision = base;
   Draw(revision, 5, 5, 3, 3, kWall);
   TileShelf shelf;
-  ASSERT_OK(DiffTiles(shelf.Store(FromOccupancyGrid(base)), shelf.Store(FromOccupancyGrid(revision)), shelf.load(), {}));
+  ASSERT_OK(
+      DiffTiles(shelf.Store(FromOccupancyGrid(base)), shelf.Store(FromOccupancyGrid(revision)), shelf.load(), {}));
   EXPECT_EQ(shelf.reads, 2U) << "one that all have, and one that has changed";
 }
 
@@ -280,7 +281,8 @@ TEST(MapDiffTest, OnlyTheLargestRegionsAreGiven) {
 }
 
 Rgb PixelAt(const MapDiffPicture& picture, int column, int row_from_below) {
-  const auto at = static_cast<std::size_t>(((picture.image.height - 1 - row_from_below) * picture.image.width + column) * 3);
+  const auto at =
+      static_cast<std::size_t>(((picture.image.height - 1 - row_from_below) * picture.image.width + column) * 3);
   return {picture.image.samples[at], picture.image.samples[at + 1], picture.image.samples[at + 2]};
 }
 
