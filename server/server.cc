@@ -112,6 +112,7 @@ class Server::Impl {
                                                    robots,
                                                    maps,
                                                    revisions,
+                                                   map_aliases,
                                                    pyramids,
                                                    prior_maps,
                                                    sessions,
@@ -244,6 +245,7 @@ class Server::Impl {
   const storage::RobotStore robots{*pool};
   const storage::postgres::MapStore maps{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
+  const storage::MapAliasStore map_aliases{*pool};
   const storage::PyramidStore pyramids{*pool};
   const storage::PriorMapStore prior_maps{*pool};
   const storage::postgres::SessionStore sessions{*pool};

@@ -30,6 +30,7 @@
 #include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
+#include "storage/maps/map_alias_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/prior_map_store.h"
 #include "storage/maps/pyramid_store.h"
@@ -61,6 +62,7 @@ struct Services {
   const storage::RobotStore& robots;
   const storage::MapReader& maps;
   const storage::RevisionStore& revisions;
+  const storage::MapAliasStore& map_aliases;
   const storage::PyramidStore& pyramids;
   const storage::PriorMapStore& prior_maps;
   const storage::SessionStore& sessions;

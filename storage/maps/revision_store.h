@@ -120,7 +120,7 @@ struct MapRevision {
   std::int64_t tile_count = 0;
   std::int64_t tile_bytes = 0;  // of all tiles, as stored
   TimeNs create_time = 0;
-  std::string tag = {};                   // a name for people; empty: none
+  std::string tag = {};                  // a name for people; empty: none
   std::vector<MapAliasId> aliases = {};  // that lead to it (MapAliasStore)
 };
 
