@@ -113,6 +113,7 @@ class Server::Impl {
                                                    maps,
                                                    map_areas,
                                                    revisions,
+                                                   map_aliases,
                                                    pyramids,
                                                    map_edit_store,
                                                    prior_maps,
@@ -249,6 +250,7 @@ class Server::Impl {
   const storage::postgres::MapStore maps{*pool};
   const storage::MapAreaStore map_areas{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
+  const storage::MapAliasStore map_aliases{*pool};
   const storage::PyramidStore pyramids{*pool};
   const storage::MapEditStore map_edit_store{*pool};
   const storage::PriorMapStore prior_maps{*pool};

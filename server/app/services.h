@@ -34,6 +34,7 @@
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_edit_store.h"
 #include "storage/maps/map_area_store.h"
+#include "storage/maps/map_alias_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/prior_map_store.h"
 #include "storage/maps/pyramid_store.h"
@@ -66,6 +67,7 @@ struct Services {
   const storage::MapReader& maps;
   const storage::MapAreaStore& map_areas;
   const storage::RevisionStore& revisions;
+  const storage::MapAliasStore& map_aliases;
   const storage::PyramidStore& pyramids;
   const storage::MapEditStore& map_edit_store;
   const storage::PriorMapStore& prior_maps;

@@ -48,6 +48,12 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &MapService::Stub::GetMapRevision);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::TagMapRevision);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapRevisions);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::SetMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::RollBackMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapAliases);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::DeleteMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::RestoreMapRevision);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::DiffMapRevisions);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::CreateSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::GetSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::ListSessions);

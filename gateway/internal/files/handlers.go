@@ -48,6 +48,8 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimit
 		{"GET", "/v1/{name=sites/*/maps/*}/files", h.listMapFiles},
 		{"GET", "/v1/{name=sites/*/maps/*/revisions/*}/files", h.listMapFiles},
 		{"GET HEAD", "/v1/{name=sites/*/maps/*/revisions/*}/files/{file}", h.sendMapFile},
+		{"GET", "/v1/{name=sites/*/maps/*/aliases/*}/files", h.listMapFiles},
+		{"GET HEAD", "/v1/{name=sites/*/maps/*/aliases/*}/files/{file}", h.sendMapFile},
 		{"GET HEAD", "/v1/{site=sites/*}/graph.geojson", h.sendGraph},
 		{"GET", "/v1/{name=sites/*/sessions/*}/trajectory.csv", h.sendTrajectory},
 		{"GET HEAD", "/v1/{parent=sites/*}/blobs/{sha256}", h.sendBlob},
@@ -91,7 +93,7 @@ func (h *handlers) openMap(ctx context.Context, name, formatName string) (*expor
 	return openExport(h.maps.ExportMap(ctx, &pb.ExportMapRequest{Name: name, Format: format}))
 }
 
-// The files of a map's newest or given revision, with the paths at which they are found.
+// The files of a map's newest or given revision, or that of an alias, with the paths at which they are found.
 func (h *handlers) listMapFiles(w http.ResponseWriter, r *http.Request, path map[string]string) error {
 	ctx, cancel := context.WithCancel(rest.ContextOf(r))
 	defer cancel()

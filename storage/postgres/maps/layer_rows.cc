@@ -223,7 +223,7 @@ void QueueLayersChange(Transaction& transaction, const MapKey& key) {
 
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   const auto& [site, map] = key;
-  if (!revision.session) {
+  if (ReplacesLayers(revision.source)) {
     QueueLayersChange(transaction, key);
     transaction.Queue(kDeleteLayers, Params(site, map));
     if (revision.edits) {
@@ -233,6 +233,7 @@ void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& 
     }
     return;
   }
+  if (!revision.session) return;
   std::optional<std::int64_t> whole;
   std::optional<Bytes> header;
   if (revision.layer) {

@@ -83,6 +83,7 @@ constexpr std::array kTables = {
     ENFILADE_OF_SITE("map_layers"),
     ENFILADE_OF_SITE("raster_pyramid_tiles"),
     ENFILADE_OF_SITE("raster_pyramids"),
+    ENFILADE_OF_SITE("map_aliases"),
     ENFILADE_OF_SITE("map_revision_tiles"),
     ENFILADE_OF_SITE("map_revisions"),
     ENFILADE_OF_SITE("revision_reviews"),

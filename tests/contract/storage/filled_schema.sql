@@ -167,3 +167,5 @@ SELECT pg_temp.fill('map_areas', '{"map_id": "m1", "area_id": "glass", "display_
   "outline": "POLYGON((0 0, 1 0, 1 1, 0 0))", "robot_types": [], "speed_limit": 0, "etag": 1}');
 SELECT pg_temp.fill('rearrangement_images', '{"rearrangement_id": "merge", "relation": "area", "key": "old/door",
   "before": {}}', 'map_areas');
+SELECT pg_temp.fill('map_aliases', '{"map_id": "m1", "alias_id": "stable", "revision": 2, "previous_revision": 1,
+  "actor": "-"}');

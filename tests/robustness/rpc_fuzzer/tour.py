@@ -179,6 +179,27 @@ class Tour:
         self.ok("MapService.TagMapRevision", {"name": imported.revision.name, "tag": "as imported"})
         self.ok("MapService.ListMapRevisions", {"parent": f"{site}/maps/b"})
         self.ok("MapService.ExportMap", {"name": f"{site}/maps/b", "format": PGM})
+        self.versions(imported.revision.name, files)
+
+    def versions(self, first, files):
+        """Aliases of revisions of the map "b", and a second revision to compare with the first."""
+        parent = f"{self.site}/maps/b"
+        files = {**files, "m.pgm": b"P5\n40 30\n255\n" + bytes(254 if 0 < i % 40 < 20 else 0 for i in range(1200))}
+        entries = [{"name": n, "size_bytes": len(d), "sha256": sha(d)} for n, d in files.items()]
+        chunks = [{"chunk": {"file": i, "data": d}} for i, d in enumerate(files.values())]
+        second = self.one("MapService.ImportMap", {"manifest": {"parent": parent, "dialect": NAV2, "files": entries}},
+                          *chunks).revision.name
+        stable = {"name": f"{parent}/aliases/stable"}
+        self.ok("MapService.SetMapAlias", {"alias": {**stable, "revision": first}})
+        moved = self.one("MapService.SetMapAlias", {"alias": {**stable, "revision": second}}).alias
+        self.ok("MapService.RollBackMapAlias", {**stable, "etag": moved.etag})
+        self.ok("MapService.ListMapAliases", {"parent": parent})
+        self.ok("MapService.GetMapRevision", stable)
+        self.ok("MapService.DiffMapRevisions", {"base": stable["name"], "revision": second, "with_picture": True,
+                                                "with_geojson": True})
+        self.ok("MapService.RestoreMapRevision", stable)
+        self.ok("MapService.SetMapAlias", {"alias": {"name": f"{parent}/aliases/spare", "revision": second}})
+        self.ok("MapService.DeleteMapAlias", {"name": f"{parent}/aliases/spare"})
 
     def areas(self):
         """Of the map "b", which has a revision."""

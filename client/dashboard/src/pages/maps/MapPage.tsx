@@ -9,8 +9,9 @@ import { onCampus, select, useSelection } from '../../app/selection';
 import type { MapArea } from '../../gen/enfilade/v1/map_area_pb';
 import type { MapRevision } from '../../gen/enfilade/v1/map_pb';
 import { useAreas } from '../../live/areas';
+import type { MapDiffRegion } from '../../gen/enfilade/v1/map_service_pb';
 import { useLive } from '../../live/context';
-import type { Compare, RasterChoice, View } from '../../scene/model';
+import type { Compare, Pin, RasterChoice, View } from '../../scene/model';
 import { SceneView } from '../../scene/SceneView';
 import { levelName } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
@@ -18,11 +19,14 @@ import { usePointMenu } from '../campus/PointMenu';
 import { Readout, type ReadoutHandle } from '../campus/Readout';
 import { Areas } from './Areas';
 import { areaShown } from './areas';
+import { Aliases } from './Aliases';
 import { CompareBar } from './CompareBar';
+import { Differences, useDifference } from './Differences';
 import { Downloads } from './Downloads';
 import { MapLinkPoints } from './MapLinkPoints';
 import { MapUse } from './MapUse';
 import { RevisionList } from './RevisionList';
+import { middleOf } from './versions';
 
 const BLINK_MS = 700;
 const AREAS_POLL_MS = 30_000;
@@ -59,6 +63,12 @@ function rastersOf(map: string, shown: string, other: string | undefined, compar
   return [{ map, revision: other, role: 'before' }, { map, revision: shown, role: 'after' }];
 }
 
+// Where the chosen region is.
+function pinsOf(region: MapDiffRegion | undefined): Pin[] | undefined {
+  const at = region && middleOf(region);
+  return at && [{ name: 'difference', at, active: true }];
+}
+
 function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) {
   const { query } = usePlace();
   const selected = useSelection();
@@ -72,21 +82,30 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
   const other = found === shown ? undefined : found;
   const compare = compares.find((kind) => kind === query.get('cmp')) ?? 'difference';
   const blinked = useBlink(other !== undefined && compare === 'blink');
+  const pair = `${other?.name} ${shown.name}`;
+  const [chosen, setChosen] = useState<{ pair: string; region: number }>();
+  const region = chosen?.pair === pair ? chosen.region : undefined;
+  const { data: difference } = useDifference(other, shown);
+  const changed = region === undefined ? undefined : difference?.regions[region];
 
   const view = useMemo<View>(() => ({
     map, selected, swipe, compare: other && compare, rasters: rastersOf(map, shown.name, other?.name, compare, blinked),
     areas: areas.map(areaShown),
   }), [map, selected, swipe, compare, shown, other, blinked, areas]);
+    map, selected, swipe, compare: other && compare, rasters: rastersOf(map, shown.name, other?.name, compare, blinked), pins: pinsOf(changed),
+  }), [map, selected, swipe, compare, shown, other, blinked, changed]);
   return (
     <div className="campus">
       <SceneView view={view} events={{ hover: (...at) => readout.current?.hover(...at), click: (what) => select(what), menu: points.open }}>
         <Readout ref={readout} said={points.said} />
         {points.menu}
-        {other && <CompareBar shown={shown} other={other} compare={compare} blinked={blinked} swipe={swipe} setSwipe={setSwipe} />}
+        {other && <CompareBar shown={shown} other={other} compare={compare} blinked={blinked} swipe={swipe} setSwipe={setSwipe} difference={difference} />}
       </SceneView>
       <aside className="panel" aria-label="Details">
         <MapHead map={map} />
         <RevisionList revisions={revisions} shown={shown} other={other} show={(id) => setQuery({ rev: id })} compareWith={(id) => setQuery({ with: id })} />
+        {other && <Differences base={other} revision={shown} chosen={region} choose={(i) => setChosen({ pair, region: i })} />}
+        <Aliases map={map} shown={shown} isNewest={shown === revisions[0]} />
         <Downloads revision={shown} />
         <Areas map={map} areas={areas} />
         <MapLinkPoints map={map} />
