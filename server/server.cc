@@ -113,6 +113,7 @@ class Server::Impl {
                                                    maps,
                                                    revisions,
                                                    pyramids,
+                                                   map_edit_store,
                                                    prior_maps,
                                                    sessions,
                                                    records,
@@ -131,6 +132,8 @@ class Server::Impl {
                                                    pose_reports,
                                                    mapping,
                                                    *exports,
+                                                   map_edits,
+                                                   draft_presences,
                                                    raster_pyramids,
                                                    prior_alignment,
                                                    graphs,
@@ -245,6 +248,7 @@ class Server::Impl {
   const storage::postgres::MapStore maps{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
   const storage::PyramidStore pyramids{*pool};
+  const storage::MapEditStore map_edit_store{*pool};
   const storage::PriorMapStore prior_maps{*pool};
   const storage::postgres::SessionStore sessions{*pool};
   const storage::postgres::RecordStore records{*pool};
@@ -279,6 +283,8 @@ class Server::Impl {
   SiteGraphs graphs{graph_store, changed_sites};
   GraphVersionWaits graph_waits{graphs, std::chrono::milliseconds(std::llround(options.graph.version_wait_s * 1000.0))};
   PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
+  MapEdits map_edits{map_edit_store, {blobs, revisions}, link_points};
+  DraftPresences draft_presences;
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
   const PriorAlignment prior_alignment{prior_maps, maps, revisions, blobs, graphs};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};

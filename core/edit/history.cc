@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/edit/patches.h"
 #include "core/edit/spans.h"
 
 namespace enfilade::edit {
@@ -96,6 +97,19 @@ class LastPublications {
   std::map<TileIndex, Cells> tiles_;
 };
 
+// The cells that say `instruction`.
+Overlay Only(Instruction instruction, const Overlay& marks) {
+  Overlay only;
+  for (const auto& [index, cells] : marks.tiles()) {
+    TileCells kept = cells;
+    for (std::uint8_t& cell : kept) {
+      if (cell != static_cast<std::uint8_t>(instruction)) cell = 0;
+    }
+    only.Set(index, std::move(kept));
+  }
+  return only;
+}
+
 bool Contests(const LastPublications::Cell& cell, grid::CellClass seen) {
   if (cell.instruction == Instruction::kFree) return seen == grid::CellClass::kOccupied;
   return cell.instruction == Instruction::kOccupied && !cell.invisible && seen == grid::CellClass::kFree;
@@ -186,8 +200,9 @@ std::vector<Contest> FindContests(const std::vector<Publication>& publications, 
       if (region.cells < kMinContestedCells) continue;
       AuthorsOf authors(marks, region);
       authors.Look(publication.edits, lattice);
-      contests.push_back(
-          {region, marks.At(region.column, region.row), publication.edit_version, authors.Take(), publication.message});
+      const Instruction edited = marks.At(region.column, region.row);
+      contests.push_back({region, edited, publication.edit_version, authors.Take(), publication.message,
+                          PatchOf(Only(edited, marks), region.box)});
     }
   }
   return contests;

@@ -62,6 +62,7 @@ struct Contest {
   std::int64_t edit_version = 0;
   std::vector<std::string> authors;
   std::string message;
+  Patch cells;  // all of its publication in the region's box that say the same and are contested
 };
 // Fewer cells that touch one another are noise.
 constexpr std::int64_t kMinContestedCells = 4;

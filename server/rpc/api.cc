@@ -11,6 +11,7 @@
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_edit_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
@@ -20,6 +21,7 @@
 #include "enfilade/v1/site_service.grpc.pb.h"
 #include "enfilade/v1/watch_service.grpc.pb.h"
 #include "server/rpc/call/arena_messages.h"
+#include "server/rpc/edit/handlers.h"
 #include "server/rpc/graph/export_graph.h"
 #include "server/rpc/graph/get_global_pose.h"
 #include "server/rpc/graph/handlers.h"
@@ -79,6 +81,12 @@ namespace {
   grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
                                 v1::Rpc##Response* response) override {                                \
     return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), In(CallLane::kBulk));  \
+  }
+// It computes for seconds.
+#define ENFILADE_SLOW_UNARY(Rpc)                                                                       \
+  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
+                                v1::Rpc##Response* response) override {                                \
+    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), In(CallLane::kSlow));  \
   }
 // It needs the graph of its site, and its Try##Rpc() may answer immediately, without the executor.
 #define ENFILADE_UNARY_ON_GRAPH_OR_NOW(Rpc)                                                                            \
@@ -264,6 +272,27 @@ class PriorMapApi final : public ApiOf<v1::PriorMapService::CallbackService> {
   ENFILADE_SERVER_STREAM(ExportPriorMap)
 };
 
+class MapEditApi final : public ApiOf<v1::MapEditService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_UNARY(CreateMapDraft)
+  ENFILADE_UNARY(GetMapDraft)
+  ENFILADE_UNARY(ListMapDrafts)
+  ENFILADE_UNARY(DeleteMapDraft)
+  ENFILADE_UNARY(AppendMapEdits)
+  ENFILADE_UNARY(SetMapEditsActive)
+  ENFILADE_BULK_UNARY(ListMapEdits)
+  ENFILADE_BULK_UNARY(ReadMapDraftTiles)
+  ENFILADE_UNARY(ReportMapDraftPresence)
+  ENFILADE_WATCH(WatchMapDraft)
+  ENFILADE_SLOW_UNARY(CheckMapDraft)
+  ENFILADE_SLOW_UNARY(RebaseMapDraft)
+  ENFILADE_SLOW_UNARY(PublishMapDraft)
+  ENFILADE_SLOW_UNARY(ListContestedEdits)
+  ENFILADE_SLOW_UNARY(SettleContestedEdits)
+};
+
 class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
  public:
   using ApiOf::ApiOf;
@@ -276,6 +305,7 @@ class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
 #undef ENFILADE_UNARY_CHANGES_READ_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH
 #undef ENFILADE_BULK_UNARY
+#undef ENFILADE_SLOW_UNARY
 #undef ENFILADE_UNARY_ON_GRAPH_OR_NOW
 #undef ENFILADE_SERVER_STREAM
 #undef ENFILADE_SERVER_STREAM_ON_GRAPH
@@ -313,6 +343,7 @@ struct Api::Impl {
         localization(services, calls),
         server(services, calls),
         raster(services, calls),
+        map_edit(services, calls),
         prior_map(services, calls),
         watch(services, calls) {}
 
@@ -327,6 +358,7 @@ struct Api::Impl {
   LocalizationApi localization;
   ServerApi server;
   RasterApi raster;
+  MapEditApi map_edit;
   PriorMapApi prior_map;
   WatchApi watch;
 };
@@ -345,6 +377,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->localization);
   builder.RegisterService(&impl_->server);
   builder.RegisterService(&impl_->raster);
+  builder.RegisterService(&impl_->map_edit);
   builder.RegisterService(&impl_->prior_map);
   builder.RegisterService(&impl_->watch);
 }

@@ -13,6 +13,7 @@
 #include "core/prior/fit/join_maps.h"
 #include "core/prior/formats/geojson_plan.h"
 #include "core/prior/products/products.h"
+#include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
 
 namespace enfilade::server {
@@ -92,7 +93,7 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
       if (!place.ok() || !*place) continue;  // it was made after this version, or nothing joins it to the root
       ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
                                 revisions_.Get(context, prior_map.site, map.id, map.current_revision));
-      ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, revisions_, revision));
+      ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadEvidence(context, {blobs_, revisions_}, revision));
       ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(raster, kCell));
       prior::MapEvidence evidence = prior::EvidenceOf(grid);
       if (evidence.walls.empty()) continue;

@@ -10,6 +10,7 @@
 #include "core/grid/tiled_raster.h"
 #include "core/slam/mapper/render_session.h"
 #include "server/app/mapping/layer_overlay.h"
+#include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
 
 namespace enfilade::server {
@@ -173,8 +174,10 @@ absl::Status LayerRenderer::Compose(const std::vector<storage::MapLayer>& layers
   none.geometry.resolution = options->resolution;
   LayerOverlay overlay(stores_.blobs, site_);
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay.Compose(context_, {0, layers, {}}, none));
-  ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
-  ENFILADE_RETURN_IF_ERROR(PutTiles(context_, stores_.blobs, site_, whole, {}));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside* own, Read(raster.map));
+  ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole,
+                            StoreEdited(context_, {stores_.blobs, stores_.revisions}, {site_, raster.map}, own->edits,
+                                        grid::FromOccupancyGrid(std::move(grid)), {}));
   whole.revision.source = storage::RevisionSource::kImport;
   for (const storage::MapLayer& layer : layers) {
     if (!layer.session) continue;

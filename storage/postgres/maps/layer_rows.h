@@ -17,6 +17,9 @@ namespace enfilade::storage::postgres {
 absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
                                         const SessionId& session, std::optional<double> resolution);
 
+// LayersBeside::version.
+absl::StatusOr<std::int64_t> ReadLayersVersion(Pool& pool, const CallContext& context, const MapKey& key);
+
 // LayersChanged if they are no longer those of `version`.
 absl::Status LockLayers(Transaction& transaction, const MapKey& key, std::int64_t version);
 
@@ -26,6 +29,9 @@ absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLaye
 // Within a transaction that has locked the map's row. LayersChanged if the revision was made from layers that have
 // changed since.
 absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision);
+
+// Raises the version of the layers only: what lies over them has changed. Queued only.
+void QueueLayersVersion(Transaction& transaction, const MapKey& key);
 
 // Whoever changes or deletes layers otherwise calls this first: raises their version, and forgets the map's runs.
 // Queued only.
