@@ -89,7 +89,7 @@ class Server::Impl {
         pose_reports(robot_poses, {.timeout = StepTimeout(options)}) {}
 
   absl::Status Start() {
-    ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));
+    ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, {blobs, revisions}));
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // Checks the database once before the first call can come.

@@ -82,7 +82,11 @@ void ExportMap(const Services& services, const Call& call, const v1::ExportMapRe
   if (!name.ok()) return opened(name.status());
   const absl::StatusOr<grid::MapFileFormat> format = FormatOf(request.format());
   if (!format.ok()) return opened(format.status());
-  services.exports.Get(call.context(), *name, *format,
+  if (request.without_edits() && name->revision != 0) {
+    return opened(InvalidArgument("without_edits is set and name is {}: only the newest revision has both; name the map",
+                                  request.name()));
+  }
+  services.exports.Get(call.context(), {*name, *format, request.without_edits()},
                        [&call, opened = std::move(opened)](absl::StatusOr<ExportedMap> map) {
                          call.Continue([opened, map = std::move(map)] {
                            if (!map.ok()) return opened(map.status());

@@ -24,6 +24,7 @@ struct MapExportCommandOptions {
   std::string map;
   std::string directory = ".";
   std::string format = "pgm";
+  bool without_edits = false;
 };
 
 absl::StatusOr<v1::MapFormat> MapFormatOf(const std::string& format) {
@@ -63,6 +64,7 @@ absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& op
     ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
     request.set_name(map.name());
   }
+  request.set_without_edits(options.without_edits);
   ProgressBar bar(globals, "downloading", 0, "B");
   ENFILADE_ASSIGN_OR_RETURN(const client::ExportedMap exported,
                             client::ExportMap(connection, request, options.directory, ProgressOf(bar)));
@@ -84,6 +86,7 @@ struct MapImportCommandOptions {
   std::string map;
   std::string dialect = "nav2";
   int level = 0;
+  bool keep_edits = false;
 };
 
 absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& options) {
@@ -102,7 +105,7 @@ absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& op
                             client::FindOrCreateMap(connection, SiteId(globals.site), options.map, fresh));
   ProgressBar bar(globals, "uploading", 0, "B");
   ENFILADE_ASSIGN_OR_RETURN(const v1::ImportMapResponse response,
-                            client::ImportMap(connection, map.name(), dialect, files, ProgressOf(bar)));
+                            client::ImportMap(connection, map.name(), dialect, files, ProgressOf(bar), options.keep_edits));
   bar.Finish();
   for (const std::string& warning : response.warnings()) std::cerr << "warning: " << warning << '\n';
   if (globals.json) {
@@ -124,6 +127,7 @@ void AddMapExport(CLI::App& map, const Globals& globals) {
   command->add_option("-o,--output", options->directory, "The folder to write to")->capture_default_str();
   command->add_option("--format", options->format, "pgm or png (each with a YAML for Nav2), or json")
       ->capture_default_str();
+  command->add_flag("--without-edits", options->without_edits, "Only what robots have seen and what was imported");
   command->footer("Example: enfilade map export \"Main hall\" -o maps --format png");
 }
 
@@ -136,6 +140,7 @@ void AddMapImport(CLI::App& map, const Globals& globals) {
   command->add_option("--dialect", options->dialect, "Whose rules the thresholds follow: nav2 or ros1")
       ->capture_default_str();
   command->add_option("--level", options->level, "The floor, if the map is created")->capture_default_str();
+  command->add_flag("--keep-edits", options->keep_edits, "Lay published edits over the files instead of ending them");
   command->footer("Example: enfilade map import hall.yaml --map \"Main hall\"");
 }
 
