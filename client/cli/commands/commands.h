@@ -14,7 +14,8 @@ void AddImport(CLI::App& app, const Globals& globals);       // import mapmanage
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
 void AddLocalize(CLI::App& app, const Globals& globals);
-// map list | show | create | update | export | import | merge | split | undo | rearrangements | delete
+// map list | show | create | update | draft | edit | publish | rebase | contested | export | import | merge | split |
+// undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
 // prior list | show | add | align | activate | suspend | rename | export | delete; import | fit need no server
@@ -40,9 +41,13 @@ void AddManual(CLI::App& app);
 // Parts of the commands above that have a file of their own. The first parameter is the command that they belong to.
 void AddGraphPlot(CLI::App& graph, const Globals& globals);
 void AddGraphSolve(CLI::App& graph, const Globals& globals);
-void AddMapEdit(CLI::App& map, const Globals& globals);
+void AddMapContested(CLI::App& map, const Globals& globals);
+void AddMapDraft(CLI::App& map, const Globals& globals);
+void AddMapEdit(CLI::App& map, const Globals& globals);      // create, update
+void AddMapEditFile(CLI::App& map, const Globals& globals);  // edit
 void AddMapExport(CLI::App& map, const Globals& globals);
 void AddMapImport(CLI::App& map, const Globals& globals);
+void AddMapPublish(CLI::App& map, const Globals& globals);  // publish, rebase
 void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);

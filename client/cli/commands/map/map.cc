@@ -154,6 +154,10 @@ void AddMap(CLI::App& app, const Globals& globals) {
   show->footer("Example: enfilade map show \"Main hall\"");
 
   AddMapEdit(*map, globals);
+  AddMapDraft(*map, globals);
+  AddMapEditFile(*map, globals);
+  AddMapPublish(*map, globals);
+  AddMapContested(*map, globals);
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
   AddMapRearrange(*map, globals);
