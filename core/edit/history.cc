@@ -17,37 +17,37 @@ MapEdit OnLatticeOf(const KeptEdit& kept, const Lattice& lattice) {
   return {kept.edit.instruction, OnLattice(kept.edit.shape, kept.lattice, lattice), kept.edit.invisible};
 }
 
-// Whether the shape has a cell for which `holds` is true.
-template <typename Holds>
-bool HasCell(const Shape& shape, Holds holds) {
-  bool found = false;
-  VisitSpans(shape, [&](const Span& span) {
-    for (int column = span.begin; column < span.end && !found; ++column) found = holds(column, span.row);
-  });
-  return found;
-}
-
-// Who of the edits' authors has drawn in a region of the marks.
-class AuthorsOf {
+// Who of the edits' authors has drawn in each region.
+class RegionAuthors {
  public:
-  AuthorsOf(const Overlay& marks, const Region& region) : marks_(marks), region_(region) {}
+  explicit RegionAuthors(const RegionMap& map) : map_(map), authors_(map.regions.size()) {}
 
   void Look(const std::vector<KeptEdit>& edits, const Lattice& lattice) {
+    if (authors_.empty()) return;
     for (const KeptEdit& kept : edits) {
-      if (!kept.active || authors_.contains(kept.author)) continue;
-      const Shape shape = OnLattice(kept.edit.shape, kept.lattice, lattice);
-      const bool drew = HasCell(shape, [&](int column, int row) {
-        return region_.box.contains(column, row) && marks_.At(column, row) != Instruction::kNone;
-      });
-      if (drew) authors_.insert(kept.author);
+      if (!kept.active) continue;
+      VisitSpans(OnLattice(kept.edit.shape, kept.lattice, lattice), [&](const Span& span) { Look(kept.author, span); });
     }
   }
-  std::vector<std::string> Take() const { return {authors_.begin(), authors_.end()}; }
+  // Sorted. `region`: its place in the map's regions.
+  std::vector<std::string> Of(std::size_t region) const { return {authors_[region].begin(), authors_[region].end()}; }
 
  private:
-  const Overlay& marks_;
-  const Region& region_;
-  std::set<std::string> authors_;
+  void Look(const std::string& author, const Span& span) {
+    for (int begin = span.begin; begin < span.end;) {
+      const TileIndex index = TileOf(begin, span.row);
+      const int end = std::min(span.end, (index.column + 1) * kTileSize);
+      const auto numbers = map_.numbers.find(index);
+      for (; numbers != map_.numbers.end() && begin < end; ++begin) {
+        const std::uint32_t number = numbers->second[PlaceInTile(begin, span.row)];
+        if (number != 0) authors_[number - 1].insert(author);
+      }
+      begin = end;
+    }
+  }
+
+  const RegionMap& map_;
+  std::vector<std::set<std::string>> authors_;
 };
 
 // Marks a cell of an overlay that is made cell by cell.
@@ -96,19 +96,6 @@ class LastPublications {
  private:
   std::map<TileIndex, Cells> tiles_;
 };
-
-// The cells that say `instruction`.
-Overlay Only(Instruction instruction, const Overlay& marks) {
-  Overlay only;
-  for (const auto& [index, cells] : marks.tiles()) {
-    TileCells kept = cells;
-    for (std::uint8_t& cell : kept) {
-      if (cell != static_cast<std::uint8_t>(instruction)) cell = 0;
-    }
-    only.Set(index, std::move(kept));
-  }
-  return only;
-}
 
 bool Contests(const LastPublications::Cell& cell, grid::CellClass seen) {
   if (cell.instruction == Instruction::kFree) return seen == grid::CellClass::kOccupied;
@@ -176,13 +163,14 @@ std::vector<Conflict> FindConflicts(const Overlay& base, const Overlay& newest, 
     }
   }
   const Overlay marks = std::move(marker).Take();
+  const RegionMap map = MapRegions(marks);
+  RegionAuthors my_authors(map);
+  my_authors.Look(draft, lattice);
+  RegionAuthors their_authors(map);
+  for (const Publication& publication : since) their_authors.Look(publication.edits, lattice);
   std::vector<Conflict> conflicts;
-  for (const Region& region : RegionsOf(marks)) {
-    AuthorsOf mine_authors(marks, region);
-    mine_authors.Look(draft, lattice);
-    AuthorsOf their_authors(marks, region);
-    for (const Publication& publication : since) their_authors.Look(publication.edits, lattice);
-    conflicts.push_back({region, mine_authors.Take(), their_authors.Take()});
+  for (std::size_t i = 0; i < map.regions.size(); ++i) {
+    conflicts.push_back({map.regions[i], my_authors.Of(i), their_authors.Of(i), CellsOf(map, i)});
   }
   return conflicts;
 }
@@ -196,13 +184,14 @@ std::vector<Contest> FindContests(const std::vector<Publication>& publications, 
   std::vector<Contest> contests;
   for (const auto& [number, marks] : ContestedCells(last, publications, witness)) {
     const Publication& publication = publications[number - 1];
-    for (const Region& region : RegionsOf(marks)) {
+    const RegionMap map = MapRegions(marks);
+    RegionAuthors authors(map);
+    authors.Look(publication.edits, lattice);
+    for (std::size_t i = 0; i < map.regions.size(); ++i) {
+      const Region& region = map.regions[i];
       if (region.cells < kMinContestedCells) continue;
-      AuthorsOf authors(marks, region);
-      authors.Look(publication.edits, lattice);
-      const Instruction edited = marks.At(region.column, region.row);
-      contests.push_back({region, edited, publication.edit_version, authors.Take(), publication.message,
-                          PatchOf(Only(edited, marks), region.box)});
+      contests.push_back({region, marks.At(region.column, region.row), publication.edit_version, authors.Of(i),
+                          publication.message, CellsOf(map, i)});
     }
   }
   return contests;

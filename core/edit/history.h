@@ -43,6 +43,7 @@ struct Conflict {
   Region region;
   std::vector<std::string> mine;    // authors, sorted
   std::vector<std::string> theirs;  // of `since` only
+  Patch cells;                      // of the region; its box may have others, which are not in conflict
 };
 // `base` and `newest`: the overlay when the draft began and now; `since`: the publications between them.
 std::vector<Conflict> FindConflicts(const Overlay& base, const Overlay& newest, const std::vector<KeptEdit>& draft,
@@ -62,7 +63,7 @@ struct Contest {
   std::int64_t edit_version = 0;
   std::vector<std::string> authors;
   std::string message;
-  Patch cells;  // all of its publication in the region's box that say the same and are contested
+  Patch cells;  // of the region
 };
 // Fewer cells that touch one another are noise.
 constexpr std::int64_t kMinContestedCells = 4;

@@ -119,7 +119,7 @@ absl::Status ValidateForm(const Shape& shape);
 
 // For rows: versioned; the same shape gives the same bytes.
 std::string Encode(const Shape& shape);
-// DATA_LOSS on bytes that Encode did not write.
+// DATA_LOSS on bytes that Encode did not write, FAILED_PRECONDITION on those of a newer version.
 absl::StatusOr<Shape> DecodeShape(std::string_view bytes);
 
 // The shape on another lattice: points are moved and rounded, radii and patches are scaled (cells by their centres).

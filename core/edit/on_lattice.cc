@@ -52,30 +52,53 @@ Shape Change(const Polygon& polygon, const LatticeChange& change, const LatticeC
   for (const auto& ring : polygon.rings) changed.rings.push_back(change.Apply(ring));
   return changed;
 }
-// Each new cell is taken whose centre lies in one that was.
-Shape Change(const Patch& patch, const LatticeChange& change, const LatticeChange& back) {
-  Overlay marks;
-  marks.Draw({Instruction::kOccupied, patch, false});
+
+// The box around the marked cells of a tile.
+CellBox BoxOfMarks(grid::TileIndex tile, const TileCells& cells) {
   CellBox box;
-  for (const int column : {patch.box.first_column, patch.box.end_column()}) {
-    for (const int row : {patch.box.first_row, patch.box.end_row()}) {
+  for (std::size_t place = 0; place < cells.size(); ++place) {
+    if (cells[place] == 0) continue;
+    box.Include(tile.column * grid::kTileSize + static_cast<int>(place % grid::kTileSize),
+                tile.row * grid::kTileSize + static_cast<int>(place / grid::kTileSize));
+  }
+  return box;
+}
+
+// The box around a box's cells on the other lattice.
+CellBox BoxOnOther(const CellBox& cells, const LatticeChange& change) {
+  CellBox box;
+  for (const int column : {cells.first_column, cells.end_column()}) {
+    for (const int row : {cells.first_row, cells.end_row()}) {
       const LatticePoint corner = change.Apply(LatticePoint{column * kUnitsPerCell, row * kUnitsPerCell});
       box.Include(corner.x >> 8, corner.y >> 8);
     }
   }
+  return box;
+}
+
+// Each new cell is taken whose centre lies in one that was. A patch may have few cells in a large box: only its tiles
+// are looked at.
+Shape Change(const Patch& patch, const LatticeChange& change, const LatticeChange& back) {
+  Overlay marks;
+  marks.Draw({Instruction::kOccupied, patch, false});
   Overlay changed;
-  for (int row = box.first_row; row < box.end_row(); ++row) {
-    for (int column = box.first_column; column < box.end_column(); ++column) {
-      const Eigen::Vector2d centre((column + 0.5) * kUnitsPerCell, (row + 0.5) * kUnitsPerCell);
-      const Eigen::Vector2d before = back.Apply(centre) / kUnitsPerCell;
-      if (marks.At(static_cast<int>(std::floor(before.x())), static_cast<int>(std::floor(before.y()))) ==
-          Instruction::kNone) {
-        continue;
+  CellBox box;
+  for (const auto& [index, cells] : marks.tiles()) {
+    const CellBox near = BoxOnOther(BoxOfMarks(index, cells), change);
+    for (int row = near.first_row; row < near.end_row(); ++row) {
+      for (int column = near.first_column; column < near.end_column(); ++column) {
+        const Eigen::Vector2d centre((column + 0.5) * kUnitsPerCell, (row + 0.5) * kUnitsPerCell);
+        const Eigen::Vector2d before = back.Apply(centre) / kUnitsPerCell;
+        const int old_column = static_cast<int>(std::floor(before.x()));
+        const int old_row = static_cast<int>(std::floor(before.y()));
+        if (TileOf(old_column, old_row) != index || cells[PlaceInTile(old_column, old_row)] == 0) continue;
+        const LatticePoint point{column * kUnitsPerCell, row * kUnitsPerCell};
+        changed.Draw({Instruction::kOccupied, Line{{point}}, false});
+        box.Include(column, row);
       }
-      const LatticePoint point{column * kUnitsPerCell, row * kUnitsPerCell};
-      changed.Draw({Instruction::kOccupied, Line{{point}}, false});
     }
   }
+  if (box.empty()) box = {0, 0, 1, 1};  // every cell was smaller than one of the new lattice
   return PatchOf(changed, box);
 }
 

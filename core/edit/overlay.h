@@ -61,10 +61,18 @@ absl::StatusOr<TileCells> UnpackTile(std::string_view bytes);
 struct Region {
   CellBox box;
   std::int64_t cells = 0;
-  int column = 0;  // of one of them
+  int column = 0;  // of the first of them, by row, then column
   int row = 0;
 };
 // Of the cells with a value other than 0; cells of different values are in different regions. By row, then column.
 std::vector<Region> RegionsOf(const Overlay& marks);
+
+// Regions, and which of them each cell is in.
+struct RegionMap {
+  std::vector<Region> regions;
+  // Of each cell of a tile: its region's place in `regions`, from 1; 0: none.
+  std::map<grid::TileIndex, std::vector<std::uint32_t>> numbers;
+};
+RegionMap MapRegions(const Overlay& marks);
 
 }  // namespace enfilade::edit

@@ -2,6 +2,7 @@
 #include "core/edit/patches.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/base/error.h"
@@ -11,35 +12,48 @@
 namespace enfilade::edit {
 namespace {
 
+using grid::kTileSize;
+
+// Of boxes of any numbers.
 CellBox Intersection(const CellBox& a, const CellBox& b) {
-  CellBox box{std::max(a.first_column, b.first_column), std::max(a.first_row, b.first_row), 0, 0};
-  box.width = std::min(a.end_column(), b.end_column()) - box.first_column;
-  box.height = std::min(a.end_row(), b.end_row()) - box.first_row;
-  return box;
+  const auto overlap = [](std::int64_t first_a, int size_a, std::int64_t first_b, int size_b) {
+    const std::int64_t first = std::max(first_a, first_b);
+    return std::pair(static_cast<int>(first),
+                     static_cast<int>(std::max<std::int64_t>(0, std::min(first_a + size_a, first_b + size_b) - first)));
+  };
+  const auto [column, width] = overlap(a.first_column, a.width, b.first_column, b.width);
+  const auto [row, height] = overlap(a.first_row, a.height, b.first_row, b.height);
+  return {column, row, width, height};
 }
 
-// Appends cells in the order of a patch.
+// Takes cells in the order of a patch.
 class PatchWriter {
  public:
   explicit PatchWriter(const CellBox& box) { patch_.box = box; }
 
-  void Add(bool takes) {
-    if (takes != takes_) {
-      patch_.runs.push_back(run_);
-      run_ = 0;
-      takes_ = takes;
+  void Take(int column, int row) {
+    const std::int64_t at =
+        std::int64_t{row - patch_.box.first_row} * patch_.box.width + (column - patch_.box.first_column);
+    if (patch_.runs.empty() || at != end_) {
+      LeaveOut(at - end_);
+      patch_.runs.push_back(0);
     }
-    ++run_;
+    ++patch_.runs.back();
+    end_ = at + 1;
   }
-  Patch Finish() && {
-    if (takes_) patch_.runs.push_back(run_);
-    return std::move(patch_);
-  }
+  Patch Finish() && { return std::move(patch_); }
 
  private:
+  void LeaveOut(std::int64_t cells) {
+    constexpr std::int64_t kLongest = std::numeric_limits<std::uint32_t>::max();
+    for (; cells > kLongest; cells -= kLongest) {
+      patch_.runs.insert(patch_.runs.end(), {static_cast<std::uint32_t>(kLongest), 0U});
+    }
+    patch_.runs.push_back(static_cast<std::uint32_t>(cells));
+  }
+
   Patch patch_;
-  bool takes_ = false;
-  std::uint32_t run_ = 0;
+  std::int64_t end_ = 0;  // of the cells that are settled
 };
 
 // Cells of a box, one bit each.
@@ -53,7 +67,9 @@ class Marks {
   Patch ToPatch(const CellBox& box) const {
     PatchWriter writer(box);
     for (int row = box.first_row; row < box.end_row(); ++row) {
-      for (int column = box.first_column; column < box.end_column(); ++column) writer.Add(Has(column, row));
+      for (int column = box.first_column; column < box.end_column(); ++column) {
+        if (Has(column, row)) writer.Take(column, row);
+      }
     }
     return std::move(writer).Finish();
   }
@@ -72,9 +88,37 @@ class Marks {
 
 Patch PatchOf(const Overlay& marks, const CellBox& box) {
   PatchWriter writer(box);
+  for (auto tile = marks.tiles().begin(); tile != marks.tiles().end();) {
+    const int tile_row = tile->first.row;
+    const auto next_row = marks.tiles().lower_bound({tile_row + 1, std::numeric_limits<int>::min()});
+    for (int y = 0; y < kTileSize; ++y) {
+      const int row = tile_row * kTileSize + y;
+      if (row < box.first_row || row >= box.end_row()) continue;
+      for (auto beside = tile; beside != next_row; ++beside) {
+        const int left = beside->first.column * kTileSize;
+        const int end = std::min(left + kTileSize, box.end_column());
+        for (int column = std::max(left, box.first_column); column < end; ++column) {
+          if (beside->second[PlaceInTile(column, row)] != 0) writer.Take(column, row);
+        }
+      }
+    }
+    tile = next_row;
+  }
+  return std::move(writer).Finish();
+}
+
+Patch CellsOf(const RegionMap& map, std::size_t region) {
+  const CellBox& box = map.regions[region].box;
+  PatchWriter writer(box);
   for (int row = box.first_row; row < box.end_row(); ++row) {
-    for (int column = box.first_column; column < box.end_column(); ++column) {
-      writer.Add(marks.At(column, row) != Instruction::kNone);
+    for (int begin = box.first_column; begin < box.end_column();) {
+      const grid::TileIndex index = TileOf(begin, row);
+      const int end = std::min((index.column + 1) * kTileSize, box.end_column());
+      const auto numbers = map.numbers.find(index);
+      for (int column = begin; numbers != map.numbers.end() && column < end; ++column) {
+        if (numbers->second[PlaceInTile(column, row)] == region + 1) writer.Take(column, row);
+      }
+      begin = end;
     }
   }
   return std::move(writer).Finish();

@@ -17,6 +17,9 @@ namespace enfilade::edit {
 // The marked cells (other than 0) within `box`.
 Patch PatchOf(const Overlay& marks, const CellBox& box);
 
+// The cells of a region, by its place in the map's regions.
+Patch CellsOf(const RegionMap& map, std::size_t region);
+
 // What a cell shows; asked for cells within the map only.
 using ClassAt = std::function<grid::CellClass(int column, int row)>;
 

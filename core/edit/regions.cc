@@ -22,18 +22,28 @@ class RegionSearch {
     if (seed == nullptr || *seed == 0) return std::nullopt;
     const std::uint8_t value = std::exchange(*seed, 0);
     Region region{{column, row, 1, 1}, 0, column, row};
+    ++number_;
     waiting_.assign(1, {column, row});
     while (!waiting_.empty()) {
       const auto [x, y] = waiting_.back();
       waiting_.pop_back();
       ++region.cells;
       region.box.Include(x, y);
+      if (std::pair(y, x) < std::pair(region.row, region.column)) {
+        region.row = y;
+        region.column = x;
+      }
+      std::vector<std::uint32_t>& numbers = numbers_[TileOf(x, y)];
+      numbers.resize(kCellsOfTile);
+      numbers[PlaceInTile(x, y)] = number_;
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) Reach(x + dx, y + dy, value);
       }
     }
     return region;
   }
+  // Of each cell, the number of the call that has found its region.
+  std::map<TileIndex, std::vector<std::uint32_t>> TakeNumbers() && { return std::move(numbers_); }
 
  private:
   std::uint8_t* Find(int column, int row) {
@@ -48,23 +58,41 @@ class RegionSearch {
   }
 
   std::map<TileIndex, TileCells> left_;
+  std::map<TileIndex, std::vector<std::uint32_t>> numbers_;
+  std::uint32_t number_ = 0;
   std::vector<std::pair<int, int>> waiting_;
 };
 
 }  // namespace
 
-std::vector<Region> RegionsOf(const Overlay& marks) {
+RegionMap MapRegions(const Overlay& marks) {
   RegionSearch search(marks);
-  std::vector<Region> regions;
+  std::vector<std::pair<Region, std::uint32_t>> found;  // and its number in the search
   for (const auto& [index, cells] : marks.tiles()) {
     for (std::size_t place = 0; place < cells.size(); ++place) {
       if (cells[place] == 0) continue;
       const int column = index.column * kTileSize + static_cast<int>(place % kTileSize);
       const int row = index.row * kTileSize + static_cast<int>(place / kTileSize);
-      if (const auto region = search.Take(column, row)) regions.push_back(*region);
+      if (const auto region = search.Take(column, row))
+        found.emplace_back(*region, static_cast<std::uint32_t>(found.size() + 1));
     }
   }
-  return regions;
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.first.row, a.first.column) < std::pair(b.first.row, b.first.column);
+  });
+  RegionMap map;
+  std::vector<std::uint32_t> place(found.size() + 1);  // by the number in the search
+  for (const auto& [region, number] : found) {
+    map.regions.push_back(region);
+    place[number] = static_cast<std::uint32_t>(map.regions.size());
+  }
+  map.numbers = std::move(search).TakeNumbers();
+  for (auto& [index, numbers] : map.numbers) {
+    for (std::uint32_t& number : numbers) number = place[number];
+  }
+  return map;
 }
+
+std::vector<Region> RegionsOf(const Overlay& marks) { return MapRegions(marks).regions; }
 
 }  // namespace enfilade::edit

@@ -77,6 +77,7 @@ std::string Encode(const Shape& shape) {
 absl::StatusOr<Shape> DecodeShape(std::string_view bytes) {
   BinaryReader reader(bytes);
   const auto version = reader.Get<std::uint8_t>();
+  if (version < kShapeVersion) return DataLoss("an edit's shape is damaged");
   if (version > kShapeVersion) return FailedPrecondition("an edit has format {}: a newer program stored it", version);
   Shape shape;
   switch (reader.Get<Kind>()) {

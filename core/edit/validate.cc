@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/edit/map_edit.h"
-#include "core/edit/overlay.h"
 #include "core/edit/spans.h"
 
 namespace enfilade::edit {
 namespace {
 
-// Rows that its segments span, and cells visited, some of them again and again: bounds the work.
+// Rows that its segments span: bounds the work.
 constexpr std::int64_t kMaxRows = 4'000'000;
-constexpr std::int64_t kMaxVisits = 16 * kMaxCells;
 
 absl::Status CheckPoints(const std::vector<LatticePoint>& points, bool is_ring, std::int32_t margin) {
   if (points.empty()) return InvalidArgument("it has no points");
@@ -115,19 +114,28 @@ absl::Status CheckShape(const Patch& patch) {
   return absl::OkStatus();
 }
 
-absl::Status CheckCells(const Shape& shape) {
+// Cells that a shape covers, each once.
+std::int64_t CountCells(const Shape& shape) {
   std::int64_t visits = 0;
   VisitSpans(shape, [&](const Span& span) { visits += span.end - span.begin; });
-  if (visits == 0) return InvalidArgument("it covers no cell");
-  std::int64_t cells = visits;
-  if (visits > kMaxCells && visits <= kMaxVisits) {
-    Overlay drawn;
-    drawn.Draw({Instruction::kOccupied, shape, false});
-    cells = 0;
-    for (const auto& [index, tile] : drawn.tiles()) {
-      cells += std::count_if(tile.begin(), tile.end(), [](std::uint8_t cell) { return cell != 0; });
-    }
+  if (visits <= kMaxCells || std::holds_alternative<Line>(shape) || std::holds_alternative<Patch>(shape)) return visits;
+  std::vector<Span> spans;  // no more than kMaxRows for segments, and for sides
+  VisitSpans(shape, [&](const Span& span) { spans.push_back(span); });
+  std::sort(spans.begin(), spans.end(),
+            [](const Span& a, const Span& b) { return std::pair(a.row, a.begin) < std::pair(b.row, b.begin); });
+  std::int64_t cells = 0;
+  int end = 0;  // of what is counted in the row
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    if (i == 0 || spans[i].row != spans[i - 1].row) end = spans[i].begin;
+    cells += std::max(0, spans[i].end - std::max(end, spans[i].begin));
+    end = std::max(end, spans[i].end);
   }
+  return cells;
+}
+
+absl::Status CheckCells(const Shape& shape) {
+  const std::int64_t cells = CountCells(shape);
+  if (cells == 0) return InvalidArgument("it covers no cell");
   if (cells > kMaxCells) return InvalidArgument("it covers {} cells: at most {}; split it", cells, kMaxCells);
   return absl::OkStatus();
 }

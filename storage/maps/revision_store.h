@@ -19,8 +19,8 @@
 #include "storage/maps/blob_store.h"
 
 namespace enfilade::storage {
-enum class RevisionSource : std::int16_t { kMapping = 1, kImport = 2, kEdit = 3, kRestored = 4 };
 // The numbers are in the database and in the API.
+enum class RevisionSource : std::int16_t { kMapping = 1, kImport = 2, kEdit = 3, kRestored = 4 };
 
 // Whether a revision is the whole map, so that it becomes the map's only layer.
 constexpr bool ReplacesLayers(RevisionSource source) {

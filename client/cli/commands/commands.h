@@ -10,15 +10,14 @@ namespace enfilade::cli {
 
 // A server's site: one file per command below commands/, named after it.
 void AddArea(CLI::App& app, const Globals& globals);         // area add | list | show | update | delete | export
-void AddGraph(CLI::App& app, const Globals& globals);        // graph show | versions | optimize | export | plot | solve
 void AddGraph(CLI::App& app,
               const Globals& globals);  // graph show | versions | diff | optimize | export | plot | solve
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
 void AddLocalize(CLI::App& app, const Globals& globals);
-// map list | show | create | update | export | import | diff | alias | restore | merge | split | undo |
-// rearrangements | delete
+// map list | show | create | update | draft | edit | publish | rebase | contested | export | import | diff | alias |
+// restore | merge | split | undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
 // prior list | show | add | align | activate | suspend | rename | export | delete; import | fit need no server
@@ -49,8 +48,13 @@ void AddGraphSolve(CLI::App& graph, const Globals& globals);
 void AddMapAlias(CLI::App& map, const Globals& globals);  // alias set | list | rollback | delete; restore
 void AddMapDiff(CLI::App& map, const Globals& globals);
 void AddMapEdit(CLI::App& map, const Globals& globals);
+void AddMapContested(CLI::App& map, const Globals& globals);
+void AddMapDraft(CLI::App& map, const Globals& globals);
+void AddMapEdit(CLI::App& map, const Globals& globals);      // create, update
+void AddMapEditFile(CLI::App& map, const Globals& globals);  // edit
 void AddMapExport(CLI::App& map, const Globals& globals);
 void AddMapImport(CLI::App& map, const Globals& globals);
+void AddMapPublish(CLI::App& map, const Globals& globals);  // publish, rebase
 void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);

@@ -167,6 +167,10 @@ void AddMap(CLI::App& app, const Globals& globals) {
   AddMapAlias(*map, globals);
   AddMapDiff(*map, globals);
   AddMapEdit(*map, globals);
+  AddMapDraft(*map, globals);
+  AddMapEditFile(*map, globals);
+  AddMapPublish(*map, globals);
+  AddMapContested(*map, globals);
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
   AddMapRearrange(*map, globals);

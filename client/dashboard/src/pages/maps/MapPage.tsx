@@ -89,11 +89,9 @@ function MapView({ map, revisions }: { map: string; revisions: MapRevision[] }) 
   const changed = region === undefined ? undefined : difference?.regions[region];
 
   const view = useMemo<View>(() => ({
-    map, selected, swipe, compare: other && compare, rasters: rastersOf(map, shown.name, other?.name, compare, blinked),
-    areas: areas.map(areaShown),
-  }), [map, selected, swipe, compare, shown, other, blinked, areas]);
     map, selected, swipe, compare: other && compare, rasters: rastersOf(map, shown.name, other?.name, compare, blinked), pins: pinsOf(changed),
-  }), [map, selected, swipe, compare, shown, other, blinked, changed]);
+    areas: areas.map(areaShown),
+  }), [map, selected, swipe, compare, shown, other, blinked, changed, areas]);
   return (
     <div className="campus">
       <SceneView view={view} events={{ hover: (...at) => readout.current?.hover(...at), click: (what) => select(what), menu: points.open }}>
