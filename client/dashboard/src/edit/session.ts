@@ -55,6 +55,7 @@ export class EditSession {
   verified = 0;
   private readonly owner = new Presence(this.clientId);
   private stopWatching = () => {};
+  private readonly onOnline = () => this.outbox.hurry();
   private isClosed = false;
 
   constructor(public state: MapDraft, readonly author: () => string, private readonly service: Client<typeof MapEditService>) {
@@ -100,6 +101,7 @@ export class EditSession {
     await this.restore(await takeOver(store, this.name, this.owner).catch(() => []));
     if (this.isClosed) return;
     this.watch();
+    window.addEventListener('online', this.onOnline);
     void this.tiles.list();
     this.tell();
   }
@@ -107,6 +109,7 @@ export class EditSession {
   close() {
     this.isClosed = true;
     this.stopWatching();
+    window.removeEventListener('online', this.onOnline);
     this.outbox?.close();
     this.owner.close();
     this.tiles.close();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { fitted, panned, screenToWorld, viewOf, worldToScreen, zoomedAt, type Camera, type Point, type Size } from '../../scene/camera';
 import { listen } from '../../scene/input';
-import { defaultClasses, readPalette, type Palette } from '../../scene/palette';
+import { defaultClasses, parseColour, readPalette, type Palette } from '../../scene/palette';
 import { Signal } from '../../signal';
 import { onColoursChange } from '../../ui/theme';
 import { UNITS, type Box, type Units } from '../lattice';
@@ -225,8 +225,7 @@ export class Board {
     this.palette = readPalette(defaultClasses);
     const { colour, background } = this.palette;
     const style = getComputedStyle(document.documentElement);
-    const named = (name: string) => style.getPropertyValue(`--scene-${name}`).trim();
-    const rgb = (name: string) => [1, 3, 5].map((i) => parseInt(named(name).slice(i, i + 2), 16));
+    const rgb = (name: string) => parseColour(style.getPropertyValue(`--scene-${name}`));
     this.picture.colours = coloursOf(background.slice(0, 3).map((part) => Math.round(part * 255)), rgb('free'), rgb('occupied'), rgb('select'), this.isTinted);
     this.picture.touchAll();
     this.marks = { grid: css(colour.grid), line: css(colour.select), halo: css(colour.halo), other: css(colour.candidate), area: css(colour.link) };

@@ -4,6 +4,7 @@ import { editedOf, OCCUPIED, publishedOf, shownOf, UNKNOWN } from '../cells';
 import type { Camera, Size } from '../../scene/camera';
 import { TILE, tileKey } from '../lattice';
 import type { Tile } from '../overlay';
+import { strongest } from './strongest';
 
 interface Rect {
   x0: number;
@@ -25,9 +26,6 @@ const TOP = 8; // one pixel for a tile
 const MAX_PIXELS = 24e6;
 // Of a frame, for painting tiles; the rest is painted in the next ones.
 const BUDGET_MS = 6;
-
-// Of the 64 values of a cell, the one that is seen among others: the greatest.
-const rank = Uint8Array.from({ length: 64 }, (_, cell) => 2 * [0, 0, 1, 2][shownOf(cell)]! + (editedOf(cell) === publishedOf(cell) ? 0 : 1));
 
 export class Picture {
   // As the words of ImageData, for the 64 values of a cell.
@@ -138,26 +136,6 @@ function newLevel(zoom: number): Level {
   const canvas = document.createElement('canvas');
   canvas.width = canvas.height = TILE >> zoom;
   return { canvas, context: canvas.getContext('2d')!, stale: { x0: 0, y0: 0, x1: TILE, y1: TILE }, usedIn: 0 };
-}
-
-const MOST = 2 * 2 + 1;
-
-// The value that is seen of 2^zoom x 2^zoom cells.
-function strongest(cells: Uint8Array, row: number, column: number, zoom: number): number {
-  let best = 0;
-  let bestRank = -1;
-  const side = 1 << zoom;
-  for (let y = row << zoom; y < (row + 1) << zoom; ++y) {
-    const begin = y * TILE + (column << zoom);
-    for (let i = begin; i < begin + side; ++i) {
-      const cell = cells[i]!;
-      if (rank[cell]! <= bestRank) continue;
-      best = cell;
-      bestRank = rank[cell]!;
-      if (bestRank === MOST) return best;
-    }
-  }
-  return best;
 }
 
 // For people who want to know what they change: the draft's cells are tinted.

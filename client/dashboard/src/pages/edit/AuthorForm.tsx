@@ -13,7 +13,7 @@ export function AuthorForm({ done }: { done?: () => void }) {
     done?.();
   };
   return (
-    <form className="edit-author" aria-label="Your name" onSubmit={onSubmit} noValidate>
+    <form className="edit-author" aria-label="Who edits" onSubmit={onSubmit} noValidate>
       <label>
         Your name
         <input className="field" autoFocus autoComplete="name" maxLength={64} value={text} onChange={(event) => setText(event.target.value)} />

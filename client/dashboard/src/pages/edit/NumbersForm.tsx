@@ -42,7 +42,7 @@ export function NumbersForm({ editor }: { editor: EditorState }) {
           </select>
         </label>
         <label>
-          In
+          Measured in
           <select className="select" value={measure} onChange={(event) => setMeasure(event.target.value as Measure)}>
             <option value="metres">metres of the map</option>
             <option value="cells">cells (column, row)</option>
