@@ -12,7 +12,7 @@ import { History } from './history';
 import { uuid } from './ids';
 import { MAX_CELLS, type Box } from './lattice';
 import { Overlay, type Tile } from './overlay';
-import { cellCount, TILE_CELLS, type Spans } from './raster/spans';
+import { cellCount, TILE_CELLS, touches, type Spans } from './raster/spans';
 import { openStore, type Operation } from './sync/operations';
 import { Outbox, type Answer } from './sync/outbox';
 import { Presence, takeOver } from './sync/owners';
@@ -118,9 +118,9 @@ export class EditSession {
   // Draws edits of one gesture and sends them. Returns why not. `spans`: the cells of the only one.
   add(edits: MapEdit[], spans?: Spans): string | undefined {
     const all = edits.map((edit) => [edit, spans ?? this.draft.cellsOf(edit)] as const);
-    for (const [, cells] of all) {
-      const count = cellCount(cells);
-      if (count > MAX_CELLS) return `This shape has ${count.toLocaleString('en')} cells, an edit at most ${MAX_CELLS.toLocaleString('en')}: draw it in parts.`;
+    for (const [edit, cells] of all) {
+      const problem = this.problemOf(edit, cells);
+      if (problem !== undefined) return problem;
     }
     for (const [edit, cells] of all) {
       this.draft.draw(edit, cells);
@@ -131,6 +131,15 @@ export class EditSession {
     return undefined;
   }
 
+  // Why the server would not take it, as far as that is known here.
+  private problemOf({ shape, onlyWhere }: MapEdit, cells: Spans): string | undefined {
+    if (shape.case === 'fill') return undefined;
+    const count = cellCount(cells);
+    if (count > MAX_CELLS) return `This shape has ${count.toLocaleString('en')} cells, an edit at most ${MAX_CELLS.toLocaleString('en')}: draw it in parts.`;
+    if (count === 0) return onlyWhere.length > 0 ? 'No cell there is one of those that are ticked.' : 'It covers the middle of no cell: draw it larger.';
+    return this.box && !touches(cells, this.box) ? 'It lies outside of the map: draw within its border.' : undefined;
+  }
+
   undo = () => this.turn(this.history.undo(), false);
   redo = () => this.turn(this.history.redo(), true);
 
@@ -138,10 +147,13 @@ export class EditSession {
   private turn(ids: string[], active: boolean): boolean {
     if (ids.length === 0) return false;
     this.draft.setActive(ids, active);
-    this.outbox.setActive(ids, active, this.author());
+    // The name may have been changed since.
+    for (const author of new Set(ids.map(this.authorOf))) this.outbox.setActive(ids.filter((id) => this.authorOf(id) === author), active, author);
     this.tell();
     return true;
   }
+
+  private readonly authorOf = (id: string) => this.draft.entries.get(id)?.edit.author ?? this.author();
 
   // What was drawn before the page was closed or broke down.
   private async restore(left: Awaited<ReturnType<typeof takeOver>>) {
@@ -172,15 +184,13 @@ export class EditSession {
 
   private takeMessage(message: WatchMapDraftResponse) {
     this.draft.take(message.edits);
-    const last = message.edits.at(-1)?.head ?? 0n;
-    this.reach(message.edits.length < FULL_MESSAGE && message.head > last ? message.head : last);
+    // After a full message there may be more of its last head.
+    const isAll = message.edits.length < FULL_MESSAGE;
+    this.reach(isAll ? message.head : message.edits.at(-1)!.head - 1n);
     if (message.presencesChanged) this.presences = message.presences;
     if (message.draft) this.takeState(message.draft);
-    if (message.editVersion !== 0n && message.editVersion !== this.editVersion) {
-      if (this.editVersion !== 0n) this.tiles.again();
-      this.editVersion = message.editVersion;
-    }
-    if (!this.isComplete && message.edits.length < FULL_MESSAGE) {
+    this.editVersion = message.editVersion;
+    if (!this.isComplete && isAll) {
       this.isComplete = true;
       this.history.remember(this.draft.entries.values(), this.author());
     }

@@ -21,8 +21,17 @@ function editOf({ value, onlyWhere, invisible, author }: Style, shape: MapEdit['
 
 const plain = ({ x, y }: Units) => ({ x, y });
 
+// The server goes over at most 64,000,000 cells of an edit, counting those again that lie near several segments.
+const MAX_PASSED = 50e6;
+
+// About how many cells lie within a radius of a segment.
+function passed(a: Units, b: Units, radius: number): number {
+  const [r, length] = [radius / UNITS + 1, Math.hypot(b.x - a.x, b.y - a.y) / UNITS];
+  return 2 * r * length + 4 * r * r;
+}
+
 // Parts of a path that the server takes: each begins where the one before ends.
-function partsOf(points: readonly Units[]): Units[][] {
+function partsOf(points: readonly Units[], radius = 0): Units[][] {
   const short: Units[] = [];
   for (const point of points) {
     const before = short.at(-1);
@@ -34,13 +43,23 @@ function partsOf(points: readonly Units[]): Units[][] {
     }
     short.push(plain(point));
   }
-  const parts: Units[][] = [];
-  for (let i = 0; i === 0 || i < short.length - 1; i += MAX_POINTS - 1) parts.push(short.slice(i, i + MAX_POINTS));
+  const parts: Units[][] = [[short[0]!]];
+  let cells = 0;
+  for (let i = 1; i < short.length; ++i) {
+    const part = parts.at(-1)!;
+    cells += passed(short[i - 1]!, short[i]!, radius);
+    if (part.length < MAX_POINTS && (part.length === 1 || cells <= MAX_PASSED)) {
+      part.push(short[i]!);
+    } else {
+      parts.push([short[i - 1]!, short[i]!]);
+      cells = passed(short[i - 1]!, short[i]!, radius);
+    }
+  }
   return parts;
 }
 
 export const brushEdits = (style: Style, points: readonly Units[], radius: number) =>
-  partsOf(points).map((part) => editOf(style, { case: 'brush', value: { points: part, radius } as never }));
+  partsOf(points, radius).map((part) => editOf(style, { case: 'brush', value: { points: part, radius } as never }));
 
 export const lineEdits = (style: Style, points: readonly Units[]) =>
   partsOf(points).map((part) => editOf(style, { case: 'line', value: { points: part } as never }));

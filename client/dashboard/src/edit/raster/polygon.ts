@@ -51,22 +51,16 @@ export function addPolygon(list: SpanList, rings: readonly Ring[]) {
 
 const turn = (a: Units, b: Units, c: Units) => Math.sign((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
 
-const isBetween = (a: Units, b: Units, c: Units) =>
-  Math.min(a.x, b.x) <= c.x && c.x <= Math.max(a.x, b.x) && Math.min(a.y, b.y) <= c.y && c.y <= Math.max(a.y, b.y);
+// Whether the insides of two sides have exactly one point in common.
+const cross = (a: Units, b: Units, c: Units, d: Units) => turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
 
-function meet(a: Units, b: Units, c: Units, d: Units): boolean {
-  const [abc, abd, cda, cdb] = [turn(a, b, c), turn(a, b, d), turn(c, d, a), turn(c, d, b)];
-  if (abc !== abd && cda !== cdb) return true;
-  return (abc === 0 && isBetween(a, b, c)) || (abd === 0 && isBetween(a, b, d)) || (cda === 0 && isBetween(c, d, a)) || (cdb === 0 && isBetween(c, d, b));
-}
-
-// The numbers of two sides, counted from 0, that are no neighbours and meet. Undefined: the ring is simple.
+// The numbers of two sides, counted from 0, that cross. Undefined: none do; touching is allowed.
 export function crossingOf(ring: Ring): [number, number] | undefined {
   const n = ring.length;
   for (let i = 0; i < n; ++i) {
     for (let j = i + 2; j < n; ++j) {
       if (i === 0 && j === n - 1) continue;
-      if (meet(ring[i]!, ring[i + 1]!, ring[j]!, ring[(j + 1) % n]!)) return [i, j];
+      if (cross(ring[i]!, ring[i + 1]!, ring[j]!, ring[(j + 1) % n]!)) return [i, j];
     }
   }
   return undefined;

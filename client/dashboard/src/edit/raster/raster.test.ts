@@ -150,5 +150,5 @@ test('a ring that crosses itself is found', () => {
   const ring = (...points: [number, number][]) => points.map(([x, y]) => ({ x, y }));
   expect(crossingOf(ring([0, 0], [10, 0], [10, 10], [0, 10]))).toBeUndefined();
   expect(crossingOf(ring([0, 0], [10, 10], [10, 0], [0, 10]))).toEqual([0, 2]);
-  expect(crossingOf(ring([0, 0], [10, 0], [10, 5], [5, 0], [0, 5]))).toEqual([0, 2]); // touches
+  expect(crossingOf(ring([0, 0], [10, 0], [10, 5], [5, 0], [0, 5]))).toBeUndefined(); // touches
 });

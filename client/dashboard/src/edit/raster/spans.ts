@@ -95,4 +95,10 @@ export function visitWithin(spans: Spans, firstRow: number, endRow: number, firs
   }
 }
 
+export function touches(spans: Spans, { firstRow, firstColumn, width, height }: Box): boolean {
+  let isTouched = false;
+  visitWithin(spans, firstRow, firstRow + height, firstColumn, firstColumn + width, () => (isTouched = true));
+  return isTouched;
+}
+
 export const TILE_CELLS = TILE * TILE;

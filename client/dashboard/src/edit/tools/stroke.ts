@@ -11,6 +11,9 @@ import { radiusOf, type Settings } from './settings';
 // What the pointer's way so far has, over everything else.
 const UPPERMOST = Infinity;
 
+// Of the radius: steps that are shorter change nothing that is seen.
+const NEAR = 1 / 64;
+
 // A brush on its way. Each part is painted when the pointer has passed it, and the whole becomes an edit at the end.
 export class Stroke {
   private readonly points: Units[] = [];
@@ -24,7 +27,7 @@ export class Stroke {
   to(at: Units) {
     const point = this.settings.size === 1 ? inMiddle(at) : at;
     const before = this.points.at(-1);
-    if (before && before.x === point.x && before.y === point.y) return;
+    if (before && Math.hypot(before.x - point.x, before.y - point.y) <= this.radius * NEAR) return;
     this.points.push(point);
     const list = new SpanList();
     addSegment(list, before ?? point, point, this.radius);

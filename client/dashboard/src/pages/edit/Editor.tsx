@@ -8,6 +8,7 @@ import { united, type Box } from '../../edit/lattice';
 import { MapDraft_State, type ContestedEdit, type MapDraft } from '../../gen/enfilade/v1/map_edit_pb';
 import { useLive } from '../../live/context';
 import { titleOf } from '../../live/objects';
+import { count } from '../../ui/format';
 import { Loading } from '../../ui/States';
 import { ToolButton } from '../../scene/SceneView';
 import { Areas } from './Areas';
@@ -56,7 +57,8 @@ function Canvas({ editor }: { editor: EditorState }) {
 
 function Head({ editor }: { editor: EditorState }) {
   const live = useLive();
-  const { state } = editor.session;
+  const { state, editVersion } = editor.session;
+  const later = Number(editVersion - state.baseEditVersion);
   const map = mapOf(state.name);
   return (
     <div className="map-head">
@@ -64,6 +66,7 @@ function Head({ editor }: { editor: EditorState }) {
       <p className="sub">
         A draft of <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link> by {state.author} · <Link href={editAddress(live.id, map)}>All drafts</Link>
       </p>
+      {state.state === MapDraft_State.OPEN && later > 0 && <p className="sub">{count(later, 'publication')} of this map came since the draft began. They are put together when it is published.</p>}
       {state.state === MapDraft_State.PUBLISHED && (
         <p role="status">
           It is published{state.revision !== '' && <>: <Link href={addressOf(live.id, 'maps', [idOf(map)], { rev: idOf(state.revision) })}>revision {idOf(state.revision)}</Link></>}. Edit the map further in a new draft.
