@@ -85,6 +85,7 @@ function Row({ draft }: { draft: MapDraft }) {
 
 export function DraftList({ map }: { map: string }) {
   const live = useLive();
+  const who = author.use();
   const { data, error, refetch } = useQuery({
     queryKey: draftsKey(map),
     refetchInterval: POLL_MS,
@@ -105,7 +106,7 @@ export function DraftList({ map }: { map: string }) {
       <p className="sub">Edits are collected in a draft. When it is published they lie over what robots have seen, in this and every later revision.</p>
       <NewDraft map={map} />
       {data.length > 0 && (
-        <div className="card table-scroll">
+        <div className="card table-scroll edit-drafts">
           <table className="table" aria-label="Drafts">
             <thead>
               <tr>
@@ -128,7 +129,7 @@ export function DraftList({ map }: { map: string }) {
           </table>
         </div>
       )}
-      {author.get() !== '' && <Contested map={map} />}
+      {who !== '' && <Contested map={map} />}
     </div>
   );
 }
