@@ -121,7 +121,8 @@ function MapHead({ map }: { map: string }) {
       <h1>{state?.displayName}</h1>
       <p className="sub">
         {levelName(state?.level ?? 0)} ·{' '}
-        {state?.poseWorldMap ? <Link href={onCampus(live.id, map, state.level)}>Show on the campus</Link> : 'Not joined to the root, so not on the campus'}
+        {state?.poseWorldMap ? <Link href={onCampus(live.id, map, state.level)}>Show on the campus</Link> : 'Not joined to the root, so not on the campus'} ·{' '}
+        <Link href={addressOf(live.id, 'maps', [idOf(map), 'edit'])}>Edit</Link>
       </p>
     </div>
   );
