@@ -38,6 +38,13 @@ export interface MapMove {
   to: Pose;
 }
 
+// A map as it was: pale, below the others.
+export interface MapGhost {
+  map: string;
+  // T_world_map.
+  pose: Pose;
+}
+
 // What a page wants to see. `map`: this map only, in its own frame.
 export interface View {
   level?: number | undefined;
@@ -57,6 +64,11 @@ export interface View {
   // Where the maps are, instead of where the graph has them now. Link points and robots, of which only the present place is
   // known, are left out then.
   places?: ReadonlyMap<string, Pose> | undefined;
+  // Maps that are drawn elsewhere than the graph has them: what is in them follows. `ghosts`: where they are.
+  shifted?: ReadonlyMap<string, Pose> | undefined;
+  ghosts?: readonly MapGhost[] | undefined;
+  // What moves is at its place at once, as under a hand.
+  still?: boolean | undefined;
   // An arrow for each, `stretch` times as long as the way of the map's middle, and an outline of where it was.
   moves?: MapMove[] | undefined;
   stretch?: number | undefined;
