@@ -2,6 +2,7 @@
 #include <atomic>
 #include <thread>
 
+#include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
@@ -61,6 +62,9 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
   ExpectRefusesEmpty(*connection_, &LocalizationService::Stub::LocalizeRobot);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::PreviewGraph);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::ChangeGraph);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::AlignMaps);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::GetPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorMaps);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::UpdatePriorMap);

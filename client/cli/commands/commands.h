@@ -9,7 +9,7 @@ namespace enfilade::cli {
 // command runs.
 
 // A server's site: one file per command below commands/, named after it.
-void AddGraph(CLI::App& app, const Globals& globals);        // graph show | versions | optimize | export | plot | solve
+void AddGraph(CLI::App& app, const Globals& globals);  // graph show | versions | change | optimize | export | plot | ...
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
@@ -38,8 +38,11 @@ void AddCompletion(CLI::App& app);
 void AddManual(CLI::App& app);
 
 // Parts of the commands above that have a file of their own. The first parameter is the command that they belong to.
+void AddGraphChange(CLI::App& graph, const Globals& globals);
 void AddGraphPlot(CLI::App& graph, const Globals& globals);
 void AddGraphSolve(CLI::App& graph, const Globals& globals);
+void AddLinkPointChange(CLI::App& linkpoint, const Globals& globals);  // move, undo
+void AddMapAlign(CLI::App& map, const Globals& globals);
 void AddMapEdit(CLI::App& map, const Globals& globals);
 void AddMapExport(CLI::App& map, const Globals& globals);
 void AddMapImport(CLI::App& map, const Globals& globals);

@@ -153,6 +153,7 @@ void AddMap(CLI::App& app, const Globals& globals) {
   show->add_option("MAP", *name, "Its name, id or resource name")->required();
   show->footer("Example: enfilade map show \"Main hall\"");
 
+  AddMapAlign(*map, globals);
   AddMapEdit(*map, globals);
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
