@@ -2,6 +2,7 @@
 #include <atomic>
 #include <thread>
 
+#include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
@@ -73,6 +74,9 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::ListMapAreas);
   ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::UpdateMapArea);
   ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::DeleteMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::PreviewGraph);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::ChangeGraph);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::AlignMaps);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::GetPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorMaps);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::UpdatePriorMap);

@@ -109,6 +109,7 @@ class ScriptedServer {
     ScriptedServer& owner;
     ENFILADE_SCRIPTED(Unary, CreateLinkPoint, create)
     ENFILADE_SCRIPTED(Unary, AddLinkPointAnchor, add_anchor)
+    ENFILADE_SCRIPTED(Unary, GetLinkPoint, get)
     ENFILADE_SCRIPTED(Unary, ListLinkPoints, list)
     ENFILADE_SCRIPTED(Unary, FindLinkPoints, find)
     ENFILADE_SCRIPTED(Unary, UpdateLinkPoint, update)
@@ -124,6 +125,9 @@ class ScriptedServer {
     ENFILADE_SCRIPTED(Unary, ListGraphVersions, list_versions)
     ENFILADE_SCRIPTED(Unary, ListPlacedMaps, list_placed_maps)
     ENFILADE_SCRIPTED(Unary, OptimizeGraph, optimize)
+    ENFILADE_SCRIPTED(Unary, PreviewGraph, preview)
+    ENFILADE_SCRIPTED(Unary, ChangeGraph, change)
+    ENFILADE_SCRIPTED(Unary, AlignMaps, align)
     ENFILADE_SCRIPTED(Unary, GetGlobalPose, get_global_pose)
     ENFILADE_SCRIPTED(Unary, FindRoutes, find_routes)
     ENFILADE_SCRIPTED(Download, ExportGraph, export_graph)

@@ -11,7 +11,7 @@ namespace enfilade::cli {
 // A server's site: one file per command below commands/, named after it.
 void AddArea(CLI::App& app, const Globals& globals);         // area add | list | show | update | delete | export
 void AddGraph(CLI::App& app,
-              const Globals& globals);  // graph show | versions | diff | optimize | export | plot | solve
+              const Globals& globals);  // graph show | versions | diff | change | optimize | export | plot | solve
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
@@ -47,10 +47,12 @@ void AddGraphPlot(CLI::App& graph, const Globals& globals);
 void AddGraphSolve(CLI::App& graph, const Globals& globals);
 void AddMapAlias(CLI::App& map, const Globals& globals);  // alias set | list | rollback | delete; restore
 void AddMapDiff(CLI::App& map, const Globals& globals);
+void AddGraphChange(CLI::App& graph, const Globals& globals);
+void AddLinkPointChange(CLI::App& linkpoint, const Globals& globals);  // move, undo
+void AddMapAlign(CLI::App& map, const Globals& globals);
 void AddMapEdit(CLI::App& map, const Globals& globals);
 void AddMapContested(CLI::App& map, const Globals& globals);
 void AddMapDraft(CLI::App& map, const Globals& globals);
-void AddMapEdit(CLI::App& map, const Globals& globals);      // create, update
 void AddMapEditFile(CLI::App& map, const Globals& globals);  // edit
 void AddMapExport(CLI::App& map, const Globals& globals);
 void AddMapImport(CLI::App& map, const Globals& globals);

@@ -312,6 +312,7 @@ class Tour:
         self.ok("GraphService.GetGraph", {"site": site})
         self.ok("GraphService.ListGraphVersions", {"parent": site, "page_size": 3})
         self.ok("GraphService.OptimizeGraph", {"site": site})
+        self.graph_changes()
         versions = self.one("GraphService.ListGraphVersions", {"parent": site, "page_size": 1000}).graph_versions
         optimised = next(version for version in versions if version.cause == CAUSE_OPTIMIZED)
         self.ok("GraphService.ListPlacedMaps", {"parent": site, "graph_version": optimised.graph_version})
@@ -329,6 +330,22 @@ class Tour:
         self.ok("GraphService.SetGeoreference", {"site": site, "georeference": {"control_points": points}})
         self.ok("GraphService.GetGeoreference", {"site": site})
         self.ok("GraphService.ExportGraph", {"site": site})
+
+    def graph_changes(self):
+        """Each kind of change, looked at first, then made."""
+        site = self.site
+        place = {"pose": {"x": 6, "y": 3}, "covariance": COVARIANCE}
+        anchors = [{"map": f"{site}/maps/{name}", "pose_map_place": place} for name in ("a", "c")]
+        moved = self.one("LinkPointService.GetLinkPoint", {"name": f"{site}/linkPoints/ab"}).link_point
+        moved.anchors[1].pose_map_place.pose.x += 0.1
+        changes = [{"created": {"name": f"{site}/linkPoints/ac", "kind": DOOR, "anchors": anchors}}, {"updated": moved},
+                   {"updated": {"name": f"{site}/linkPoints/bc", "difficulty": 2}, "update_mask": {"paths": ["difficulty"]}},
+                   {"suspended": f"{site}/linkPoints/ac"}, {"resumed": f"{site}/linkPoints/ac"},
+                   {"deleted": f"{site}/linkPoints/ac"}]
+        self.ok("GraphService.PreviewGraph", {"site": site, "changes": changes})
+        self.ok("GraphService.ChangeGraph", {"site": site, "changes": changes})
+        self.ok("GraphService.AlignMaps", {"map_a": f"{site}/maps/a", "map_b": f"{site}/maps/b", "pose_a_b": {"x": 5},
+                                           "radius_m": 1, "yaw_range_rad": 0.2})
 
     def rearrange(self, session):
         site = self.site

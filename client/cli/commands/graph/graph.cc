@@ -215,6 +215,7 @@ void AddGraph(CLI::App& app, const Globals& globals) {
                    "Only maps and link points: maps with many doors have many edges");
   output->footer("Example: enfilade graph export -o campus.geojson");
   AddGraphDiff(graph, globals);
+  AddGraphChange(graph, globals);
   AddGraphPlot(graph, globals);
   AddGraphSolve(graph, globals);
 }

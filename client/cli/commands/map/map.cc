@@ -166,6 +166,7 @@ void AddMap(CLI::App& app, const Globals& globals) {
 
   AddMapAlias(*map, globals);
   AddMapDiff(*map, globals);
+  AddMapAlign(*map, globals);
   AddMapEdit(*map, globals);
   AddMapDraft(*map, globals);
   AddMapEditFile(*map, globals);
