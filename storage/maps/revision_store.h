@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <compare>
 #include <cstdint>
 #include <optional>
@@ -102,6 +103,8 @@ struct LayersBeside {
   std::vector<MapLayer> below;  // all if the session has no layer yet
   std::vector<MapLayer> above;
   std::optional<StoredOverlay> edits = std::nullopt;  // that lie over all; unset: none
+  // Outlines of areas in which hits are not mapped (areas::AreaKind::kIgnoreHits), m, in the map's frame.
+  std::vector<std::vector<Eigen::Vector2d>> ignored = {};
 };
 
 // Layers that lie on one another and have not changed for a while, as two rasters that are overlaid in their place
@@ -139,7 +142,6 @@ struct MapRevision {
   std::int64_t tile_count = 0;
   std::int64_t tile_bytes = 0;  // of all tiles, as stored
   TimeNs create_time = 0;
-  std::string tag = {};           // a name for people; empty: none
   std::int64_t edit_version = 0;  // the newest publication of edits that lie over it; 0: none
   std::string tag = {};                  // a name for people; empty: none
   std::vector<MapAliasId> aliases = {};  // that lead to it (MapAliasStore)

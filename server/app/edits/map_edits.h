@@ -119,6 +119,10 @@ class MapEdits {
   absl::StatusOr<PublishedDraft> Publish(const storage::CallContext& context, const storage::MapDraftKey& key,
                                          const PublishRequest& request);
 
+  // Makes a revision of the map's layers as they are, because areas in which hits are ignored have changed. Does nothing
+  // if no robot has mapped the map, or it looks the same.
+  absl::Status Recompose(const storage::CallContext& context, const EditedMap& map) const;
+
   absl::StatusOr<std::vector<ContestedPlace>> ListContested(const storage::CallContext& context, const EditedMap& map);
   // ABORTED if a place is not contested.
   absl::StatusOr<storage::MapDraft> Settle(const storage::CallContext& context, const EditedMap& map,

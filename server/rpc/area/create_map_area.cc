@@ -22,6 +22,9 @@ absl::StatusOr<v1::CreateMapAreaResponse> CreateMapArea(const Services& services
   ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const storage::MapArea created,
                             services.map_areas.Create(call.context(), area, request_id, request.force()));
+  if (created.area.kind == areas::AreaKind::kIgnoreHits) {
+    ENFILADE_RETURN_IF_ERROR(services.map_edits.Recompose(call.context(), {created.site, created.map}));
+  }
   *response.mutable_area() = ToProto(created);
   return response;
 }

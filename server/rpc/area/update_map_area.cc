@@ -53,6 +53,10 @@ absl::StatusOr<v1::UpdateMapAreaResponse> UpdateMapArea(const Services& services
   changed.etag = etag != 0 ? etag : stored.etag;
   ENFILADE_ASSIGN_OR_RETURN(const storage::MapArea updated,
                             services.map_areas.Update(call.context(), changed, request.force()));
+  constexpr auto kIgnoreHits = areas::AreaKind::kIgnoreHits;
+  if (stored.area.kind == kIgnoreHits || updated.area.kind == kIgnoreHits) {
+    ENFILADE_RETURN_IF_ERROR(services.map_edits.Recompose(call.context(), {updated.site, updated.map}));
+  }
   *response.mutable_area() = ToProto(updated);
   return response;
 }

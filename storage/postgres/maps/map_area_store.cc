@@ -11,6 +11,7 @@
 #include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/driver/wkb.h"
+#include "storage/postgres/maps/layer_rows.h"
 
 namespace enfilade::storage {
 namespace {
@@ -200,6 +201,7 @@ absl::StatusOr<MapArea> MapAreaStore::Create(const CallContext& context, const M
                                                    TimestampOrNull(content.valid_until), postgres::NewEtag(),
                                                    postgres::IdOrNull(request_id), postgres::DigestOrNull(request_id)));
     if (inserted.ok()) {
+      if (content.kind == areas::AreaKind::kIgnoreHits) postgres::QueueLayersVersion(transaction, {area.site, area.map});
       ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOfArea(area)));
       return ReadMapArea(*inserted, NameOfArea(area));
     }
@@ -260,6 +262,7 @@ absl::StatusOr<MapArea> MapAreaStore::Update(const CallContext& context, const M
     if (stored.rows() == 0) return NotFound("{} does not exist", NameOfArea(area));
     return postgres::StaleEtag(NameOfArea(area));
   }
+  postgres::QueueLayersVersion(transaction, {area.site, area.map});  // it may have been one, or be one now, that hides hits
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOfArea(area)));
   return ReadMapArea(*updated, NameOfArea(area));
 }
@@ -267,10 +270,14 @@ absl::StatusOr<MapArea> MapAreaStore::Update(const CallContext& context, const M
 absl::Status MapAreaStore::Delete(const CallContext& context, const SiteId& site, const MapId& map, const MapAreaId& id,
                                   std::int64_t etag) const {
   const std::string name = NameOf(site, map, id);
-  const auto deleted = ExecuteAlone(pool_, context, kDeleteMapArea, Params(site, map, id, etag));
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  const auto deleted = transaction.Execute(kDeleteMapArea, Params(site, map, id, etag));
   if (!deleted.ok()) return WithContext(deleted.status(), name);
-  if (deleted->affected() > 0) return absl::OkStatus();
-  ENFILADE_ASSIGN_OR_RETURN(const auto stored, ExecuteAlone(pool_, context, kMapAreaExists, Params(site, map, id)));
+  if (deleted->affected() > 0) {
+    postgres::QueueLayersVersion(transaction, {site, map});
+    return WithContext(transaction.Commit(), name);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kMapAreaExists, Params(site, map, id)));
   if (stored.rows() == 0) return NotFound("{} does not exist", name);
   return postgres::StaleEtag(name);
 }
