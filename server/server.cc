@@ -294,7 +294,8 @@ class Server::Impl {
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, {solver_leases, site_leases}, graphs, changed_sites};
-  const Rearranger rearranger{{sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs};
+  const Rearranger rearranger{
+      {sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs, &map_edits};
   const MapRearrangements rearrangements{{sessions, mappings, maps, revisions, blobs, rearrangement_store},
                                          site_leases,
                                          rearranger,

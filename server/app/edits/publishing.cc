@@ -95,30 +95,6 @@ absl::StatusOr<storage::NewRevision> MapEdits::Compose(const storage::CallContex
   return std::move(whole.revision);
 }
 
-absl::Status MapEdits::Recompose(const storage::CallContext& context, const EditedMap& map) const {
-  absl::Status status;
-  for (int attempt = 0; attempt < kMaxPublishAttempts; ++attempt) {
-    ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside layers,
-                              rasters_.revisions.ReadLayersBeside(context, map.site, map.map, SessionId()));
-    const bool is_mapped = std::any_of(layers.below.begin(), layers.below.end(),
-                                       [](const storage::MapLayer& layer) { return layer.session.has_value(); });
-    if (!is_mapped) return absl::OkStatus();
-    ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision newest, rasters_.revisions.Get(context, map.site, map.map, 0));
-    grid::OccupancyGrid none;
-    none.geometry.resolution = newest.geometry.resolution;
-    LayerOverlay overlay(rasters_.blobs, map.site);
-    ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay.Compose(context, layers, none));
-    ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole, StoreEdited(context, rasters_, map, layers.edits,
-                                                                grid::FromOccupancyGrid(std::move(grid)), {}));
-    if (whole.revision.content_sha256 == newest.content_sha256) return absl::OkStatus();
-    whole.revision.source = storage::RevisionSource::kEdit;
-    whole.revision.layers_version = layers.version;
-    status = edits_.StoreRecomposed(context, map.site, map.map, whole.revision);
-    if (!storage::AreLayersChanged(status)) return status;
-  }
-  return status;
-}
-
 absl::StatusOr<PublishedDraft> MapEdits::Publish(const storage::CallContext& context, const storage::MapDraftKey& key,
                                                  const PublishRequest& request) {
   const std::shared_ptr<SharedView> shared = ViewOf(key);
