@@ -29,6 +29,7 @@ export async function launchToKill(profile) {
   await page.setViewportSize({ width: 1280, height: 800 });
   return {
     page,
+    // Also a second time.
     async kill() {
       child.kill('SIGKILL');
       await ended;

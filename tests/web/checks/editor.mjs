@@ -178,11 +178,11 @@ export function addEditor({ system, browser, at }) {
     await draw('rectangle', 'metres', '5, 5; 6, 5.5'); // cells of 5 cm
     await draw('polygon', 'cells', '0, 0; 9, 9; 9, 0; 0, 9');
     await page.getByRole('alert').getByText('Sides 1 and 3 cross').waitFor();
+    assert.equal(await editedAt(page, 25, 20), OCCUPIED);
+    assert.equal(await editedAt(page, 119, 109), OCCUPIED);
+    assert.equal(await editedAt(page, 120, 105), 0);
     await draw('fill', 'cells', '200, 200');
     await stored(page);
-    assert.equal(await editedAt(page, 25, 20), OCCUPIED);
-    assert.equal(await editedAt(page, 110, 105), OCCUPIED);
-    assert.equal(await editedAt(page, 120, 105), 0);
     assert.equal(await editedAt(page, 200, 300), OCCUPIED, 'the room is filled');
     await page.getByRole('button', { name: 'Undo' }).focus();
     await page.keyboard.press('Enter');

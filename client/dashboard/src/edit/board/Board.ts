@@ -49,6 +49,8 @@ export class Board {
   private isTinted = true;
   private isSpaceDown = false;
   private isFitted = false;
+  // Of the canvas in the window.
+  private middle: Point | undefined;
   private isCurrent = false;
   private busyMs = 0;
   private request = 0;
@@ -274,6 +276,13 @@ export class Board {
   private resize() {
     const box = this.canvas.getBoundingClientRect();
     if (box.width === 0 || box.height === 0) return;
+    const middle = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+    // The map stays under the pointer when a notice over it comes or goes.
+    if (this.isFitted && this.middle) {
+      const { x, y, scale } = this.camera;
+      this.setCamera({ x: x + (middle.x - this.middle.x) / scale, y: y - (middle.y - this.middle.y) / scale, scale });
+    }
+    this.middle = middle;
     this.size = { width: box.width, height: box.height };
     this.canvas.width = Math.round(box.width * devicePixelRatio);
     this.canvas.height = Math.round(box.height * devicePixelRatio);
