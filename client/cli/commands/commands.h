@@ -9,7 +9,8 @@ namespace enfilade::cli {
 // command runs.
 
 // A server's site: one file per command below commands/, named after it.
-void AddGraph(CLI::App& app, const Globals& globals);  // graph show | versions | change | optimize | export | plot | ...
+void AddGraph(CLI::App& app,
+              const Globals& globals);  // graph show | versions | change | optimize | export | plot | ...
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
