@@ -11,23 +11,33 @@
 
 namespace enfilade::testing {
 
-// A robot's map of a simulated building: its scans, with their noise, drawn where it truly was. `T_campus_map`: the
-// frame of the map, anywhere. The part of the drive from `begin` to `end`, shares of its scans.
+// How a map of a simulated drive is made.
+enum class Mapping {
+  kTruePoses,  // its scans, with their noise, drawn where the robot truly was: the map's frame is exactly known
+  kSlam,       // by odometry and scans, as the server maps: the map is bent by a few centimetres
+};
+
+// The part of a robot's drive from `begin` to `end`, shares of its scans.
 struct DrivePart {
   std::string robot = "robot";
   double begin = 0.0;
   double end = 1.0;
   std::uint64_t seed = 1;  // of the sensors
 };
-grid::OccupancyGrid MapOfDrive(const simulator::Campus& campus, const DrivePart& part, const Pose2& T_campus_map);
 
-// Two maps of a random building, in frames of their own: one robot has made the first in the earlier part of its drive,
-// and another one's noise the second in the later part. They share rooms and the corridor between.
+struct MapOfPart {
+  grid::OccupancyGrid grid;
+  Pose2 T_campus_map;  // with SLAM where the part begins, else as asked for
+};
+MapOfPart MapDrive(const simulator::Campus& campus, const DrivePart& part, Mapping mapping, const Pose2& T_campus_map);
+
+// Two maps of a random building, in frames of their own, of the earlier and the later part of a drive, each with noise
+// of its own. They share rooms and the corridor between.
 struct MapPair {
   grid::OccupancyGrid a;
   grid::OccupancyGrid b;
   Pose2 T_a_b;
 };
-MapPair TwoMapsOfABuilding(std::uint64_t seed);
+MapPair TwoMapsOfABuilding(std::uint64_t seed, Mapping mapping = Mapping::kTruePoses);
 
 }  // namespace enfilade::testing

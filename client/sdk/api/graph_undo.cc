@@ -102,8 +102,8 @@ class InverseUpdate {
     const bool is_unchanged = after ? now != nullptr && IsSame(after->anchor, *now) : now == nullptr;
     if (!is_unchanged) return ChangedSince(present_.name(), "its anchor in " + map);
     auto& anchors = *wanted_.mutable_anchors();
-    const auto place = std::find_if(anchors.begin(), anchors.end(),
-                                    [&](const v1::Anchor& anchor) { return anchor.map() == map; });
+    const auto place =
+        std::find_if(anchors.begin(), anchors.end(), [&](const v1::Anchor& anchor) { return anchor.map() == map; });
     if (!before) {
       anchors.erase(place);
     } else if (place != anchors.end()) {

@@ -23,7 +23,7 @@ namespace {
 struct MoveCommandOptions {
   std::string link_point;
   std::string map;
-  std::string pose;           // X,Y,YAW
+  std::string pose;             // X,Y,YAW
   std::string sigma = "0.1,2";  // m, degrees
   bool preview = false;
 };
