@@ -111,7 +111,9 @@ class Server::Impl {
                                                    sites,
                                                    robots,
                                                    maps,
+                                                   map_areas,
                                                    revisions,
+                                                   map_aliases,
                                                    pyramids,
                                                    map_edit_store,
                                                    prior_maps,
@@ -246,7 +248,9 @@ class Server::Impl {
   const storage::SiteStore sites{*pool};
   const storage::RobotStore robots{*pool};
   const storage::postgres::MapStore maps{*pool};
+  const storage::MapAreaStore map_areas{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
+  const storage::MapAliasStore map_aliases{*pool};
   const storage::PyramidStore pyramids{*pool};
   const storage::MapEditStore map_edit_store{*pool};
   const storage::PriorMapStore prior_maps{*pool};
@@ -290,7 +294,8 @@ class Server::Impl {
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, {solver_leases, site_leases}, graphs, changed_sites};
-  const Rearranger rearranger{{sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs};
+  const Rearranger rearranger{
+      {sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs, &map_edits};
   const MapRearrangements rearrangements{{sessions, mappings, maps, revisions, blobs, rearrangement_store},
                                          site_leases,
                                          rearranger,

@@ -42,9 +42,13 @@ struct IsWorse {
 
 class ModeSearch {
  public:
-  ModeSearch(const SearchableMap& map, const std::vector<Eigen::Vector2d>& points, const LocalizationOptions& options)
-      : map_(map), options_(options), scale_(1.0 / (255.0 * static_cast<double>(points.size()))) {
-    Turn(points);
+  ModeSearch(const SearchableMap& map, const std::vector<Eigen::Vector2d>& points,
+             const std::optional<SearchArea>& area, const LocalizationOptions& options)
+      : map_(map),
+        options_(options),
+        scale_(1.0 / (255.0 * static_cast<double>(points.size()))),
+        off_ground_(area && area->off_ground) {
+    for (const double yaw : HeadingsOf(points, area)) Turn(points, yaw);
   }
 
   absl::StatusOr<FoundPoses> Run(const slam::CellWindow& window, const KeepGoing& keep_going) {
@@ -74,23 +78,34 @@ class ModeSearch {
 
  private:
   // From heading to heading, points at the 90th percentile of range move by about one and a half cells.
-  void Turn(const std::vector<Eigen::Vector2d>& points) {
+  std::vector<double> HeadingsOf(const std::vector<Eigen::Vector2d>& points,
+                                 const std::optional<SearchArea>& area) const {
     const double r = map_.bounds().resolution();
     std::vector<double> ranges;
     for (const Eigen::Vector2d& p : points) ranges.push_back(p.norm());
     const auto far = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 9 / 10);
     std::nth_element(ranges.begin(), far, ranges.end());
     const double step = std::clamp(1.6 * r / std::max(*far, 1e-3), kMinYawStep, kMaxYawStep);
-    const int count = static_cast<int>(std::ceil(2.0 * M_PI / step));
-    for (int i = 0; i < count; ++i) {
-      TurnedPoints turned{2.0 * M_PI * i / count - M_PI, {}};
-      const Pose2 T_cell_robot{0.5 * r, 0.5 * r, turned.yaw};
-      for (const Eigen::Vector2d& p : points) {
-        const Eigen::Vector2d q = T_cell_robot * p;
-        turned.cells.push_back({static_cast<int>(std::floor(q.x() / r)), static_cast<int>(std::floor(q.y() / r))});
-      }
-      headings_.push_back(std::move(turned));
+    std::vector<double> yaws;
+    if (!area || area->half_yaw >= M_PI) {
+      const int count = static_cast<int>(std::ceil(2.0 * M_PI / step));
+      for (int i = 0; i < count; ++i) yaws.push_back(2.0 * M_PI * i / count - M_PI);
+      return yaws;
     }
+    const int steps = static_cast<int>(std::ceil(area->half_yaw / step));
+    for (int i = -steps; i <= steps; ++i) yaws.push_back(area->yaw + area->half_yaw * i / std::max(steps, 1));
+    return yaws;
+  }
+
+  void Turn(const std::vector<Eigen::Vector2d>& points, double yaw) {
+    const double r = map_.bounds().resolution();
+    TurnedPoints turned{yaw, {}};
+    const Pose2 T_cell_robot{0.5 * r, 0.5 * r, yaw};
+    for (const Eigen::Vector2d& p : points) {
+      const Eigen::Vector2d q = T_cell_robot * p;
+      turned.cells.push_back({static_cast<int>(std::floor(q.x() / r)), static_cast<int>(std::floor(q.y() / r))});
+    }
+    headings_.push_back(std::move(turned));
   }
 
   void PushRoots() {
@@ -109,7 +124,7 @@ class ModeSearch {
   void Push(Block block) {
     const int size = 1 << block.level;
     const slam::CellWindow cells = slam::Intersection({{block.column, block.row}, size, size}, window_);
-    if (!map_.HasGround(cells)) return;
+    if (!off_ground_ && !map_.HasGround(cells)) return;
     const BoundTable::View view = map_.bounds().ViewOf(block.level);
     const std::vector<grid::CellIndex>& points = headings_[static_cast<std::size_t>(block.heading)].cells;
     // What the points missed so far may add up to before the block is out of the question.
@@ -158,6 +173,7 @@ class ModeSearch {
   const SearchableMap& map_;
   const LocalizationOptions& options_;
   double scale_;
+  bool off_ground_;
   double min_score_ = 0.0;
   slam::CellWindow window_;
   std::vector<TurnedPoints> headings_;
@@ -168,10 +184,10 @@ slam::CellWindow WindowOf(const SearchableMap& map, const std::optional<SearchAr
   if (!area) return map.ground();
   const double r = map.bounds().resolution();
   const auto cell = [&](double at) { return static_cast<int>(std::floor(std::clamp(at, -1e7, 1e7) / r)); };
-  return slam::Intersection(
-      map.ground(),
+  const slam::CellWindow around =
       slam::WindowBetween(cell(area->centre.x() - area->radius), cell(area->centre.y() - area->radius),
-                          cell(area->centre.x() + area->radius) + 1, cell(area->centre.y() + area->radius) + 1));
+                          cell(area->centre.x() + area->radius) + 1, cell(area->centre.y() + area->radius) + 1);
+  return area->off_ground ? around : slam::Intersection(map.ground(), around);
 }
 
 }  // namespace
@@ -182,7 +198,7 @@ absl::StatusOr<FoundPoses> FindPoses(const SearchableMap& map, const std::vector
   if (points.empty() || map.empty()) return FoundPoses{};
   const slam::CellWindow window = WindowOf(map, area);
   if (window.empty()) return FoundPoses{};
-  return ModeSearch(map, points, options).Run(window, keep_going);
+  return ModeSearch(map, points, area, options).Run(window, keep_going);
 }
 
 }  // namespace enfilade::localization

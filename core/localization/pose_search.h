@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -17,10 +18,13 @@ namespace enfilade::localization {
 // Asked now and then during a search. An error ends the search and becomes its result: CANCELLED, DEADLINE_EXCEEDED.
 using KeepGoing = std::function<absl::Status()>;
 
-// The part of the map to search; all headings.
+// The part of the map to search.
 struct SearchArea {
   Eigen::Vector2d centre;
-  double radius = 0.0;  // m
+  double radius = 0.0;      // m
+  double yaw = 0.0;         // rad, the headings to search:
+  double half_yaw = M_PI;   // within so much of `yaw`
+  bool off_ground = false;  // also where no robot can stand
 };
 
 struct FoundPose {
@@ -34,7 +38,7 @@ struct FoundPoses {
 };
 
 // All places of the map where the points (robot's frame, m) fit: the local maxima of their mean likelihood over all
-// positions on known ground and all headings, down to options.min_score and to min_relative_score of the best. Branch
+// positions (on known ground unless area.off_ground) and headings, down to options.min_score and to min_relative_score of the best. Branch
 // and bound as in SearchPose (Olson 2015, Hess et al. 2016), best first, so that it finds many places in order.
 absl::StatusOr<FoundPoses> FindPoses(const SearchableMap& map, const std::vector<Eigen::Vector2d>& points,
                                      const std::optional<SearchArea>& area, const LocalizationOptions& options,

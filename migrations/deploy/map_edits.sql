@@ -83,9 +83,7 @@ CREATE TRIGGER list_blob AFTER DELETE ON enfilade.map_overlay_tiles FOR EACH ROW
 CREATE TRIGGER list_replaced_blob AFTER UPDATE OF sha256 ON enfilade.map_overlay_tiles FOR EACH ROW
   WHEN (OLD.sha256 <> NEW.sha256) EXECUTE FUNCTION enfilade.list_blob();
 
-ALTER TABLE enfilade.map_revisions ADD edit_version bigint NOT NULL DEFAULT 0,  -- 0: no edits lie over it
-  DROP CONSTRAINT map_revisions_source_check,
-  ADD CONSTRAINT map_revisions_source_check CHECK (source BETWEEN 1 AND 4);  -- mapping, import, edit, restored
+ALTER TABLE enfilade.map_revisions ADD edit_version bigint NOT NULL DEFAULT 0;  -- 0: no edits lie over it
 -- How many publications there were when the session began to be mapped: it has seen what they edited.
 ALTER TABLE enfilade.map_layers ADD edit_version bigint NOT NULL DEFAULT 0;
 

@@ -1,12 +1,8 @@
 -- SPDX-License-Identifier: Apache-2.0
 BEGIN;
 DELETE FROM enfilade.schema_compatibility WHERE change = 'map_edits';
--- Revisions stay as they are: those that people made count as imports.
-UPDATE enfilade.map_revisions SET source = 2 WHERE source > 2;
 ALTER TABLE enfilade.map_layers DROP COLUMN edit_version;
-ALTER TABLE enfilade.map_revisions DROP COLUMN edit_version,
-  DROP CONSTRAINT map_revisions_source_check,
-  ADD CONSTRAINT map_revisions_source_check CHECK (source IN (1, 2));
+ALTER TABLE enfilade.map_revisions DROP COLUMN edit_version;
 -- Their blobs may be unused from now on.
 INSERT INTO enfilade.loose_blobs (site_id, sha256, since)
   SELECT DISTINCT site_id, sha256, '-infinity'::timestamptz FROM enfilade.map_overlay_tiles;

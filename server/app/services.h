@@ -33,6 +33,8 @@
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_edit_store.h"
+#include "storage/maps/map_area_store.h"
+#include "storage/maps/map_alias_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/prior_map_store.h"
 #include "storage/maps/pyramid_store.h"
@@ -63,7 +65,9 @@ struct Services {
   const storage::SiteStore& sites;
   const storage::RobotStore& robots;
   const storage::MapReader& maps;
+  const storage::MapAreaStore& map_areas;
   const storage::RevisionStore& revisions;
+  const storage::MapAliasStore& map_aliases;
   const storage::PyramidStore& pyramids;
   const storage::MapEditStore& map_edit_store;
   const storage::PriorMapStore& prior_maps;

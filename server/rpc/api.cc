@@ -12,6 +12,7 @@
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_edit_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
@@ -20,6 +21,7 @@
 #include "enfilade/v1/session_service.grpc.pb.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
 #include "enfilade/v1/watch_service.grpc.pb.h"
+#include "server/rpc/area/handlers.h"
 #include "server/rpc/call/arena_messages.h"
 #include "server/rpc/edit/handlers.h"
 #include "server/rpc/graph/export_graph.h"
@@ -99,6 +101,13 @@ namespace {
                                                    const v1::Rpc##Request* request) override {         \
     return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc)); \
   }
+// Its answer is computed for seconds before it begins.
+#define ENFILADE_SLOW_SERVER_STREAM(Rpc)                                                              \
+  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,              \
+                                                   const v1::Rpc##Request* request) override {        \
+    return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc), \
+                                              In(CallLane::kSlow));                                   \
+  }
 #define ENFILADE_SERVER_STREAM_ON_GRAPH(Rpc)                                                          \
   grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,              \
                                                    const v1::Rpc##Request* request) override {        \
@@ -159,12 +168,30 @@ class MapApi final : public ApiOf<v1::MapService::WithRawCallbackMethod_ExportMa
   ENFILADE_UNARY(GetMapRevision)
   ENFILADE_UNARY(TagMapRevision)
   ENFILADE_UNARY(ListMapRevisions)
+  ENFILADE_UNARY(SetMapAlias)
+  ENFILADE_UNARY(RollBackMapAlias)
+  ENFILADE_UNARY(ListMapAliases)
+  ENFILADE_UNARY(DeleteMapAlias)
+  ENFILADE_BULK_UNARY(RestoreMapRevision)
+  ENFILADE_BULK_UNARY(DiffMapRevisions)
   ENFILADE_RAW_SERVER_STREAM(ExportMap)
   ENFILADE_CLIENT_STREAM(ImportMap)
   ENFILADE_UNARY_CHANGES_GRAPH(MergeMaps, CallLane::kSlow)
   ENFILADE_UNARY_CHANGES_GRAPH(SplitMap, CallLane::kSlow)
   ENFILADE_UNARY_CHANGES_GRAPH(UndoRearrangement, CallLane::kSlow)
   ENFILADE_UNARY(ListRearrangements)
+};
+
+class MapAreaApi final : public ApiOf<v1::MapAreaService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_UNARY(CreateMapArea)
+  ENFILADE_UNARY(GetMapArea)
+  ENFILADE_UNARY(ListMapAreas)
+  ENFILADE_UNARY(UpdateMapArea)
+  ENFILADE_UNARY(DeleteMapArea)
+  ENFILADE_SLOW_SERVER_STREAM(ExportMapAreas)
 };
 
 class LinkPointApi final : public ApiOf<v1::LinkPointService::CallbackService> {
@@ -213,6 +240,9 @@ class GraphApi final : public ApiOf<v1::GraphService::CallbackService> {
   ENFILADE_UNARY(ListGraphVersions)
   ENFILADE_UNARY(ListPlacedMaps)
   ENFILADE_UNARY_CHANGES_READ_GRAPH(OptimizeGraph, CallLane::kSlow)
+  ENFILADE_UNARY_ON_GRAPH(PreviewGraph, CallLane::kSlow)
+  ENFILADE_UNARY_CHANGES_GRAPH(ChangeGraph)
+  ENFILADE_UNARY_ON_GRAPH(AlignMaps, CallLane::kSlow)
   ENFILADE_UNARY_ON_GRAPH_OR_NOW(GetGlobalPose)
   ENFILADE_WATCH(WatchGlobalPoses)
   ENFILADE_UNARY_ON_GRAPH(TransformPoses)
@@ -308,6 +338,7 @@ class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
 #undef ENFILADE_SLOW_UNARY
 #undef ENFILADE_UNARY_ON_GRAPH_OR_NOW
 #undef ENFILADE_SERVER_STREAM
+#undef ENFILADE_SLOW_SERVER_STREAM
 #undef ENFILADE_SERVER_STREAM_ON_GRAPH
 #undef ENFILADE_RAW_SERVER_STREAM
 #undef ENFILADE_WATCH
@@ -336,6 +367,7 @@ struct Api::Impl {
         site(services, calls),
         robot(services, calls),
         map(services, calls),
+        map_area(services, calls),
         graph(services, calls),
         link_point(services, calls),
         session(services, calls),
@@ -351,6 +383,7 @@ struct Api::Impl {
   SiteApi site;
   RobotApi robot;
   MapApi map;
+  MapAreaApi map_area;
   GraphApi graph;
   LinkPointApi link_point;
   SessionApi session;
@@ -370,6 +403,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->site);
   builder.RegisterService(&impl_->robot);
   builder.RegisterService(&impl_->map);
+  builder.RegisterService(&impl_->map_area);
   builder.RegisterService(&impl_->graph);
   builder.RegisterService(&impl_->link_point);
   builder.RegisterService(&impl_->session);

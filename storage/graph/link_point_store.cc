@@ -8,6 +8,18 @@
 #include "core/geometry/covariance.h"
 
 namespace enfilade::storage {
+namespace {
+
+const LinkPointId& IdOfChange(const LinkPointCreation& change) { return change.link_point.point.id; }
+const LinkPointId& IdOfChange(const LinkPointUpdate& change) { return change.link_point.point.id; }
+const LinkPointId& IdOfChange(const LinkPointSuspension& change) { return change.link_point; }
+const LinkPointId& IdOfChange(const LinkPointDeletion& change) { return change.link_point; }
+
+}  // namespace
+
+const LinkPointId& LinkPointOf(const LinkPointChange& change) {
+  return std::visit([](const auto& one) -> const LinkPointId& { return IdOfChange(one); }, change);
+}
 
 absl::Status ValidateAnchors(const std::vector<graph::Anchor>& anchors) {
   if (anchors.empty()) return InvalidArgument("anchors are missing: a link point has at least one");

@@ -56,6 +56,31 @@ struct NewAnchor {
   bool force = false;  // accept a redundant link point
 };
 
+// One of several changes that are made together.
+struct LinkPointCreation {
+  StoredLinkPoint link_point;
+};
+struct LinkPointUpdate {
+  StoredLinkPoint link_point;  // with the etag of what it changes
+};
+struct LinkPointSuspension {
+  LinkPointId link_point;
+  std::int64_t etag = 0;  // 0: any
+  bool suspended = true;
+};
+struct LinkPointDeletion {
+  LinkPointId link_point;
+  std::int64_t etag = 0;  // 0: any
+};
+using LinkPointChange = std::variant<LinkPointCreation, LinkPointUpdate, LinkPointSuspension, LinkPointDeletion>;
+const LinkPointId& LinkPointOf(const LinkPointChange& change);
+
+struct ChangedLinkPoints {
+  std::int64_t graph_version = 0;  // after the changes
+  // Those that were changed and not deleted, each once, in the order of their first changes.
+  std::vector<StoredLinkPoint> link_points;
+};
+
 // All conditions that are set must hold.
 struct LinkPointFilter {
   std::optional<MapId> map = std::nullopt;  // with an anchor in it
@@ -141,6 +166,10 @@ class LinkPointStore : public LinkPointReader {
   // Deletes its evidence, too. ABORTED on a stale `etag` (0: any); NOT_FOUND.
   virtual absl::Status Delete(const CallContext& context, const SiteId& site, const LinkPointId& id,
                               std::int64_t etag) const = 0;
+  // Makes all of `changes`, one after the other, or none: their errors are those of the methods above, and name the
+  // change: "changes[2]: ...". Each raises the graph's version. INVALID_ARGUMENT: no changes.
+  virtual absl::StatusOr<ChangedLinkPoints> Change(const CallContext& context, const SiteId& site,
+                                                   const std::vector<LinkPointChange>& changes) const = 0;
   // Replaces the anchor's evidence of this kind. The blob must be stored: INVALID_ARGUMENT otherwise; NOT_FOUND if the
   // link point has no anchor in that map.
   virtual absl::Status PutEvidence(const CallContext& context, const SiteId& site, const Evidence& evidence) const = 0;

@@ -129,6 +129,9 @@ class MapEditStore {
   // The same of edits that are published at once, without having been a draft before.
   absl::StatusOr<MapDraft> PublishAtOnce(const CallContext& context, const MapDraft& draft,
                                          absl::Span<const NewMapEdit> edits, const NewPublication& publication) const;
+  // A revision that shows the same layers and edits in another way. ABORTED with AreLayersChanged as Publish.
+  absl::Status StoreRecomposed(const CallContext& context, const SiteId& site, const MapId& map,
+                               const NewRevision& revision) const;
 
   // Of a draft.
   static constexpr std::int64_t kMaxEdits = 100'000;

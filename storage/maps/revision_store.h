@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <compare>
 #include <cstdint>
 #include <optional>
@@ -19,7 +20,13 @@
 #include "storage/maps/blob_store.h"
 
 namespace enfilade::storage {
+// The numbers are in the database and in the API.
 enum class RevisionSource : std::int16_t { kMapping = 1, kImport = 2, kEdit = 3, kRestored = 4 };
+
+// Whether a revision is the whole map, so that it becomes the map's only layer.
+constexpr bool ReplacesLayers(RevisionSource source) {
+  return source == RevisionSource::kImport || source == RevisionSource::kRestored;
+}
 
 // Ordered by row, then column, as the raster is.
 struct TileKey {
@@ -77,7 +84,8 @@ struct NewRevision {
 };
 
 // A map's revision consists of layers, overlaid from the bottom: what was imported, then what each session has seen, in
-// the order of the sessions' first revisions. An import is the whole map: it replaces all layers.
+// the order of the sessions' first revisions. An import and a restored revision are the whole map: they replace all
+// layers (ReplacesLayers).
 struct MapLayer {
   std::optional<SessionId> session;  // unset: imported, merged, or half of a run
   StoredRaster raster;
@@ -95,6 +103,8 @@ struct LayersBeside {
   std::vector<MapLayer> below;  // all if the session has no layer yet
   std::vector<MapLayer> above;
   std::optional<StoredOverlay> edits = std::nullopt;  // that lie over all; unset: none
+  // Outlines of areas in which hits are not mapped (areas::AreaKind::kIgnoreHits), m, in the map's frame.
+  std::vector<std::vector<Eigen::Vector2d>> ignored = {};
 };
 
 // Layers that lie on one another and have not changed for a while, as two rasters that are overlaid in their place
@@ -132,8 +142,9 @@ struct MapRevision {
   std::int64_t tile_count = 0;
   std::int64_t tile_bytes = 0;  // of all tiles, as stored
   TimeNs create_time = 0;
-  std::string tag = {};           // a name for people; empty: none
   std::int64_t edit_version = 0;  // the newest publication of edits that lie over it; 0: none
+  std::string tag = {};                  // a name for people; empty: none
+  std::vector<MapAliasId> aliases = {};  // that lead to it (MapAliasStore)
 };
 
 // The rasters of maps. Thread-safe; errors common to all stores: see SiteStore.
@@ -144,8 +155,8 @@ class RevisionStore {
   // Makes the map's next revision and its current one. Of a large raster, put the blobs beforehand, in portions.
   // FAILED_PRECONDITION naming a blob that is missing; INVALID_ARGUMENT if a tile is given twice; NOT_FOUND if the map
   // does not exist. A retry makes no second revision: if the map's current revision has the same source, session,
-  // header and content, it is returned. Stores its session's layer, too; an import becomes the only layer. ABORTED,
-  // with AreLayersChanged, if the layers are no longer those of `layers_version`.
+  // header and content, it is returned. Stores its session's layer, too; an import or restored revision becomes the
+  // only layer. ABORTED, with AreLayersChanged, if the layers are no longer those of `layers_version`.
   virtual absl::StatusOr<MapRevision> Add(const CallContext& context, const SiteId& site, const MapId& map,
                                           const NewRevision& revision, absl::Span<const BlobView> blobs) const = 0;
   // The current revision for number 0. NOT_FOUND.

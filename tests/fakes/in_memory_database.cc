@@ -150,6 +150,13 @@ std::int64_t InMemoryDatabase::Access::RaiseVersion(const SiteId& site, storage:
   return version;
 }
 
+void InMemoryDatabase::Access::RollBack(const SiteId& site, GraphRows before) {
+  std::erase_if(database_->changes_, [&](const storage::GraphListener::Change& change) {
+    return change.site == site && change.version > before.version;
+  });
+  database_->tables_.at(site).graph = std::move(before);
+}
+
 class InMemoryDatabase::Listener final : public storage::GraphListener {
  public:
   Listener(InMemoryDatabase& database, std::size_t first) : database_(database), next_(first) {}

@@ -61,6 +61,8 @@ class InMemoryDatabase {
     std::int64_t NewEtag();
     // Makes the graph's next version and notifies the listeners.
     std::int64_t RaiseVersion(const SiteId& site, storage::GraphCause cause, const std::string& resource);
+    // The site's graph becomes `before` again, which it was since this was opened; nobody hears of what was between.
+    void RollBack(const SiteId& site, GraphRows before);
 
     void set_actor(const std::string& actor) { actor_ = actor; }
 

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <tuple>
+#include <utility>
+#include <variant>
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
+#include "storage/etag.h"
 #include "storage/graph/link_point_rules.h"
 #include "tests/fakes/graph_rows.h"
 #include "tests/fakes/in_memory_stores.h"
@@ -23,9 +27,7 @@ absl::StatusOr<LinkPointRow*> GetRow(InMemoryDatabase::Access& access, const Sit
   if (rows == nullptr) return NotFound("{} does not exist", NameOf(site, id));
   const auto found = rows->graph.link_points.find(id);
   if (found == rows->graph.link_points.end()) return NotFound("{} does not exist", NameOf(site, id));
-  if (etag != 0 && etag != found->second.link_point.etag) {
-    return Aborted("{} has changed: read it again", NameOf(site, id));
-  }
+  if (etag != 0 && etag != found->second.link_point.etag) return storage::StaleEtag(NameOf(site, id));
   return &found->second;
 }
 
@@ -52,6 +54,73 @@ storage::StoredLinkPoint Finish(InMemoryDatabase::Access& access, LinkPointRow& 
   GraphRows& graph = access.FindSite(site)->graph;
   PlaceLinkPoint(graph, version, id);
   return graph.link_points.at(id).link_point;
+}
+
+absl::StatusOr<storage::StoredLinkPoint> Insert(InMemoryDatabase::Access& access,
+                                                const storage::StoredLinkPoint& link_point,
+                                                const storage::RequestId& request_id) {
+  ENFILADE_RETURN_IF_ERROR(storage::ValidateLinkPoint(link_point));
+  ENFILADE_ASSIGN_OR_RETURN(SiteRows* const site, access.GetSite(link_point.site));
+  auto& rows = site->graph.link_points;
+  if (rows.contains(link_point.point.id)) {
+    return AlreadyExists("{} exists already", NameOf(link_point.site, link_point.point.id));
+  }
+  ENFILADE_RETURN_IF_ERROR(CheckMaps(*site, link_point));
+  storage::StoredLinkPoint created = link_point;
+  created.point.use = graph::LinkPointUse::kUsed;
+  created.T_world_place = std::nullopt;
+  created.create_time = access.Timestamp();
+  ENFILADE_RETURN_IF_ERROR(
+      storage::CheckNotRedundant(created, storage::AnchorChange::kAdded, ListLinkPoints(site->graph)));
+  LinkPointRow& row = rows[link_point.point.id];
+  row.request_id = request_id;
+  return Finish(access, row, std::move(created), storage::GraphCause::kLinkPointAdded);
+}
+
+absl::StatusOr<storage::StoredLinkPoint> Overwrite(InMemoryDatabase::Access& access,
+                                                   const storage::StoredLinkPoint& link_point) {
+  ENFILADE_RETURN_IF_ERROR(storage::ValidateLinkPoint(link_point));
+  const LinkPointId& id = link_point.point.id;
+  ENFILADE_ASSIGN_OR_RETURN(LinkPointRow* const row, GetRow(access, link_point.site, id, 0));
+  if (row->link_point.etag != link_point.etag) return storage::StaleEtag(NameOf(link_point.site, id));
+  const SiteRows& site = *access.FindSite(link_point.site);
+  ENFILADE_RETURN_IF_ERROR(CheckMaps(site, link_point));
+  ENFILADE_ASSIGN_OR_RETURN(storage::StoredLinkPoint changed,
+                            storage::ApplyUpdate(row->link_point, link_point, ListLinkPoints(site.graph)));
+  std::erase_if(row->evidence,
+                [&](const storage::Evidence& evidence) { return !changed.point.FindAnchor(evidence.map); });
+  return Finish(access, *row, std::move(changed), storage::GraphCause::kLinkPointChanged);
+}
+
+absl::StatusOr<storage::StoredLinkPoint> Suspend(InMemoryDatabase::Access& access, const SiteId& site,
+                                                 const storage::LinkPointSuspension& change) {
+  ENFILADE_ASSIGN_OR_RETURN(LinkPointRow* const row, GetRow(access, site, change.link_point, change.etag));
+  ENFILADE_ASSIGN_OR_RETURN(
+      storage::StoredLinkPoint changed,
+      storage::ApplySuspension(row->link_point, change.suspended, ListLinkPoints(access.FindSite(site)->graph)));
+  return Finish(access, *row, std::move(changed), storage::GraphCause::kLinkPointChanged);
+}
+
+absl::Status Remove(InMemoryDatabase::Access& access, const SiteId& site, const storage::LinkPointDeletion& change) {
+  ENFILADE_RETURN_IF_ERROR(GetRow(access, site, change.link_point, change.etag).status());
+  GraphRows& graph = access.FindSite(site)->graph;
+  graph.link_points.erase(change.link_point);
+  graph.removed_link_points[change.link_point] =
+      access.RaiseVersion(site, storage::GraphCause::kLinkPointRemoved, ResourceOf(change.link_point));
+  return absl::OkStatus();
+}
+
+absl::Status Make(InMemoryDatabase::Access& access, const SiteId& site, const storage::LinkPointChange& change) {
+  if (const auto* creation = std::get_if<storage::LinkPointCreation>(&change)) {
+    return Insert(access, creation->link_point, "").status();
+  }
+  if (const auto* update = std::get_if<storage::LinkPointUpdate>(&change)) {
+    return Overwrite(access, update->link_point).status();
+  }
+  if (const auto* suspension = std::get_if<storage::LinkPointSuspension>(&change)) {
+    return Suspend(access, site, *suspension).status();
+  }
+  return Remove(access, site, std::get<storage::LinkPointDeletion>(change));
 }
 
 bool Matches(const storage::LinkPointFilter& filter, const graph::LinkPoint& point) {
@@ -93,26 +162,13 @@ absl::StatusOr<storage::StoredLinkPoint> InMemoryLinkPointStore::Create(const st
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
   ENFILADE_ASSIGN_OR_RETURN(SiteRows* const site, access.GetSite(link_point.site));
-  auto& rows = site->graph.link_points;
-  for (const auto& [id, row] : rows) {
+  for (const auto& [id, row] : site->graph.link_points) {
     if (!request_id.empty() && row.request_id.value == request_id.value) {
       ENFILADE_RETURN_IF_ERROR(storage::CheckSameRequest(storage::IsSameRequest(row.request_id, request_id)));
       return row.link_point;
     }
   }
-  if (rows.contains(link_point.point.id)) {
-    return AlreadyExists("{} exists already", NameOf(link_point.site, link_point.point.id));
-  }
-  ENFILADE_RETURN_IF_ERROR(CheckMaps(*site, link_point));
-  storage::StoredLinkPoint created = link_point;
-  created.point.use = graph::LinkPointUse::kUsed;
-  created.T_world_place = std::nullopt;
-  created.create_time = access.Timestamp();
-  ENFILADE_RETURN_IF_ERROR(
-      storage::CheckNotRedundant(created, storage::AnchorChange::kAdded, ListLinkPoints(site->graph)));
-  LinkPointRow& row = rows[link_point.point.id];
-  row.request_id = request_id;
-  return Finish(access, row, std::move(created), storage::GraphCause::kLinkPointAdded);
+  return Insert(access, link_point, request_id);
 }
 
 absl::StatusOr<storage::StoredLinkPoint> InMemoryLinkPointStore::AddAnchor(const storage::CallContext& context,
@@ -155,21 +211,9 @@ absl::StatusOr<std::vector<storage::StoredLinkPoint>> InMemoryLinkPointStore::Li
 
 absl::StatusOr<storage::StoredLinkPoint> InMemoryLinkPointStore::Update(
     const storage::CallContext& context, const storage::StoredLinkPoint& link_point) const {
-  ENFILADE_RETURN_IF_ERROR(storage::ValidateLinkPoint(link_point));
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  const LinkPointId& id = link_point.point.id;
-  ENFILADE_ASSIGN_OR_RETURN(LinkPointRow* const row, GetRow(access, link_point.site, id, 0));
-  if (row->link_point.etag != link_point.etag) {
-    return Aborted("{} has changed: read it again", NameOf(link_point.site, id));
-  }
-  const SiteRows& site = *access.FindSite(link_point.site);
-  ENFILADE_RETURN_IF_ERROR(CheckMaps(site, link_point));
-  ENFILADE_ASSIGN_OR_RETURN(storage::StoredLinkPoint changed,
-                            storage::ApplyUpdate(row->link_point, link_point, ListLinkPoints(site.graph)));
-  std::erase_if(row->evidence,
-                [&](const storage::Evidence& evidence) { return !changed.point.FindAnchor(evidence.map); });
-  return Finish(access, *row, std::move(changed), storage::GraphCause::kLinkPointChanged);
+  return Overwrite(access, link_point);
 }
 
 absl::StatusOr<storage::StoredLinkPoint> InMemoryLinkPointStore::SetSuspended(const storage::CallContext& context,
@@ -177,22 +221,39 @@ absl::StatusOr<storage::StoredLinkPoint> InMemoryLinkPointStore::SetSuspended(co
                                                                               std::int64_t etag, bool suspended) const {
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  ENFILADE_ASSIGN_OR_RETURN(LinkPointRow* const row, GetRow(access, site, id, etag));
-  ENFILADE_ASSIGN_OR_RETURN(
-      storage::StoredLinkPoint changed,
-      storage::ApplySuspension(row->link_point, suspended, ListLinkPoints(access.FindSite(site)->graph)));
-  return Finish(access, *row, std::move(changed), storage::GraphCause::kLinkPointChanged);
+  return Suspend(access, site, {id, etag, suspended});
 }
 
 absl::Status InMemoryLinkPointStore::Delete(const storage::CallContext& context, const SiteId& site,
                                             const LinkPointId& id, std::int64_t etag) const {
   const auto graphs = database_.LockGraphs();
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
-  ENFILADE_RETURN_IF_ERROR(GetRow(access, site, id, etag).status());
-  GraphRows& graph = access.FindSite(site)->graph;
-  graph.link_points.erase(id);
-  graph.removed_link_points[id] = access.RaiseVersion(site, storage::GraphCause::kLinkPointRemoved, ResourceOf(id));
-  return absl::OkStatus();
+  return Remove(access, site, {id, etag});
+}
+
+absl::StatusOr<storage::ChangedLinkPoints> InMemoryLinkPointStore::Change(
+    const storage::CallContext& context, const SiteId& site,
+    const std::vector<storage::LinkPointChange>& changes) const {
+  if (changes.empty()) return InvalidArgument("changes is empty: expected at least one change");
+  const auto graphs = database_.LockGraphs();
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  ENFILADE_ASSIGN_OR_RETURN(SiteRows* const rows, access.GetSite(site));
+  GraphRows before = rows->graph;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const absl::Status made = Make(access, site, changes[i]);
+    if (made.ok()) continue;
+    access.RollBack(site, std::move(before));
+    return WithContext(made, fmt::format("changes[{}]", i));
+  }
+  storage::ChangedLinkPoints changed;
+  changed.graph_version = rows->graph.version;
+  std::set<LinkPointId> listed;
+  for (const storage::LinkPointChange& change : changes) {
+    const auto row = rows->graph.link_points.find(storage::LinkPointOf(change));
+    if (row == rows->graph.link_points.end() || !listed.insert(row->first).second) continue;
+    changed.link_points.push_back(row->second.link_point);
+  }
+  return changed;
 }
 
 absl::StatusOr<storage::FoundLinkPoints> InMemoryLinkPointStore::Find(const storage::CallContext& context,

@@ -2,7 +2,9 @@
 #include <atomic>
 #include <thread>
 
+#include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/map_edit_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
@@ -63,6 +65,12 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &MapEditService::Stub::PublishMapDraft);
   ExpectRefusesEmpty(*connection_, &MapEditService::Stub::ListContestedEdits);
   ExpectRefusesEmpty(*connection_, &MapEditService::Stub::SettleContestedEdits);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::SetMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::RollBackMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapAliases);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::DeleteMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::RestoreMapRevision);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::DiffMapRevisions);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::CreateSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::GetSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::ListSessions);
@@ -77,6 +85,14 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
   ExpectRefusesEmpty(*connection_, &LocalizationService::Stub::LocalizeRobot);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::CreateMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::GetMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::ListMapAreas);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::UpdateMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::DeleteMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::PreviewGraph);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::ChangeGraph);
+  ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::AlignMaps);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::GetPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorMaps);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::UpdatePriorMap);
@@ -97,14 +113,17 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   const auto sessions = SessionService::NewStub(connection_->channel());
   const auto ingest = IngestService::NewStub(connection_->channel());
   const auto edits = MapEditService::NewStub(connection_->channel());
-  grpc::ClientContext contexts[5];
+  const auto areas = v1::MapAreaService::NewStub(connection_->channel());
+  grpc::ClientContext contexts[6];
   EXPECT_CODE(first_of(std::pair(v1::ExportMapResponse(), maps->ExportMap(&contexts[0], {}))),
               absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(first_of(std::pair(v1::ExportTrajectoryResponse(), sessions->ExportTrajectory(&contexts[1], {}))),
               absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(first_of(std::pair(v1::DownloadBlobResponse(), ingest->DownloadBlob(&contexts[2], {}))),
               absl::StatusCode::kInvalidArgument);
-  EXPECT_CODE(first_of(std::pair(v1::WatchMapDraftResponse(), edits->WatchMapDraft(&contexts[4], {}))),
+  EXPECT_CODE(first_of(std::pair(v1::WatchMapDraftResponse(), edits->WatchMapDraft(&contexts[5], {}))),
+              absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(first_of(std::pair(v1::ExportMapAreasResponse(), areas->ExportMapAreas(&contexts[4], {}))),
               absl::StatusCode::kInvalidArgument);
   v1::ImportMapResponse imported;
   const auto import = maps->ImportMap(&contexts[3], &imported);

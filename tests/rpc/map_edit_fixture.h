@@ -13,6 +13,7 @@
 #include "core/edit/apply.h"
 #include "core/grid/raster_header.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/map_edit_service.grpc.pb.h"
 #include "proto/convert/geometry.h"
 #include "proto/convert/record.h"
@@ -265,6 +266,25 @@ class MapEditFixture : public ServerTest {
   // Of 5 x 5 cells: that with the most occupied ones, and one that is free, far from the walls.
   v1::CellBox OccupiedBlock() { return Best(grid::CellClass::kOccupied, 0); }
   v1::CellBox FreeBlock() { return Best(grid::CellClass::kFree, 10); }
+
+  // All of the cells. Gives its name.
+  std::string IgnoreHitsIn(const v1::CellBox& cells) {
+    v1::CreateMapAreaRequest request;
+    request.set_parent("sites/s/maps/m");
+    v1::MapArea& area = *request.mutable_area();
+    area.set_display_name("Mirror");
+    area.set_kind(v1::MapArea::KIND_IGNORE_HITS);
+    const double left = 0.05 * cells.first_column(), right = left + 0.05 * cells.width();
+    const double bottom = 0.05 * cells.first_row(), top = bottom + 0.05 * cells.height();
+    for (const auto& [x, y] : {std::pair{left, bottom}, {right, bottom}, {right, top}, {left, top}}) {
+      v1::Point& corner = *area.mutable_outline()->add_corners();
+      corner.set_x(x);
+      corner.set_y(y);
+    }
+    const auto created = Call(&v1::MapAreaService::Stub::CreateMapArea, request);
+    EXPECT_OK(created);
+    return created.ok() ? created->area().name() : "";
+  }
 
  private:
   using Files = std::vector<std::pair<std::string, std::string>>;

@@ -318,5 +318,19 @@ TEST_F(MapEditTest, EditsOutliveWhatRobotsMapAfterThem) {
   EXPECT_TRUE(Shows(glass, v1::MapEdit::VALUE_OCCUPIED));
 }
 
+TEST_F(MapEditTest, HitsInAnAreaWhereTheyAreIgnoredAreNotMapped) {
+  MapLap();
+  const v1::CellBox ghost = OccupiedBlock();
+  ASSERT_GT(Look().Count(ghost, grid::CellClass::kOccupied), 0);
+  const std::string area = IgnoreHitsIn(ghost);
+  EXPECT_EQ(Look().Count(ghost, grid::CellClass::kOccupied), 0);
+  MapLap();
+  EXPECT_EQ(Look().Count(ghost, grid::CellClass::kOccupied), 0);
+  v1::DeleteMapAreaRequest request;
+  request.set_name(area);
+  ASSERT_OK(Call(&v1::MapAreaService::Stub::DeleteMapArea, request));
+  EXPECT_GT(Look().Count(ghost, grid::CellClass::kOccupied), 0);
+}
+
 }  // namespace
 }  // namespace enfilade::testing

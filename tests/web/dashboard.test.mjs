@@ -10,6 +10,7 @@ import { addRobots } from './checks/robots.mjs';
 import { addScene } from './checks/scene.mjs';
 import { addSessions } from './checks/sessions.mjs';
 import { addStates } from './checks/states.mjs';
+import { addVersions } from './checks/versions.mjs';
 import { setStage } from './stage.mjs';
 
 const { system, browser } = setStage((started) => started.enfilade('empty', 'site', 'create', 'empty', '--name', 'Empty site'));
@@ -23,4 +24,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addCampus, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addRobots, addPages]) add(stage);
+for (const add of [addScene, addCampus, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addVersions, addRobots, addPages]) add(stage);

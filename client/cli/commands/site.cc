@@ -133,7 +133,8 @@ nlohmann::json ParseState(const std::string& text) {
 }
 
 nlohmann::json ToJson(const v1::AuditEntry& entry) {
-  nlohmann::json json{{"time", FormatTime(entry.time())},
+  nlohmann::json json{{"id", entry.id()},
+                      {"time", FormatTime(entry.time())},
                       {"actor", entry.actor()},
                       {"action", ActionName(entry.action())},
                       {"resource", entry.resource()}};
@@ -146,7 +147,7 @@ nlohmann::json ToJson(const v1::AuditEntry& entry) {
 std::vector<std::string> ToRow(const v1::AuditEntry& entry) {
   const std::size_t site_end = entry.resource().find('/', sizeof("sites/") - 1);
   return {FormatTime(entry.time()), entry.actor().empty() ? "-" : entry.actor(), ActionName(entry.action()),
-          site_end == std::string::npos ? entry.resource() : entry.resource().substr(site_end + 1)};
+          site_end == std::string::npos ? entry.resource() : entry.resource().substr(site_end + 1), entry.id()};
 }
 
 absl::Status PrintAudit(const Globals& globals, const AuditCommandOptions& options) {
@@ -156,7 +157,7 @@ absl::Status PrintAudit(const Globals& globals, const AuditCommandOptions& optio
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<v1::AuditEntry> entries,
                             client::ListAll(ConnectionOf(globals), &v1::SiteService::Stub::ListAuditEntries, request,
                                             &v1::ListAuditEntriesResponse::entries, options.count));
-  PrintList<v1::AuditEntry>(globals, entries, {"TIME (UTC)", "WHO", "DID", "RESOURCE"}, ToJson, ToRow);
+  PrintList<v1::AuditEntry>(globals, entries, {"TIME (UTC)", "WHO", "DID", "RESOURCE", "ENTRY"}, ToJson, ToRow);
   return absl::OkStatus();
 }
 

@@ -119,6 +119,15 @@ class MapEdits {
   absl::StatusOr<PublishedDraft> Publish(const storage::CallContext& context, const storage::MapDraftKey& key,
                                          const PublishRequest& request);
 
+  // Makes a revision of the map's layers and edits as they are, because layers were restored or areas in which hits are
+  // ignored have changed. Does nothing if it would look the same.
+  absl::Status Recompose(const storage::CallContext& context, const EditedMap& map) const;
+
+  // Publishes the edits of a map that was merged into another one there, too, where it lies in it. Does nothing if it has
+  // none, or if they are there already.
+  absl::Status Adopt(const storage::CallContext& context, const EditedMap& kept, const MapId& merged,
+                     const Pose2& T_kept_merged) const;
+
   absl::StatusOr<std::vector<ContestedPlace>> ListContested(const storage::CallContext& context, const EditedMap& map);
   // ABORTED if a place is not contested.
   absl::StatusOr<storage::MapDraft> Settle(const storage::CallContext& context, const EditedMap& map,

@@ -67,6 +67,11 @@ absl::Status GraphEditor::DeleteLinkPoint(const storage::CallContext& context, c
   return Changed(site, stores_.link_points.Delete(context, site, id, etag));
 }
 
+absl::StatusOr<storage::ChangedLinkPoints> GraphEditor::ChangeLinkPoints(
+    const storage::CallContext& context, const SiteId& site, const std::vector<storage::LinkPointChange>& changes) {
+  return Changed(site, stores_.link_points.Change(context, site, changes));
+}
+
 absl::Status GraphEditor::PutEvidence(const storage::CallContext& context, const SiteId& site,
                                       const storage::Evidence& evidence) {
   return Changed(site, stores_.link_points.PutEvidence(context, site, evidence));

@@ -46,6 +46,8 @@ class GraphEditor {
                                                         const LinkPointId& id, std::int64_t etag, bool suspended);
   absl::Status DeleteLinkPoint(const storage::CallContext& context, const SiteId& site, const LinkPointId& id,
                                std::int64_t etag);
+  absl::StatusOr<storage::ChangedLinkPoints> ChangeLinkPoints(const storage::CallContext& context, const SiteId& site,
+                                                              const std::vector<storage::LinkPointChange>& changes);
   absl::Status PutEvidence(const storage::CallContext& context, const SiteId& site, const storage::Evidence& evidence);
 
   absl::StatusOr<std::int64_t> SetControlPoints(const storage::CallContext& context, const SiteId& site,

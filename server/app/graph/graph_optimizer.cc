@@ -91,6 +91,17 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::Optimize(const storage::CallConte
   return SolveAndStore(context, site, {});
 }
 
+absl::StatusOr<std::shared_ptr<const graph::SolvedGraph>> GraphOptimizer::Solve(const SiteId& site,
+                                                                                const graph::GraphSnapshot& graph) {
+  const Solved last = LastSolved(site);
+  std::optional<graph::SolvedGraph> solution;
+  if (last.graph != nullptr) solution = graph::ExtendSolution(last.graph->graph(), *last.solution, graph);
+  if (!solution) {
+    ENFILADE_ASSIGN_OR_RETURN(solution, graph::OptimizeGraph(graph));
+  }
+  return std::make_shared<const graph::SolvedGraph>(*std::move(solution));
+}
+
 absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveAndStore(const storage::CallContext& context, const SiteId& site,
                                                              Solved last) {
   std::chrono::steady_clock::duration solving{0};  // the last time

@@ -60,6 +60,11 @@ class GraphOptimizer {
   // NOT_FOUND.
   absl::StatusOr<OptimizedGraph> Optimize(const storage::CallContext& context, const SiteId& site);
 
+  // The optimum of `graph`, a version of the site's, in this thread and without storing it: the last solution where it
+  // follows from that. FAILED_PRECONDITION if the site has no maps.
+  absl::StatusOr<std::shared_ptr<const graph::SolvedGraph>> Solve(const SiteId& site,
+                                                                  const graph::GraphSnapshot& graph);
+
   // Asks the workers to stop, without waiting; the destructor waits.
   void Stop();
 

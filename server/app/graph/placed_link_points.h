@@ -30,6 +30,8 @@ class PlacedLinkPoints {
     return map_places_[static_cast<std::size_t>(map)];
   }
 
+  // As it is stored, by its slot, which must not be empty.
+  const storage::StoredLinkPoint& Get(int slot) const { return Row(slot); }
   // T_world_place of a link point, by its slot; unset: its maps have no place.
   const std::optional<PoseWithCovariance>& PlaceOf(int link_point) const { return Row(link_point).T_world_place; }
 

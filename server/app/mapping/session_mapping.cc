@@ -212,7 +212,7 @@ absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, 
     ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside beside, ReadLayersBeside(own.geometry.resolution));
     RasterRevision whole;
     whole.revision = layer.revision;
-    if (!beside.below.empty() || !beside.above.empty() || beside.edits) {
+    if (!beside.below.empty() || !beside.above.empty() || beside.edits || !beside.ignored.empty()) {
       ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay_.Compose(MappingContext(), beside, own));
       std::set<std::string> known = stored_tiles_;
       known.insert(tiles.begin(), tiles.end());

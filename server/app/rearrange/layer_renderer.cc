@@ -173,8 +173,9 @@ absl::Status LayerRenderer::Compose(const std::vector<storage::MapLayer>& layers
   grid::OccupancyGrid none;
   none.geometry.resolution = options->resolution;
   LayerOverlay overlay(stores_.blobs, site_);
-  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay.Compose(context_, {0, layers, {}}, none));
   ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside* own, Read(raster.map));
+  const storage::LayersBeside all{.version = 0, .below = layers, .above = {}, .edits = {}, .ignored = own->ignored};
+  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay.Compose(context_, all, none));
   ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole,
                             StoreEdited(context_, {stores_.blobs, stores_.revisions}, {site_, raster.map}, own->edits,
                                         grid::FromOccupancyGrid(std::move(grid)), {}));

@@ -18,6 +18,12 @@ absl::StatusOr<v1::ListPlacedMapsResponse> ListPlacedMaps(const Services& servic
                                                           const v1::ListPlacedMapsRequest& request);
 absl::StatusOr<v1::OptimizeGraphResponse> OptimizeGraph(const Services& services, const Call& call,
                                                         const v1::OptimizeGraphRequest& request);
+absl::StatusOr<v1::PreviewGraphResponse> PreviewGraph(const Services& services, const Call& call,
+                                                      const v1::PreviewGraphRequest& request);
+absl::StatusOr<v1::ChangeGraphResponse> ChangeGraph(const Services& services, const Call& call,
+                                                    const v1::ChangeGraphRequest& request);
+absl::StatusOr<v1::AlignMapsResponse> AlignMaps(const Services& services, const Call& call,
+                                                const v1::AlignMapsRequest& request);
 absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const Call& call,
                                                         const v1::GetGlobalPoseRequest& request);
 absl::StatusOr<v1::TransformPosesResponse> TransformPoses(const Services& services, const Call& call,

@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "proto/convert/geometry.h"
 #include "proto/convert/record.h"
+#include "server/rpc/resources.h"
 
 namespace enfilade::server {
 namespace {
@@ -148,6 +149,24 @@ absl::StatusOr<storage::Evidence> FromProto(const convert::LinkPointName& name, 
     out.encoding = static_cast<std::int16_t>(std::get<sensor::PointCloud>(read.payload).encoding);
   }
   return out;
+}
+
+absl::Status CheckLinkPointMask(const google::protobuf::FieldMask& mask) {
+  return CheckMask(
+      mask, {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state", "state_valid_until"});
+}
+
+void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mask, v1::LinkPoint& to) {
+  if (IsUpdated(mask, "kind", from.kind() != 0)) to.set_kind(from.kind());
+  if (IsUpdated(mask, "tag", !from.tag().empty())) to.set_tag(from.tag());
+  if (IsUpdated(mask, "anchors", from.anchors_size() > 0)) *to.mutable_anchors() = from.anchors();
+  if (IsUpdated(mask, "direction_map", !from.direction_map().empty())) to.set_direction_map(from.direction_map());
+  if (IsUpdated(mask, "difficulty", from.difficulty() != 0)) to.set_difficulty(from.difficulty());
+  if (IsUpdated(mask, "environment", from.environment() != 0)) to.set_environment(from.environment());
+  if (IsUpdated(mask, "state", from.state() != 0)) to.set_state(from.state());
+  if (!IsUpdated(mask, "state_valid_until", from.has_state_valid_until())) return;
+  to.clear_state_valid_until();
+  if (from.has_state_valid_until()) *to.mutable_state_valid_until() = from.state_valid_until();
 }
 
 absl::StatusOr<std::optional<bool>> CandidatesOf(v1::LinkPointSubset subset) {

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "enfilade/v1/link_point_service.pb.h"
+#include "google/protobuf/field_mask.pb.h"
 #include "proto/convert/names.h"
 #include "server/app/services.h"
 #include "storage/graph/link_point_store.h"
@@ -23,6 +24,11 @@ v1::Evidence ToProto(const SiteId& site, const storage::Evidence& evidence);
 absl::StatusOr<storage::StoredLinkPoint> FromProto(const SiteId& site, const v1::LinkPoint& link_point);
 absl::StatusOr<graph::Anchor> FromProto(const std::string& field, const SiteId& site, const v1::Anchor& anchor);
 absl::StatusOr<storage::Evidence> FromProto(const convert::LinkPointName& name, const v1::Evidence& evidence);
+
+// INVALID_ARGUMENT if a path of `mask` is no field that people may change.
+absl::Status CheckLinkPointMask(const google::protobuf::FieldMask& mask);
+// Copies the fields in the mask or, if that is empty, those that are set.
+void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mask, v1::LinkPoint& to);
 
 // The id of a map of `site`. INVALID_ARGUMENT for one of another site.
 absl::StatusOr<MapId> MapOfSite(const std::string& field, const SiteId& site, const std::string& map);

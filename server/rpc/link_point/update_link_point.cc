@@ -7,29 +7,11 @@
 #include "server/rpc/resources.h"
 
 namespace enfilade::server {
-namespace {
-
-void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mask, v1::LinkPoint& to) {
-  if (IsUpdated(mask, "kind", from.kind() != 0)) to.set_kind(from.kind());
-  if (IsUpdated(mask, "tag", !from.tag().empty())) to.set_tag(from.tag());
-  if (IsUpdated(mask, "anchors", from.anchors_size() > 0)) *to.mutable_anchors() = from.anchors();
-  if (IsUpdated(mask, "direction_map", !from.direction_map().empty())) to.set_direction_map(from.direction_map());
-  if (IsUpdated(mask, "difficulty", from.difficulty() != 0)) to.set_difficulty(from.difficulty());
-  if (IsUpdated(mask, "environment", from.environment() != 0)) to.set_environment(from.environment());
-  if (IsUpdated(mask, "state", from.state() != 0)) to.set_state(from.state());
-  if (!IsUpdated(mask, "state_valid_until", from.has_state_valid_until())) return;
-  to.clear_state_valid_until();
-  if (from.has_state_valid_until()) *to.mutable_state_valid_until() = from.state_valid_until();
-}
-
-}  // namespace
-
 absl::StatusOr<v1::UpdateLinkPointResponse> UpdateLinkPoint(const Services& services, const Call& call,
                                                             const v1::UpdateLinkPointRequest& request) {
   v1::UpdateLinkPointResponse response;
   const auto& mask = request.update_mask();
-  ENFILADE_RETURN_IF_ERROR(CheckMask(
-      mask, {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state", "state_valid_until"}));
+  ENFILADE_RETURN_IF_ERROR(CheckLinkPointMask(mask));
   ENFILADE_ASSIGN_OR_RETURN(const convert::LinkPointName name,
                             convert::ParseLinkPointName("link_point.name", request.link_point().name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.link_point().etag()));

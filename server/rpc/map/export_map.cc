@@ -10,6 +10,7 @@
 #include "enfilade/v1/map_service.pb.h"
 #include "proto/convert/names.h"
 #include "server/rpc/map/chunk_message.h"
+#include "server/rpc/map/named_revision.h"
 #include "server/rpc/resources.h"
 
 namespace enfilade::server {
@@ -78,7 +79,8 @@ class ExportSource {
 
 void ExportMap(const Services& services, const Call& call, const v1::ExportMapRequest& request,
                Opened<grpc::ByteBuffer> opened) {
-  const absl::StatusOr<convert::RevisionName> name = convert::ParseMapOrRevisionName("name", request.name());
+  const absl::StatusOr<convert::RevisionName> name =
+      ResolveMapOrRevision(services, call.context(), "name", request.name());
   if (!name.ok()) return opened(name.status());
   const absl::StatusOr<grid::MapFileFormat> format = FormatOf(request.format());
   if (!format.ok()) return opened(format.status());

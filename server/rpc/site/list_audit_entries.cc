@@ -18,6 +18,7 @@ v1::AuditEntry ToProto(const std::string& site_name, const storage::AuditEntry& 
   out.set_resource(entry.resource.empty() ? site_name : site_name + "/" + entry.resource);
   out.set_before(entry.before);
   out.set_after(entry.after);
+  out.set_id(std::to_string(entry.id));
   return out;
 }
 

@@ -243,4 +243,18 @@ absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const
   return absl::OkStatus();
 }
 
+absl::Status ChangeLinkPoint(Transaction& transaction, const SiteId& site, const LinkPointChange& change) {
+  if (const auto* creation = std::get_if<LinkPointCreation>(&change)) {
+    return InsertLinkPoint(transaction, creation->link_point, "");
+  }
+  if (const auto* update = std::get_if<LinkPointUpdate>(&change)) {
+    return UpdateLinkPoint(transaction, update->link_point);
+  }
+  if (const auto* suspension = std::get_if<LinkPointSuspension>(&change)) {
+    return SetSuspended(transaction, site, suspension->link_point, suspension->etag, suspension->suspended);
+  }
+  const auto& deletion = std::get<LinkPointDeletion>(change);
+  return RemoveLinkPoint(transaction, site, deletion.link_point, deletion.etag);
+}
+
 }  // namespace enfilade::storage::postgres

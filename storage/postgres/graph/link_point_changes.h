@@ -21,5 +21,7 @@ absl::Status InsertAnchor(Transaction& transaction, const SiteId& site, const Ne
 absl::Status SetSuspended(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag,
                           bool suspended);
 absl::Status RemoveLinkPoint(Transaction& transaction, const SiteId& site, const LinkPointId& id, std::int64_t etag);
+// Any of them.
+absl::Status ChangeLinkPoint(Transaction& transaction, const SiteId& site, const LinkPointChange& change);
 
 }  // namespace enfilade::storage::postgres

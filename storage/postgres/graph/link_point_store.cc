@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/graph/link_point_store.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
+#include <variant>
 
+#include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/graph_versions.h"
@@ -26,6 +29,21 @@ absl::StatusOr<StoredLinkPoint> CommitAndRead(Transaction& transaction, const Si
   transaction.Queue(kSelectLinkPoint, Params(site, id));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   return ReadLinkPoint(results.back(), site, id);
+}
+
+// The link points that `changes` leave, each once, in the order of their first changes.
+std::vector<LinkPointId> LeftBy(const std::vector<LinkPointChange>& changes) {
+  std::vector<LinkPointId> left;
+  for (const LinkPointChange& change : changes) {
+    const LinkPointId& id = LinkPointOf(change);
+    const auto known = std::find(left.begin(), left.end(), id);
+    if (std::holds_alternative<LinkPointDeletion>(change)) {
+      if (known != left.end()) left.erase(known);
+    } else if (known == left.end()) {
+      left.push_back(id);
+    }
+  }
+  return left;
 }
 
 // What an earlier call with this request id has created. Locks the site's graph: no other call can create it now.
@@ -85,6 +103,28 @@ absl::Status LinkPointStore::Delete(const CallContext& context, const SiteId& si
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   ENFILADE_RETURN_IF_ERROR(RemoveLinkPoint(transaction, site, id, etag));
   return WithContext(transaction.Commit(), NameOf(site, id));
+}
+
+absl::StatusOr<ChangedLinkPoints> LinkPointStore::Change(const CallContext& context, const SiteId& site,
+                                                         const std::vector<LinkPointChange>& changes) const {
+  if (changes.empty()) return InvalidArgument("changes is empty: expected at least one change");
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    ENFILADE_RETURN_IF_ERROR(
+        WithContext(ChangeLinkPoint(transaction, site, changes[i]), fmt::format("changes[{}]", i)));
+  }
+  const std::vector<LinkPointId> left = LeftBy(changes);
+  for (const LinkPointId& id : left) transaction.Queue(kSelectLinkPoint, Params(site, id));
+  transaction.Queue(kSelectGraphVersion, Params(site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  ChangedLinkPoints changed;
+  ENFILADE_ASSIGN_OR_RETURN(changed.graph_version, ReadGraphVersion(results.back()));
+  const std::size_t first = results.size() - 1 - left.size();
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    ENFILADE_ASSIGN_OR_RETURN(StoredLinkPoint link_point, ReadLinkPoint(results[first + i], site, left[i]));
+    changed.link_points.push_back(std::move(link_point));
+  }
+  return changed;
 }
 
 absl::StatusOr<StoredLinkPoint> LinkPointStore::Get(const CallContext& context, const SiteId& site,

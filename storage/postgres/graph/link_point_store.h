@@ -24,6 +24,8 @@ class LinkPointStore final : public storage::LinkPointStore {
                                                std::int64_t etag, bool suspended) const override;
   absl::Status Delete(const CallContext& context, const SiteId& site, const LinkPointId& id,
                       std::int64_t etag) const override;
+  absl::StatusOr<ChangedLinkPoints> Change(const CallContext& context, const SiteId& site,
+                                           const std::vector<LinkPointChange>& changes) const override;
   absl::StatusOr<FoundLinkPoints> Find(const CallContext& context, const SiteId& site,
                                        const LinkPointQuery& query) const override;
   absl::StatusOr<std::vector<StoredLinkPoint>> ListUnplaced(const CallContext& context, const SiteId& site,

@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/driver/wkb.h"
 #include "storage/postgres/maps/overlay_rows.h"
 #include "storage/postgres/maps/tile_columns.h"
 
@@ -139,6 +140,27 @@ LayerPart ReadLayerPart(Row& row) {
   return part;
 }
 
+// Of all areas of the kind (areas::AreaKind), whenever they hold: hits are mapped for good.
+constexpr Statement kSelectIgnoredOutlines{
+    "reading areas in which hits are ignored",
+    "SELECT ST_AsBinary(outline, 'NDR') FROM enfilade.map_areas WHERE site_id = $1 AND map_id = $2 AND kind = 4"
+    " ORDER BY area_id"};
+
+absl::StatusOr<std::vector<std::vector<Eigen::Vector2d>>> ReadIgnoredOutlines(Pool& pool, const CallContext& context,
+                                                                              const MapKey& key) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result result,
+                            ExecuteAlone(pool, context, kSelectIgnoredOutlines, Params(key.site, key.map)));
+  std::vector<std::vector<Eigen::Vector2d>> outlines;
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    const std::string_view bytes = row.Bytes();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<Eigen::Vector2d> outline, DecodePolygon(bytes));
+    outlines.push_back(std::move(outline));
+  }
+  return outlines;
+}
+
 absl::StatusOr<std::int64_t> VersionIn(const Result& result) {
   if (result.rows() == 0) return 0;  // the map never had a layer
   Row row(result, 0);
@@ -176,6 +198,7 @@ absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, 
   // Read last: if edits are published after the layers were read, their version is no longer that of the map.
   ENFILADE_ASSIGN_OR_RETURN(OverlayState state, ReadOverlayRows(pool, context, key));
   if (state.overlay && !state.overlay->tiles.empty()) beside.edits = std::move(state.overlay);
+  ENFILADE_ASSIGN_OR_RETURN(beside.ignored, ReadIgnoredOutlines(pool, context, key));
   return beside;
 }
 
@@ -223,7 +246,7 @@ void QueueLayersChange(Transaction& transaction, const MapKey& key) {
 
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   const auto& [site, map] = key;
-  if (!revision.session) {
+  if (ReplacesLayers(revision.source)) {
     QueueLayersChange(transaction, key);
     transaction.Queue(kDeleteLayers, Params(site, map));
     if (revision.edits) {
@@ -233,6 +256,7 @@ void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& 
     }
     return;
   }
+  if (!revision.session) return;
   std::optional<std::int64_t> whole;
   std::optional<Bytes> header;
   if (revision.layer) {

@@ -37,7 +37,7 @@ void QueueLayersVersion(Transaction& transaction, const MapKey& key);
 // Queued only.
 void QueueLayersChange(Transaction& transaction, const MapKey& key);
 
-// Makes the revision `number` the map's only layer (an import), or stores its session's layer. Queued only.
+// Makes the revision `number` the map's only layer (ReplacesLayers), or stores its session's layer. Queued only.
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number);
 
 // Puts a layer on top of the map's. `session`: unset if it was imported. Queued only.

@@ -219,4 +219,12 @@ absl::StatusOr<MapDraft> MapEditStore::PublishAtOnce(const CallContext& context,
   return PublishDraft(transaction, draft.key, publication);
 }
 
+absl::Status MapEditStore::StoreRecomposed(const CallContext& context, const SiteId& site, const MapId& map,
+                                           const NewRevision& revision) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  absl::Status status = postgres::StoreRevision(transaction, {site, map}, revision, {}, MapState::kReady).status();
+  if (status.ok()) status = transaction.Commit();
+  return status.ok() ? status : postgres::ExplainRevisionError(status, site, map);
+}
+
 }  // namespace enfilade::storage

@@ -70,7 +70,7 @@ edit::Lattice ReadLattice(Row& row) {
 
 void QueueRevisionEdits(Transaction& transaction, const MapKey& key, const NewRevision& revision) {
   if (!revision.edits) {
-    if (revision.source == RevisionSource::kImport || revision.source == RevisionSource::kRestored) {
+    if (ReplacesLayers(revision.source)) {
       transaction.Queue(kEndEdits, Params(key.site, key.map));
       transaction.Queue(kDeletePart, Params(key.site, key.map, kInstructions));
     }

@@ -16,7 +16,9 @@ namespace {
 
 #define ENFILADE_REVISION_COLUMNS                                                                             \
   "site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height," \
-  " raster_header, content_sha256, tile_count, tile_bytes, create_time, tag, edit_version"
+  " raster_header, content_sha256, tile_count, tile_bytes, create_time, tag, edit_version,"                   \
+  " (SELECT coalesce(array_agg(a.alias_id::text ORDER BY a.alias_id), '{}') FROM enfilade.map_aliases a"      \
+  "   WHERE a.site_id = $1 AND a.map_id = map_revisions.map_id AND a.revision = map_revisions.revision)"
 
 constexpr Statement kSelectRevision{"reading the revision",
                                     "SELECT " ENFILADE_REVISION_COLUMNS
@@ -71,6 +73,7 @@ MapRevision ReadRevision(Row& row) {
   revision.create_time = row.Time();
   revision.tag = row.Text();
   revision.edit_version = row.Int64();
+  for (std::string& alias : row.OptionalTexts()) revision.aliases.emplace_back(std::move(alias));
   return revision;
 }
 

@@ -163,3 +163,9 @@ SELECT pg_temp.fill('prior_maps', '{"prior_map_id": "plan", "display_name": "Pla
   "graph_version": 1, "pair_maps": ["m1"], "pair_points": [1, 2, 3, 4], "align_time": "2026-01-01"}');
 SELECT pg_temp.fill('prior_map_files', jsonb_build_object('prior_map_id', 'plan', 'product', 1, 'name', 'plan.png',
   'size_bytes', 1, 'sha256', pg_temp.hash('2')));
+SELECT pg_temp.fill('map_areas', '{"map_id": "m1", "area_id": "glass", "display_name": "Glass", "kind": 4,
+  "outline": "POLYGON((0 0, 1 0, 1 1, 0 0))", "robot_types": [], "speed_limit": 0, "etag": 1}');
+SELECT pg_temp.fill('rearrangement_images', '{"rearrangement_id": "merge", "relation": "area", "key": "old/door",
+  "before": {}}', 'map_areas');
+SELECT pg_temp.fill('map_aliases', '{"map_id": "m1", "alias_id": "stable", "revision": 2, "previous_revision": 1,
+  "actor": "-"}');

@@ -17,6 +17,8 @@ FREE, OCCUPIED, CLEAR, KEEP, MINE = 2, 3, 4, 1, 1  # of edits
 COVARIANCE = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]
 WORLD = {"pose": {"x": 1.0, "y": 0.5, "yaw": 0.1}, "covariance": COVARIANCE}
 TIMEOUT_S = 60
+KEEP_OUT, SPEED_LIMIT, ROOM = 1, 2, 5  # kinds of areas
+AREA_FORMATS = (1, 2, 3)  # GeoJSON, and masks for Nav2
 DONE_STATES = (3, 4)  # of a session: MAPPED, FAILED
 CAUSE_OPTIMIZED = 7  # of a version of the graph
 
@@ -123,6 +125,7 @@ class Tour:
         """Every RPC at least once."""
         self.sites_and_robots()
         self.maps()
+        self.areas()
         first, second = self.drive("one"), self.drive("two")
         self.blobs()
         self.link_points()
@@ -178,6 +181,47 @@ class Tour:
         self.ok("MapService.TagMapRevision", {"name": imported.revision.name, "tag": "as imported"})
         self.ok("MapService.ListMapRevisions", {"parent": f"{site}/maps/b"})
         self.ok("MapService.ExportMap", {"name": f"{site}/maps/b", "format": PGM})
+        self.versions(imported.revision.name, files)
+
+    def versions(self, first, files):
+        """Aliases of revisions of the map "b", and a second revision to compare with the first."""
+        parent = f"{self.site}/maps/b"
+        files = {**files, "m.pgm": b"P5\n40 30\n255\n" + bytes(254 if 0 < i % 40 < 20 else 0 for i in range(1200))}
+        entries = [{"name": n, "size_bytes": len(d), "sha256": sha(d)} for n, d in files.items()]
+        chunks = [{"chunk": {"file": i, "data": d}} for i, d in enumerate(files.values())]
+        second = self.one("MapService.ImportMap", {"manifest": {"parent": parent, "dialect": NAV2, "files": entries}},
+                          *chunks).revision.name
+        stable = {"name": f"{parent}/aliases/stable"}
+        self.ok("MapService.SetMapAlias", {"alias": {**stable, "revision": first}})
+        moved = self.one("MapService.SetMapAlias", {"alias": {**stable, "revision": second}}).alias
+        self.ok("MapService.RollBackMapAlias", {**stable, "etag": moved.etag})
+        self.ok("MapService.ListMapAliases", {"parent": parent})
+        self.ok("MapService.GetMapRevision", stable)
+        self.ok("MapService.DiffMapRevisions", {"base": stable["name"], "revision": second, "with_picture": True,
+                                                "with_geojson": True})
+        self.ok("MapService.RestoreMapRevision", stable)
+        self.ok("MapService.SetMapAlias", {"alias": {"name": f"{parent}/aliases/spare", "revision": second}})
+        self.ok("MapService.DeleteMapAlias", {"name": f"{parent}/aliases/spare"})
+
+    def areas(self):
+        """Of the map "b", which has a revision."""
+        parent = f"{self.site}/maps/b"
+
+        def outline(x, y):
+            return {"corners": [{"x": x, "y": y}, {"x": x + 0.5, "y": y}, {"x": x, "y": y + 0.5}]}
+
+        for name, kind in (("stop", KEEP_OUT), ("slow", SPEED_LIMIT), ("spare", ROOM)):
+            area = {"display_name": name, "kind": kind, "outline": outline(0.1, 0.1), "robot_types": ["cleaner"],
+                    "speed_limit_mps": 0.3 if kind == SPEED_LIMIT else 0, "valid_from": {"seconds": START_S}}
+            self.ok("MapAreaService.CreateMapArea", {"parent": parent, "area_id": name, "area": area,
+                                                     "request_id": f"area-{name}"})
+        self.ok("MapAreaService.GetMapArea", {"name": f"{parent}/areas/stop"})
+        self.ok("MapAreaService.ListMapAreas", {"parent": parent, "page_size": 2})
+        self.ok("MapAreaService.UpdateMapArea", {"area": {"name": f"{parent}/areas/stop", "outline": outline(0.2, 0.3)},
+                                                 "update_mask": {"paths": ["outline"]}})
+        self.ok("MapAreaService.DeleteMapArea", {"name": f"{parent}/areas/spare"})
+        for area_format in AREA_FORMATS:
+            self.ok("MapAreaService.ExportMapAreas", {"parent": parent, "format": area_format, "robot_type": "cleaner"})
 
     def drive(self, session_id, into="a"):
         """A finished session in a map: the first records by single calls, the others by a stream."""
@@ -270,6 +314,7 @@ class Tour:
         self.ok("GraphService.GetGraph", {"site": site})
         self.ok("GraphService.ListGraphVersions", {"parent": site, "page_size": 3})
         self.ok("GraphService.OptimizeGraph", {"site": site})
+        self.graph_changes()
         versions = self.one("GraphService.ListGraphVersions", {"parent": site, "page_size": 1000}).graph_versions
         optimised = next(version for version in versions if version.cause == CAUSE_OPTIMIZED)
         self.ok("GraphService.ListPlacedMaps", {"parent": site, "graph_version": optimised.graph_version})
@@ -287,6 +332,22 @@ class Tour:
         self.ok("GraphService.SetGeoreference", {"site": site, "georeference": {"control_points": points}})
         self.ok("GraphService.GetGeoreference", {"site": site})
         self.ok("GraphService.ExportGraph", {"site": site})
+
+    def graph_changes(self):
+        """Each kind of change, looked at first, then made."""
+        site = self.site
+        place = {"pose": {"x": 6, "y": 3}, "covariance": COVARIANCE}
+        anchors = [{"map": f"{site}/maps/{name}", "pose_map_place": place} for name in ("a", "c")]
+        moved = self.one("LinkPointService.GetLinkPoint", {"name": f"{site}/linkPoints/ab"}).link_point
+        moved.anchors[1].pose_map_place.pose.x += 0.1
+        changes = [{"created": {"name": f"{site}/linkPoints/ac", "kind": DOOR, "anchors": anchors}}, {"updated": moved},
+                   {"updated": {"name": f"{site}/linkPoints/bc", "difficulty": 2}, "update_mask": {"paths": ["difficulty"]}},
+                   {"suspended": f"{site}/linkPoints/ac"}, {"resumed": f"{site}/linkPoints/ac"},
+                   {"deleted": f"{site}/linkPoints/ac"}]
+        self.ok("GraphService.PreviewGraph", {"site": site, "changes": changes})
+        self.ok("GraphService.ChangeGraph", {"site": site, "changes": changes})
+        self.ok("GraphService.AlignMaps", {"map_a": f"{site}/maps/a", "map_b": f"{site}/maps/b", "pose_a_b": {"x": 5},
+                                           "radius_m": 1, "yaw_range_rad": 0.2})
 
     def rearrange(self, session):
         site = self.site

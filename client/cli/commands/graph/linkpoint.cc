@@ -285,6 +285,7 @@ void AddLinkPoint(CLI::App& app, const Globals& globals) {
   candidate->footer("Example: enfilade linkpoint candidate --id door-3 --at Hall,20,1,1.57");
   AddSearches(*group, globals, options);
   AddChanges(*group, globals, options);
+  AddLinkPointChange(*group, globals);
 }
 
 }  // namespace enfilade::cli

@@ -9,6 +9,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/map_file_reader.h"
+#include "client/cli/map_revision.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "client/sdk/api/map_export.h"
@@ -22,6 +23,7 @@ namespace {
 
 struct MapExportCommandOptions {
   std::string map;
+  std::string revision;
   std::string directory = ".";
   std::string format = "pgm";
   bool without_edits = false;
@@ -63,6 +65,9 @@ absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& op
   } else {
     ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
     request.set_name(map.name());
+    if (!options.revision.empty()) {
+      ENFILADE_ASSIGN_OR_RETURN(*request.mutable_name(), RevisionNameOf(map, options.revision));
+    }
   }
   request.set_without_edits(options.without_edits);
   ProgressBar bar(globals, "downloading", 0, "B");
@@ -124,6 +129,7 @@ void AddMapExport(CLI::App& map, const Globals& globals) {
                                  [&globals, options] { return ExportMap(globals, *options); });
   command->add_option("MAP", options->map, "The map's name, id or resource name, or a revision's resource name")
       ->required();
+  command->add_option("--revision", options->revision, "The number of a revision, or an alias (default: the newest)");
   command->add_option("-o,--output", options->directory, "The folder to write to")->capture_default_str();
   command->add_option("--format", options->format, "pgm or png (each with a YAML for Nav2), or json")
       ->capture_default_str();
