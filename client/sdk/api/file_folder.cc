@@ -45,7 +45,8 @@ absl::StatusOr<std::vector<fs::path>> PartFiles::Commit() {
   out_.close();
   for (const fs::path& path : paths_) {
     std::error_code error;
-    if (!fs::exists(PartialFile(path), error)) std::ofstream(PartialFile(path), std::ios::binary);  // an empty file: no chunks
+    if (!fs::exists(PartialFile(path), error))
+      std::ofstream(PartialFile(path), std::ios::binary);  // an empty file: no chunks
     fs::rename(PartialFile(path), path, error);
     if (error) return InvalidArgument("{}: cannot be written: {}", path.string(), error.message());
   }

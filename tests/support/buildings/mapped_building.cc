@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/mapped_building.h"
+#include "tests/support/buildings/mapped_building.h"
 
 #include <memory>
 #include <utility>
