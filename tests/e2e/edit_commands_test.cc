@@ -163,7 +163,7 @@ TEST_F(EditCommands, ConflictsAreSettledByRebase) {
 TEST_F(EditCommands, WhatRobotsSeeAgainIsContestedAndSettled) {
   system_.RecordDrive(1);
   Drive("first");
-  File("erase.yaml", "edits:\n- {rectangle: [[-90, -90], [90, 90]], value: free, only_where: [occupied]}\n");
+  File("erase.yaml", "edits:\n- {rectangle: [[-45, -45], [45, 45]], value: free, only_where: [occupied]}\n");
   Run({"map", "edit", "Rooms", File("erase.yaml"), "--draft", "erase"});
   Run({"map", "publish", "Rooms", "erase", "-m", "No walls", "--confirm"});
   EXPECT_EQ(Run({"map", "contested", "Rooms"}).size(), 0U);
