@@ -38,8 +38,9 @@ struct FoundPoses {
 };
 
 // All places of the map where the points (robot's frame, m) fit: the local maxima of their mean likelihood over all
-// positions (on known ground unless area.off_ground) and headings, down to options.min_score and to min_relative_score of the best. Branch
-// and bound as in SearchPose (Olson 2015, Hess et al. 2016), best first, so that it finds many places in order.
+// positions (on known ground unless area.off_ground) and headings, down to options.min_score and to min_relative_score
+// of the best. Branch and bound as in SearchPose (Olson 2015, Hess et al. 2016), best first, so that it finds many
+// places in order.
 absl::StatusOr<FoundPoses> FindPoses(const SearchableMap& map, const std::vector<Eigen::Vector2d>& points,
                                      const std::optional<SearchArea>& area, const LocalizationOptions& options,
                                      const KeepGoing& keep_going);

@@ -142,7 +142,7 @@ struct MapRevision {
   std::int64_t tile_count = 0;
   std::int64_t tile_bytes = 0;  // of all tiles, as stored
   TimeNs create_time = 0;
-  std::int64_t edit_version = 0;  // the newest publication of edits that lie over it; 0: none
+  std::int64_t edit_version = 0;         // the newest publication of edits that lie over it; 0: none
   std::string tag = {};                  // a name for people; empty: none
   std::vector<MapAliasId> aliases = {};  // that lead to it (MapAliasStore)
 };
@@ -204,8 +204,8 @@ class RevisionStore {
   }
   // The publications of the map with an edit_version of more than `after` and at most `up_to`, in their order.
   virtual absl::StatusOr<std::vector<edit::Publication>> ReadPublications(const CallContext& /*context*/,
-                                                                          const SiteId& /*site*/,
-                                                                          const MapId& /*map*/, std::int64_t /*after*/,
+                                                                          const SiteId& /*site*/, const MapId& /*map*/,
+                                                                          std::int64_t /*after*/,
                                                                           std::int64_t /*up_to*/) const {
     return std::vector<edit::Publication>();
   }

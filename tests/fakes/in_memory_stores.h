@@ -176,8 +176,9 @@ class InMemoryLinkPointStore final : public storage::LinkPointStore {
                                                         bool suspended) const override;
   absl::Status Delete(const storage::CallContext& context, const SiteId& site, const LinkPointId& id,
                       std::int64_t etag) const override;
-  absl::StatusOr<storage::ChangedLinkPoints> Change(const storage::CallContext& context, const SiteId& site,
-                                                    const std::vector<storage::LinkPointChange>& changes) const override;
+  absl::StatusOr<storage::ChangedLinkPoints> Change(
+      const storage::CallContext& context, const SiteId& site,
+      const std::vector<storage::LinkPointChange>& changes) const override;
   absl::StatusOr<storage::FoundLinkPoints> Find(const storage::CallContext& context, const SiteId& site,
                                                 const storage::LinkPointQuery& query) const override;
   absl::StatusOr<std::vector<storage::StoredLinkPoint>> ListUnplaced(const storage::CallContext& context,

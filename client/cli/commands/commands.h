@@ -9,7 +9,7 @@ namespace enfilade::cli {
 // command runs.
 
 // A server's site: one file per command below commands/, named after it.
-void AddArea(CLI::App& app, const Globals& globals);         // area add | list | show | update | delete | export
+void AddArea(CLI::App& app, const Globals& globals);  // area add | list | show | update | delete | export
 void AddGraph(CLI::App& app,
               const Globals& globals);  // graph show | versions | diff | change | optimize | export | plot | solve
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building

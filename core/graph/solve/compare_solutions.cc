@@ -58,9 +58,8 @@ absl::StatusOr<std::map<LinkPointId, Residual>> ResidualsOf(const GraphWithSolut
                                                             const GraphOptimizationOptions& options) {
   std::map<LinkPointId, Residual> residuals;
   // The joint graph of the graph with its solution has the solved poses.
-  ENFILADE_ASSIGN_OR_RETURN(
-      const GraphSnapshot graph,
-      Apply(solved.graph, {.version = solved.graph.version(), .solution = solved.solution}));
+  ENFILADE_ASSIGN_OR_RETURN(const GraphSnapshot graph,
+                            Apply(solved.graph, {.version = solved.graph.version(), .solution = solved.solution}));
   const JointGraph joint = BuildJointGraph(graph, graph.MapSlot(graph.root()), options);
   for (const JointTerm& term : joint.terms) {
     const LinkPoint& link_point = *graph.link_point_node(term.link_point).link_point;

@@ -123,8 +123,8 @@ class MapEdits {
   // ignored have changed. Does nothing if it would look the same.
   absl::Status Recompose(const storage::CallContext& context, const EditedMap& map) const;
 
-  // Publishes the edits of a map that was merged into another one there, too, where it lies in it. Does nothing if it has
-  // none, or if they are there already.
+  // Publishes the edits of a map that was merged into another one there, too, where it lies in it. Does nothing if it
+  // has none, or if they are there already.
   absl::Status Adopt(const storage::CallContext& context, const EditedMap& kept, const MapId& merged,
                      const Pose2& T_kept_merged) const;
 

@@ -18,8 +18,7 @@ constexpr int kMaxRecompositions = 100;
 
 // The layers as one raster. An import that nobody has mapped in keeps its form.
 absl::StatusOr<grid::MapRaster> EvidenceOf(const storage::CallContext& context, const RasterStores& stores,
-                                           const SiteId& site, const storage::LayersBeside& layers,
-                                           double resolution) {
+                                           const SiteId& site, const storage::LayersBeside& layers, double resolution) {
   if (layers.below.size() == 1 && !layers.below[0].session) {
     return ReadRaster(context, stores.blobs, site, layers.below[0].raster);
   }
@@ -48,8 +47,8 @@ absl::Status MapEdits::Recompose(const storage::CallContext& context, const Edit
                               rasters_.revisions.ReadLayersBeside(context, map.site, map.map, SessionId()));
     if (layers.below.empty()) return absl::OkStatus();
     ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision newest, rasters_.revisions.Get(context, map.site, map.map, 0));
-    ENFILADE_ASSIGN_OR_RETURN(grid::MapRaster evidence, EvidenceOf(context, rasters_, map.site, layers,
-                                                                   newest.geometry.resolution));
+    ENFILADE_ASSIGN_OR_RETURN(grid::MapRaster evidence,
+                              EvidenceOf(context, rasters_, map.site, layers, newest.geometry.resolution));
     ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole,
                               StoreEdited(context, rasters_, map, layers.edits, std::move(evidence), {}));
     const bool is_same = whole.revision.content_sha256 == newest.content_sha256 && !whole.revision.edits;
@@ -67,9 +66,9 @@ absl::Status MapEdits::Adopt(const storage::CallContext& context, const EditedMa
   ENFILADE_ASSIGN_OR_RETURN(const storage::OverlayState state, edits_.ReadOverlay(context, kept.site, merged));
   if (!state.overlay || state.overlay->tiles.empty()) return absl::OkStatus();
   const storage::StoredOverlay& overlay = *state.overlay;
-  ENFILADE_ASSIGN_OR_RETURN(const auto publications,
-                            rasters_.revisions.ReadPublications(context, kept.site, merged, overlay.first_version - 1,
-                                                                overlay.edit_version));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const auto publications,
+      rasters_.revisions.ReadPublications(context, kept.site, merged, overlay.first_version - 1, overlay.edit_version));
   storage::MapDraft draft;
   draft.key = {kept.site, kept.map, AdoptionId(kept.map, merged)};
   draft.display_name = fmt::format("Edits of {}", NameOf(kept.site, merged));

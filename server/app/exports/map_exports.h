@@ -101,8 +101,8 @@ class MapExports {
     std::int64_t bytes = 0;
   };
 
-  MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
-             const RasterStores& rasters, LockedDirectory directory);
+  MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps, const RasterStores& rasters,
+             LockedDirectory directory);
   absl::StatusOr<Subject> FindSubject(const storage::CallContext& context, const Wanted& wanted) const;
   void Wait(const Subject& subject, Waiter waiter);
   void Run(const std::shared_ptr<Rendering>& rendering);

@@ -100,9 +100,8 @@ class ChangedGraph {
 
   absl::Status MakeOne(const storage::LinkPointSuspension& change) {
     ENFILADE_ASSIGN_OR_RETURN(const storage::StoredLinkPoint* const stored, Get(change.link_point, change.etag));
-    ENFILADE_ASSIGN_OR_RETURN(
-        storage::StoredLinkPoint changed,
-        storage::ApplySuspension(*stored, change.suspended, Beside(stored->point.anchors)));
+    ENFILADE_ASSIGN_OR_RETURN(storage::StoredLinkPoint changed,
+                              storage::ApplySuspension(*stored, change.suspended, Beside(stored->point.anchors)));
     changed_[change.link_point] = std::move(changed);
     return absl::OkStatus();
   }
@@ -138,9 +137,8 @@ absl::StatusOr<GraphPreview> PreviewChanges(const SiteId& site, const SiteGraph&
   GraphPreview preview{std::move(before), std::make_shared<const graph::SolvedGraph>(std::move(solved)), {}};
   std::vector<LinkPointId> asked;
   for (const storage::LinkPointChange& change : changes) asked.push_back(storage::LinkPointOf(change));
-  ENFILADE_ASSIGN_OR_RETURN(
-      preview.difference,
-      graph::CompareSolutions({graph.graph(), preview.before}, {changed, preview.after}, asked));
+  ENFILADE_ASSIGN_OR_RETURN(preview.difference,
+                            graph::CompareSolutions({graph.graph(), preview.before}, {changed, preview.after}, asked));
   return preview;
 }
 

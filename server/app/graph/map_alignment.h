@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
-#include "core/localization/align_maps.h"
+#include "core/localization/alignment/align_maps.h"
 #include "server/app/graph/site_graphs.h"
 #include "storage/call_context.h"
 #include "storage/maps/map_store.h"

@@ -16,8 +16,9 @@
 
 namespace enfilade::server {
 
-// The newest revisions of maps, without people's edits, ready to be searched: what was built last stays in memory, up to a limit. Content that
-// is built is recognised by its SHA-256, so a new revision is built anew and a repeated one is not. Thread-safe.
+// The newest revisions of maps, without people's edits, ready to be searched: what was built last stays in memory, up
+// to a limit. Content that is built is recognised by its SHA-256, so a new revision is built anew and a repeated one is
+// not. Thread-safe.
 class SearchableMaps {
  public:
   // `max_bytes`: of the maps kept. Those in use are kept by their users.

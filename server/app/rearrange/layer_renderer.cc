@@ -9,8 +9,8 @@
 #include "core/base/status_macros.h"
 #include "core/grid/tiled_raster.h"
 #include "core/slam/mapper/render_session.h"
-#include "server/app/mapping/layer_overlay.h"
 #include "server/app/edits/edited_revision.h"
+#include "server/app/mapping/layer_overlay.h"
 #include "server/app/mapping/raster_revision.h"
 
 namespace enfilade::server {

@@ -22,8 +22,8 @@ struct GivenChanges {
   std::map<LinkPointId, int> unnamed;
 };
 
-// The changes of a request. INVALID_ARGUMENT naming the change: none or too many, a field that is wrong, an update or an
-// etag of a link point that an earlier one changes already. NOT_FOUND: what is updated does not exist.
+// The changes of a request. INVALID_ARGUMENT naming the change: none or too many, a field that is wrong, an update or
+// an etag of a link point that an earlier one changes already. NOT_FOUND: what is updated does not exist.
 absl::StatusOr<GivenChanges> ParseChanges(const SiteId& site,
                                           const google::protobuf::RepeatedPtrField<v1::GraphChange>& changes,
                                           const FindStored& find);

@@ -23,7 +23,7 @@ absl::StatusOr<grid::MapDiffOptions> DiffOptionsOf(const v1::DiffMapRevisionsReq
                               .with_geojson = request.with_geojson()};
 }
 
-v1::MapDiffRegion ToProto(const grid::MapDiffRegion& region) {
+v1::MapDiffRegion RegionMessage(const grid::MapDiffRegion& region) {
   v1::MapDiffRegion out;
   for (const Eigen::Vector2d& corner : region.box) {
     v1::Point& added = *out.mutable_box()->add_corners();
@@ -71,7 +71,7 @@ absl::StatusOr<v1::DiffMapRevisionsResponse> DiffMapRevisions(const Services& se
   response.set_resolution_m(diff.resolution);
   response.mutable_cells()->Add(diff.cells.begin(), diff.cells.end());
   response.set_region_count(diff.region_count);
-  for (const grid::MapDiffRegion& region : diff.regions) *response.add_regions() = ToProto(region);
+  for (const grid::MapDiffRegion& region : diff.regions) *response.add_regions() = RegionMessage(region);
   if (diff.picture) ENFILADE_RETURN_IF_ERROR(AddPicture(diff, response));
   response.set_geojson(diff.geojson);
   return response;

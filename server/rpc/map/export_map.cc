@@ -85,8 +85,8 @@ void ExportMap(const Services& services, const Call& call, const v1::ExportMapRe
   const absl::StatusOr<grid::MapFileFormat> format = FormatOf(request.format());
   if (!format.ok()) return opened(format.status());
   if (request.without_edits() && name->revision != 0) {
-    return opened(InvalidArgument("without_edits is set and name is {}: only the newest revision has both; name the map",
-                                  request.name()));
+    return opened(InvalidArgument(
+        "without_edits is set and name is {}: only the newest revision has both; name the map", request.name()));
   }
   services.exports.Get(call.context(), {*name, *format, request.without_edits()},
                        [&call, opened = std::move(opened)](absl::StatusOr<ExportedMap> map) {

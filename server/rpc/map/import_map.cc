@@ -53,9 +53,8 @@ class MapImporter {
       if (keep_edits_) {
         ENFILADE_ASSIGN_OR_RETURN(state, services_.map_edit_store.ReadOverlay(context, name_.site, name_.map));
       }
-      ENFILADE_ASSIGN_OR_RETURN(
-          RasterRevision whole,
-          StoreEdited(context, {services_.blobs, services_.revisions}, {name_.site, name_.map}, state.overlay, raster, {}));
+      ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole, StoreEdited(context, {services_.blobs, services_.revisions},
+                                                                  {name_.site, name_.map}, state.overlay, raster, {}));
       whole.revision.source = storage::RevisionSource::kImport;
       if (keep_edits_) whole.revision.layers_version = state.layers_version;
       revision = services_.revisions.Add(context, name_.site, name_.map, whole.revision, {});

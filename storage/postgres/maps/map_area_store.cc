@@ -201,7 +201,8 @@ absl::StatusOr<MapArea> MapAreaStore::Create(const CallContext& context, const M
                                                    TimestampOrNull(content.valid_until), postgres::NewEtag(),
                                                    postgres::IdOrNull(request_id), postgres::DigestOrNull(request_id)));
     if (inserted.ok()) {
-      if (content.kind == areas::AreaKind::kIgnoreHits) postgres::QueueLayersVersion(transaction, {area.site, area.map});
+      if (content.kind == areas::AreaKind::kIgnoreHits)
+        postgres::QueueLayersVersion(transaction, {area.site, area.map});
       ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOfArea(area)));
       return ReadMapArea(*inserted, NameOfArea(area));
     }
@@ -262,7 +263,8 @@ absl::StatusOr<MapArea> MapAreaStore::Update(const CallContext& context, const M
     if (stored.rows() == 0) return NotFound("{} does not exist", NameOfArea(area));
     return postgres::StaleEtag(NameOfArea(area));
   }
-  postgres::QueueLayersVersion(transaction, {area.site, area.map});  // it may have been one, or be one now, that hides hits
+  postgres::QueueLayersVersion(transaction,
+                               {area.site, area.map});  // it may have been one, or be one now, that hides hits
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOfArea(area)));
   return ReadMapArea(*updated, NameOfArea(area));
 }

@@ -8,8 +8,8 @@ namespace {
 
 // Where areas go: into each map that gets keyframes from within 5 m of them, or else from nearest to them; `target` is
 // their own map if such keyframes stay. The transform is that of the nearest keyframes' session: T_target_source.
-// Keyframes are thinned out to one in each square metre. Distances are not looked at where there is one way only. A map
-// without keyframes, which was imported, goes as a whole.
+// Keyframes are thinned out to one in each square of 2.5 m, so that thousands of areas take seconds. Distances are not
+// looked at where there is one way only. A map without keyframes, which was imported, goes as a whole.
 #define ENFILADE_AREAS_GO                                                                                              \
   "WITH moves AS (SELECT p.subject, p.target, p.x, p.y, p.yaw FROM enfilade.rearrangement_parts p"                     \
   "   WHERE p.site_id = $1 AND p.rearrangement_id = $2 AND p.kind = 3),"                                               \
@@ -21,7 +21,7 @@ namespace {
   "   WHERE a.site_id = $1 AND a.map_id IN (SELECT source FROM left_maps)),"                                           \
   " seen AS MATERIALIZED (SELECT s.map_id, coalesce(m.target, s.map_id) AS target, coalesce(m.x, 0) AS x,"             \
   "     coalesce(m.y, 0) AS y, coalesce(m.yaw, 0) AS yaw,"                                                             \
-  "     ST_Collect(DISTINCT ST_MakePoint(round(n.x), round(n.y))) AS keyframes"                                        \
+  "     ST_Collect(DISTINCT ST_MakePoint(2.5 * round(n.x / 2.5), 2.5 * round(n.y / 2.5))) AS keyframes"                \
   "   FROM enfilade.sessions s JOIN enfilade.slam_nodes n ON n.site_id = $1 AND n.session_id = s.session_id"           \
   "   LEFT JOIN moves m ON m.subject = s.session_id"                                                                   \
   "   WHERE s.site_id = $1 AND s.delete_time IS NULL AND s.map_id IN (SELECT map_id FROM areas) GROUP BY 1, 2, 3, 4, " \

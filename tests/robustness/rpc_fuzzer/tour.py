@@ -13,6 +13,7 @@ import grpc
 START_S = 1_700_000_000
 BEAMS = 120
 INDOOR, DOOR, PGM, NAV2 = 1, 1, 1, 1
+FREE, OCCUPIED, CLEAR, KEEP, MINE = 2, 3, 4, 1, 1  # of edits
 COVARIANCE = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]
 WORLD = {"pose": {"x": 1.0, "y": 0.5, "yaw": 0.1}, "covariance": COVARIANCE}
 TIMEOUT_S = 60
@@ -134,6 +135,7 @@ class Tour:
         self.graph()
         self.rearrange(second)
         self.prior_maps()
+        self.map_edits()
         self.localize()
         self.closures(closures)
 
@@ -221,12 +223,12 @@ class Tour:
         for area_format in AREA_FORMATS:
             self.ok("MapAreaService.ExportMapAreas", {"parent": parent, "format": area_format, "robot_type": "cleaner"})
 
-    def drive(self, session_id):
-        """A finished session in the map "a": the first records by single calls, the others by a stream."""
+    def drive(self, session_id, into="a"):
+        """A finished session in a map: the first records by single calls, the others by a stream."""
         session = f"{self.site}/sessions/{session_id}"
         self.ok("SessionService.CreateSession",
                 {"parent": self.site, "session_id": session_id, "request_id": session_id,
-                 "session": {"robot": f"{self.site}/robots/r", "map": f"{self.site}/maps/a",
+                 "session": {"robot": f"{self.site}/robots/r", "map": f"{self.site}/maps/{into}",
                              "entry": {"pose_map_robot": {"pose": {"x": 0}, "covariance": COVARIANCE}}}})
         image, points = png(), cloud()
         self.ok("IngestService.SubmitOdometry", {"session": session, "sequence": 1, "odometry": odometry(0)})
@@ -243,7 +245,7 @@ class Tour:
                                          "door_time": {"seconds": START_S + 13}, "pose_odom_door": {"x": 1.2}}})
         for sequence, payload in enumerate(payloads, 5):
             records.append({"sequence": sequence, **payload})
-        report = {"map": f"{self.site}/maps/a", "pose_map_robot": WORLD, "time": {"seconds": START_S}}
+        report = {"map": f"{self.site}/maps/{into}", "pose_map_robot": WORLD, "time": {"seconds": START_S}}
         blob = b"x" * 100 + session.encode()
         self.ok("IngestService.StreamRecords", {"open": {"session": session}},
                 {"blob_chunk": {"blob": ref(blob), "data": blob}}, {"batch": {"records": records[:20]}},
@@ -382,6 +384,54 @@ class Tour:
         self.ok("PriorMapService.SuspendPriorMap", {"name": name})
         self.ok("PriorMapService.ExportPriorMap", {"name": name})
         self.ok("PriorMapService.DeletePriorMap", {"name": f"{site}/priorMaps/spare"})
+
+    def map_edits(self):
+        """Of a map of their own, which a robot contests: people erase its walls, and the next session sees them again."""
+        self.ok("MapService.CreateMap", {"parent": self.site, "map_id": "e",
+                                         "map": {"display_name": "e", "environment": INDOOR}})
+        edited = f"{self.site}/maps/e"
+        self.await_mapped(self.drive("before-edits", "e"))
+        for draft in ("d", "spare"):
+            self.ok("MapEditService.CreateMapDraft", {"parent": edited, "draft_id": draft, "request_id": "draft-" + draft,
+                                                      "draft": {"display_name": draft, "author": "ann"}})
+        name = f"{edited}/drafts/d"
+        self.ok("MapEditService.GetMapDraft", {"name": name})
+        self.ok("MapEditService.ListMapDrafts", {"parent": edited, "page_size": 1, "state": 1})
+        self.ok("MapEditService.DeleteMapDraft", {"name": f"{edited}/drafts/spare"})
+        read = self.one("MapEditService.ReadMapDraftTiles", {"name": name})
+        self.ok("MapEditService.ReadMapDraftTiles", {"name": name, "tiles": [
+            {"row": tile.row, "column": tile.column} for tile in read.known_tiles[:2]]})
+        self.draw(name, read.box)
+        self.ok("MapEditService.SetMapEditsActive", {"name": name, "edit_ids": ["line"], "active": False, "author": "ann"})
+        self.ok("MapEditService.ListMapEdits", {"parent": name, "page_size": 2})
+        self.ok("MapEditService.ReportMapDraftPresence", {"name": name, "presence": {
+            "client_id": "c", "author": "ann", "pointer": {"x": 5, "y": -5}, "tool": "brush"}})
+        self.ok("MapEditService.WatchMapDraft", {"name": name}, enough=1)
+        check = self.one("MapEditService.CheckMapDraft", {"name": name})
+        self.ok("MapEditService.RebaseMapDraft", {"name": name, "edit_version": check.edit_version, "author": "ann",
+                                                  "resolutions": [{"box": {"width": 1, "height": 1}, "choice": MINE}]})
+        self.ok("MapEditService.PublishMapDraft", {"name": name, "message": "no walls", "confirm_warnings": True})
+        self.await_mapped(self.drive("after-edits", "e"))
+        contested = self.one("MapEditService.ListContestedEdits", {"parent": edited}).contested
+        if not contested:
+            raise TourError(f"nothing is contested in {edited}")
+        settled = [{"box": contested[0].box, "session": contested[0].session, "choice": KEEP}]
+        self.ok("MapEditService.SettleContestedEdits", {"parent": edited, "message": "seen again", "author": "ann",
+                                                        "settlements": settled})
+
+    def draw(self, draft, box):
+        """Edits of each shape in the box, the last of which erases all walls."""
+        left, low = 256 * box.first_column, 256 * box.first_row
+        right, high = left + 256 * box.width, low + 256 * box.height
+        middle = {"x": (left + right) // 2, "y": (low + high) // 2}
+        ring = [{"x": left, "y": low}, {"x": right, "y": low}, {"x": right, "y": high}, {"x": left, "y": high}]
+        shapes = [("brush", {"value": OCCUPIED, "brush": {"points": [middle, ring[0]], "radius": 300}, "invisible": True}),
+                  ("line", {"value": FREE, "line": {"points": [middle, ring[1]]}}),
+                  ("patch", {"value": CLEAR, "patch": {"box": box, "runs": [0, 3, 5, 1]}}),
+                  ("fill", {"value": FREE, "fill": {"seed": middle, "bounds": box}}),
+                  ("walls", {"value": FREE, "polygon": {"rings": [{"points": ring}]}, "only_where": [OCCUPIED]})]
+        self.ok("MapEditService.AppendMapEdits", {"name": draft, "edits": [
+            {"edit_id": edit_id, "author": "ann", **shape} for edit_id, shape in shapes]})
 
     def localize(self):
         self.ok("LocalizationService.LocalizeRobot", {"site": self.site, "scans": [{"scan": scan(3)}]})

@@ -53,8 +53,7 @@ class GraphEditTest : public GraphTest {
     for (const auto& [map, pose] : {std::pair(from, T_from_place), std::pair(to, Pose2{})}) {
       v1::Anchor& anchor = *change.mutable_created()->add_anchors();
       anchor.set_map(MapOf(map));
-      *anchor.mutable_pose_map_place() =
-          convert::ToProto(PoseWithCovariance{pose, graph::DefaultAnchorCovariance()});
+      *anchor.mutable_pose_map_place() = convert::ToProto(PoseWithCovariance{pose, graph::DefaultAnchorCovariance()});
     }
     return change;
   }
@@ -114,7 +113,8 @@ TEST_F(GraphEditTest, WhatIsSavedIsWhatWasPreviewed) {
   AwaitSolution();
   Join("mc", "m", "c", {0, 5, 0}, {-10, 5, 0});
   AwaitSolution();
-  const std::vector<v1::GraphChange> changes = {Move("mc", "c", {0.05, -0.1, 0.02}), Creation(NameOf("mf"), "m", "far")};
+  const std::vector<v1::GraphChange> changes = {Move("mc", "c", {0.05, -0.1, 0.02}),
+                                                Creation(NameOf("mf"), "m", "far")};
   ASSERT_OK_AND_ASSIGN(const v1::PreviewGraphResponse preview, Preview(changes));
   EXPECT_GT(preview.chi2_after(), preview.chi2_before());
   ASSERT_OK_AND_ASSIGN(const v1::ChangeGraphResponse changed, Change(changes));
@@ -176,8 +176,9 @@ TEST_F(GraphEditTest, OfTwoPeopleAtOnceTheSecondIsRefusedWithAllOfItsChanges) {
     // Both have read the same etags.
     std::vector<v1::GraphChange> mine[2];
     for (int person = 0; person < 2; ++person) {
-      mine[person] = {Creation(NameOf(fmt::format("p{}-{}", person, round)), "m", "far", {3.0 * round, 10.0 + person, 0}),
-                      Move("bc", "b", {0, 0.01 * (person + 1), 0})};
+      mine[person] = {
+          Creation(NameOf(fmt::format("p{}-{}", person, round)), "m", "far", {3.0 * round, 10.0 + person, 0}),
+          Move("bc", "b", {0, 0.01 * (person + 1), 0})};
     }
     absl::Status status[2];
     std::vector<std::thread> people;
@@ -253,7 +254,8 @@ TEST_F(GraphEditTest, WhatIsLeftOutOfAnUpdateStays) {
 }
 
 TEST_F(GraphEditTest, RefusesWhatIsWrongNamingTheChange) {
-  const auto refused = [&](const std::vector<v1::GraphChange>& changes, absl::StatusCode code, const std::string& text) {
+  const auto refused = [&](const std::vector<v1::GraphChange>& changes, absl::StatusCode code,
+                           const std::string& text) {
     EXPECT_STATUS(Change(changes), code, HasSubstr(text));
     EXPECT_STATUS(Preview(changes), code, HasSubstr(text));
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of link points that are taken back by what the audit trail tells of them.
-#include "client/sdk/api/graph_undo.h"
+#include "client/sdk/editing/graph_undo.h"
 
 #include <string>
 #include <vector>
@@ -41,8 +41,8 @@ class GraphUndoTest : public GraphTest {
     v1::UpdateLinkPointRequest request;
     *request.mutable_link_point() = Read(id);
     edit(*request.mutable_link_point());
-    for (const char* path : {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state",
-                             "state_valid_until"}) {
+    for (const char* path :
+         {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state", "state_valid_until"}) {
       request.mutable_update_mask()->add_paths(path);
     }
     return Call(&LinkPointStub::UpdateLinkPoint, request).status();

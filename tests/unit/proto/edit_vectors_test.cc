@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The golden vectors of edits, which the dashboard draws, too. They were made by a program that shares no code with
 // core/edit.
-#include "tests/support/edit_vectors.h"
+#include "tests/support/edits/edit_vectors.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

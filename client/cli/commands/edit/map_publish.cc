@@ -121,10 +121,11 @@ absl::Status TryPublish(const Globals& globals, const client::Connection& connec
 }
 
 absl::Status PublishDraft(const Globals& globals, const PublishCommandOptions& options) {
+  if (options.message.empty() && !options.dry_run)
+    return InvalidArgument("--message is missing: say what was edited and why");
   const client::Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const std::string name, FindDraftName(connection, globals, options.map, options.draft));
   if (options.dry_run) return TryPublish(globals, connection, name, options.confirm);
-  if (options.message.empty()) return InvalidArgument("--message is missing: say what was edited and why");
   v1::PublishMapDraftRequest request;
   request.set_name(name);
   request.set_message(options.message);

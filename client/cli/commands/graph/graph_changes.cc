@@ -21,15 +21,14 @@ namespace enfilade::cli {
 namespace {
 
 nlohmann::json PreviewToJson(const v1::PreviewGraphResponse& preview) {
-  nlohmann::json json{
-      {"graph_version", preview.graph_version()},
-      {"chi2_before", preview.chi2_before()},
-      {"chi2_after", preview.chi2_after()},
-      {"degrees_of_freedom", preview.degrees_of_freedom()},
-      {"moved_maps", nlohmann::json::array()},
-      {"residuals", nlohmann::json::array()},
-      {"disconnected_maps",
-       std::vector<std::string>(preview.disconnected_maps().begin(), preview.disconnected_maps().end())}};
+  nlohmann::json json{{"graph_version", preview.graph_version()},
+                      {"chi2_before", preview.chi2_before()},
+                      {"chi2_after", preview.chi2_after()},
+                      {"degrees_of_freedom", preview.degrees_of_freedom()},
+                      {"moved_maps", nlohmann::json::array()},
+                      {"residuals", nlohmann::json::array()},
+                      {"disconnected_maps", std::vector<std::string>(preview.disconnected_maps().begin(),
+                                                                     preview.disconnected_maps().end())}};
   for (const v1::MovedMap& moved : preview.moved_maps()) {
     nlohmann::json item{{"map", moved.map()}};
     if (moved.has_pose_world_map_before()) item["pose_world_map_before"] = PoseToJson(moved.pose_world_map_before());

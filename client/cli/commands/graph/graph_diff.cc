@@ -140,7 +140,8 @@ nlohmann::json MoveToJson(const PlacedTwice& map) {
 std::vector<std::string> MoveToRow(const PlacedTwice& map) {
   std::vector<std::string> row{IdOf(map.map), map.display_name};
   if (!map.was_there_twice()) {
-    row.insert(row.end(), {map.after ? "placed" : "no longer placed", ""});
+    row.emplace_back(map.after ? "placed" : "no longer placed");
+    row.emplace_back();
     return row;
   }
   row.push_back(fmt::format("{:.3f} m", map.distance_m()));

@@ -9,7 +9,7 @@
 #include "client/cli/commands/graph/graph_changes.h"
 #include "client/cli/numbers.h"
 #include "client/cli/remote.h"
-#include "client/sdk/api/graph_undo.h"
+#include "client/sdk/editing/graph_undo.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/pose2.h"
@@ -23,7 +23,7 @@ namespace {
 struct MoveCommandOptions {
   std::string link_point;
   std::string map;
-  std::string pose;           // X,Y,YAW
+  std::string pose;             // X,Y,YAW
   std::string sigma = "0.1,2";  // m, degrees
   bool preview = false;
 };

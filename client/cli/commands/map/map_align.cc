@@ -61,14 +61,14 @@ void PrintAlignment(const v1::AlignMapsResponse& found) {
   const v1::Pose2& pose = found.pose_a_b().pose();
   const auto& covariance = found.pose_a_b().covariance();
   const auto sigma = [&](int i) { return covariance.size() == 9 ? std::sqrt(covariance[4 * i]) : 0.0; };
-  std::cout << fmt::format("pose of the second map in the first: {:.3f},{:.3f},{:.4f}\n", pose.x(), pose.y(), pose.yaw())
+  std::cout << fmt::format("pose of the second map in the first: {:.3f},{:.3f},{:.4f}\n", pose.x(), pose.y(),
+                           pose.yaw())
             << fmt::format("standard deviations: {:.3f} m, {:.3f} m, {:.2f} degrees\n", sigma(0), sigma(1),
                            sigma(2) / kDegree)
             << fmt::format("{:.0f} % of the walls match; {:.1f} m2 of ground in both; ", 100.0 * found.score(),
                            found.overlap_m2())
-            << (found.rival_ratio() > 0.0
-                    ? fmt::format("fits {:.1f} times as well as elsewhere\n", found.rival_ratio())
-                    : std::string("fits nowhere else\n"))
+            << (found.rival_ratio() > 0.0 ? fmt::format("fits {:.1f} times as well as elsewhere\n", found.rival_ratio())
+                                          : std::string("fits nowhere else\n"))
             << fmt::format("for a link point: {:.2f},{:.2f} in the first map\n", found.place_a().x(),
                            found.place_a().y());
 }

@@ -74,7 +74,9 @@ absl::StatusOr<ShownDiff> DiffFiles(const MapDiffCommandOptions& options) {
                         {.max_regions = static_cast<std::size_t>(options.regions),
                          .with_picture = !options.picture.empty(),
                          .with_geojson = !options.geojson.empty()}));
-  ShownDiff shown{.base = options.base, .revision = options.revision};
+  ShownDiff shown;
+  shown.base = options.base;
+  shown.revision = options.revision;
   shown.resolution_m = diff.resolution;
   shown.cells = diff.cells;
   shown.region_count = diff.region_count;
@@ -100,7 +102,9 @@ absl::StatusOr<ShownDiff> DiffRevisions(const Globals& globals, const MapDiffCom
   request.set_with_geojson(!options.geojson.empty());
   ENFILADE_ASSIGN_OR_RETURN(const v1::DiffMapRevisionsResponse response,
                             connection.Call(&v1::MapService::Stub::DiffMapRevisions, request));
-  ShownDiff shown{.base = response.base(), .revision = response.revision()};
+  ShownDiff shown;
+  shown.base = response.base();
+  shown.revision = response.revision();
   shown.resolution_m = response.resolution_m();
   if (response.cells_size() == 9) std::copy(response.cells().begin(), response.cells().end(), shown.cells.begin());
   shown.region_count = response.region_count();

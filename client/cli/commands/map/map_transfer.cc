@@ -109,8 +109,9 @@ absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& op
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map,
                             client::FindOrCreateMap(connection, SiteId(globals.site), options.map, fresh));
   ProgressBar bar(globals, "uploading", 0, "B");
-  ENFILADE_ASSIGN_OR_RETURN(const v1::ImportMapResponse response,
-                            client::ImportMap(connection, map.name(), dialect, files, ProgressOf(bar), options.keep_edits));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const v1::ImportMapResponse response,
+      client::ImportMap(connection, map.name(), dialect, files, ProgressOf(bar), options.keep_edits));
   bar.Finish();
   for (const std::string& warning : response.warnings()) std::cerr << "warning: " << warning << '\n';
   if (globals.json) {

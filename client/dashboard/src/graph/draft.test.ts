@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from 'vitest';
-import { LinkPoint_Kind as Kind, LinkPoint_Use as Use } from '../gen/enfilade/v1/link_point_pb';
+import { LinkPoint_Kind as Kind, LinkPoint_State as State, LinkPoint_Use as Use } from '../gen/enfilade/v1/link_point_pb';
 import { anchorsOf, changesOf, editOf, isIdle, laidOn, movedTo, spreadTo, toggled, wantedOf, withoutAnchor } from './draft';
 import { nothingDrafted, stepped, type Drafted } from './drafted';
 import { byHand, covarianceOf } from './spread';
@@ -28,16 +28,23 @@ test('a change is an update of the whole link point, with the etag of what the p
   const [change] = changesOf(new Map([[door.name, movedTo(editOf(door), mapName('a'), pose)]]));
   expect(change?.change.case).toBe('updated');
   expect(change?.change.value).toMatchObject({ name: door.name, etag: '"5"', kind: Kind.DOOR });
+  expect(change?.updateMask?.paths).toEqual(['anchors']);
 });
 
-test('suspending and deleting come behind an update that has the etag', () => {
+test('the first change of a link point has the etag', () => {
   const changes = changesOf(new Map([[door.name, toggled(editOf(door))]]));
-  expect(changes.map(({ change }) => change.case)).toEqual(['updated', 'suspended']);
-  expect(changes[0]?.change.value).toMatchObject({ etag: '"5"' });
-  const moved = { ...movedTo(editOf(door), mapName('a'), pose), isDeleted: true };
-  const deleted = changesOf(new Map([[door.name, moved]]));
-  expect(deleted.map(({ change }) => change.case)).toEqual(['updated', 'deleted']);
-  expect(deleted[0]?.change.value).toMatchObject({ anchors: door.anchors });
+  expect(changes.map(({ change, etag }) => [change.case, etag])).toEqual([['suspended', '"5"']]);
+  const moved = movedTo(editOf(door), mapName('a'), pose);
+  expect(changesOf(new Map([[door.name, toggled(moved)]])).map(({ change, etag }) => [change.case, etag])).toEqual([['updated', ''], ['suspended', '']]);
+  expect(changesOf(new Map([[door.name, { ...moved, isDeleted: true }]])).map(({ change, etag }) => [change.case, etag])).toEqual([['deleted', '"5"']]);
+});
+
+test('a state that is set by hand has no end', () => {
+  const closed = linkPoint('door', { a: [1, 2, 0] }, { state: 'STATE_CLOSED', stateValidUntil: '2030-01-01T00:00:00Z' });
+  expect(wantedOf({ ...editOf(closed), state: State.OPEN }).stateValidUntil).toBeUndefined();
+  expect(wantedOf({ ...editOf(closed), kind: Kind.LIFT }).stateValidUntil).toEqual(closed.stateValidUntil);
+  const [change] = changesOf(new Map([[closed.name, { ...editOf(closed), state: State.OPEN }]]));
+  expect(change?.updateMask?.paths).toEqual(['state', 'state_valid_until']);
 });
 
 test('what leads back to what is there is no change', () => {
@@ -55,6 +62,10 @@ test('an anchor is added, and taken away again as if it had never been', () => {
   expect([...anchorsOf(promoted).keys()]).toEqual([mapName('a'), mapName('b')]);
   expect(isIdle(withoutAnchor(promoted, mapName('b')))).toBe(true);
   expect([...anchorsOf(withoutAnchor(editOf(door), mapName('a'))).keys()]).toEqual([mapName('b')]);
+  const entered = linkPoint('door', { a: [1, 2, 0], b: [3, 4, 1] }, { directionMap: mapName('a') });
+  const [change] = changesOf(new Map([[door.name, withoutAnchor(editOf(entered), mapName('a'))]]));
+  expect(change?.updateMask?.paths).toEqual(['anchors', 'direction_map']);
+  expect(change?.change.value).toMatchObject({ directionMap: '' });
 });
 
 test('undo and redo go step by step; a drag is one step', () => {

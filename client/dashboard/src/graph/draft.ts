@@ -53,7 +53,12 @@ export function anchorsOf({ base, anchors }: Edit): Map<string, AnchorPlace> {
 
 export function wantedOf(edit: Edit): LinkPoint {
   const { base, kind = base.kind, state = base.state } = edit;
-  return create(LinkPointSchema, { ...base, kind, state, anchors: [...anchorsOf(edit)].map(([map, place]) => anchorOf(map, place)) });
+  // A state that is set by hand holds until it is set again.
+  const stateValidUntil = state === base.state ? base.stateValidUntil : undefined;
+  const { stateValidUntil: _, ...rest } = base;
+  const anchors = anchorsOf(edit);
+  const directionMap = anchors.has(base.directionMap) ? base.directionMap : '';
+  return create(LinkPointSchema, { ...rest, directionMap, ...(stateValidUntil && { stateValidUntil }), kind, state, anchors: [...anchors].map(([map, place]) => anchorOf(map, place)) });
 }
 
 export const isSuspended = ({ base, use }: Edit) => use === 'suspended' || (use === undefined && base.use === Use.SUSPENDED);
@@ -106,14 +111,30 @@ export const laidOn = (edit: Edit, base: LinkPoint): Edit => {
   return { ...rest, base, ...(!isDone && { use }) };
 };
 
-const change = (made: GraphChange['change']): GraphChange => create(GraphChangeSchema, { change: made });
+// `etag`: of what is suspended, resumed or deleted; an update has its own.
+export const changeOf = (change: GraphChange['change'], etag = ''): GraphChange => create(GraphChangeSchema, { change, etag });
 
+// What it updates, as in UpdateLinkPointRequest.
+function masked(edit: Edit): string[] {
+  const { base, kind = base.kind, state = base.state } = edit;
+  const paths: string[] = [];
+  if (!isIdle({ base, isNew: false, anchors: edit.anchors })) paths.push('anchors');
+  if (base.directionMap !== '' && !anchorsOf(edit).has(base.directionMap)) paths.push('direction_map');
+  if (kind !== base.kind) paths.push('kind');
+  if (state !== base.state) paths.push('state', 'state_valid_until');
+  return paths;
+}
+
+// The first change of a link point has the etag of what the person saw.
 function changesOfOne(name: string, edit: Edit): GraphChange[] {
-  if (edit.isNew) return [change({ case: 'created', value: wantedOf(edit) })];
-  // Only an update has an etag: it goes first, so that nothing is suspended or deleted that somebody else has changed.
-  const updated = change({ case: 'updated', value: wantedOf(edit.isDeleted ? editOf(edit.base) : edit) });
-  if (edit.isDeleted) return [updated, change({ case: 'deleted', value: name })];
-  return edit.use === undefined ? [updated] : [updated, change({ case: edit.use, value: name })];
+  const { base: { etag }, isNew, isDeleted, use } = edit;
+  if (isNew) return [changeOf({ case: 'created', value: wantedOf(edit) })];
+  if (isDeleted) return [changeOf({ case: 'deleted', value: name }, etag)];
+  const paths = masked(edit);
+  const changes: GraphChange[] = [];
+  if (paths.length > 0) changes.push(create(GraphChangeSchema, { change: { case: 'updated', value: wantedOf(edit) }, updateMask: { paths } }));
+  if (use !== undefined) changes.push(changeOf({ case: use, value: name }, paths.length > 0 ? '' : etag));
+  return changes;
 }
 
 export const changesOf = (draft: Draft): GraphChange[] => [...draft].flatMap(([name, edit]) => (isIdle(edit) ? [] : changesOfOne(name, edit)));

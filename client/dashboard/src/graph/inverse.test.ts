@@ -35,15 +35,19 @@ test('a moved anchor goes back to where it was, with the covariance that it had 
   expect(wanted.anchors[0]).toEqual(present.anchors[0]);
   expect(wanted.anchors[1]?.poseMapPlace?.pose).toMatchObject({ x: 3, y: 4, yaw: 1 });
   expect(wanted.anchors[1]?.poseMapPlace?.covariance).toEqual(scanner);
-  expect(inverse.warnings).toEqual([]);
+  expect(inverse.changes[0]!.updateMask?.paths).toEqual(['anchors']);
+  expect([...inverse.warnings, ...inverse.refusals]).toEqual([]);
   expect(inverse.lines).toEqual(['door: its anchor in b goes back to 3.00, 4.00 m']);
 });
 
-test('says what somebody has changed since', () => {
+test('what somebody has changed since is named, and stays', () => {
   const entries = [entry(`${name}/anchors/b`, anchorRow('b', 3, 4, 1), anchorRow('b', 5, 6, 0.5))];
   const inverse = takenBack(entries, linkPoint('door', { a: [1, 2, 0], b: [7, 7, 7] }));
-  expect(inverse.warnings).toEqual(['door: its anchor in b has been changed since; that is replaced, too.']);
-  expect(cases(inverse)).toEqual(['updated']);
+  expect(inverse.refusals).toEqual(['door: its anchor in b has been changed since. Take that back first, or change it on the campus.']);
+  const tag = takenBack([entry(name, row({ tag: 'old' }), row({ tag: 'new' }))], linkPoint('door', { a: [1, 2, 0] }, { tag: 'newer' }));
+  expect(tag.refusals).toHaveLength(1);
+  const made = takenBack([entry(`${name}/anchors/a`, undefined, anchorRow('a', 1, 2, 0)), entry(name, undefined, row())], linkPoint('door', { a: [1, 2, 0], b: [0, 0, 0] }));
+  expect(made.refusals).toEqual(['door: it has been changed since. Take that back first, or change it on the campus.']);
 });
 
 test('a promotion is taken back by taking the anchor away', () => {
@@ -55,17 +59,18 @@ test('a promotion is taken back by taking the anchor away', () => {
 test('what was created is deleted, under its etag', () => {
   const entries = [entry(`${name}/anchors/a`, undefined, anchorRow('a', 1, 2, 0)), entry(name, undefined, row())];
   const inverse = takenBack(entries, linkPoint('door', { a: [1, 2, 0] }, { etag: '"9"' }));
-  expect(cases(inverse)).toEqual(['updated', 'deleted']);
-  expect(inverse.changes[0]!.change.value).toMatchObject({ etag: '"9"' });
+  expect(inverse.changes.map(({ change, etag }) => [change.case, etag])).toEqual([['deleted', '"9"']]);
+  expect(inverse.refusals).toEqual([]);
 });
 
 test('what was deleted is made again under its name, with its anchors in their order and its suspension', () => {
   const entries = [
     entry(`${name}/evidence/a/1`, { sha256: 'x' }, undefined), entry(`${name}/anchors/b`, anchorRow('b', 3, 4, 1, scanner, 2), undefined), entry(`${name}/anchors/a`, anchorRow('a', 1, 2, 0), undefined),
-    entry(name, row({ use: 3, kind: 2, state: 3, difficulty: 4, tag: 'freight', direction_map_id: 'b', valid_until: '2027-01-02T03:04:05+00:00' }), undefined),
+    entry(name, row({ forced: true, use: 3, kind: 2, state: 3, difficulty: 4, tag: 'freight', direction_map_id: 'b', valid_until: '2027-01-02T03:04:05+00:00' }), undefined),
   ];
   const inverse = takenBack(entries, undefined);
   expect(cases(inverse)).toEqual(['created', 'suspended']);
+  expect(inverse.changes[0]!.force).toBe(true);
   const made = inverse.changes[0]!.change.value as LinkPoint;
   expect(made).toMatchObject({ name, kind: Kind.LIFT, state: State.BLOCKED, difficulty: 4, tag: 'freight', directionMap: mapName('b') });
   expect(made.stateValidUntil?.seconds).toBe(BigInt(Date.UTC(2027, 0, 2, 3, 4, 5) / 1000));
@@ -87,6 +92,7 @@ test('a tag alone is a change, too', () => {
   const inverse = takenBack([entry(name, row({ tag: 'old' }), row({ tag: 'new' }))], linkPoint('door', { a: [1, 2, 0] }, { tag: 'new' }));
   expect(cases(inverse)).toEqual(['updated']);
   expect(inverse.changes[0]!.change.value).toMatchObject({ tag: 'old', etag: '"5"' });
+  expect(inverse.changes[0]!.updateMask?.paths).toEqual(['tag']);
 });
 
 test('several rows of one transaction count from the first to the last, those of others not at all', () => {
@@ -102,9 +108,9 @@ test('several rows of one transaction count from the first to the last, those of
 
 test('what has gone meanwhile is told, and nothing is made of rows that are not as expected', () => {
   const moved = [entry(`${name}/anchors/b`, anchorRow('b', 3, 4, 1), anchorRow('b', 5, 6, 0.5))];
-  expect(takenBack(moved, undefined)).toMatchObject({ changes: [], warnings: ['door has been deleted since: nothing of it can be taken back. Take back its deletion first.'] });
+  expect(takenBack(moved, undefined)).toMatchObject({ changes: [], refusals: ['door has been deleted since. Take back its deletion first.'] });
   const odd = [entry(name, row(), undefined), entry(`${name}/anchors/a`, { x: 'far' }, undefined)];
-  expect(takenBack(odd, undefined)).toMatchObject({ changes: [], warnings: ['door: the audit trail does not have its anchors, so it cannot come back.'] });
+  expect(takenBack(odd, undefined)).toMatchObject({ changes: [], refusals: ['door: the audit trail does not have its anchors, so it cannot come back.'] });
 });
 
 test('only places and their anchors can be taken back', () => {

@@ -8,8 +8,10 @@ import { linkPointName, mapName, titleOf } from './testing';
 
 const at = (x: number, y = 0, yaw = 0) => ({ pose: { x, y, yaw }, covariance: [] });
 
+const isPlaced = (map: string) => map !== mapName('never');
+
 const response = create(PreviewGraphResponseSchema, {
-  graphVersion: 7n, chi2Before: 3, chi2After: 4, degreesOfFreedom: 6, disconnectedMaps: [mapName('lone')],
+  graphVersion: 7n, chi2Before: 3, chi2After: 4, degreesOfFreedom: 6, disconnectedMaps: [mapName('lone'), mapName('never')],
   movedMaps: [
     { map: mapName('b'), poseWorldMapBefore: at(1), poseWorldMapAfter: at(4, 4, 0.1) },
     { map: mapName('new'), poseWorldMapAfter: at(9) },
@@ -23,7 +25,7 @@ const response = create(PreviewGraphResponseSchema, {
 });
 
 test('draws what moves from where it is to where it would be, and what gets a place', () => {
-  const effects = effectsOf(response);
+  const effects = effectsOf(response, isPlaced);
   expect([...effects.places]).toEqual([[mapName('b'), { x: 4, y: 4, yaw: 0.1 }], [mapName('new'), { x: 9, y: 0, yaw: 0 }]]);
   expect(effects.moves).toEqual([{ map: mapName('b'), from: { x: 1, y: 0, yaw: 0 }, to: { x: 4, y: 4, yaw: 0.1 } }]);
   expect(effects.joined).toEqual([mapName('new')]);
@@ -31,14 +33,14 @@ test('draws what moves from where it is to where it would be, and what gets a pl
 });
 
 test('names what is switched off first, with its chi-squared and its gate', () => {
-  expect(sentencesOf(effectsOf(response), titleOf).map(({ text }) => text)).toEqual([
+  expect(sentencesOf(effectsOf(response, isPlaced), titleOf).map(({ text }) => text)).toEqual([
     'off is switched off: chi-squared 41.0 > 16.3',
     'No place in the world: lone',
     'on is used again: chi-squared 2.0 ≤ 16.3',
     'Placed now: new',
     '1 map moves, b the farthest: 5.00 m, +5.73°',
   ]);
-  expect(sentencesOf(effectsOf(create(PreviewGraphResponseSchema, {})), titleOf)).toEqual([{ tone: 'good', text: 'No map moves, and no link point is switched off.' }]);
+  expect(sentencesOf(effectsOf(create(PreviewGraphResponseSchema, {}), isPlaced), titleOf)).toEqual([{ tone: 'good', text: 'No map moves, and no link point is switched off.' }]);
 });
 
 const pause = () => new Promise((resolve) => setTimeout(resolve, 5));

@@ -27,21 +27,22 @@ export interface Effects {
 
 const poseOf = (pose: PoseWithCovariance | undefined): Pose | undefined => pose?.pose && { x: pose.pose.x, y: pose.pose.y, yaw: pose.pose.yaw };
 
-export function effectsOf(response: PreviewGraphResponse): Effects {
+// `isPlaced`: whether a map has a place now; a map that has none loses none.
+export function effectsOf(response: PreviewGraphResponse, isPlaced: (map: string) => boolean): Effects {
   const { graphVersion, movedMaps, chi2Before, chi2After, degreesOfFreedom, residuals, disconnectedMaps } = response;
   const places = new Map<string, Pose>();
   const moves: MapMove[] = [];
   const joined: string[] = [];
-  const lost: string[] = [];
+  const lost = new Set(disconnectedMaps.filter(isPlaced));
   for (const { map, poseWorldMapBefore, poseWorldMapAfter } of movedMaps) {
     const [from, to] = [poseOf(poseWorldMapBefore), poseOf(poseWorldMapAfter)];
     if (to) places.set(map, to);
     if (from && to) moves.push({ map, from, to });
     else if (to) joined.push(map);
-    else if (from && !disconnectedMaps.includes(map)) lost.push(map);
+    else if (from) lost.add(map);
   }
   return {
-    graphVersion, places, moves, joined, lost: [...lost, ...disconnectedMaps], chi2Before, chi2After, degreesOfFreedom, residuals,
+    graphVersion, places, moves, joined, lost: [...lost], chi2Before, chi2After, degreesOfFreedom, residuals,
     switchedOff: residuals.filter((one) => one.switchedOffAfter && !one.switchedOffBefore),
     switchedOn: residuals.filter((one) => one.switchedOffBefore && !one.switchedOffAfter),
   };

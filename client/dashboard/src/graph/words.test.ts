@@ -4,7 +4,7 @@ import { create } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 import { GraphLinkPointSchema } from '../gen/enfilade/v1/graph_pb';
 import { SessionSchema, Session_State } from '../gen/enfilade/v1/session_pb';
-import { deletionsOf, everything, fits, MOST_CHANGES, portions, suspensionsOf } from './candidates';
+import { deletionsOf, everything, fits, linedUp, MOST_CHANGES, portions, suspensionsOf } from './candidates';
 import { differencesOf } from './differences';
 import { planMerge, planSplit, type Leaving } from './rearranging';
 import { linkPoint, mapName, titleOf } from './testing';
@@ -52,14 +52,26 @@ test('candidates are found by map, kind, pictures and words', () => {
   expect([found({ pictures: 'with' }), found({ pictures: 'without' }), found({ text: 'FREIGHT hall' }), found({ text: 'stairs' })]).toEqual([true, false, true, false]);
 });
 
-test('many are changed in portions that keep what belongs together', () => {
-  const many = Array.from({ length: 60 }, (_, i) => linkPoint(`c${i}`, { a: [0, 0, 0] }));
-  const parts = portions(deletionsOf(many));
-  expect(parts.map((part) => part.length)).toEqual([100, 20]);
-  for (const part of parts) {
-    expect(part.length).toBeLessThanOrEqual(MOST_CHANGES);
-    expect(part[0]?.change.case).toBe('updated');
-    expect(part.at(-1)?.change.case).toBe('deleted');
+test('doors along a corridor are put on the line that fits them best', () => {
+  const doors = [[0, 0.1], [2, 1.9], [4, 4.1], [6, 5.9]].map(([x, y], i) => linkPoint(`d${i}`, { a: [x!, y!, 0.7] }));
+  const { changes, farthest } = linedUp(doors)!;
+  const places = changes.map(({ change }) => (change.value as typeof doors[0]).anchors[0]!.poseMapPlace!.pose!);
+  expect(places).toHaveLength(4);
+  const [first, last] = [places[0]!, places[3]!];
+  for (const { x, y, yaw } of places) {
+    expect((x - first.x) * (last.y - first.y) - (y - first.y) * (last.x - first.x)).toBeCloseTo(0, 9);
+    expect(yaw).toBe(0.7);
   }
+  expect(farthest).toBeGreaterThan(0.05);
+  expect(farthest).toBeLessThan(0.1);
+  expect(linedUp(doors.slice(0, 2))).toBeUndefined();
+  expect(linedUp([...doors, linkPoint('far', { b: [0, 0, 0] })])).toBeUndefined();
+});
+
+test('many are changed in portions of one request', () => {
+  const many = Array.from({ length: 120 }, (_, i) => linkPoint(`c${i}`, { a: [0, 0, 0] }));
+  const parts = portions(deletionsOf(many));
+  expect(parts.map((part) => part.length)).toEqual([MOST_CHANGES, 20]);
+  expect(parts.flat().every(({ change, etag }) => change.case === 'deleted' && etag === '"5"')).toBe(true);
   expect(suspensionsOf([linkPoint('off', { a: [0, 0, 0] }, { use: 'USE_SUSPENDED' })])).toEqual([]);
 });

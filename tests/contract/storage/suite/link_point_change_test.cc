@@ -20,8 +20,8 @@ class LinkPointChangeTest : public StoreContractTest {
   LinkPointChangeTest() {
     EXPECT_OK(maps_.Create(Soon(), MakeMap(site_, MapId("lab"), "lab"), ""));
     for (const auto& [id, x] : {std::pair("door", 0.0), std::pair("gate", 10.0)}) {
-      EXPECT_OK(link_points_.Create(
-          Soon(), MakeLinkPoint(site_, id, {MakeAnchor("hall", x, 0), MakeAnchor("lab", x, 0)}), ""));
+      EXPECT_OK(link_points_.Create(Soon(),
+                                    MakeLinkPoint(site_, id, {MakeAnchor("hall", x, 0), MakeAnchor("lab", x, 0)}), ""));
     }
   }
 
@@ -96,14 +96,14 @@ TEST_F(LinkPointChangeTest, MakesNoneIfOneIsRefused) {
   };
   for (const Case& one : std::vector<Case>{
            {stale, absl::StatusCode::kAborted, "linkPoints/gate"},
-           {storage::LinkPointSuspension{LinkPointId("gate"), stale.link_point.etag, true}, absl::StatusCode::kAborted, "linkPoints/gate"},
+           {storage::LinkPointSuspension{LinkPointId("gate"), stale.link_point.etag, true}, absl::StatusCode::kAborted,
+            "linkPoints/gate"},
            {storage::LinkPointDeletion{LinkPointId("none"), 0}, absl::StatusCode::kNotFound, "linkPoints/none"},
            {redundant, absl::StatusCode::kAlreadyExists, "linkPoints/gate"},
            {nowhere, absl::StatusCode::kNotFound, "cellar"},
            {bad, absl::StatusCode::kInvalidArgument, "anchors"}}) {
-    EXPECT_STATUS(
-        Change({creation, moved, storage::LinkPointDeletion{LinkPointId("lift"), 0}, creation, one.refused}), one.code,
-        AllOf(HasSubstr("changes[4]: "), HasSubstr(one.text)));
+    EXPECT_STATUS(Change({creation, moved, storage::LinkPointDeletion{LinkPointId("lift"), 0}, creation, one.refused}),
+                  one.code, AllOf(HasSubstr("changes[4]: "), HasSubstr(one.text)));
     const storage::GraphChanges after = WholeGraph();
     EXPECT_EQ(after.version, before.version);
     EXPECT_THAT(after.link_points, SizeIs(2));

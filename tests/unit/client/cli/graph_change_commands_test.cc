@@ -121,7 +121,8 @@ TEST_F(GraphChangeCommandsTest, UndoSendsTheInverseOfAllThatWasChangedTogether) 
       entry.set_action(v1::AuditEntry::ACTION_UPDATED);
       return entry;
     };
-    const std::string row = R"({"site_id":"s","link_point_id":"door","kind":1,"difficulty":0,"environment":0,"state":1,)";
+    const std::string row =
+        R"({"site_id":"s","link_point_id":"door","kind":1,"difficulty":0,"environment":0,"state":1,)";
     const std::string anchor = R"({"site_id":"s","link_point_id":"door","map_id":"h","ordinal":1,"y":0,"yaw":0,)"
                                R"("covariance":[0.25,0,0,0,0.25,0,0,0,0.25],)";
     add("9", 200, "linkPoints/door").set_before("{}");

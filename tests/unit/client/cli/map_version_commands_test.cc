@@ -137,7 +137,7 @@ TEST_F(MapVersionCommandsTest, RestoresARevisionByNumberOrAlias) {
     return grpc::Status::OK;
   };
   ASSERT_OK(Run({"map", "restore", "Lab@2"}));
-  ASSERT_OK(Run({"map", "restore", "l@stable"}, false));
+  ASSERT_OK(Run({"map", "restore", "Lab@stable"}, false));
   EXPECT_THAT(names, ::testing::ElementsAre("sites/s/maps/l/revisions/2", "sites/s/maps/l/aliases/stable"));
   EXPECT_THAT(printed_, HasSubstr("revisions/5"));
 }

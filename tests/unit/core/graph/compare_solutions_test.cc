@@ -104,8 +104,7 @@ TEST(CompareSolutionsTest, ALinkPointOfOneSideHasNoResidualThere) {
   fewer.pop_back();
   const SolvedRow before = SolveRow(fewer);
   const SolvedRow after = SolveRow(DoorsInARow({0.1, 2, 0}));
-  ASSERT_OK_AND_ASSIGN(const auto difference,
-                       CompareSolutions(before.with(), after.with(), {L("bc2"), L("none")}));
+  ASSERT_OK_AND_ASSIGN(const auto difference, CompareSolutions(before.with(), after.with(), {L("bc2"), L("none")}));
   ASSERT_EQ(difference.residuals.size(), 2U);
   EXPECT_EQ(difference.residuals[0].chi2_before, 0.0);
   EXPECT_GT(difference.residuals[0].chi2_after, 0.0);

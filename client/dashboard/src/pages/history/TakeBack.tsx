@@ -9,7 +9,7 @@ import { effectsOf, sentencesOf } from '../../graph/preview';
 import type { LinkPoint } from '../../gen/enfilade/v1/link_point_pb';
 import type { AuditEntry } from '../../gen/enfilade/v1/site_service_pb';
 import { useLive } from '../../live/context';
-import { titleOf } from '../../live/objects';
+import { distinctTitleOf } from '../../live/objects';
 import { Badge } from '../../ui/Badge';
 import { Failed, Loading } from '../../ui/States';
 import { Confirm } from '../../ui/Confirm';
@@ -31,7 +31,7 @@ interface Props {
 export function TakeBack({ entries, entry, isCut, done }: Props) {
   const live = useLive();
   const queries = useQueryClient();
-  const title = (name: string) => titleOf(live, name);
+  const title = (name: string) => distinctTitleOf(live, name);
   const own = transactionOf(entries, entry);
   const changes = changesIn(own);
   const { data: rearrangements } = useRearrangements(live.id);
@@ -42,8 +42,8 @@ export function TakeBack({ entries, entry, isCut, done }: Props) {
       const present = new Map<string, LinkPoint | undefined>();
       for (const { linkPoint } of changes) present.set(linkPoint, live.linkPoints.has(linkPoint) ? (await linkPoints.getLinkPoint({ name: linkPoint })).linkPoint : undefined);
       const inverse = inverseOf(changes, present, title);
-      const isSendable = inverse.changes.length > 0 && inverse.changes.length <= MOST_CHANGES;
-      const effects = isSendable ? effectsOf(await graphs.previewGraph({ site: siteName(live.id), changes: inverse.changes })) : undefined;
+      const isSendable = inverse.refusals.length === 0 && inverse.changes.length > 0 && inverse.changes.length <= MOST_CHANGES;
+      const effects = isSendable ? effectsOf(await graphs.previewGraph({ site: siteName(live.id), changes: inverse.changes }), (map) => live.maps.get(map)?.poseWorldMap !== undefined) : undefined;
       return { inverse, effects };
     },
   });
@@ -61,6 +61,7 @@ export function TakeBack({ entries, entry, isCut, done }: Props) {
   const refusal =
     rearranged ? 'Maps were merged or split then: undo that under “Merges and splits”, which restores all of it.'
     : isCut && own.at(-1) === entries.at(-1) ? 'The list ends within this change: it is too old to be taken back here.'
+    : inverse.refusals.length > 0 ? inverse.refusals.join(' ')
     : inverse.changes.length === 0 ? 'There is nothing left to take back.'
     : inverse.changes.length > MOST_CHANGES ? `This needs ${inverse.changes.length} changes at once; at most ${MOST_CHANGES} are possible. Change the link points on the campus instead.`
     : undefined;

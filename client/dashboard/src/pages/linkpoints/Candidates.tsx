@@ -8,9 +8,10 @@ import { problemOf } from '../../api/errors';
 import { idOf, siteName } from '../../api/names';
 import { Link } from '../../app/router';
 import { inEditor, onCampus } from '../../app/selection';
-import { deletionsOf, everything, fits, imagesOf, portions, suspensionsOf, type Wanted } from '../../graph/candidates';
+import { deletionsOf, everything, fits, imagesOf, linedUp, portions, suspensionsOf, type Wanted } from '../../graph/candidates';
 import { kindNames } from '../../graph/differences';
 import { placeOf } from '../../graph/draft';
+import { lengthText } from '../../graph/preview';
 import { spreadOf, spreadText } from '../../graph/spread';
 import { LinkPoint_Kind as Kind, LinkPoint_Use as Use, type LinkPoint } from '../../gen/enfilade/v1/link_point_pb';
 import { LinkPointSubset } from '../../gen/enfilade/v1/link_point_service_pb';
@@ -96,7 +97,26 @@ function Filters({ wanted, set }: { wanted: Wanted; set: (wanted: Wanted) => voi
   );
 }
 
-type Act = 'delete' | 'suspend';
+type Act = 'delete' | 'suspend' | 'line';
+
+function changesBy(act: Act, points: LinkPoint[]) {
+  if (act === 'line') return linedUp(points)?.changes ?? [];
+  return act === 'delete' ? deletionsOf(points) : suspensionsOf(points);
+}
+
+// What is asked before it is done.
+function questionOf(act: Act, points: LinkPoint[]) {
+  const many = count(points.length, 'candidate');
+  if (act === 'delete') {
+    return { title: `Delete ${many}?`, act: 'Delete them', lines: ['They go with their pictures. Taking that back (History, audit trail) brings back the places, but not the pictures.'], refusal: undefined };
+  }
+  if (act === 'suspend') return { title: `Suspend ${many}?`, act: 'Suspend them', lines: ['Robots’ reports no longer meet them until they are resumed.'], refusal: undefined };
+  const line = linedUp(points);
+  return {
+    title: `Put ${many} on a line?`, act: 'Put them on it', lines: line ? [`They move onto the line that fits them best, by at most ${lengthText(line.farthest)}, and count as placed by hand.`] : [],
+    refusal: line ? undefined : 'A line needs at least three candidates, all of one map.',
+  };
+}
 
 // The doors that were seen and not yet passed, with what was seen of them.
 export function Candidates() {
@@ -118,7 +138,7 @@ export function Candidates() {
   const picked = found.filter(({ name }) => chosen.has(name));
   const change = useMutation({
     mutationFn: async (act: Act) => {
-      for (const changes of portions(act === 'delete' ? deletionsOf(picked) : suspensionsOf(picked))) await graphs.changeGraph({ site: siteName(live.id), changes });
+      for (const changes of portions(changesBy(act, picked))) await graphs.changeGraph({ site: siteName(live.id), changes });
     },
     onSuccess: () => {
       setChosen(new Set());
@@ -140,6 +160,9 @@ export function Candidates() {
         <span className="sub" role="status">
           {`${found.length} of ${count(data.length, 'candidate')}, ${picked.length} selected`}
         </span>
+        <button className="button" disabled={picked.length === 0} onClick={() => setAsking('line')}>
+          Put on a line …
+        </button>
         <button className="button" disabled={picked.length === 0} onClick={() => setAsking('suspend')}>
           Suspend …
         </button>
@@ -148,9 +171,7 @@ export function Candidates() {
         </button>
       </div>
       {asking && picked.length > 0 && (
-        <Confirm title={asking === 'delete' ? `Delete ${count(picked.length, 'candidate')}?` : `Suspend ${count(picked.length, 'candidate')}?`} act={asking === 'delete' ? 'Delete them' : 'Suspend them'} keep="Keep them"
-          lines={asking === 'delete' ? ['They go with their pictures. Taking that back (History, audit trail) brings back the places, but not the pictures.'] : ['Robots’ reports no longer meet them until they are resumed.']}
-          busy={change.isPending} onAct={() => change.mutate(asking)} onKeep={() => setAsking(undefined)} />
+        <Confirm {...questionOf(asking, picked)} keep="Leave them" busy={change.isPending} onAct={() => change.mutate(asking)} onKeep={() => setAsking(undefined)} />
       )}
       {change.error && (
         <p className="refusal" role="alert">

@@ -270,8 +270,8 @@ TEST_F(MapExportsTest, ServersWithOneProcessIdKeepTheirFolders) {
 TEST_F(MapExportsTest, AFolderThatCannotBeCreatedIsNamed) {
   options_.cache_directory = directory_.path() / "file";
   std::ofstream(options_.cache_directory) << "not a folder";
-  EXPECT_STATUS(MapExports::Create(options_, stores_.maps, {stores_.blobs, stores_.revisions}), absl::StatusCode::kFailedPrecondition,
-                HasSubstr(options_.cache_directory));
+  EXPECT_STATUS(MapExports::Create(options_, stores_.maps, {stores_.blobs, stores_.revisions}),
+                absl::StatusCode::kFailedPrecondition, HasSubstr(options_.cache_directory));
 }
 
 TEST_F(MapExportsTest, AFileThatIsTooShortIsDataLoss) {

@@ -6,6 +6,7 @@ import type { AlignMapsResponse } from '../../../gen/enfilade/v1/graph_service_p
 import { wrapped } from '../../../scene/se2';
 import { Badge } from '../../../ui/Badge';
 import { pose as poseText } from '../../../ui/format';
+import { MergeForm } from './MergeForm';
 import { NumberField } from './NumberField';
 import type { Aligning, Pair } from './useAlign';
 
@@ -41,13 +42,16 @@ interface Props {
   align: Aligning;
   titleOf: (name: string) => string;
   make: (answer: AlignMapsResponse) => void;
+  // There are changes of link points that are not saved: those come first.
+  isDrafting: boolean;
 }
 
 // One map laid over another one: by hand, by numbers, and by what robots have seen of both.
-export function AlignPanel({ pair, align: { find, move, end }, titleOf, make }: Props) {
+export function AlignPanel({ pair, align: { find, move, end }, titleOf, make, isDrafting }: Props) {
   const { guess } = pair;
   const [radiusM, setRadius] = useState(5);
   const [yawRange, setYawRange] = useState(0.5);
+  const [isMerging, setMerging] = useState(false);
   const answer = find.data;
   return (
     <section className="inspector-part" aria-label="Align two maps">
@@ -70,6 +74,9 @@ export function AlignPanel({ pair, align: { find, move, end }, titleOf, make }: 
         <button className="button" disabled={!answer?.accepted} onClick={() => answer && make(answer)}>
           Make a link point
         </button>
+        <button className="button" disabled={!answer?.accepted || isDrafting} onClick={() => setMerging(true)}>
+          Merge …
+        </button>
         <button className="button" onClick={end}>
           Close
         </button>
@@ -81,6 +88,7 @@ export function AlignPanel({ pair, align: { find, move, end }, titleOf, make }: 
         </p>
       )}
       {answer && <Answer answer={answer} />}
+      {answer?.accepted && isMerging && <MergeForm into={pair.a} merged={pair.b} pose={guess} done={() => setMerging(false)} after={end} />}
       {answer && !answer.accepted && <p className="sub">A link point can still be made by hand: close this, choose a map, and make a new link point that leads to the other one.</p>}
     </section>
   );

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The anchors of a link point over the map: the chosen one has handles, the others are shown and can be chosen.
-import { useRef } from 'react';
+import { useEffect, useRef } from 'react';
 import type { AnchorPlace } from '../../../graph/draft';
 import { draggedTo, gripsOf, HEADING_PX, steppedBy, WEDGE_PX, type Grabbed, type Grips, type Handle } from '../../../graph/handles';
 import { covarianceOf, spreadOf, spreadText } from '../../../graph/spread';
@@ -53,6 +53,8 @@ let drags = 0;
 export function AnchorHandles({ anchors, active, choose, hold, change, undo }: Props) {
   const shown = useShown();
   const grabbed = useRef<{ begin: Grabbed; grips: Grips; frame: Pose; from: Point; tag: string; moved: boolean }>(undefined);
+  // The link point may go while it is dragged.
+  useEffect(() => () => void (grabbed.current && hold(false)), []);
   if (!shown) return null;
   const { camera, size } = shown;
   const all = anchors.map((anchor) => ({ ...anchor, spread: spreadOf(anchor.place.covariance), grips: gripsOf(anchor.place.pose, spreadOf(anchor.place.covariance), anchor.frame, camera, size) }));

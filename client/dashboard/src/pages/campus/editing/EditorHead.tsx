@@ -25,11 +25,7 @@ interface Props {
 
 // The draft as a whole: what it would do, saving, undoing, and what others have changed meanwhile.
 export function EditorHead({ editor, asking, setAsking, close }: Props) {
-  const { drafting: { draft, step, canUndo, canRedo, put }, preview, conflicts, save, maySave, titleOf, forget } = editor;
-  const suspend = (name: string) => {
-    const edit = draft.get(name);
-    return edit && !edit.isNew && edit.use === undefined ? () => put({ ...edit, use: 'suspended' }) : undefined;
-  };
+  const { drafting: { draft, step, canUndo, canRedo }, preview, conflicts, save, maySave, titleOf, forget } = editor;
   return (
     <section className="inspector" aria-label="Changes of the graph">
       <div className="inspector-head">
@@ -77,7 +73,7 @@ export function EditorHead({ editor, asking, setAsking, close }: Props) {
           {problemOf(save.error).title}: {problemOf(save.error).text}
         </p>
       )}
-      {draft.size > 0 && <PreviewFacts preview={preview} titleOf={titleOf} suspend={suspend} />}
+      {draft.size > 0 && <PreviewFacts preview={preview} titleOf={titleOf} suspend={editor.suspend} />}
       {draft.size === 0 && save.data && <p role="status">Saved as version {String(save.data.graphVersion)} of the graph.</p>}
     </section>
   );

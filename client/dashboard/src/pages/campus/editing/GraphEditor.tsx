@@ -85,7 +85,7 @@ export default function GraphEditor() {
       </SceneView>
       <aside className="panel" aria-label="Details">
         <EditorHead editor={editor} asking={asking} setAsking={setAsking} close={close} />
-        {align.pair ? <AlignPanel key={`${align.pair.a} ${align.pair.b}`} pair={align.pair} align={align} titleOf={editor.titleOf} make={editor.makeOfFit} /> : <SelectionForm editor={editor} selected={selected} />}
+        {align.pair ? <AlignPanel key={`${align.pair.a} ${align.pair.b}`} pair={align.pair} align={align} titleOf={editor.titleOf} make={editor.makeOfFit} isDrafting={isDrafting} /> : <SelectionForm editor={editor} selected={selected} />}
         {!align.pair && <ObjectList level={level} />}
       </aside>
     </div>

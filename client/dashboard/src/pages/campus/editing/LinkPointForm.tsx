@@ -29,9 +29,10 @@ function Anchors({ edit, put, active, choose }: Omit<Props, 'guess'>) {
       <h2>Anchors</h2>
       <div role="radiogroup" aria-label="Drag in the frame of">
         {[...anchors.keys()].map((map) => (
-          <label key={map} className="choice anchor-choice">
-            <input type="radio" name="anchor" checked={map === active} onChange={() => choose(map)} />
-            {titleOf(live, map)}
+          <div key={map} className="anchor-choice">
+            <label className="choice">
+              <input type="radio" name="anchor" checked={map === active} onChange={() => choose(map)} /> {titleOf(live, map)}
+            </label>
             {edit.anchors[map] && <span className="sub">changed</span>}
             {!live.maps.get(map)?.poseWorldMap && <span className="sub">not in the world: by numbers only</span>}
             {anchors.size > 1 && (
@@ -39,7 +40,7 @@ function Anchors({ edit, put, active, choose }: Omit<Props, 'guess'>) {
                 Take away
               </button>
             )}
-          </label>
+          </div>
         ))}
       </div>
       {active !== undefined && place && (

@@ -18,17 +18,19 @@ interface Props {
   // T_into_merged as two maps were aligned; undefined: by the graph.
   pose: Pose | undefined;
   done: () => void;
+  // They are one map now; without it `done` is called.
+  after?: () => void;
 }
 
 // Two maps that are one room.
-export function MergeForm({ into, merged, pose, done }: Props) {
+export function MergeForm({ into, merged, pose, done, after = done }: Props) {
   const live = useLive();
   const { data: sessions, error, refetch } = useSessionsOfSite(live.id);
   const merge = useMutation({
     mutationFn: () => maps.mergeMaps({ name: into, mergedMap: merged, ...(pose && { poseNameMerged: pose }) }),
     onSuccess: ({ map }) => {
       if (map) select(map.name);
-      done();
+      after();
     },
   });
   if (error) return <Failed error={error} retry={() => void refetch()} />;

@@ -30,13 +30,15 @@ export function PreviewFacts({ preview: { effects, error, isCurrent }, titleOf, 
   return (
     <section className="inspector-part" aria-label="Preview" aria-busy={!isCurrent}>
       <h2>What it would do</h2>
-      <ul className="effects" role="status">
-        {sentencesOf(effects, titleOf).map(({ tone, text }) => (
-          <li key={text}>
-            <Badge tone={tone}>{text}</Badge>
-          </li>
-        ))}
-      </ul>
+      <div role="status">
+        <ul className="effects">
+          {sentencesOf(effects, titleOf).map(({ tone, text }) => (
+            <li key={text}>
+              <Badge tone={tone}>{text}</Badge>
+            </li>
+          ))}
+        </ul>
+      </div>
       <dl className="facts">
         <dt>Chi-squared</dt>
         <dd>

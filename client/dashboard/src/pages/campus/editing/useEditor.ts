@@ -2,18 +2,18 @@
 import { create } from '@bufbuild/protobuf';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useCallback, useMemo, useState } from 'react';
-import { graphs } from '../../../api/clients';
+import { graphs, linkPoints } from '../../../api/clients';
 import { siteName } from '../../../api/names';
 import { select } from '../../../app/selection';
 import { linkPointOfFit } from '../../../graph/alignment';
-import { anchorOf, anchorsOf, changesOf, movedTo, spreadTo, type AnchorPlace } from '../../../graph/draft';
+import { anchorOf, anchorsOf, changesOf, editOf, movedTo, spreadTo, type AnchorPlace } from '../../../graph/draft';
 import { currentEdit } from '../../../graph/drafted';
 import { kindNames } from '../../../graph/differences';
 import type { Handle } from '../../../graph/handles';
 import { byHand, covarianceOf } from '../../../graph/spread';
 import type { AlignMapsResponse } from '../../../gen/enfilade/v1/graph_service_pb';
-import { LinkPointSchema, LinkPoint_Kind as Kind, type LinkPoint } from '../../../gen/enfilade/v1/link_point_pb';
-import { titleOf as titleOfObject } from '../../../live/objects';
+import { LinkPointSchema, LinkPoint_Kind as Kind, LinkPoint_Use as Use, type LinkPoint } from '../../../gen/enfilade/v1/link_point_pb';
+import { distinctTitleOf } from '../../../live/objects';
 import type { LiveSite } from '../../../live/site';
 import type { Pose } from '../../../scene/camera';
 import { middleAt } from '../../../scene/moves';
@@ -48,14 +48,25 @@ export function useEditor(live: LiveSite, level: number | undefined, selected: s
   const names = [...new Set([...[...draft].flatMap(([name, { isNew }]) => (isNew ? [] : [name])), ...(isLinkPoint && !draft.get(selected)?.isNew ? [selected] : [])])];
   const present = useLinkPoints(live, names);
   const conflicts = held ? [] : conflictsOf(draft, present);
-  const preview = usePreview(live.id, draft, live.graphVersion, held?.version);
+  const preview = usePreview(live, draft, live.graphVersion, held?.version);
+
+  const save = useMutation({
+    mutationFn: () => graphs.changeGraph({ site: siteName(live.id), changes: changesOf(draft) }),
+    onSuccess: ({ linkPoints: stored }) => {
+      for (const one of stored) queries.setQueriesData({ queryKey: linkPointKey(one.name) }, one);
+      step('forget');
+    },
+    onSettled: () => queries.invalidateQueries({ queryKey: ['linkPoint'] }),
+  });
 
   const titleOf = useCallback((name: string) => {
     const edit = draft.get(name);
-    return edit?.isNew ? `New ${kindNames[edit.base.kind].toLowerCase()} ${[...anchorsOf(edit).keys()].map((map) => titleOfObject(live, map)).join(' – ')}` : titleOfObject(live, name);
+    return edit?.isNew ? `New ${kindNames[edit.base.kind].toLowerCase()} ${[...anchorsOf(edit).keys()].map((map) => distinctTitleOf(live, map)).join(' – ')}` : distinctTitleOf(live, name);
   }, [live, draft]);
 
-  const base = isLinkPoint ? (present.get(selected) ?? undefined) : undefined;
+  // What has been made here, until the stream tells of it.
+  const made = save.data && live.graphVersion < save.data.graphVersion ? save.data.linkPoints.find(({ name }) => name === selected) : undefined;
+  const base = isLinkPoint ? (present.get(selected) ?? made) : undefined;
   const edit = isLinkPoint ? (draft.get(selected) ?? (base && currentEdit(draft, base))) : undefined;
   const anchors = edit ? anchorsOf(edit) : noAnchors;
   const inWorld = [...anchors.keys()].find((map) => frameOf(live, held, map) !== undefined && map !== live.rootMap);
@@ -70,12 +81,6 @@ export function useEditor(live: LiveSite, level: number | undefined, selected: s
   const pairView = useMemo(() => align.pair && viewOfPair(live, align.pair), [live, align.pair, graphRevision]);
   const draftView = useMemo(() => viewOfDraft({ site: live, level, selected, held, effects, anchors: effects && edit ? anchorsOf(edit) : noAnchors }), [live, level, selected, held, effects, edit, graphRevision]);
 
-  const save = useMutation({
-    mutationFn: () => graphs.changeGraph({ site: siteName(live.id), changes: changesOf(draft) }),
-    onSuccess: () => step('forget'),
-    onSettled: () => queries.invalidateQueries({ queryKey: ['linkPoint'] }),
-  });
-
   const begin = (linkPoint: LinkPoint) => {
     put({ base: linkPoint, isNew: true, anchors: {} });
     select(linkPoint.name);
@@ -85,7 +90,7 @@ export function useEditor(live: LiveSite, level: number | undefined, selected: s
     // A draft of which it is known what it would do, or that the server has refused.
     maySave: draft.size > 0 && !held && !save.isPending && (preview.isCurrent && (effects !== undefined || preview.error !== undefined)),
     selection: edit && { edit, active, shown },
-    isGone: isLinkPoint && present.get(selected) === null && !draft.has(selected),
+    isGone: isLinkPoint && present.get(selected) === null && !edit,
     view: pairView ?? draftView,
     base: pairView?.base ?? origin,
     choose: setChosen,
@@ -110,6 +115,13 @@ export function useEditor(live: LiveSite, level: number | undefined, selected: s
       const from = shown[0];
       const frame = frameOf(live, held, map);
       return from && frame ? relative(frame, chained(from.frame, from.place.pose)) : middleOf(map);
+    },
+    // Takes an existing link point out of the graph with the next save; undefined: it is out already.
+    suspend(name: string): (() => void) | undefined {
+      const known = draft.get(name);
+      if (known?.isNew || known?.isDeleted || known?.use !== undefined || !live.linkPoints.has(name) || live.linkPoints.get(name)?.use === Use.SUSPENDED) return undefined;
+      if (known) return () => put({ ...known, use: 'suspended' });
+      return () => void linkPoints.getLinkPoint({ name }).then(({ linkPoint }) => linkPoint && put({ ...editOf(linkPoint), use: 'suspended' }));
     },
     forget(name: string) {
       step({ drop: name });

@@ -5,6 +5,7 @@ import { siteName } from '../../../api/names';
 import { changesOf, type Draft } from '../../../graph/draft';
 import { Latest } from '../../../graph/latest';
 import { effectsOf, type Effects } from '../../../graph/preview';
+import type { LiveSite } from '../../../live/site';
 
 export interface Preview {
   // Undefined: there is nothing to preview, or nothing has come yet.
@@ -24,12 +25,12 @@ const nothing: Preview = { effects: undefined, error: undefined, isCurrent: true
 
 // What the draft would do, asked anew with every change of it and every version of the graph. `onlyVersion`: while a hand
 // drags, answers from another version of the graph are not shown.
-export function usePreview(site: string, draft: Draft, graphVersion: bigint, onlyVersion: bigint | undefined): Preview {
+export function usePreview(site: LiveSite, draft: Draft, graphVersion: bigint, onlyVersion: bigint | undefined): Preview {
   const [told, setTold] = useState<Told>();
   const only = useRef(onlyVersion);
   only.current = onlyVersion;
   const latest = useMemo(() => new Latest(
-    async (asked: Draft) => effectsOf(await graphs.previewGraph({ site: siteName(site), changes: changesOf(asked) })),
+    async (asked: Draft) => effectsOf(await graphs.previewGraph({ site: siteName(site.id), changes: changesOf(asked) }), (map) => site.maps.get(map)?.poseWorldMap !== undefined),
     (asked, effects, error) => {
       if (effects && only.current !== undefined && effects.graphVersion !== only.current) return;
       setTold((before) => ({ draft: asked, effects: effects ?? before?.effects, error }));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/alignable_map.h"
+#include "core/localization/alignment/alignable_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,7 @@ AlignableMap::AlignableMap(const grid::OccupancyGrid& grid, const LocalizationOp
     return grid.geometry.T_map_grid * Eigen::Vector2d((column + 0.5) * resolution_, (row + 0.5) * resolution_);
   };
   const auto is_free = [&](int column, int row) {
-    return grid.geometry.contains(column, row) &&
-           searchable_.At(middle(column, row)) == SearchableMap::Cell::kFree;
+    return grid.geometry.contains(column, row) && searchable_.At(middle(column, row)) == SearchableMap::Cell::kFree;
   };
   const int step = std::max(1, static_cast<int>(std::lround(kGroundSpacing / resolution_)));
   for (int row = 0; row < grid.geometry.height; ++row) {

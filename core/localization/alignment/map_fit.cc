@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/localization/map_fit.h"
+#include "core/localization/alignment/map_fit.h"
 
 #include <limits>
 #include <vector>

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "core/geometry/pose2.h"
-#include "core/localization/alignable_map.h"
+#include "core/localization/alignment/alignable_map.h"
 
 namespace enfilade::localization {
 

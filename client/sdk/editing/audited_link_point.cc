@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/sdk/api/audited_link_point.h"
+#include "client/sdk/editing/audited_link_point.h"
 
 #include <cmath>
 #include <string_view>

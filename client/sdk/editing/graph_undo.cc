@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/sdk/api/graph_undo.h"
+#include "client/sdk/editing/graph_undo.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <utility>
 
-#include "client/sdk/api/audited_link_point.h"
 #include "client/sdk/api/paging.h"
+#include "client/sdk/editing/audited_link_point.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
@@ -102,8 +102,8 @@ class InverseUpdate {
     const bool is_unchanged = after ? now != nullptr && IsSame(after->anchor, *now) : now == nullptr;
     if (!is_unchanged) return ChangedSince(present_.name(), "its anchor in " + map);
     auto& anchors = *wanted_.mutable_anchors();
-    const auto place = std::find_if(anchors.begin(), anchors.end(),
-                                    [&](const v1::Anchor& anchor) { return anchor.map() == map; });
+    const auto place =
+        std::find_if(anchors.begin(), anchors.end(), [&](const v1::Anchor& anchor) { return anchor.map() == map; });
     if (!before) {
       anchors.erase(place);
     } else if (place != anchors.end()) {

@@ -9,7 +9,7 @@
 #include "core/edit/overlay.h"
 #include "core/grid/files/map_files.h"
 #include "enfilade/v1/map_edit_service.grpc.pb.h"
-#include "tests/rpc/map_edit_fixture.h"
+#include "tests/rpc/map/map_edit_fixture.h"
 
 namespace enfilade::testing {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Maps of simulated buildings whose places in each other are known, and drawn corridors that look alike.
-#include "core/localization/align_maps.h"
+#include "core/localization/alignment/align_maps.h"
 
 #include <Eigen/Dense>
 #include <string>
@@ -8,7 +8,7 @@
 
 #include "client/simulator/sensors/noise.h"
 #include "gmock/gmock.h"
-#include "tests/support/mapped_building.h"
+#include "tests/support/buildings/mapped_building.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/localization/drawn_map.h"
@@ -16,10 +16,10 @@
 namespace enfilade::localization {
 namespace {
 
-using ::testing::HasSubstr;
 using enfilade::testing::MapPair;
 using enfilade::testing::PoseNear;
 using enfilade::testing::TwoMapsOfABuilding;
+using ::testing::HasSubstr;
 
 // Not those that the options were chosen with.
 constexpr std::uint64_t kFirstSeed = 9100;
@@ -129,8 +129,7 @@ DrawnMap Corridor(std::size_t length, const std::vector<std::size_t>& niches) {
 }
 
 TEST(AlignMapsTest, ABareCorridorSlides) {
-  const MapAlignment found =
-      Align(Corridor(120, {}).Grid(), Corridor(60, {}).Grid(), {{5.0, 0.0, 0.0}});
+  const MapAlignment found = Align(Corridor(120, {}).Grid(), Corridor(60, {}).Grid(), {{5.0, 0.0, 0.0}});
   EXPECT_FALSE(found.accepted);
   EXPECT_TRUE(found.T_a_b) << "they fit, but where?";
   EXPECT_NE(found.reason, "");

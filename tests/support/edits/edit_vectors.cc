@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/edit_vectors.h"
+#include "tests/support/edits/edit_vectors.h"
 
 #include <google/protobuf/util/json_util.h>
 
