@@ -89,7 +89,7 @@ class Server::Impl {
         pose_reports(robot_poses, {.timeout = StepTimeout(options)}) {}
 
   absl::Status Start() {
-    ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, revisions));
+    ENFILADE_ASSIGN_OR_RETURN(exports, MapExports::Create(options.transfers, maps, {blobs, revisions}));
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // Checks the database once before the first call can come.
@@ -111,8 +111,11 @@ class Server::Impl {
                                                    sites,
                                                    robots,
                                                    maps,
+                                                   map_areas,
                                                    revisions,
+                                                   map_aliases,
                                                    pyramids,
+                                                   map_edit_store,
                                                    prior_maps,
                                                    sessions,
                                                    records,
@@ -131,6 +134,8 @@ class Server::Impl {
                                                    pose_reports,
                                                    mapping,
                                                    *exports,
+                                                   map_edits,
+                                                   draft_presences,
                                                    raster_pyramids,
                                                    prior_alignment,
                                                    graphs,
@@ -243,8 +248,11 @@ class Server::Impl {
   const storage::SiteStore sites{*pool};
   const storage::RobotStore robots{*pool};
   const storage::postgres::MapStore maps{*pool};
+  const storage::MapAreaStore map_areas{*pool};
   const storage::postgres::RevisionStore revisions{*pool};
+  const storage::MapAliasStore map_aliases{*pool};
   const storage::PyramidStore pyramids{*pool};
+  const storage::MapEditStore map_edit_store{*pool};
   const storage::PriorMapStore prior_maps{*pool};
   const storage::postgres::SessionStore sessions{*pool};
   const storage::postgres::RecordStore records{*pool};
@@ -279,12 +287,15 @@ class Server::Impl {
   SiteGraphs graphs{graph_store, changed_sites};
   GraphVersionWaits graph_waits{graphs, std::chrono::milliseconds(std::llround(options.graph.version_wait_s * 1000.0))};
   PoseLooks pose_looks{graphs, robot_poses, PoseLooksOptionsOf(options)};
+  MapEdits map_edits{map_edit_store, {blobs, revisions}, link_points};
+  DraftPresences draft_presences;
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
   const PriorAlignment prior_alignment{prior_maps, maps, revisions, blobs, graphs};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, {solver_leases, site_leases}, graphs, changed_sites};
-  const Rearranger rearranger{{sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs};
+  const Rearranger rearranger{
+      {sessions, mappings, maps, revisions, blobs, rearrangement_store}, slam_profiles, graphs, &map_edits};
   const MapRearrangements rearrangements{{sessions, mappings, maps, revisions, blobs, rearrangement_store},
                                          site_leases,
                                          rearranger,

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   app.add_option("--site", globals.site, "The site's id")->envname("ENFILADE_SITE")->capture_default_str();
   if (const char* user = std::getenv("USER")) globals.actor = user;
   app.add_option("--actor", globals.actor, "Your name for the audit trail (default: $USER)")->envname("ENFILADE_ACTOR");
+  AddArea(app, globals);
   AddLoopClosure(app, globals);
   AddDoors(app, globals);
   AddEnvironment(app, globals);

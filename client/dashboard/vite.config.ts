@@ -24,5 +24,5 @@ export default defineConfig({
   },
   server: { proxy },
   preview: { proxy, headers: { 'Content-Security-Policy': policy } },
-  test: { include: ['src/**/*.test.ts'] },
+  test: { include: ['src/**/*.test.ts'], testTimeout: 120_000 }, // no test is about time
 } as Parameters<typeof defineConfig>[0]);

@@ -97,6 +97,11 @@ func TestFiles_AMapGoesUpAndComesDownUnchanged(t *testing.T) {
 	if head.header.Get("Content-Length") != fmt.Sprint(len(image)) || len(head.body) != 0 {
 		t.Errorf("HEAD: %v", head.header)
 	}
+	alias := "/v1/" + site + "/maps/hall/aliases/stable"
+	must(t, "PATCH", alias, `{"revision": "`+listed["revision"].(string)+`"}`)
+	if stable := call(t, "GET", alias+"/files/Hall.pgm", nil, nil); !bytes.Equal(stable.body, image) {
+		t.Errorf("by its alias: status %d, %d bytes", stable.status, len(stable.body))
+	}
 	if graph := call(t, "GET", "/v1/"+site+"/graph.geojson", nil, nil); graph.json(t)["type"] != "FeatureCollection" {
 		t.Errorf("graph: %s", graph.body)
 	}

@@ -4,6 +4,8 @@
 #include <chrono>
 
 #include "server/app/closure/map_entries.h"
+#include "server/app/edits/draft_presences.h"
+#include "server/app/edits/map_edits.h"
 #include "server/app/exports/map_exports.h"
 #include "server/app/graph/graph_editor.h"
 #include "server/app/graph/graph_optimizer.h"
@@ -30,6 +32,9 @@
 #include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
+#include "storage/maps/map_alias_store.h"
+#include "storage/maps/map_area_store.h"
+#include "storage/maps/map_edit_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/prior_map_store.h"
 #include "storage/maps/pyramid_store.h"
@@ -60,8 +65,11 @@ struct Services {
   const storage::SiteStore& sites;
   const storage::RobotStore& robots;
   const storage::MapReader& maps;
+  const storage::MapAreaStore& map_areas;
   const storage::RevisionStore& revisions;
+  const storage::MapAliasStore& map_aliases;
   const storage::PyramidStore& pyramids;
+  const storage::MapEditStore& map_edit_store;
   const storage::PriorMapStore& prior_maps;
   const storage::SessionStore& sessions;
   const storage::RecordStore& records;
@@ -81,6 +89,8 @@ struct Services {
   PoseReports& pose_reports;
   Mapping& mapping;
   MapExports& exports;
+  MapEdits& map_edits;
+  DraftPresences& draft_presences;
   RasterPyramids& raster_pyramids;
   const PriorAlignment& prior_alignment;
   SiteGraphs& graphs;

@@ -11,6 +11,8 @@
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
+#include "enfilade/v1/map_edit_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
@@ -19,7 +21,9 @@
 #include "enfilade/v1/session_service.grpc.pb.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
 #include "enfilade/v1/watch_service.grpc.pb.h"
+#include "server/rpc/area/handlers.h"
 #include "server/rpc/call/arena_messages.h"
+#include "server/rpc/edit/handlers.h"
 #include "server/rpc/graph/export_graph.h"
 #include "server/rpc/graph/get_global_pose.h"
 #include "server/rpc/graph/handlers.h"
@@ -38,6 +42,7 @@
 #include "server/rpc/raster/handlers.h"
 #include "server/rpc/rearrange/handlers.h"
 #include "server/rpc/robot/handlers.h"
+#include "server/rpc/rpc_lines.h"
 #include "server/rpc/server/handlers.h"
 #include "server/rpc/service_api.h"
 #include "server/rpc/session/export_trajectory.h"
@@ -48,74 +53,6 @@
 
 namespace enfilade::server {
 namespace {
-
-// One line for each RPC, by its shape. The compiler checks its name and messages against the generated class, and its
-// handler, the function of the same name in enfilade::server, against the messages.
-#define ENFILADE_UNARY(Rpc)                                                                            \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
-                                v1::Rpc##Response* response) override {                                \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc));                       \
-  }
-// It changes the graph of its site. Of these and those that need the graph, a second argument is the lane.
-#define ENFILADE_UNARY_CHANGES_GRAPH(Rpc, ...)                                                                   \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,           \
-                                v1::Rpc##Response* response) override {                                          \
-    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc), In(__VA_ARGS__)); \
-  }
-// It needs the graph of its site.
-#define ENFILADE_UNARY_ON_GRAPH(Rpc, ...)                                                              \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
-                                v1::Rpc##Response* response) override {                                \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), OnGraph(__VA_ARGS__)); \
-  }
-// Both.
-#define ENFILADE_UNARY_CHANGES_READ_GRAPH(Rpc, ...)                                                                   \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,                \
-                                v1::Rpc##Response* response) override {                                               \
-    return RunUnary(Enter(#Rpc, context), request, response, BindChange(context, server::Rpc), OnGraph(__VA_ARGS__)); \
-  }
-// Its answer takes long to make.
-#define ENFILADE_BULK_UNARY(Rpc)                                                                       \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request, \
-                                v1::Rpc##Response* response) override {                                \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), In(CallLane::kBulk));  \
-  }
-// It needs the graph of its site, and its Try##Rpc() may answer immediately, without the executor.
-#define ENFILADE_UNARY_ON_GRAPH_OR_NOW(Rpc)                                                                            \
-  grpc::ServerUnaryReactor* Rpc(grpc::CallbackServerContext* context, const v1::Rpc##Request* request,                 \
-                                v1::Rpc##Response* response) override {                                                \
-    return RunUnary(Enter(#Rpc, context), request, response, Bind(server::Rpc), BindNow(server::Try##Rpc), OnGraph()); \
-  }
-#define ENFILADE_SERVER_STREAM(Rpc)                                                                    \
-  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,               \
-                                                   const v1::Rpc##Request* request) override {         \
-    return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc)); \
-  }
-#define ENFILADE_SERVER_STREAM_ON_GRAPH(Rpc)                                                          \
-  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,              \
-                                                   const v1::Rpc##Request* request) override {        \
-    return RunServerStream<v1::Rpc##Response>(Enter(#Rpc, context), request, BindStream(server::Rpc), \
-                                              OnGraph(CallLane::kBulk));                              \
-  }
-#define ENFILADE_RAW_SERVER_STREAM(Rpc)                                                                  \
-  grpc::ServerWriteReactor<grpc::ByteBuffer>* Rpc(grpc::CallbackServerContext* context,                  \
-                                                  const grpc::ByteBuffer* request) override {            \
-    return RunRawServerStream<v1::Rpc##Request>(Enter(#Rpc, context), request, BindStream(server::Rpc)); \
-  }
-#define ENFILADE_WATCH(Rpc)                                                                    \
-  grpc::ServerWriteReactor<v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context,       \
-                                                   const v1::Rpc##Request* request) override { \
-    return RunWatch<v1::Rpc##Response>(Enter(#Rpc, context), request, BindWatch(server::Rpc)); \
-  }
-#define ENFILADE_CLIENT_STREAM(Rpc)                                                                                 \
-  grpc::ServerReadReactor<v1::Rpc##Request>* Rpc(grpc::CallbackServerContext* context, v1::Rpc##Response* response) \
-      override {                                                                                                    \
-    return server::Rpc(services_, Enter(#Rpc, context), response);                                                  \
-  }
-#define ENFILADE_BIDI_STREAM(Rpc)                                                                                    \
-  grpc::ServerBidiReactor<v1::Rpc##Request, v1::Rpc##Response>* Rpc(grpc::CallbackServerContext* context) override { \
-    return server::Rpc(services_, Enter(#Rpc, context));                                                             \
-  }
 
 class SiteApi final : public ApiOf<v1::SiteService::CallbackService> {
  public:
@@ -151,12 +88,30 @@ class MapApi final : public ApiOf<v1::MapService::WithRawCallbackMethod_ExportMa
   ENFILADE_UNARY(GetMapRevision)
   ENFILADE_UNARY(TagMapRevision)
   ENFILADE_UNARY(ListMapRevisions)
+  ENFILADE_UNARY(SetMapAlias)
+  ENFILADE_UNARY(RollBackMapAlias)
+  ENFILADE_UNARY(ListMapAliases)
+  ENFILADE_UNARY(DeleteMapAlias)
+  ENFILADE_BULK_UNARY(RestoreMapRevision)
+  ENFILADE_BULK_UNARY(DiffMapRevisions)
   ENFILADE_RAW_SERVER_STREAM(ExportMap)
   ENFILADE_CLIENT_STREAM(ImportMap)
   ENFILADE_UNARY_CHANGES_GRAPH(MergeMaps, CallLane::kSlow)
   ENFILADE_UNARY_CHANGES_GRAPH(SplitMap, CallLane::kSlow)
   ENFILADE_UNARY_CHANGES_GRAPH(UndoRearrangement, CallLane::kSlow)
   ENFILADE_UNARY(ListRearrangements)
+};
+
+class MapAreaApi final : public ApiOf<v1::MapAreaService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_UNARY(CreateMapArea)
+  ENFILADE_UNARY(GetMapArea)
+  ENFILADE_UNARY(ListMapAreas)
+  ENFILADE_UNARY(UpdateMapArea)
+  ENFILADE_UNARY(DeleteMapArea)
+  ENFILADE_SLOW_SERVER_STREAM(ExportMapAreas)
 };
 
 class LinkPointApi final : public ApiOf<v1::LinkPointService::CallbackService> {
@@ -267,6 +222,27 @@ class PriorMapApi final : public ApiOf<v1::PriorMapService::CallbackService> {
   ENFILADE_SERVER_STREAM(ExportPriorMap)
 };
 
+class MapEditApi final : public ApiOf<v1::MapEditService::CallbackService> {
+ public:
+  using ApiOf::ApiOf;
+
+  ENFILADE_UNARY(CreateMapDraft)
+  ENFILADE_UNARY(GetMapDraft)
+  ENFILADE_UNARY(ListMapDrafts)
+  ENFILADE_UNARY(DeleteMapDraft)
+  ENFILADE_UNARY(AppendMapEdits)
+  ENFILADE_UNARY(SetMapEditsActive)
+  ENFILADE_BULK_UNARY(ListMapEdits)
+  ENFILADE_BULK_UNARY(ReadMapDraftTiles)
+  ENFILADE_UNARY(ReportMapDraftPresence)
+  ENFILADE_WATCH(WatchMapDraft)
+  ENFILADE_SLOW_UNARY(CheckMapDraft)
+  ENFILADE_SLOW_UNARY(RebaseMapDraft)
+  ENFILADE_SLOW_UNARY(PublishMapDraft)
+  ENFILADE_SLOW_UNARY(ListContestedEdits)
+  ENFILADE_SLOW_UNARY(SettleContestedEdits)
+};
+
 class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
  public:
   using ApiOf::ApiOf;
@@ -279,8 +255,10 @@ class WatchApi final : public ApiOf<v1::WatchService::CallbackService> {
 #undef ENFILADE_UNARY_CHANGES_READ_GRAPH
 #undef ENFILADE_UNARY_ON_GRAPH
 #undef ENFILADE_BULK_UNARY
+#undef ENFILADE_SLOW_UNARY
 #undef ENFILADE_UNARY_ON_GRAPH_OR_NOW
 #undef ENFILADE_SERVER_STREAM
+#undef ENFILADE_SLOW_SERVER_STREAM
 #undef ENFILADE_SERVER_STREAM_ON_GRAPH
 #undef ENFILADE_RAW_SERVER_STREAM
 #undef ENFILADE_WATCH
@@ -309,6 +287,7 @@ struct Api::Impl {
         site(services, calls),
         robot(services, calls),
         map(services, calls),
+        map_area(services, calls),
         graph(services, calls),
         link_point(services, calls),
         session(services, calls),
@@ -316,6 +295,7 @@ struct Api::Impl {
         localization(services, calls),
         server(services, calls),
         raster(services, calls),
+        map_edit(services, calls),
         prior_map(services, calls),
         watch(services, calls) {}
 
@@ -323,6 +303,7 @@ struct Api::Impl {
   SiteApi site;
   RobotApi robot;
   MapApi map;
+  MapAreaApi map_area;
   GraphApi graph;
   LinkPointApi link_point;
   SessionApi session;
@@ -330,6 +311,7 @@ struct Api::Impl {
   LocalizationApi localization;
   ServerApi server;
   RasterApi raster;
+  MapEditApi map_edit;
   PriorMapApi prior_map;
   WatchApi watch;
 };
@@ -341,6 +323,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->site);
   builder.RegisterService(&impl_->robot);
   builder.RegisterService(&impl_->map);
+  builder.RegisterService(&impl_->map_area);
   builder.RegisterService(&impl_->graph);
   builder.RegisterService(&impl_->link_point);
   builder.RegisterService(&impl_->session);
@@ -348,6 +331,7 @@ void Api::RegisterWith(grpc::ServerBuilder& builder) {
   builder.RegisterService(&impl_->localization);
   builder.RegisterService(&impl_->server);
   builder.RegisterService(&impl_->raster);
+  builder.RegisterService(&impl_->map_edit);
   builder.RegisterService(&impl_->prior_map);
   builder.RegisterService(&impl_->watch);
 }

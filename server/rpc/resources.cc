@@ -108,8 +108,10 @@ v1::Map ToProto(const storage::Map& map) {
 v1::MapRevision ToProto(const storage::MapRevision& revision) {
   v1::MapRevision out;
   out.set_name(convert::NameOf(convert::RevisionName{revision.site, revision.map, revision.number}));
-  out.set_source(revision.source == storage::RevisionSource::kImport ? v1::MapRevision::SOURCE_IMPORT
-                                                                     : v1::MapRevision::SOURCE_MAPPING);
+  static_assert(static_cast<int>(storage::RevisionSource::kRestored) == v1::MapRevision::SOURCE_RESTORED);
+
+  static_assert(static_cast<int>(storage::RevisionSource::kEdit) == v1::MapRevision::SOURCE_EDIT);
+  out.set_source(static_cast<v1::MapRevision::Source>(revision.source));
   if (revision.session) out.set_session(convert::NameOf(convert::SessionName{revision.site, *revision.session}));
   out.set_resolution_m(revision.geometry.resolution);
   *out.mutable_pose_map_grid() = enfilade::convert::ToProto(revision.geometry.T_map_grid);
@@ -118,6 +120,8 @@ v1::MapRevision ToProto(const storage::MapRevision& revision) {
   out.set_content_sha256(revision.content_sha256);
   *out.mutable_create_time() = convert::ToTimestamp(revision.create_time);
   out.set_tag(revision.tag);
+  out.set_edit_version(revision.edit_version);
+  for (const MapAliasId& alias : revision.aliases) out.add_aliases(alias.value());
   return out;
 }
 

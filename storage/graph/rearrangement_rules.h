@@ -50,7 +50,7 @@ namespace image {
 inline constexpr std::string_view kMap = "map", kLayers = "layers", kPlace = "place", kSession = "session",
                                   kSlam = "slam", kClosures = "closures", kVerdict = "verdict",
                                   kLinkPoint = "link_point", kControlPoints = "control_points",
-                                  kRobotPose = "robot_pose";
+                                  kRobotPose = "robot_pose", kArea = "area";
 }  // namespace image
 // For people: "the keyframes of session s1".
 std::string DescribeImage(std::string_view relation, std::string_view key);

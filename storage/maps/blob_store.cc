@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/base/sha256.h"
+#include "core/base/status_macros.h"
 
 namespace enfilade::storage {
 
@@ -17,6 +18,15 @@ absl::Status ValidateBlobs(absl::Span<const BlobView> blobs) {
     }
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::map<std::string, std::string>> BlobStore::GetAll(const CallContext& context, const SiteId& site,
+                                                                     const std::vector<std::string>& sha256) const {
+  std::map<std::string, std::string> blobs;
+  for (const std::string& digest : sha256) {
+    ENFILADE_ASSIGN_OR_RETURN(blobs[digest], Get(context, site, digest));
+  }
+  return blobs;
 }
 
 }  // namespace enfilade::storage

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -34,6 +36,9 @@ class BlobStore {
   // NOT_FOUND.
   virtual absl::StatusOr<std::string> Get(const CallContext& context, const SiteId& site,
                                           std::string_view sha256) const = 0;
+  // The bytes of each of `sha256`, by digest: all in memory, so ask for portions. NOT_FOUND naming one that is missing.
+  virtual absl::StatusOr<std::map<std::string, std::string>> GetAll(const CallContext& context, const SiteId& site,
+                                                                    const std::vector<std::string>& sha256) const;
 };
 
 }  // namespace enfilade::storage

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <compare>
 #include <cstdint>
 #include <optional>
@@ -12,12 +13,20 @@
 #include "absl/types/span.h"
 #include "core/base/ids.h"
 #include "core/base/time.h"
+#include "core/edit/history.h"
+#include "core/edit/map_edit.h"
 #include "core/grid/occupancy_grid.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
 
 namespace enfilade::storage {
-enum class RevisionSource : std::int16_t { kMapping = 1, kImport = 2 };
+// The numbers are in the database and in the API.
+enum class RevisionSource : std::int16_t { kMapping = 1, kImport = 2, kEdit = 3, kRestored = 4 };
+
+// Whether a revision is the whole map, so that it becomes the map's only layer.
+constexpr bool ReplacesLayers(RevisionSource source) {
+  return source == RevisionSource::kImport || source == RevisionSource::kRestored;
+}
 
 // Ordered by row, then column, as the raster is.
 struct TileKey {
@@ -44,6 +53,20 @@ struct StoredRaster {
   std::vector<TileRef> tiles;
 };
 
+// What published edits say of a map's cells (core/edit).
+struct StoredOverlay {
+  std::int64_t edit_version = 0;   // of the newest publication
+  std::int64_t first_version = 1;  // of the oldest one that counts: an import has replaced the map before it
+  edit::Lattice lattice;
+  std::vector<TileRef> tiles;  // edit::Pack
+};
+
+// The edits that lie over a revision.
+struct RevisionEdits {
+  StoredOverlay overlay;
+  StoredRaster evidence;  // the revision without them
+};
+
 // A raster of a map that becomes its next revision.
 struct NewRevision {
   RevisionSource source = RevisionSource::kMapping;
@@ -56,10 +79,13 @@ struct NewRevision {
   // those layers (unset: not checked).
   std::optional<StoredRaster> layer;
   std::optional<std::int64_t> layers_version;
+  // Unset: none lie over it; an import puts an end to those that did.
+  std::optional<RevisionEdits> edits = std::nullopt;
 };
 
 // A map's revision consists of layers, overlaid from the bottom: what was imported, then what each session has seen, in
-// the order of the sessions' first revisions. An import is the whole map: it replaces all layers.
+// the order of the sessions' first revisions. An import and a restored revision are the whole map: they replace all
+// layers (ReplacesLayers).
 struct MapLayer {
   std::optional<SessionId> session;  // unset: imported, merged, or half of a run
   StoredRaster raster;
@@ -76,6 +102,9 @@ struct LayersBeside {
   std::int64_t version = 0;     // increases with every change of any layer, including the session's
   std::vector<MapLayer> below;  // all if the session has no layer yet
   std::vector<MapLayer> above;
+  std::optional<StoredOverlay> edits = std::nullopt;  // that lie over all; unset: none
+  // Outlines of areas in which hits are not mapped (areas::AreaKind::kIgnoreHits), m, in the map's frame.
+  std::vector<std::vector<Eigen::Vector2d>> ignored = {};
 };
 
 // Layers that lie on one another and have not changed for a while, as two rasters that are overlaid in their place
@@ -113,7 +142,9 @@ struct MapRevision {
   std::int64_t tile_count = 0;
   std::int64_t tile_bytes = 0;  // of all tiles, as stored
   TimeNs create_time = 0;
-  std::string tag = {};  // a name for people; empty: none
+  std::int64_t edit_version = 0;         // the newest publication of edits that lie over it; 0: none
+  std::string tag = {};                  // a name for people; empty: none
+  std::vector<MapAliasId> aliases = {};  // that lead to it (MapAliasStore)
 };
 
 // The rasters of maps. Thread-safe; errors common to all stores: see SiteStore.
@@ -124,8 +155,8 @@ class RevisionStore {
   // Makes the map's next revision and its current one. Of a large raster, put the blobs beforehand, in portions.
   // FAILED_PRECONDITION naming a blob that is missing; INVALID_ARGUMENT if a tile is given twice; NOT_FOUND if the map
   // does not exist. A retry makes no second revision: if the map's current revision has the same source, session,
-  // header and content, it is returned. Stores its session's layer, too; an import becomes the only layer. ABORTED,
-  // with AreLayersChanged, if the layers are no longer those of `layers_version`.
+  // header and content, it is returned. Stores its session's layer, too; an import or restored revision becomes the
+  // only layer. ABORTED, with AreLayersChanged, if the layers are no longer those of `layers_version`.
   virtual absl::StatusOr<MapRevision> Add(const CallContext& context, const SiteId& site, const MapId& map,
                                           const NewRevision& revision, absl::Span<const BlobView> blobs) const = 0;
   // The current revision for number 0. NOT_FOUND.
@@ -164,6 +195,20 @@ class RevisionStore {
   // `max_bytes` in total. Empty at the end, or if there is no such revision. Holds no connection between calls.
   virtual absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,
                                                       std::optional<TileKey> after, std::int64_t max_bytes) const = 0;
+
+  // Edits. A store that has no drafts has none of either.
+  // The map's newest revision without the edits that lie over it; unset: it has none.
+  virtual absl::StatusOr<std::optional<StoredRaster>> ReadEvidence(const CallContext& /*context*/,
+                                                                   const SiteId& /*site*/, const MapId& /*map*/) const {
+    return std::nullopt;
+  }
+  // The publications of the map with an edit_version of more than `after` and at most `up_to`, in their order.
+  virtual absl::StatusOr<std::vector<edit::Publication>> ReadPublications(const CallContext& /*context*/,
+                                                                          const SiteId& /*site*/, const MapId& /*map*/,
+                                                                          std::int64_t /*after*/,
+                                                                          std::int64_t /*up_to*/) const {
+    return std::vector<edit::Publication>();
+  }
 };
 
 }  // namespace enfilade::storage

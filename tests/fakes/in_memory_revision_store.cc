@@ -42,12 +42,13 @@ std::map<storage::TileKey, std::string> TilesOf(const storage::StoredRaster& ras
 
 void SetLayer(MapRow& row, const storage::NewRevision& revision) {
   const storage::StoredRaster whole{revision.raster_header, revision.tiles};
-  if (!revision.session) {
+  if (storage::ReplacesLayers(revision.source)) {
     row.layers.clear();
     row.runs.clear();
     AddTopLayer(row, std::nullopt, whole);
     return;
   }
+  if (!revision.session) return;
   const auto layer = std::find_if(row.layers.begin(), row.layers.end(), [&](const storage::MapLayer& candidate) {
     return candidate.session == revision.session;
   });
@@ -61,7 +62,7 @@ void SetLayer(MapRow& row, const storage::NewRevision& revision) {
 
 bool IsImport(const MapRow& row, const storage::MapLayer& layer) {
   return !layer.session && std::any_of(row.revisions.begin(), row.revisions.end(), [&](const RevisionRow& revision) {
-    if (revision.revision.source != storage::RevisionSource::kImport) return false;
+    if (!storage::ReplacesLayers(revision.revision.source)) return false;
     return revision.revision.raster_header == layer.raster.header && TilesOf(layer.raster) == revision.tiles;
   });
 }

@@ -4,6 +4,8 @@
 
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
+#include "enfilade/v1/map_edit_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/raster_service.grpc.pb.h"
 #include "grpc/grpc.h"
@@ -24,6 +26,7 @@ void ExpectRefusesEmpty(const client::Connection& connection,
 TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   using v1::IngestService;
   using v1::LocalizationService;
+  using v1::MapEditService;
   using v1::MapService;
   using v1::RobotService;
   using v1::SessionService;
@@ -48,6 +51,26 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &MapService::Stub::GetMapRevision);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::TagMapRevision);
   ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapRevisions);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::CreateMapDraft);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::GetMapDraft);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::ListMapDrafts);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::DeleteMapDraft);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::AppendMapEdits);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::SetMapEditsActive);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::ListMapEdits);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::ReadMapDraftTiles);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::ReportMapDraftPresence);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::CheckMapDraft);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::RebaseMapDraft);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::PublishMapDraft);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::ListContestedEdits);
+  ExpectRefusesEmpty(*connection_, &MapEditService::Stub::SettleContestedEdits);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::SetMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::RollBackMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::ListMapAliases);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::DeleteMapAlias);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::RestoreMapRevision);
+  ExpectRefusesEmpty(*connection_, &MapService::Stub::DiffMapRevisions);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::CreateSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::GetSession);
   ExpectRefusesEmpty(*connection_, &SessionService::Stub::ListSessions);
@@ -62,6 +85,11 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitImage);
   ExpectRefusesEmpty(*connection_, &IngestService::Stub::SubmitPointCloud);
   ExpectRefusesEmpty(*connection_, &LocalizationService::Stub::LocalizeRobot);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::CreateMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::GetMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::ListMapAreas);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::UpdateMapArea);
+  ExpectRefusesEmpty(*connection_, &v1::MapAreaService::Stub::DeleteMapArea);
   ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::PreviewGraph);
   ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::ChangeGraph);
   ExpectRefusesEmpty(*connection_, &v1::GraphService::Stub::AlignMaps);
@@ -84,12 +112,18 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   const auto maps = MapService::NewStub(connection_->channel());
   const auto sessions = SessionService::NewStub(connection_->channel());
   const auto ingest = IngestService::NewStub(connection_->channel());
-  grpc::ClientContext contexts[4];
+  const auto edits = MapEditService::NewStub(connection_->channel());
+  const auto areas = v1::MapAreaService::NewStub(connection_->channel());
+  grpc::ClientContext contexts[6];
   EXPECT_CODE(first_of(std::pair(v1::ExportMapResponse(), maps->ExportMap(&contexts[0], {}))),
               absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(first_of(std::pair(v1::ExportTrajectoryResponse(), sessions->ExportTrajectory(&contexts[1], {}))),
               absl::StatusCode::kInvalidArgument);
   EXPECT_CODE(first_of(std::pair(v1::DownloadBlobResponse(), ingest->DownloadBlob(&contexts[2], {}))),
+              absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(first_of(std::pair(v1::WatchMapDraftResponse(), edits->WatchMapDraft(&contexts[5], {}))),
+              absl::StatusCode::kInvalidArgument);
+  EXPECT_CODE(first_of(std::pair(v1::ExportMapAreasResponse(), areas->ExportMapAreas(&contexts[4], {}))),
               absl::StatusCode::kInvalidArgument);
   v1::ImportMapResponse imported;
   const auto import = maps->ImportMap(&contexts[3], &imported);

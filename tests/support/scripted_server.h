@@ -16,6 +16,7 @@
 #include "enfilade/v1/ingest_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
@@ -89,6 +90,13 @@ class ScriptedServer {
     ENFILADE_SCRIPTED(Unary, UpdateMap, update_map)
     ENFILADE_SCRIPTED(Unary, DeleteMap, delete_map)
     ENFILADE_SCRIPTED(Unary, ListMapRevisions, list_revisions)
+    ENFILADE_SCRIPTED(Unary, GetMapRevision, get_revision)
+    ENFILADE_SCRIPTED(Unary, SetMapAlias, set_alias)
+    ENFILADE_SCRIPTED(Unary, RollBackMapAlias, roll_back_alias)
+    ENFILADE_SCRIPTED(Unary, ListMapAliases, list_aliases)
+    ENFILADE_SCRIPTED(Unary, DeleteMapAlias, delete_alias)
+    ENFILADE_SCRIPTED(Unary, RestoreMapRevision, restore_revision)
+    ENFILADE_SCRIPTED(Unary, DiffMapRevisions, diff_revisions)
     ENFILADE_SCRIPTED(Download, ExportMap, export_map)
     ENFILADE_SCRIPTED(Upload, ImportMap, import_map)
     ENFILADE_SCRIPTED(Unary, MergeMaps, merge_maps)
@@ -115,6 +123,7 @@ class ScriptedServer {
     ScriptedServer& owner;
     ENFILADE_SCRIPTED(Unary, GetGraph, get_graph)
     ENFILADE_SCRIPTED(Unary, ListGraphVersions, list_versions)
+    ENFILADE_SCRIPTED(Unary, ListPlacedMaps, list_placed_maps)
     ENFILADE_SCRIPTED(Unary, OptimizeGraph, optimize)
     ENFILADE_SCRIPTED(Unary, PreviewGraph, preview)
     ENFILADE_SCRIPTED(Unary, ChangeGraph, change)
@@ -166,6 +175,16 @@ class ScriptedServer {
     ENFILADE_SCRIPTED(Unary, SuspendPriorMap, suspend)
     ENFILADE_SCRIPTED(Download, ExportPriorMap, export_files)
   };
+  struct MapAreas final : v1::MapAreaService::Service {
+    explicit MapAreas(ScriptedServer& server) : owner(server) {}
+    ScriptedServer& owner;
+    ENFILADE_SCRIPTED(Unary, CreateMapArea, create)
+    ENFILADE_SCRIPTED(Unary, GetMapArea, get)
+    ENFILADE_SCRIPTED(Unary, ListMapAreas, list)
+    ENFILADE_SCRIPTED(Unary, UpdateMapArea, update)
+    ENFILADE_SCRIPTED(Unary, DeleteMapArea, remove)
+    ENFILADE_SCRIPTED(Download, ExportMapAreas, export_files)
+  };
   struct Ingest final : v1::IngestService::Service {
     explicit Ingest(ScriptedServer& server) : owner(server) {}
     ScriptedServer& owner;
@@ -183,7 +202,7 @@ class ScriptedServer {
     grpc::ServerBuilder builder;
     builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
     for (grpc::Service* service : std::vector<grpc::Service*>{&maps, &link_points, &graph, &sessions, &sites, &status,
-                                                              &ingest, &localization, &prior_maps}) {
+                                                              &ingest, &localization, &prior_maps, &map_areas}) {
       builder.RegisterService(service);
     }
     server_ = builder.BuildAndStart();
@@ -211,6 +230,7 @@ class ScriptedServer {
   Ingest ingest{*this};
   Localization localization{*this};
   PriorMaps prior_maps{*this};
+  MapAreas map_areas{*this};
 
  private:
   void Note(const grpc::ServerContext& context) {

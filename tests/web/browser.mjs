@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pages in a real Chromium. A message on the console, an exception or a breach of the Content-Security-Policy fails the test.
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync } from 'node:fs';
+import { spawn } from 'node:child_process';
+import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
+import { until } from './system.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
@@ -13,6 +15,28 @@ export const launch = (options = []) =>
     executablePath: process.env.ENFILADE_CHROMIUM ?? '/usr/bin/chromium',
     args: ['--no-sandbox', '--enable-unsafe-swiftshader', ...options],
   });
+
+// A browser with a profile of its own, which a test may kill as a power cut would. One at a time for each profile.
+export async function launchToKill(profile) {
+  const port = join(profile, 'DevToolsActivePort');
+  rmSync(port, { force: true });
+  const child = spawn(process.env.ENFILADE_CHROMIUM ?? '/usr/bin/chromium',
+    ['--headless=new', '--no-sandbox', '--no-first-run', '--enable-unsafe-swiftshader', '--remote-debugging-port=0', `--user-data-dir=${profile}`, 'about:blank'], { stdio: 'ignore' });
+  const ended = new Promise((resolve) => child.once('exit', resolve));
+  const [number, path] = (await until('the browser listens', () => existsSync(port) && readFileSync(port, 'utf8').includes('/') && readFileSync(port, 'utf8'))).trim().split('\n');
+  const browser = await chromium.connectOverCDP(`ws://127.0.0.1:${number}${path}`);
+  const page = await browser.contexts()[0].newPage();
+  await page.setViewportSize({ width: 1280, height: 800 });
+  return {
+    page,
+    // Also a second time.
+    async kill() {
+      child.kill('SIGKILL');
+      await ended;
+      await browser.close().catch(() => {});
+    },
+  };
+}
 
 // Chromium's software renderer says this of every screenshot.
 const ofTheRenderer = /GL Driver Message \(OpenGL, Performance/;

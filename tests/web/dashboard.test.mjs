@@ -2,6 +2,7 @@
 import { mapCampus } from './campus.mjs';
 import { addCampus } from './checks/campus.mjs';
 import { addGeoreference } from './checks/georeference.mjs';
+import { addGraphEdit } from './checks/graph_edit.mjs';
 import { addHistory } from './checks/history.mjs';
 import { addImports } from './checks/imports.mjs';
 import { addPages } from './checks/pages.mjs';
@@ -10,6 +11,7 @@ import { addRobots } from './checks/robots.mjs';
 import { addScene } from './checks/scene.mjs';
 import { addSessions } from './checks/sessions.mjs';
 import { addStates } from './checks/states.mjs';
+import { addVersions } from './checks/versions.mjs';
 import { setStage } from './stage.mjs';
 
 const { system, browser } = setStage((started) => started.enfilade('empty', 'site', 'create', 'empty', '--name', 'Empty site'));
@@ -23,4 +25,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addCampus, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addRobots, addPages]) add(stage);
+for (const add of [addScene, addCampus, addGraphEdit, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addVersions, addRobots, addPages]) add(stage);

@@ -9,13 +9,15 @@ namespace enfilade::cli {
 // command runs.
 
 // A server's site: one file per command below commands/, named after it.
+void AddArea(CLI::App& app, const Globals& globals);  // area add | list | show | update | delete | export
 void AddGraph(CLI::App& app,
-              const Globals& globals);  // graph show | versions | change | optimize | export | plot | ...
+              const Globals& globals);  // graph show | versions | diff | change | optimize | export | plot | solve
 void AddImport(CLI::App& app, const Globals& globals);       // import mapmanager | building
 void AddLinkPoint(CLI::App& app, const Globals& globals);    // linkpoint set | candidate | list | near | state | ...
 void AddLoopClosure(CLI::App& app, const Globals& globals);  // closure list | suspend | resume
 void AddLocalize(CLI::App& app, const Globals& globals);
-// map list | show | create | update | export | import | merge | split | undo | rearrangements | delete
+// map list | show | create | update | draft | edit | publish | rebase | contested | export | import | diff | alias |
+// restore | merge | split | undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
 // prior list | show | add | align | activate | suspend | rename | export | delete; import | fit need no server
@@ -39,14 +41,22 @@ void AddCompletion(CLI::App& app);
 void AddManual(CLI::App& app);
 
 // Parts of the commands above that have a file of their own. The first parameter is the command that they belong to.
-void AddGraphChange(CLI::App& graph, const Globals& globals);
+void AddAreaEdit(CLI::App& area, const Globals& globals);  // add, update
+void AddGraphDiff(CLI::App& graph, const Globals& globals);
 void AddGraphPlot(CLI::App& graph, const Globals& globals);
 void AddGraphSolve(CLI::App& graph, const Globals& globals);
+void AddMapAlias(CLI::App& map, const Globals& globals);  // alias set | list | rollback | delete; restore
+void AddMapDiff(CLI::App& map, const Globals& globals);
+void AddGraphChange(CLI::App& graph, const Globals& globals);
 void AddLinkPointChange(CLI::App& linkpoint, const Globals& globals);  // move, undo
 void AddMapAlign(CLI::App& map, const Globals& globals);
 void AddMapEdit(CLI::App& map, const Globals& globals);
+void AddMapContested(CLI::App& map, const Globals& globals);
+void AddMapDraft(CLI::App& map, const Globals& globals);
+void AddMapEditFile(CLI::App& map, const Globals& globals);  // edit
 void AddMapExport(CLI::App& map, const Globals& globals);
 void AddMapImport(CLI::App& map, const Globals& globals);
+void AddMapPublish(CLI::App& map, const Globals& globals);  // publish, rebase
 void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);

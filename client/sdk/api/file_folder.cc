@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path PartOf(const fs::path& path) { return path.string() + ".part"; }
+fs::path PartialFile(const fs::path& path) { return path.string() + ".part"; }
 
 }  // namespace
 
@@ -23,7 +23,7 @@ absl::Status CreateFolder(const fs::path& folder) {
 
 PartFiles::~PartFiles() {
   std::error_code ignored;
-  for (const fs::path& path : paths_) fs::remove(PartOf(path), ignored);
+  for (const fs::path& path : paths_) fs::remove(PartialFile(path), ignored);
 }
 
 void PartFiles::Start(const google::protobuf::RepeatedPtrField<v1::FileEntry>& files) {
@@ -31,7 +31,7 @@ void PartFiles::Start(const google::protobuf::RepeatedPtrField<v1::FileEntry>& f
 }
 
 absl::Status PartFiles::Write(const v1::FileChunk& chunk) {
-  const fs::path part = PartOf(paths_[static_cast<std::size_t>(chunk.file())]);
+  const fs::path part = PartialFile(paths_[static_cast<std::size_t>(chunk.file())]);
   if (chunk.offset() == 0) {
     out_ = std::ofstream(part, std::ios::binary | std::ios::trunc);
     if (!out_) return InvalidArgument("{}: cannot be written", part.string());
@@ -45,8 +45,9 @@ absl::StatusOr<std::vector<fs::path>> PartFiles::Commit() {
   out_.close();
   for (const fs::path& path : paths_) {
     std::error_code error;
-    if (!fs::exists(PartOf(path), error)) std::ofstream(PartOf(path), std::ios::binary);  // an empty file: no chunks
-    fs::rename(PartOf(path), path, error);
+    if (!fs::exists(PartialFile(path), error))
+      std::ofstream(PartialFile(path), std::ios::binary);  // an empty file: no chunks
+    fs::rename(PartialFile(path), path, error);
     if (error) return InvalidArgument("{}: cannot be written: {}", path.string(), error.message());
   }
   return paths_;

@@ -9,10 +9,11 @@ namespace enfilade::client {
 
 absl::StatusOr<v1::ImportMapResponse> ImportMap(const Connection& connection, const std::string& map,
                                                 v1::MapDialect dialect, absl::Span<const NamedFile> files,
-                                                const TransferProgress& progress) {
+                                                const TransferProgress& progress, bool keep_edits) {
   v1::ImportMapRequest message;
   message.mutable_manifest()->set_parent(map);
   message.mutable_manifest()->set_dialect(dialect);
+  message.mutable_manifest()->set_keep_edits(keep_edits);
   for (const NamedFile& file : files) *message.mutable_manifest()->add_files() = EntryOf(file);
   v1::MapService::Stub stub(connection.channel());
   grpc::ClientContext context;

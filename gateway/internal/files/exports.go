@@ -68,11 +68,20 @@ type fileLink struct {
 // Answers with a resource's files and the paths at which they are found. `kind`: the member with the resource's name;
 // `option`: of the address, if it was given, which then is in the paths, too.
 func writeLinks(w http.ResponseWriter, kind, resource string, entries []*pb.FileEntry, option, value string) error {
+	options := url.Values{}
+	if value != "" {
+		options.Set(option, value)
+	}
+	return writeLinksAt(w, kind, resource, resource, entries, options)
+}
+
+// The same with files that are found below `folder`.
+func writeLinksAt(w http.ResponseWriter, kind, resource, folder string, entries []*pb.FileEntry, options url.Values) error {
 	links := []fileLink{}
 	for _, file := range entries {
-		link := "/v1/" + resource + "/files/" + url.PathEscape(file.GetName())
-		if value != "" {
-			link += "?" + option + "=" + url.QueryEscape(value)
+		link := "/v1/" + folder + "/files/" + url.PathEscape(file.GetName())
+		if len(options) > 0 {
+			link += "?" + options.Encode()
 		}
 		links = append(links, fileLink{file.GetName(), file.GetSizeBytes(), hex.EncodeToString(file.GetSha256()), link})
 	}

@@ -23,6 +23,7 @@ import (
 
 type handlers struct {
 	maps     pb.MapServiceClient
+	areas    pb.MapAreaServiceClient
 	graphs   pb.GraphServiceClient
 	sessions pb.SessionServiceClient
 	ingest   pb.IngestServiceClient
@@ -39,7 +40,7 @@ type route struct {
 // Register adds the routes of files to `mux`; they go before those of the RPCs.
 func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimits) error {
 	h := &handlers{
-		maps: pb.NewMapServiceClient(server), graphs: pb.NewGraphServiceClient(server),
+		maps: pb.NewMapServiceClient(server), areas: pb.NewMapAreaServiceClient(server), graphs: pb.NewGraphServiceClient(server),
 		sessions: pb.NewSessionServiceClient(server), ingest: pb.NewIngestServiceClient(server),
 		points: pb.NewLinkPointServiceClient(server), priors: pb.NewPriorMapServiceClient(server), limits: limits,
 	}
@@ -47,12 +48,15 @@ func Register(mux *runtime.ServeMux, server *grpc.ClientConn, limits UploadLimit
 		{"GET", "/v1/{name=sites/*/maps/*}/files", h.listMapFiles},
 		{"GET", "/v1/{name=sites/*/maps/*/revisions/*}/files", h.listMapFiles},
 		{"GET HEAD", "/v1/{name=sites/*/maps/*/revisions/*}/files/{file}", h.sendMapFile},
+		{"GET", "/v1/{name=sites/*/maps/*/aliases/*}/files", h.listMapFiles},
+		{"GET HEAD", "/v1/{name=sites/*/maps/*/aliases/*}/files/{file}", h.sendMapFile},
 		{"GET HEAD", "/v1/{site=sites/*}/graph.geojson", h.sendGraph},
 		{"GET", "/v1/{name=sites/*/sessions/*}/trajectory.csv", h.sendTrajectory},
 		{"GET HEAD", "/v1/{parent=sites/*}/blobs/{sha256}", h.sendBlob},
 		{"POST", "/v1/{name=sites/*/maps/*}:import", h.importMap},
 		{"POST", "/v1/{name=sites/*/linkPoints/*}/evidence", h.attachEvidence},
 	}
+	routes = append(routes, h.mapAreaRoutes()...)
 	for _, route := range append(routes, h.priorMapRoutes()...) {
 		handle := route.handle
 		for _, method := range strings.Fields(route.methods) {
@@ -89,7 +93,7 @@ func (h *handlers) openMap(ctx context.Context, name, formatName string) (*expor
 	return openExport(h.maps.ExportMap(ctx, &pb.ExportMapRequest{Name: name, Format: format}))
 }
 
-// The files of a map's newest or given revision, with the paths at which they are found.
+// The files of a map's newest or given revision, or that of an alias, with the paths at which they are found.
 func (h *handlers) listMapFiles(w http.ResponseWriter, r *http.Request, path map[string]string) error {
 	ctx, cancel := context.WithCancel(rest.ContextOf(r))
 	defer cancel()

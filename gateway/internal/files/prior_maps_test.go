@@ -99,12 +99,18 @@ func (p *plans) ExportPriorMap(request *pb.ExportPriorMapRequest, stream grpc.Se
 // serving starts `server` behind the gateway's mux.
 func serving(t *testing.T, server *plans) http.Handler {
 	t.Helper()
+	return behindGateway(t, func(service *grpc.Server) { pb.RegisterPriorMapServiceServer(service, server) })
+}
+
+// behindGateway starts a server, whose services `register` adds, behind the gateway's mux.
+func behindGateway(t *testing.T, register func(*grpc.Server)) http.Handler {
+	t.Helper()
 	listener, err := net.Listen("tcp", "127.0.0.1:0")
 	if err != nil {
 		t.Fatal(err)
 	}
 	service := grpc.NewServer()
-	pb.RegisterPriorMapServiceServer(service, server)
+	register(service)
 	go func() { _ = service.Serve(listener) }()
 	t.Cleanup(service.Stop)
 	connection, err := grpc.NewClient(listener.Addr().String(), grpc.WithTransportCredentials(insecure.NewCredentials()))

@@ -61,7 +61,7 @@ absl::Status RenderedFile::Read(std::int64_t offset, std::size_t size, char* out
 
 absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptions::Transfers& options,
                                                                const storage::MapReader& maps,
-                                                               const storage::RevisionStore& revisions) {
+                                                               const RasterStores& rasters) {
   std::error_code error;
   const fs::path parent =
       options.cache_directory.empty() ? fs::temp_directory_path(error) : fs::path(options.cache_directory);
@@ -72,7 +72,7 @@ absl::StatusOr<std::unique_ptr<MapExports>> MapExports::Create(const ServerOptio
   LockedDirectory::RemoveAbandoned(parent, kDirectoryPrefix);
   auto directory = LockedDirectory::Create(parent, kDirectoryPrefix);
   if (!directory.ok()) return WithContext(directory.status(), "transfers.cache_directory");
-  return std::unique_ptr<MapExports>(new MapExports(options, maps, revisions, *std::move(directory)));
+  return std::unique_ptr<MapExports>(new MapExports(options, maps, rasters, *std::move(directory)));
 }
 
 struct MapExports::Rendering {
@@ -97,10 +97,10 @@ struct MapExports::Waiter {
 };
 
 MapExports::MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
-                       const storage::RevisionStore& revisions, LockedDirectory directory)
+                       const RasterStores& rasters, LockedDirectory directory)
     : options_(options),
       maps_(maps),
-      revisions_(revisions),
+      rasters_(rasters),
       directory_(std::move(directory)),
       renderer_(1, kMaxWaiting, kNiceness),
       renderer_of_large_maps_(1, kMaxWaiting, kNiceness) {}
@@ -116,22 +116,26 @@ MapExports::~MapExports() {
 }
 
 absl::StatusOr<MapExports::Subject> MapExports::FindSubject(const storage::CallContext& context,
-                                                            const convert::RevisionName& name,
-                                                            grid::MapFileFormat format) const {
+                                                            const Wanted& wanted) const {
+  const convert::RevisionName& name = wanted.name;
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map map, maps_.Get(context, name.site, name.map));
   if (name.revision == 0 && map.current_revision == 0) {
     return FailedPrecondition("map \"{}\" has no revision yet: map a session into it, or import one", map.display_name);
   }
-  Subject subject{.revision = {}, .display_name = map.display_name, .format = format, .key = {}};
-  ENFILADE_ASSIGN_OR_RETURN(subject.revision, revisions_.Get(context, name.site, name.map, name.revision));
-  subject.key = fmt::format("{}/{}/{}", ToHex(subject.revision.content_sha256), static_cast<int>(format),
+  Subject subject{.revision = {},
+                  .display_name = map.display_name,
+                  .format = wanted.format,
+                  .without_edits = wanted.without_edits,
+                  .key = {}};
+  ENFILADE_ASSIGN_OR_RETURN(subject.revision, rasters_.revisions.Get(context, name.site, name.map, name.revision));
+  subject.key = fmt::format("{}/{}/{}", ToHex(subject.revision.content_sha256), static_cast<int>(wanted.format),
                             grid::SafeStem(map.display_name));
+  if (wanted.without_edits) subject.key += fmt::format("/evidence of {}", subject.revision.number);
   return subject;
 }
 
-void MapExports::Get(const storage::CallContext& context, const convert::RevisionName& name, grid::MapFileFormat format,
-                     Done done) {
-  const absl::StatusOr<Subject> subject = FindSubject(context, name, format);
+void MapExports::Get(const storage::CallContext& context, const Wanted& wanted, Done done) {
+  const absl::StatusOr<Subject> subject = FindSubject(context, wanted);
   if (!subject.ok()) return done(subject.status());
   Wait(*subject, {.cancellation = context.cancellation, .revision = subject->revision, .done = std::move(done)});
 }
@@ -171,7 +175,7 @@ void MapExports::Run(const std::shared_ptr<Rendering>& rendering) {
   if (!rendering->abandoned.stop_requested()) {
     storage::CallContext context = storage::CallContext::WithTimeout(kRenderTimeout);
     context.cancellation = rendering->abandoned.get_token();
-    entry = Render(context, subject.revision, subject.display_name, subject.format);
+    entry = Render(context, subject);
   }
   std::vector<Waiter> waiters;
   absl::StatusOr<ExportedMap> rendered = absl::UnknownError("");
@@ -214,14 +218,16 @@ std::optional<ExportedMap> MapExports::Find(const std::string& key, const storag
   return std::nullopt;
 }
 
-absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext& context,
-                                                     const storage::MapRevision& revision,
-                                                     const std::string& display_name, grid::MapFileFormat format) {
-  ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, revisions_, revision));
+absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext& context, const Subject& subject) {
+  const storage::MapRevision& revision = subject.revision;
+  const absl::StatusOr<grid::MapRaster> raster = subject.without_edits
+                                                     ? ReadEvidence(context, rasters_, revision)
+                                                     : ReadRaster(context, rasters_.revisions, revision);
+  ENFILADE_RETURN_IF_ERROR(raster.status());
   grid::MapFileOptions file_options;
-  file_options.format = format;
+  file_options.format = subject.format;
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files,
-                            grid::RenderFiles(raster, display_name, file_options));
+                            grid::RenderFiles(*raster, subject.display_name, file_options));
   Entry entry;
   entry.map.revision = revision;
   for (const grid::MapFile& file : files) ENFILADE_RETURN_IF_ERROR(Add(file, entry));

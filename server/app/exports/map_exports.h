@@ -19,6 +19,7 @@
 #include "core/base/mutex.h"
 #include "core/grid/files/map_files.h"
 #include "proto/convert/names.h"
+#include "server/app/edits/edited_revision.h"
 #include "server/app/exports/locked_directory.h"
 #include "server/app/runtime/executor.h"
 #include "server/config/server_options.h"
@@ -68,16 +69,20 @@ class MapExports {
   // FAILED_PRECONDITION naming the folder if it cannot be created. Removes the folders of killed servers.
   static absl::StatusOr<std::unique_ptr<MapExports>> Create(const ServerOptions::Transfers& options,
                                                             const storage::MapReader& maps,
-                                                            const storage::RevisionStore& revisions);
+                                                            const RasterStores& rasters);
   // Removes the cache.
   ~MapExports();
 
+  struct Wanted {
+    convert::RevisionName name;
+    grid::MapFileFormat format = grid::MapFileFormat::kPgm;
+    bool without_edits = false;  // of the newest revision only
+  };
   // Reads what is to be exported, and calls `done` with its files: in this thread if they are cached or there is an
   // error, else in one that renders. `done` must not wait. Rendering takes as long as it takes, but ends when all who
   // want it have cancelled. NOT_FOUND; FAILED_PRECONDITION if the map has no revision yet; RESOURCE_EXHAUSTED if the
   // disk is full or too many wait.
-  void Get(const storage::CallContext& context, const convert::RevisionName& name, grid::MapFileFormat format,
-           Done done);
+  void Get(const storage::CallContext& context, const Wanted& wanted, Done done);
 
  private:
   // What is exported, and the name under which it is cached.
@@ -85,6 +90,7 @@ class MapExports {
     storage::MapRevision revision;
     std::string display_name;
     grid::MapFileFormat format = grid::MapFileFormat::kPgm;
+    bool without_edits = false;
     std::string key;
   };
   struct Waiter;
@@ -95,23 +101,21 @@ class MapExports {
     std::int64_t bytes = 0;
   };
 
-  MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps,
-             const storage::RevisionStore& revisions, LockedDirectory directory);
-  absl::StatusOr<Subject> FindSubject(const storage::CallContext& context, const convert::RevisionName& name,
-                                      grid::MapFileFormat format) const;
+  MapExports(const ServerOptions::Transfers& options, const storage::MapReader& maps, const RasterStores& rasters,
+             LockedDirectory directory);
+  absl::StatusOr<Subject> FindSubject(const storage::CallContext& context, const Wanted& wanted) const;
   void Wait(const Subject& subject, Waiter waiter);
   void Run(const std::shared_ptr<Rendering>& rendering);
   // Moves the entry to the front; the result has `revision`, which may be another one with the same content.
   std::optional<ExportedMap> Find(const std::string& key, const storage::MapRevision& revision)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::StatusOr<Entry> Render(const storage::CallContext& context, const storage::MapRevision& revision,
-                               const std::string& display_name, grid::MapFileFormat format);
+  absl::StatusOr<Entry> Render(const storage::CallContext& context, const Subject& subject);
   absl::Status Add(const grid::MapFile& file, Entry& entry);
   void Evict() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ServerOptions::Transfers options_;
   const storage::MapReader& maps_;
-  const storage::RevisionStore& revisions_;
+  const RasterStores rasters_;
   const LockedDirectory directory_;
 
   Mutex mutex_;

@@ -14,12 +14,12 @@ namespace enfilade::server {
 namespace {
 
 // Poses that differ by less are equal, m and rad.
-constexpr double kPoseTolerance = 1e-6;
+constexpr double kSamePoseTolerance = 1e-6;
 
 bool IsSame(const PoseWithCovariance& a, const PoseWithCovariance& b) {
   const Pose2 d = Between(a.pose, b.pose);
-  if (d.translation().norm() > kPoseTolerance || std::abs(d.yaw) > kPoseTolerance) return false;
-  return a.covariance.isApprox(b.covariance, kPoseTolerance) || (a.covariance.isZero() && b.covariance.isZero());
+  if (d.translation().norm() > kSamePoseTolerance || std::abs(d.yaw) > kSamePoseTolerance) return false;
+  return a.covariance.isApprox(b.covariance, kSamePoseTolerance) || (a.covariance.isZero() && b.covariance.isZero());
 }
 
 bool IsSame(const std::optional<PoseWithCovariance>& a, const PoseWithCovariance& b) { return a && IsSame(*a, b); }

@@ -22,7 +22,7 @@ constexpr std::size_t kMaxKeptInUse = 64;
 // Sites whose graphs are read at the same time.
 constexpr int kReaders = 3;
 // Continuations that wait for graphs, of all sites.
-constexpr std::size_t kMaxWaiting = 1000;
+constexpr std::size_t kMaxWaitingReads = 1000;
 constexpr auto kListenTimeout = std::chrono::milliseconds(500);
 constexpr auto kReadTimeout = std::chrono::seconds(30);
 constexpr auto kConnectTimeout = std::chrono::seconds(5);
@@ -61,7 +61,7 @@ class AwaitedRead {
 }  // namespace
 
 SiteGraphs::SiteGraphs(const storage::GraphStore& store, ChangedSites& changed)
-    : store_(store), changed_(changed), readers_(kReaders, kMaxWaiting) {
+    : store_(store), changed_(changed), readers_(kReaders, kMaxWaitingReads) {
   listener_ = std::thread([this] { Listen(); });
 }
 
@@ -91,7 +91,7 @@ SiteGraphs::Result SiteGraphs::Get(const storage::CallContext& context, const Si
 
 void SiteGraphs::Prepare(const SiteId& site, std::function<void(const absl::Status&)> then) {
   if (FindCurrent(site) != nullptr) return then(absl::OkStatus());
-  if (++waiting_ > kMaxWaiting) {
+  if (++waiting_ > kMaxWaitingReads) {
     --waiting_;
     return then(ResourceExhausted("too many calls wait for graphs that are being read: try again later"));
   }

@@ -53,7 +53,7 @@ class RobotLocalization {
  public:
   // All must outlive it.
   RobotLocalization(SiteGraphs& graphs, const storage::RevisionStore& revisions, const PlaceRankingStores& images)
-      : graphs_(graphs), revisions_(revisions), places_(images), maps_(revisions, kMaxBytes) {}
+      : graphs_(graphs), revisions_(revisions), places_(images), maps_({images.blobs, revisions}, kMaxBytes) {}
 
   // INVALID_ARGUMENT: neither scans nor an image; a prior's pose without a map; as localization::Localize.
   // NOT_FOUND: the site, the prior's map. RESOURCE_EXHAUSTED: kMaxSearches calls are searching already. CANCELLED and

@@ -18,7 +18,7 @@ absl::StatusOr<std::shared_ptr<const localization::SearchableMap>> SearchableMap
     const storage::CallContext& context, const storage::MapRevision& revision) {
   if (auto known = Find(revision)) return known;
   // Two calls that need the same map at once both build it. That is rare, and no call waits for another's deadline.
-  ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, revisions_, revision));
+  ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadEvidence(context, stores_, revision));
   ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid grid, OnMapLattice(raster, kCell));
   auto map = std::make_shared<const localization::SearchableMap>(grid, localization::LocalizationOptions());
   const std::size_t bytes = map->bytes();

@@ -11,19 +11,20 @@
 #include "absl/status/statusor.h"
 #include "core/base/mutex.h"
 #include "core/localization/searchable_map.h"
+#include "server/app/edits/edited_revision.h"
 #include "storage/maps/revision_store.h"
 
 namespace enfilade::server {
 
-// The newest revisions of maps, ready to be searched: what was built last stays in memory, up to a limit. Content that
-// is built is recognised by its SHA-256, so a new revision is built anew and a repeated one is not. Thread-safe.
+// The newest revisions of maps, without people's edits, ready to be searched: what was built last stays in memory, up
+// to a limit. Content that is built is recognised by its SHA-256, so a new revision is built anew and a repeated one is
+// not. Thread-safe.
 class SearchableMaps {
  public:
   // `max_bytes`: of the maps kept. Those in use are kept by their users.
-  SearchableMaps(const storage::RevisionStore& revisions, std::size_t max_bytes)
-      : revisions_(revisions), max_bytes_(max_bytes) {}
+  SearchableMaps(const RasterStores& stores, std::size_t max_bytes) : stores_(stores), max_bytes_(max_bytes) {}
 
-  // Errors as ReadRaster's and OnMapLattice's.
+  // Errors as ReadEvidence's and OnMapLattice's.
   absl::StatusOr<std::shared_ptr<const localization::SearchableMap>> Get(const storage::CallContext& context,
                                                                          const storage::MapRevision& revision);
 
@@ -41,7 +42,7 @@ class SearchableMaps {
   std::shared_ptr<const localization::SearchableMap> Find(const storage::MapRevision& revision);
   void Keep(Entry entry);
 
-  const storage::RevisionStore& revisions_;
+  const RasterStores stores_;
   const std::size_t max_bytes_;
   mutable Mutex mutex_;
   std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);  // most recently used first

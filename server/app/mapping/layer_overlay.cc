@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "core/areas/ignore_hits.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
@@ -54,6 +55,7 @@ absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Compose(const storage::CallCon
     ENFILADE_ASSIGN_OR_RETURN(grid, OverlayOrTooFar(grid, *other));
   }
   grids_ = std::move(used);
+  areas::IgnoreHits(beside.ignored, grid);
   return grid;
 }
 

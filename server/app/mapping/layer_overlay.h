@@ -28,8 +28,8 @@ class LayerOverlay {
  public:
   LayerOverlay(const storage::BlobStore& blobs, SiteId site) : blobs_(blobs), site_(std::move(site)) {}
 
-  // `own` is the session's raster, on the lattice of its resolution. FAILED_PRECONDITION if the layers are too far
-  // apart for one raster.
+  // Without hits in areas where they are ignored. `own` is the session's raster, on the lattice of its resolution.
+  // FAILED_PRECONDITION if the layers are too far apart for one raster.
   absl::StatusOr<grid::OccupancyGrid> Compose(const storage::CallContext& context, const storage::LayersBeside& beside,
                                               const grid::OccupancyGrid& own);
 

@@ -7,6 +7,7 @@
 #include "core/base/environment.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/layer_runs.h"
 #include "server/app/mapping/raster_revision.h"
 #include "spdlog/spdlog.h"
@@ -77,7 +78,9 @@ absl::Status SessionMapping::Begin(const storage::Session& session) {
   grid::OccupancyGrid existing;
   const auto revision = stores_.revisions.Get(MappingContext(), site_, map_, 0);
   if (revision.ok()) {
-    ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(MappingContext(), stores_.revisions, *revision));
+    // Not what people have drawn: glass that scanners cannot see must not bend the map.
+    ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster,
+                              ReadEvidence(MappingContext(), {stores_.blobs, stores_.revisions}, *revision));
     ENFILADE_ASSIGN_OR_RETURN(existing, OnMapLattice(raster, slam_.resolution));
   } else if (!absl::IsNotFound(revision.status())) {
     return revision.status();
@@ -209,12 +212,12 @@ absl::Status SessionMapping::CommitRevision(const storage::SessionLease& lease, 
     ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside beside, ReadLayersBeside(own.geometry.resolution));
     RasterRevision whole;
     whole.revision = layer.revision;
-    if (!beside.below.empty() || !beside.above.empty()) {
+    if (!beside.below.empty() || !beside.above.empty() || beside.edits || !beside.ignored.empty()) {
       ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay_.Compose(MappingContext(), beside, own));
-      ENFILADE_ASSIGN_OR_RETURN(whole, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
       std::set<std::string> known = stored_tiles_;
       known.insert(tiles.begin(), tiles.end());
-      ENFILADE_RETURN_IF_ERROR(PutTiles(MappingContext(), stores_.blobs, site_, whole, known));
+      ENFILADE_ASSIGN_OR_RETURN(whole, StoreEdited(MappingContext(), {stores_.blobs, stores_.revisions}, {site_, map_},
+                                                   beside.edits, grid::FromOccupancyGrid(std::move(grid)), known));
       whole.revision.layer = storage::StoredRaster{layer.revision.raster_header, layer.revision.tiles};
     }
     whole.revision.source = storage::RevisionSource::kMapping;

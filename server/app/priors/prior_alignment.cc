@@ -13,13 +13,14 @@
 #include "core/prior/fit/join_maps.h"
 #include "core/prior/formats/geojson_plan.h"
 #include "core/prior/products/products.h"
+#include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
 
 namespace enfilade::server {
 namespace {
 
-constexpr double kCell = 0.05;  // m
-constexpr int kPage = 1000;
+constexpr double kLevelCell = 0.05;  // m
+constexpr int kMapsPage = 1000;
 
 struct LevelMap {
   MapId id;
@@ -85,20 +86,20 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
   Level level;
   level.graph_version = graph->graph().version();
   for (std::string after;;) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto page, maps_.List(context, prior_map.site, {kPage, after}));
+    ENFILADE_ASSIGN_OR_RETURN(const auto page, maps_.List(context, prior_map.site, {kMapsPage, after}));
     for (const storage::Map& map : page) {
       if (map.level != prior_map.level || map.current_revision == 0) continue;
       const auto place = graph->poses.Find(map.id);
       if (!place.ok() || !*place) continue;  // it was made after this version, or nothing joins it to the root
       ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
                                 revisions_.Get(context, prior_map.site, map.id, map.current_revision));
-      ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadRaster(context, revisions_, revision));
-      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(raster, kCell));
+      ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadEvidence(context, {blobs_, revisions_}, revision));
+      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(raster, kLevelCell));
       prior::MapEvidence evidence = prior::EvidenceOf(grid);
       if (evidence.walls.empty()) continue;
       level.maps.push_back({map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence)});
     }
-    if (page.size() < kPage) break;
+    if (page.size() < kMapsPage) break;
     after = page.back().id.value();
   }
   if (level.maps.empty()) {

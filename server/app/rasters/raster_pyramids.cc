@@ -21,7 +21,7 @@ namespace {
 
 using grid::RasterPyramid;
 
-constexpr std::int64_t kPortionBytes = 8LL << 20;
+constexpr std::int64_t kPyramidPortionBytes = 8LL << 20;
 
 // The tiles of zoom 0, and where they lie.
 struct DisplayTiles {
@@ -36,7 +36,7 @@ absl::StatusOr<grid::MapRaster> ReadRaster(const storage::RevisionStore& store, 
   ENFILADE_ASSIGN_OR_RETURN(auto assembler, grid::RasterAssembler::Create(revision.raster_header));
   std::optional<storage::TileKey> after;
   while (true) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto tiles, store.ReadTiles(context, revision, after, kPortionBytes));
+    ENFILADE_ASSIGN_OR_RETURN(const auto tiles, store.ReadTiles(context, revision, after, kPyramidPortionBytes));
     if (tiles.empty()) return std::move(assembler).Finish();
     for (const storage::Tile& tile : tiles) {
       ENFILADE_RETURN_IF_ERROR(assembler.Add({tile.key.row, tile.key.column}, tile.data));
@@ -138,7 +138,7 @@ absl::Status RasterPyramids::Store(const storage::CallContext& context, const st
   for (const auto& [sha256, data] : made) {
     blobs.push_back({sha256, data});
     bytes += data.size();
-    if (bytes < kPortionBytes) continue;
+    if (bytes < kPyramidPortionBytes) continue;
     ENFILADE_RETURN_IF_ERROR(blobs_.Put(context, revision.site, blobs));
     blobs.clear();
     bytes = 0;

@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/grid/tiled_raster.h"
 #include "core/slam/mapper/render_session.h"
+#include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/layer_overlay.h"
 #include "server/app/mapping/raster_revision.h"
 
@@ -172,9 +173,12 @@ absl::Status LayerRenderer::Compose(const std::vector<storage::MapLayer>& layers
   grid::OccupancyGrid none;
   none.geometry.resolution = options->resolution;
   LayerOverlay overlay(stores_.blobs, site_);
-  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay.Compose(context_, {0, layers, {}}, none));
-  ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
-  ENFILADE_RETURN_IF_ERROR(PutTiles(context_, stores_.blobs, site_, whole, {}));
+  ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside* own, Read(raster.map));
+  const storage::LayersBeside all{.version = 0, .below = layers, .above = {}, .edits = {}, .ignored = own->ignored};
+  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay.Compose(context_, all, none));
+  ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole,
+                            StoreEdited(context_, {stores_.blobs, stores_.revisions}, {site_, raster.map}, own->edits,
+                                        grid::FromOccupancyGrid(std::move(grid)), {}));
   whole.revision.source = storage::RevisionSource::kImport;
   for (const storage::MapLayer& layer : layers) {
     if (!layer.session) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/rearrange/rearranger.h"
 
+#include <set>
 #include <utility>
 
 #include "core/base/error.h"
@@ -33,6 +34,7 @@ absl::StatusOr<storage::StoredRearrangement> Rearranger::Apply(const storage::Ca
   absl::StatusOr<storage::StoredRearrangement> applied = stores_.rearrangements.Apply(context, lease, change);
   if (MayBeCommitted(applied.status())) graphs_.MarkChanged(lease.site);
   if (applied.ok()) {
+    MoveEdits(context, lease.site, *applied);
     spdlog::info("maps of {} rearranged ({}): {}", lease.site.value(), change.id.value(), rearrangement.reason);
   }
   return applied;
@@ -43,8 +45,37 @@ absl::StatusOr<storage::StoredRearrangement> Rearranger::Undo(const storage::Cal
                                                               const rearrange::RearrangementId& id) const {
   absl::StatusOr<storage::StoredRearrangement> undone = stores_.rearrangements.Undo(context, lease, id);
   if (MayBeCommitted(undone.status())) graphs_.MarkChanged(lease.site);
-  if (undone.ok()) spdlog::info("rearrangement {} of {} undone", id.value(), lease.site.value());
+  if (undone.ok()) {
+    RecomposeEdited(context, lease.site, *undone);
+    spdlog::info("rearrangement {} of {} undone", id.value(), lease.site.value());
+  }
   return undone;
+}
+
+// The maps are rearranged already: an error is no reason to say that they are not.
+void Rearranger::MoveEdits(const storage::CallContext& context, const SiteId& site,
+                           const storage::StoredRearrangement& applied) const {
+  if (edits_ == nullptr) return;
+  for (const rearrange::MapRedirect& redirect : applied.redirects) {
+    const absl::Status moved = edits_->Adopt(context, {site, redirect.to}, redirect.from, redirect.T_to_from);
+    if (moved.ok()) continue;
+    spdlog::error("the edits of map {}, which was merged into {}, were not published there: {}", redirect.from.value(),
+                  redirect.to.value(), moved.ToString());
+  }
+}
+
+// The layers of before are back; edits lie over them as over any others.
+void Rearranger::RecomposeEdited(const storage::CallContext& context, const SiteId& site,
+                                 const storage::StoredRearrangement& undone) const {
+  if (edits_ == nullptr) return;
+  std::set<MapId> maps;
+  for (const rearrange::MapRedirect& redirect : undone.redirects) maps.insert({redirect.from, redirect.to});
+  for (const rearrange::SessionMove& move : undone.moves) maps.insert(move.to);
+  for (const MapId& map : maps) {
+    const absl::Status composed = edits_->Recompose(context, {site, map});
+    if (composed.ok() || absl::IsNotFound(composed)) continue;
+    spdlog::error("map {} was not composed again: {}", map.value(), composed.ToString());
+  }
 }
 
 }  // namespace enfilade::server

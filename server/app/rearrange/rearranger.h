@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/rearrange/rearrangement.h"
 #include "core/slam/slam_profiles.h"
+#include "server/app/edits/map_edits.h"
 #include "server/app/graph/site_graphs.h"
 #include "storage/call_context.h"
 #include "storage/graph/rearrangement_store.h"
@@ -32,9 +33,10 @@ class Rearranger {
     const storage::RearrangementStore& rearrangements;
   };
 
-  // `graphs` and `profiles` must outlive it.
-  Rearranger(const Stores& stores, const slam::SlamProfiles& profiles, SiteGraphs& graphs)
-      : stores_(stores), profiles_(profiles), graphs_(graphs) {}
+  // All must outlive it. `edits`: what people have edited goes with the maps; null: nobody has.
+  Rearranger(const Stores& stores, const slam::SlamProfiles& profiles, SiteGraphs& graphs,
+             const MapEdits* edits = nullptr)
+      : stores_(stores), profiles_(profiles), graphs_(graphs), edits_(edits) {}
 
   // Applies what was decided by the graph at `graph_version`, under the site's lease, which the caller holds and keeps.
   // ABORTED if the graph has changed since or the lease is lost: decide again. Other errors: INVALID_ARGUMENT
@@ -49,9 +51,16 @@ class Rearranger {
                                                     const rearrange::RearrangementId& id) const;
 
  private:
+  // The edits of maps that are redirected become publications of those that stay.
+  void MoveEdits(const storage::CallContext& context, const SiteId& site,
+                 const storage::StoredRearrangement& applied) const;
+  void RecomposeEdited(const storage::CallContext& context, const SiteId& site,
+                       const storage::StoredRearrangement& undone) const;
+
   const Stores stores_;
   const slam::SlamProfiles& profiles_;
   SiteGraphs& graphs_;
+  const MapEdits* const edits_;
 };
 
 }  // namespace enfilade::server

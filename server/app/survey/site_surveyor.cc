@@ -20,7 +20,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(500);
-constexpr auto kStoreTimeout = std::chrono::seconds(60);
+constexpr auto kSurveyStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
 constexpr int kSitesAtOnce = 32;
 // A session with several rooms is cut once a survey.
@@ -29,7 +29,7 @@ constexpr auto kRetry = std::chrono::seconds(2);
 constexpr int kUsualFailures = 10;
 
 storage::CallContext SurveyorContext() {
-  storage::CallContext context = storage::CallContext::WithTimeout(kStoreTimeout);
+  storage::CallContext context = storage::CallContext::WithTimeout(kSurveyStoreTimeout);
   context.actor = "survey of the site";
   return context;
 }

@@ -10,6 +10,7 @@
 #include "enfilade/v1/map_service.pb.h"
 #include "proto/convert/names.h"
 #include "server/rpc/map/chunk_message.h"
+#include "server/rpc/map/named_revision.h"
 #include "server/rpc/resources.h"
 
 namespace enfilade::server {
@@ -78,11 +79,16 @@ class ExportSource {
 
 void ExportMap(const Services& services, const Call& call, const v1::ExportMapRequest& request,
                Opened<grpc::ByteBuffer> opened) {
-  const absl::StatusOr<convert::RevisionName> name = convert::ParseMapOrRevisionName("name", request.name());
+  const absl::StatusOr<convert::RevisionName> name =
+      ResolveMapOrRevision(services, call.context(), "name", request.name());
   if (!name.ok()) return opened(name.status());
   const absl::StatusOr<grid::MapFileFormat> format = FormatOf(request.format());
   if (!format.ok()) return opened(format.status());
-  services.exports.Get(call.context(), *name, *format,
+  if (request.without_edits() && name->revision != 0) {
+    return opened(InvalidArgument(
+        "without_edits is set and name is {}: only the newest revision has both; name the map", request.name()));
+  }
+  services.exports.Get(call.context(), {*name, *format, request.without_edits()},
                        [&call, opened = std::move(opened)](absl::StatusOr<ExportedMap> map) {
                          call.Continue([opened, map = std::move(map)] {
                            if (!map.ok()) return opened(map.status());

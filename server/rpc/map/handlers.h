@@ -25,5 +25,17 @@ absl::StatusOr<v1::TagMapRevisionResponse> TagMapRevision(const Services& servic
                                                           const v1::TagMapRevisionRequest& request);
 absl::StatusOr<v1::ListMapRevisionsResponse> ListMapRevisions(const Services& services, const Call& call,
                                                               const v1::ListMapRevisionsRequest& request);
+absl::StatusOr<v1::SetMapAliasResponse> SetMapAlias(const Services& services, const Call& call,
+                                                    const v1::SetMapAliasRequest& request);
+absl::StatusOr<v1::RollBackMapAliasResponse> RollBackMapAlias(const Services& services, const Call& call,
+                                                              const v1::RollBackMapAliasRequest& request);
+absl::StatusOr<v1::ListMapAliasesResponse> ListMapAliases(const Services& services, const Call& call,
+                                                          const v1::ListMapAliasesRequest& request);
+absl::StatusOr<v1::DeleteMapAliasResponse> DeleteMapAlias(const Services& services, const Call& call,
+                                                          const v1::DeleteMapAliasRequest& request);
+absl::StatusOr<v1::RestoreMapRevisionResponse> RestoreMapRevision(const Services& services, const Call& call,
+                                                                  const v1::RestoreMapRevisionRequest& request);
+absl::StatusOr<v1::DiffMapRevisionsResponse> DiffMapRevisions(const Services& services, const Call& call,
+                                                              const v1::DiffMapRevisionsRequest& request);
 
 }  // namespace enfilade::server

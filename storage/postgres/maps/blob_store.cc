@@ -17,6 +17,8 @@ constexpr Statement kPutBlob{"storing a blob",
                              " WHERE excluded.put_time - b.put_time > interval '1 minute'"};
 constexpr Statement kSelectBlob{"reading the blob",
                                 "SELECT data FROM enfilade.blobs WHERE site_id = $1 AND sha256 = $2"};
+constexpr Statement kSelectBlobs{"reading blobs",
+                                 "SELECT sha256, data FROM enfilade.blobs WHERE site_id = $1 AND sha256 = ANY ($2)"};
 
 std::string NameOfBlob(const SiteId& site, std::string_view sha256) {
   return fmt::format("blob {} of {}", ToHex(sha256), NameOf(site));
@@ -48,6 +50,25 @@ absl::StatusOr<std::string> BlobStore::Get(const CallContext& context, const Sit
   ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectBlob, Params(site, Bytes{sha256})));
   return ReadOne(
       result, [](Row& row) { return std::string(row.Bytes()); }, NameOfBlob(site, sha256));
+}
+
+absl::StatusOr<std::map<std::string, std::string>> BlobStore::GetAll(const CallContext& context, const SiteId& site,
+                                                                     const std::vector<std::string>& sha256) const {
+  std::vector<Bytes> digests;
+  digests.reserve(sha256.size());
+  for (const std::string& digest : sha256) digests.push_back(Bytes{digest});
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectBlobs, Params(site, digests)));
+  std::map<std::string, std::string> blobs;
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    std::string digest(row.Bytes());
+    blobs.emplace(std::move(digest), std::string(row.Bytes()));
+    ENFILADE_RETURN_IF_ERROR(row.status());
+  }
+  for (const std::string& digest : sha256) {
+    if (!blobs.contains(digest)) return NotFound("{} does not exist", NameOfBlob(site, digest));
+  }
+  return blobs;
 }
 
 }  // namespace enfilade::storage::postgres

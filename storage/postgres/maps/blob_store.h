@@ -17,6 +17,8 @@ class BlobStore final : public storage::BlobStore {
   absl::Status Put(const CallContext& context, const SiteId& site, absl::Span<const BlobView> blobs) const override;
   absl::StatusOr<std::string> Get(const CallContext& context, const SiteId& site,
                                   std::string_view sha256) const override;
+  absl::StatusOr<std::map<std::string, std::string>> GetAll(const CallContext& context, const SiteId& site,
+                                                            const std::vector<std::string>& sha256) const override;
 
  private:
   Pool& pool_;

@@ -4,6 +4,8 @@
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/driver/wkb.h"
+#include "storage/postgres/maps/overlay_rows.h"
 #include "storage/postgres/maps/tile_columns.h"
 
 namespace enfilade::storage::postgres {
@@ -28,8 +30,9 @@ constexpr Statement kInsertImport{"storing the map's layer",
                                   " VALUES ($1, $2, 1, $3, " ENFILADE_LAYERS_VERSION ")"};
 constexpr Statement kUpsertLayer{
     "storing the session's layer",
-    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header, version)"
-    " SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, $5, " ENFILADE_LAYERS_VERSION
+    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header, version,"
+    " edit_version) SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, $5, " ENFILADE_LAYERS_VERSION
+    ", coalesce((SELECT edit_version FROM enfilade.map_overlays WHERE site_id = $1 AND map_id = $2), 0)"
     " FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"
     " ON CONFLICT (site_id, map_id, session_id) WHERE session_id IS NOT NULL DO UPDATE SET"
     " revision = excluded.revision, raster_header = excluded.raster_header, version = excluded.version"};
@@ -137,7 +140,42 @@ LayerPart ReadLayerPart(Row& row) {
   return part;
 }
 
+// Of all areas of the kind (areas::AreaKind), whenever they hold: hits are mapped for good.
+constexpr Statement kSelectIgnoredOutlines{
+    "reading areas in which hits are ignored",
+    "SELECT ST_AsBinary(outline, 'NDR') FROM enfilade.map_areas WHERE site_id = $1 AND map_id = $2 AND kind = 4"
+    " ORDER BY area_id"};
+
+absl::StatusOr<std::vector<std::vector<Eigen::Vector2d>>> ReadIgnoredOutlines(Pool& pool, const CallContext& context,
+                                                                              const MapKey& key) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result result,
+                            ExecuteAlone(pool, context, kSelectIgnoredOutlines, Params(key.site, key.map)));
+  std::vector<std::vector<Eigen::Vector2d>> outlines;
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    const std::string_view bytes = row.Bytes();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<Eigen::Vector2d> outline, DecodePolygon(bytes));
+    outlines.push_back(std::move(outline));
+  }
+  return outlines;
+}
+
+absl::StatusOr<std::int64_t> VersionIn(const Result& result) {
+  if (result.rows() == 0) return 0;  // the map never had a layer
+  Row row(result, 0);
+  const std::int64_t version = row.Int64();
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  return version;
+}
+
 }  // namespace
+
+absl::StatusOr<std::int64_t> ReadLayersVersion(Pool& pool, const CallContext& context, const MapKey& key) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result result,
+                            ExecuteAlone(pool, context, kSelectLayersVersion, Params(key.site, key.map)));
+  return VersionIn(result);
+}
 
 absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
                                         const SessionId& session, std::optional<double> resolution) {
@@ -157,6 +195,10 @@ absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, 
       side->push_back(std::move(part.layer));
     }
   }
+  // Read last: if edits are published after the layers were read, their version is no longer that of the map.
+  ENFILADE_ASSIGN_OR_RETURN(OverlayState state, ReadOverlayRows(pool, context, key));
+  if (state.overlay && !state.overlay->tiles.empty()) beside.edits = std::move(state.overlay);
+  ENFILADE_ASSIGN_OR_RETURN(beside.ignored, ReadIgnoredOutlines(pool, context, key));
   return beside;
 }
 
@@ -189,28 +231,32 @@ absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLaye
 absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision) {
   if (!revision.layers_version) return absl::OkStatus();
   ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectLayersVersion, Params(key.site, key.map)));
-  std::int64_t version = 0;  // the map never had a layer
-  if (result.rows() > 0) {
-    Row row(result, 0);
-    version = row.Int64();
-    ENFILADE_RETURN_IF_ERROR(row.status());
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, VersionIn(result));
   return version == *revision.layers_version ? absl::OkStatus() : LayersChanged(key.site, key.map);
 }
 
-void QueueLayersChange(Transaction& transaction, const MapKey& key) {
+void QueueLayersVersion(Transaction& transaction, const MapKey& key) {
   transaction.Queue(kRaiseLayersVersion, Params(key.site, key.map));
+}
+
+void QueueLayersChange(Transaction& transaction, const MapKey& key) {
+  QueueLayersVersion(transaction, key);
   transaction.Queue(kForgetRuns, Params(key.site, key.map));
 }
 
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   const auto& [site, map] = key;
-  if (!revision.session) {
+  if (ReplacesLayers(revision.source)) {
     QueueLayersChange(transaction, key);
     transaction.Queue(kDeleteLayers, Params(site, map));
-    transaction.Queue(kInsertImport, Params(site, map, number));
+    if (revision.edits) {
+      QueueTopLayer(transaction, key, std::nullopt, revision.edits->evidence);
+    } else {
+      transaction.Queue(kInsertImport, Params(site, map, number));
+    }
     return;
   }
+  if (!revision.session) return;
   std::optional<std::int64_t> whole;
   std::optional<Bytes> header;
   if (revision.layer) {

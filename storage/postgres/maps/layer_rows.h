@@ -17,6 +17,9 @@ namespace enfilade::storage::postgres {
 absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, const MapKey& key,
                                         const SessionId& session, std::optional<double> resolution);
 
+// LayersBeside::version.
+absl::StatusOr<std::int64_t> ReadLayersVersion(Pool& pool, const CallContext& context, const MapKey& key);
+
 // LayersChanged if they are no longer those of `version`.
 absl::Status LockLayers(Transaction& transaction, const MapKey& key, std::int64_t version);
 
@@ -27,11 +30,14 @@ absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLaye
 // changed since.
 absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision);
 
+// Raises the version of the layers only: what lies over them has changed. Queued only.
+void QueueLayersVersion(Transaction& transaction, const MapKey& key);
+
 // Whoever changes or deletes layers otherwise calls this first: raises their version, and forgets the map's runs.
 // Queued only.
 void QueueLayersChange(Transaction& transaction, const MapKey& key);
 
-// Makes the revision `number` the map's only layer (an import), or stores its session's layer. Queued only.
+// Makes the revision `number` the map's only layer (ReplacesLayers), or stores its session's layer. Queued only.
 void QueueLayer(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number);
 
 // Puts a layer on top of the map's. `session`: unset if it was imported. Queued only.

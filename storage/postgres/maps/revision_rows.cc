@@ -5,6 +5,7 @@
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/maps/blob_store.h"
 #include "storage/postgres/maps/layer_rows.h"
+#include "storage/postgres/maps/overlay_rows.h"
 #include "storage/postgres/maps/tile_columns.h"
 
 namespace enfilade::storage::postgres {
@@ -21,9 +22,9 @@ constexpr Statement kLockMapForRevision{
 constexpr Statement kInsertRevision{
     "storing the revision",
     "INSERT INTO enfilade.map_revisions (site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y,"
-    " origin_yaw, width, height, raster_header, content_sha256, tile_count, tile_bytes)"
-    " SELECT $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, cardinality($14::bytea[]), coalesce(sum(b.size), "
-    "0)"
+    " origin_yaw, width, height, raster_header, content_sha256, edit_version, tile_count, tile_bytes)"
+    " SELECT $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $15, cardinality($14::bytea[]),"
+    " coalesce(sum(b.size), 0)"
     " FROM unnest($14::bytea[]) AS u (sha256) JOIN enfilade.blobs b ON b.site_id = $1 AND b.sha256 = u.sha256"};
 constexpr Statement kInsertTiles{
     "storing the revision's tiles",
@@ -44,7 +45,8 @@ void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevisio
       kInsertRevision,
       Params(key.site, key.map, number, static_cast<std::int16_t>(revision.source), revision.session, grid.resolution,
              grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw, std::int32_t{grid.width},
-             std::int32_t{grid.height}, Bytes{revision.raster_header}, Bytes{revision.content_sha256}, tiles.digests));
+             std::int32_t{grid.height}, Bytes{revision.raster_header}, Bytes{revision.content_sha256}, tiles.digests,
+             revision.edits ? revision.edits->overlay.edit_version : std::int64_t{0}));
   transaction.Queue(kInsertTiles, Params(key.site, key.map, number, tiles.rows, tiles.columns, tiles.digests));
 }
 
@@ -74,6 +76,7 @@ absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKe
     QueueRevision(transaction, key, revision, number);
     if (number > 1) QueueRevisionReview(transaction, key);
   }
+  QueueRevisionEdits(transaction, key, revision);
   transaction.Queue(kSetRevisionState, Params(site, map, number, static_cast<std::int16_t>(state)));
   return number;
 }
@@ -89,7 +92,8 @@ absl::Status ExplainRevisionError(const absl::Status& status, const SiteId& site
   if (AreLayersChanged(status) || absl::IsNotFound(status)) return status;  // they name the map
   const std::string constraint = ConstraintOf(status);
   if (constraint == "map_revision_tiles_site_id_sha256_fkey" || constraint == "map_layer_tiles_site_id_sha256_fkey" ||
-      constraint == "map_layer_run_tiles_site_id_sha256_fkey") {
+      constraint == "map_layer_run_tiles_site_id_sha256_fkey" ||
+      constraint == "map_overlay_tiles_site_id_sha256_fkey") {
     return FailedPrecondition("a tile's blob is not stored: {}", std::string(status.message()));
   }
   if (constraint == "map_revision_tiles_pkey") {

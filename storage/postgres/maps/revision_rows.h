@@ -21,7 +21,7 @@ absl::StatusOr<std::int64_t> AddRevision(Transaction& transaction, const MapKey&
 absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision,
                                            absl::Span<const BlobView> blobs, MapState state);
 
-// Has the map's revisions looked at by their retention: there is a new one, or one has lost its tag.
+// Has the map's revisions looked at by their retention: there is a new one, or one has lost its tag or alias.
 void QueueRevisionReview(Transaction& transaction, const MapKey& key);
 
 // An error of the schema in terms of the API.

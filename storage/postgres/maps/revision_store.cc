@@ -6,7 +6,9 @@
 #include "core/base/resource_name.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/maps/layer_rows.h"
+#include "storage/postgres/maps/map_edit_rows.h"
 #include "storage/postgres/maps/orphaned_layers.h"
+#include "storage/postgres/maps/overlay_rows.h"
 #include "storage/postgres/maps/revision_rows.h"
 
 namespace enfilade::storage::postgres {
@@ -14,7 +16,9 @@ namespace {
 
 #define ENFILADE_REVISION_COLUMNS                                                                             \
   "site_id, map_id, revision, source, session_id, resolution, origin_x, origin_y, origin_yaw, width, height," \
-  " raster_header, content_sha256, tile_count, tile_bytes, create_time, tag"
+  " raster_header, content_sha256, tile_count, tile_bytes, create_time, tag, edit_version,"                   \
+  " (SELECT coalesce(array_agg(a.alias_id::text ORDER BY a.alias_id), '{}') FROM enfilade.map_aliases a"      \
+  "   WHERE a.site_id = $1 AND a.map_id = map_revisions.map_id AND a.revision = map_revisions.revision)"
 
 constexpr Statement kSelectRevision{"reading the revision",
                                     "SELECT " ENFILADE_REVISION_COLUMNS
@@ -68,6 +72,8 @@ MapRevision ReadRevision(Row& row) {
   revision.tile_bytes = row.Int64();
   revision.create_time = row.Time();
   revision.tag = row.Text();
+  revision.edit_version = row.Int64();
+  for (std::string& alias : row.OptionalTexts()) revision.aliases.emplace_back(std::move(alias));
   return revision;
 }
 
@@ -167,6 +173,19 @@ absl::StatusOr<std::vector<Tile>> RevisionStore::ReadTiles(const CallContext& co
     tile.data = row.Bytes();
     return tile;
   });
+}
+
+absl::StatusOr<std::optional<StoredRaster>> RevisionStore::ReadEvidence(const CallContext& context, const SiteId& site,
+                                                                        const MapId& map) const {
+  ENFILADE_ASSIGN_OR_RETURN(OverlayState state, ReadOverlayRows(pool_, context, {site, map}));
+  return std::move(state.evidence);
+}
+
+absl::StatusOr<std::vector<edit::Publication>> RevisionStore::ReadPublications(const CallContext& context,
+                                                                               const SiteId& site, const MapId& map,
+                                                                               std::int64_t after,
+                                                                               std::int64_t up_to) const {
+  return ReadPublicationRows(pool_, context, {site, map}, after, up_to);
 }
 
 }  // namespace enfilade::storage::postgres

@@ -30,6 +30,11 @@ class RevisionStore final : public storage::RevisionStore {
                            const NewLayerRun& merged) const override;
   absl::StatusOr<std::vector<Tile>> ReadTiles(const CallContext& context, const MapRevision& revision,
                                               std::optional<TileKey> after, std::int64_t max_bytes) const override;
+  absl::StatusOr<std::optional<StoredRaster>> ReadEvidence(const CallContext& context, const SiteId& site,
+                                                           const MapId& map) const override;
+  absl::StatusOr<std::vector<edit::Publication>> ReadPublications(const CallContext& context, const SiteId& site,
+                                                                  const MapId& map, std::int64_t after,
+                                                                  std::int64_t up_to) const override;
 
  private:
   Pool& pool_;

@@ -133,6 +133,7 @@ absl::Status AddMaps(Transaction& transaction, const SiteId& site, const Rearran
 
 void QueueMoves(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id) {
   const Params key(site, id);
+  QueueAreaMoves(transaction, site, id);
   for (const Statement* statement : {&kMoveVerdicts, &kRedirectVerdicts, &kMoveSessions, &kMoveSubmaps, &kMoveNodes,
                                      &kMoveTracks, &kRedirectControlPoints}) {
     transaction.Queue(*statement, key);

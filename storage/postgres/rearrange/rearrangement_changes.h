@@ -22,6 +22,9 @@ void QueueImagesBefore(Transaction& transaction, const SiteId& site, const rearr
 // Adds the new maps, in the place in the world that the sessions that move there give them.
 absl::Status AddMaps(Transaction& transaction, const SiteId& site, const RearrangementChange& change,
                      std::int64_t version);
+// Moves areas with the keyframes that are near to them, which still have their old poses, and keeps the images of the
+// areas that it moves. Queued only.
+void QueueAreaMoves(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
 // Moves sessions and what else is in the frames of their maps. Queued only.
 void QueueMoves(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
 absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, const RearrangementChange& change,

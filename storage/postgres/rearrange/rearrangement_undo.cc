@@ -29,7 +29,7 @@ constexpr Statement kFindChanged{
     "SELECT relation, key FROM enfilade.rearrangement_images WHERE site_id = $1 AND rearrangement_id = $2"
     " AND relation NOT IN ('place', 'robot_pose')"
     " AND after IS DISTINCT FROM enfilade.rearrangement_image(site_id, relation, key) ORDER BY relation, key LIMIT 1"};
-// Sessions and link points that have come into the maps that would disappear.
+// Sessions, link points and areas that have come into the maps that would disappear.
 constexpr Statement kFindNewcomer{
     "looking for what came later",
     "SELECT 'session ' || s.session_id, p.subject FROM enfilade.rearrangement_parts p JOIN enfilade.sessions s"
@@ -41,7 +41,12 @@ constexpr Statement kFindNewcomer{
     " JOIN enfilade.link_point_anchors a ON a.site_id = p.site_id AND a.map_id = p.subject"
     " WHERE p.site_id = $1 AND p.rearrangement_id = $2 AND p.kind = 1 AND NOT EXISTS ("
     "  SELECT FROM enfilade.rearrangement_parts m WHERE m.site_id = $1 AND m.rearrangement_id = $2"
-    "  AND m.kind IN (4, 5) AND m.subject = a.link_point_id) ORDER BY 1 LIMIT 1"};
+    "  AND m.kind IN (4, 5) AND m.subject = a.link_point_id)"
+    " UNION ALL SELECT 'area ' || a.area_id, p.subject FROM enfilade.rearrangement_parts p"
+    " JOIN enfilade.map_areas a ON a.site_id = p.site_id AND a.map_id = p.subject"
+    " WHERE p.site_id = $1 AND p.rearrangement_id = $2 AND p.kind = 1 AND NOT EXISTS ("
+    "  SELECT FROM enfilade.rearrangement_images i WHERE i.site_id = $1 AND i.rearrangement_id = $2"
+    "  AND i.relation = 'area' AND i.key = a.map_id || '/' || a.area_id) ORDER BY 1 LIMIT 1"};
 
 // Images that are restored: "r" is the row of rearrangement_images.
 #define ENFILADE_IMAGES(relation) \
@@ -310,6 +315,7 @@ absl::Status RestoreImages(Transaction& transaction, const SiteId& site, const r
   transaction.Queue(kDropNewLinkPoints, with_version);
   transaction.Queue(kRestoreLinkPoints, with_version);
   QueueUncuts(transaction, site, id);
+  QueueAreaReturns(transaction, site, id);
   for (const Statement* statement :
        {&kRestoreAnchors, &kRestoreEvidence, &kRestoreSessions, &kRestoreCheckpoints, &kRestoreSubmaps, &kRestoreNodes,
         &kRestoreTracks, &kRestoreVerdicts, &kRestoreControlPoints, &kRaiseLayersVersions, &kForgetRunsOf,

@@ -13,6 +13,8 @@ namespace enfilade::storage::postgres {
 
 // Locks what it changed. FAILED_PRECONDITION if it is undone already, or naming what is no longer as it left it.
 absl::Status LockAndCheckUnchanged(Transaction& transaction, const SiteId& site, const StoredRearrangement& stored);
+// Areas as they were before. Queued only.
+void QueueAreaReturns(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
 // Everything as it was before. INTERNAL if it is not.
 absl::Status RestoreImages(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id,
                            std::int64_t version);

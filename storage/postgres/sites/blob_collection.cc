@@ -18,6 +18,7 @@ namespace {
   " AND NOT EXISTS (SELECT FROM enfilade.map_layer_run_tiles r WHERE r.site_id = $1 AND r.sha256 = b.sha256 OFFSET 0)" \
   " AND NOT EXISTS (SELECT FROM enfilade.raster_pyramid_tiles r WHERE r.site_id = $1 AND r.sha256 = b.sha256 OFFSET "  \
   "0)"                                                                                                                 \
+  " AND NOT EXISTS (SELECT FROM enfilade.map_overlay_tiles r WHERE r.site_id = $1 AND r.sha256 = b.sha256 OFFSET 0)"   \
   " AND NOT EXISTS (SELECT FROM enfilade.prior_map_files r WHERE r.site_id = $1 AND r.sha256 = b.sha256 OFFSET 0)"     \
   " AND NOT EXISTS (SELECT FROM enfilade.session_record_blobs r WHERE r.site_id = $1 AND r.sha256 = b.sha256 OFFSET "  \
   "0)"                                                                                                                 \

@@ -19,8 +19,8 @@ namespace {
 constexpr Statement kFindReview{"looking for revisions past their retention",
                                 "SELECT map_id FROM enfilade.revision_reviews WHERE site_id = $1 AND due_time <= now()"
                                 " ORDER BY due_time LIMIT 1 FOR UPDATE SKIP LOCKED"};
-// Revisions of the map $2 that are not among the newest ones, have no tag, are no layers, and that undoing a
-// rearrangement of the map cannot need: those of before it.
+// Revisions of the map $2 that are not among the newest ones, have no tag, are no layers, to which no alias leads or
+// can be led back, and that undoing a rearrangement of the map cannot need: those of before it.
 #define ENFILADE_SUPERSEDED                                                                                        \
   " FROM enfilade.map_revisions r"                                                                                 \
   " JOIN enfilade.sites s ON s.site_id = r.site_id"                                                                \
@@ -28,6 +28,8 @@ constexpr Statement kFindReview{"looking for revisions past their retention",
   " WHERE r.site_id = $1 AND r.map_id = $2 AND r.revision <= m.current_revision - s.revisions_kept AND r.tag = ''" \
   " AND NOT EXISTS (SELECT FROM enfilade.map_layers l WHERE l.site_id = $1 AND l.map_id = $2"                      \
   "   AND l.revision = r.revision)"                                                                                \
+  " AND NOT EXISTS (SELECT FROM enfilade.map_aliases n WHERE n.site_id = $1 AND n.map_id = $2"                     \
+  "   AND (n.revision = r.revision OR n.previous_revision = r.revision))"                                          \
   " AND r.create_time > coalesce((SELECT max(a.create_time) FROM enfilade.rearrangement_images i"                  \
   "   JOIN enfilade.rearrangements a ON a.site_id = i.site_id AND a.rearrangement_id = i.rearrangement_id"         \
   "   WHERE i.site_id = $1 AND a.site_id = $1 AND i.key = $2 AND i.relation IN ('map', 'layers')), '-infinity')"

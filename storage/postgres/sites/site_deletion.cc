@@ -55,6 +55,11 @@ constexpr std::int32_t kPurgeSessions = 1;
 constexpr std::int32_t kFirstTable = 2;
 #define ENFILADE_OF_SITE(table) ENFILADE_DELETE_PORTION(table, "true", "$2")
 constexpr std::array kTables = {
+    ENFILADE_OF_SITE("map_overlay_tiles"),
+    ENFILADE_OF_SITE("map_overlays"),
+    ENFILADE_OF_SITE("map_edits"),
+    ENFILADE_OF_SITE("map_drafts"),
+    ENFILADE_OF_SITE("map_areas"),
     ENFILADE_OF_SITE("prior_map_files"),
     ENFILADE_OF_SITE("prior_maps"),
     ENFILADE_OF_SITE("rearrangement_images"),
@@ -78,6 +83,7 @@ constexpr std::array kTables = {
     ENFILADE_OF_SITE("map_layers"),
     ENFILADE_OF_SITE("raster_pyramid_tiles"),
     ENFILADE_OF_SITE("raster_pyramids"),
+    ENFILADE_OF_SITE("map_aliases"),
     ENFILADE_OF_SITE("map_revision_tiles"),
     ENFILADE_OF_SITE("map_revisions"),
     ENFILADE_OF_SITE("revision_reviews"),

@@ -148,9 +148,24 @@ SELECT pg_temp.fill('rearrangement_images', '{"rearrangement_id": "merge", "rela
   "before": {}}');
 SELECT pg_temp.fill('rearrangement_blobs', jsonb_build_object('rearrangement_id', 'merge',
   'sha256', pg_temp.hash('2')));
+SELECT pg_temp.fill('map_drafts', '{"map_id": "m1", "draft_id": "d", "display_name": "", "author": "", "base_edit_version": 0,
+  "resolution": 0.05, "origin_x": 0, "origin_y": 0, "origin_yaw": 0, "head": 1, "next_sequence": 2, "active_edits": 1,
+  "create_time": "2026-01-01", "etag": 1, "publish_time": "2026-01-01", "edit_version": 1, "revision": 1, "message": "-"}');
+SELECT pg_temp.fill('map_edits', '{"map_id": "m1", "draft_id": "d", "sequence": 1, "edit_id": "e", "author": "", "head": 1,
+  "active": true, "instruction": 3, "invisible": false, "shape": "\\x00", "create_time": "2026-01-01"}');
+SELECT pg_temp.fill('map_overlays', '{"map_id": "m1", "edit_version": 1, "first_version": 1, "resolution": 0.05, "origin_x": 0,
+  "origin_y": 0, "origin_yaw": 0, "evidence_header": "\\x00"}');
+SELECT pg_temp.fill('map_overlay_tiles', jsonb_build_object('map_id', 'm1', 'part', 2, 'tile_row', 0, 'tile_column', 0,
+  'sha256', pg_temp.hash('1')));
 SELECT pg_temp.fill('prior_maps', '{"prior_map_id": "plan", "display_name": "Plan", "level": 0, "state": 2, "reason": "-",
   "file_name": "plan.png", "warnings": [], "walls": 8, "corners": 8, "doors": 0, "rooms": 1, "shafts": 0,
   "affine": [1, 0, 0, 0, -1, 0], "model": 2, "explained": 1, "contradicted": 0, "rival_ratio": 2, "aligned_maps": ["m1"],
   "graph_version": 1, "pair_maps": ["m1"], "pair_points": [1, 2, 3, 4], "align_time": "2026-01-01"}');
 SELECT pg_temp.fill('prior_map_files', jsonb_build_object('prior_map_id', 'plan', 'product', 1, 'name', 'plan.png',
   'size_bytes', 1, 'sha256', pg_temp.hash('2')));
+SELECT pg_temp.fill('map_areas', '{"map_id": "m1", "area_id": "glass", "display_name": "Glass", "kind": 4,
+  "outline": "POLYGON((0 0, 1 0, 1 1, 0 0))", "robot_types": [], "speed_limit": 0, "etag": 1}');
+SELECT pg_temp.fill('rearrangement_images', '{"rearrangement_id": "merge", "relation": "area", "key": "old/door",
+  "before": {}}', 'map_areas');
+SELECT pg_temp.fill('map_aliases', '{"map_id": "m1", "alias_id": "stable", "revision": 2, "previous_revision": 1,
+  "actor": "-"}');

@@ -54,6 +54,7 @@ class RearrangementRowsTest : public RearrangementFixture<PostgresRearrangementS
              "SELECT link_point_id, kind, tag, direction_map_id, anchor_count, position::text, yaw FROM link_points",
              "SELECT link_point_id, map_id, ordinal, x, y, yaw, covariance FROM link_point_anchors",
              "SELECT link_point_id, map_id, kind, ordinal, sha256, x, y, yaw FROM link_point_evidence",
+             "SELECT a.map_id, a.area_id, a.outline::text, to_jsonb(a) FROM map_areas a",
              "SELECT map_id, position, session_id, revision, raster_header FROM map_layers",
              "SELECT map_id, position, tile_row, tile_column, sha256 FROM map_layer_tiles",
              "SELECT map_id, content_sha256 FROM map_revisions JOIN maps USING (site_id, map_id)"

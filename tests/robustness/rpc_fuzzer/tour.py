@@ -13,9 +13,12 @@ import grpc
 START_S = 1_700_000_000
 BEAMS = 120
 INDOOR, DOOR, PGM, NAV2 = 1, 1, 1, 1
+FREE, OCCUPIED, CLEAR, KEEP, MINE = 2, 3, 4, 1, 1  # of edits
 COVARIANCE = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]
 WORLD = {"pose": {"x": 1.0, "y": 0.5, "yaw": 0.1}, "covariance": COVARIANCE}
 TIMEOUT_S = 60
+KEEP_OUT, SPEED_LIMIT, ROOM = 1, 2, 5  # kinds of areas
+AREA_FORMATS = (1, 2, 3)  # GeoJSON, and masks for Nav2
 DONE_STATES = (3, 4)  # of a session: MAPPED, FAILED
 CAUSE_OPTIMIZED = 7  # of a version of the graph
 
@@ -122,6 +125,7 @@ class Tour:
         """Every RPC at least once."""
         self.sites_and_robots()
         self.maps()
+        self.areas()
         first, second = self.drive("one"), self.drive("two")
         self.blobs()
         self.link_points()
@@ -131,6 +135,7 @@ class Tour:
         self.graph()
         self.rearrange(second)
         self.prior_maps()
+        self.map_edits()
         self.localize()
         self.closures(closures)
 
@@ -176,13 +181,54 @@ class Tour:
         self.ok("MapService.TagMapRevision", {"name": imported.revision.name, "tag": "as imported"})
         self.ok("MapService.ListMapRevisions", {"parent": f"{site}/maps/b"})
         self.ok("MapService.ExportMap", {"name": f"{site}/maps/b", "format": PGM})
+        self.versions(imported.revision.name, files)
 
-    def drive(self, session_id):
-        """A finished session in the map "a": the first records by single calls, the others by a stream."""
+    def versions(self, first, files):
+        """Aliases of revisions of the map "b", and a second revision to compare with the first."""
+        parent = f"{self.site}/maps/b"
+        files = {**files, "m.pgm": b"P5\n40 30\n255\n" + bytes(254 if 0 < i % 40 < 20 else 0 for i in range(1200))}
+        entries = [{"name": n, "size_bytes": len(d), "sha256": sha(d)} for n, d in files.items()]
+        chunks = [{"chunk": {"file": i, "data": d}} for i, d in enumerate(files.values())]
+        second = self.one("MapService.ImportMap", {"manifest": {"parent": parent, "dialect": NAV2, "files": entries}},
+                          *chunks).revision.name
+        stable = {"name": f"{parent}/aliases/stable"}
+        self.ok("MapService.SetMapAlias", {"alias": {**stable, "revision": first}})
+        moved = self.one("MapService.SetMapAlias", {"alias": {**stable, "revision": second}}).alias
+        self.ok("MapService.RollBackMapAlias", {**stable, "etag": moved.etag})
+        self.ok("MapService.ListMapAliases", {"parent": parent})
+        self.ok("MapService.GetMapRevision", stable)
+        self.ok("MapService.DiffMapRevisions", {"base": stable["name"], "revision": second, "with_picture": True,
+                                                "with_geojson": True})
+        self.ok("MapService.RestoreMapRevision", stable)
+        self.ok("MapService.SetMapAlias", {"alias": {"name": f"{parent}/aliases/spare", "revision": second}})
+        self.ok("MapService.DeleteMapAlias", {"name": f"{parent}/aliases/spare"})
+
+    def areas(self):
+        """Of the map "b", which has a revision."""
+        parent = f"{self.site}/maps/b"
+
+        def outline(x, y):
+            return {"corners": [{"x": x, "y": y}, {"x": x + 0.5, "y": y}, {"x": x, "y": y + 0.5}]}
+
+        for name, kind in (("stop", KEEP_OUT), ("slow", SPEED_LIMIT), ("spare", ROOM)):
+            area = {"display_name": name, "kind": kind, "outline": outline(0.1, 0.1), "robot_types": ["cleaner"],
+                    "speed_limit_mps": 0.3 if kind == SPEED_LIMIT else 0, "valid_from": {"seconds": START_S}}
+            self.ok("MapAreaService.CreateMapArea", {"parent": parent, "area_id": name, "area": area,
+                                                     "request_id": f"area-{name}"})
+        self.ok("MapAreaService.GetMapArea", {"name": f"{parent}/areas/stop"})
+        self.ok("MapAreaService.ListMapAreas", {"parent": parent, "page_size": 2})
+        self.ok("MapAreaService.UpdateMapArea", {"area": {"name": f"{parent}/areas/stop", "outline": outline(0.2, 0.3)},
+                                                 "update_mask": {"paths": ["outline"]}})
+        self.ok("MapAreaService.DeleteMapArea", {"name": f"{parent}/areas/spare"})
+        for area_format in AREA_FORMATS:
+            self.ok("MapAreaService.ExportMapAreas", {"parent": parent, "format": area_format, "robot_type": "cleaner"})
+
+    def drive(self, session_id, into="a"):
+        """A finished session in a map: the first records by single calls, the others by a stream."""
         session = f"{self.site}/sessions/{session_id}"
         self.ok("SessionService.CreateSession",
                 {"parent": self.site, "session_id": session_id, "request_id": session_id,
-                 "session": {"robot": f"{self.site}/robots/r", "map": f"{self.site}/maps/a",
+                 "session": {"robot": f"{self.site}/robots/r", "map": f"{self.site}/maps/{into}",
                              "entry": {"pose_map_robot": {"pose": {"x": 0}, "covariance": COVARIANCE}}}})
         image, points = png(), cloud()
         self.ok("IngestService.SubmitOdometry", {"session": session, "sequence": 1, "odometry": odometry(0)})
@@ -199,7 +245,7 @@ class Tour:
                                          "door_time": {"seconds": START_S + 13}, "pose_odom_door": {"x": 1.2}}})
         for sequence, payload in enumerate(payloads, 5):
             records.append({"sequence": sequence, **payload})
-        report = {"map": f"{self.site}/maps/a", "pose_map_robot": WORLD, "time": {"seconds": START_S}}
+        report = {"map": f"{self.site}/maps/{into}", "pose_map_robot": WORLD, "time": {"seconds": START_S}}
         blob = b"x" * 100 + session.encode()
         self.ok("IngestService.StreamRecords", {"open": {"session": session}},
                 {"blob_chunk": {"blob": ref(blob), "data": blob}}, {"batch": {"records": records[:20]}},
@@ -338,6 +384,54 @@ class Tour:
         self.ok("PriorMapService.SuspendPriorMap", {"name": name})
         self.ok("PriorMapService.ExportPriorMap", {"name": name})
         self.ok("PriorMapService.DeletePriorMap", {"name": f"{site}/priorMaps/spare"})
+
+    def map_edits(self):
+        """Of a map of their own, which a robot contests: people erase its walls, and the next session sees them again."""
+        self.ok("MapService.CreateMap", {"parent": self.site, "map_id": "e",
+                                         "map": {"display_name": "e", "environment": INDOOR}})
+        edited = f"{self.site}/maps/e"
+        self.await_mapped(self.drive("before-edits", "e"))
+        for draft in ("d", "spare"):
+            self.ok("MapEditService.CreateMapDraft", {"parent": edited, "draft_id": draft, "request_id": "draft-" + draft,
+                                                      "draft": {"display_name": draft, "author": "ann"}})
+        name = f"{edited}/drafts/d"
+        self.ok("MapEditService.GetMapDraft", {"name": name})
+        self.ok("MapEditService.ListMapDrafts", {"parent": edited, "page_size": 1, "state": 1})
+        self.ok("MapEditService.DeleteMapDraft", {"name": f"{edited}/drafts/spare"})
+        read = self.one("MapEditService.ReadMapDraftTiles", {"name": name})
+        self.ok("MapEditService.ReadMapDraftTiles", {"name": name, "tiles": [
+            {"row": tile.row, "column": tile.column} for tile in read.known_tiles[:2]]})
+        self.draw(name, read.box)
+        self.ok("MapEditService.SetMapEditsActive", {"name": name, "edit_ids": ["line"], "active": False, "author": "ann"})
+        self.ok("MapEditService.ListMapEdits", {"parent": name, "page_size": 2})
+        self.ok("MapEditService.ReportMapDraftPresence", {"name": name, "presence": {
+            "client_id": "c", "author": "ann", "pointer": {"x": 5, "y": -5}, "tool": "brush"}})
+        self.ok("MapEditService.WatchMapDraft", {"name": name}, enough=1)
+        check = self.one("MapEditService.CheckMapDraft", {"name": name})
+        self.ok("MapEditService.RebaseMapDraft", {"name": name, "edit_version": check.edit_version, "author": "ann",
+                                                  "resolutions": [{"box": {"width": 1, "height": 1}, "choice": MINE}]})
+        self.ok("MapEditService.PublishMapDraft", {"name": name, "message": "no walls", "confirm_warnings": True})
+        self.await_mapped(self.drive("after-edits", "e"))
+        contested = self.one("MapEditService.ListContestedEdits", {"parent": edited}).contested
+        if not contested:
+            raise TourError(f"nothing is contested in {edited}")
+        settled = [{"box": contested[0].box, "session": contested[0].session, "choice": KEEP}]
+        self.ok("MapEditService.SettleContestedEdits", {"parent": edited, "message": "seen again", "author": "ann",
+                                                        "settlements": settled})
+
+    def draw(self, draft, box):
+        """Edits of each shape in the box, the last of which erases all walls."""
+        left, low = 256 * box.first_column, 256 * box.first_row
+        right, high = left + 256 * box.width, low + 256 * box.height
+        middle = {"x": (left + right) // 2, "y": (low + high) // 2}
+        ring = [{"x": left, "y": low}, {"x": right, "y": low}, {"x": right, "y": high}, {"x": left, "y": high}]
+        shapes = [("brush", {"value": OCCUPIED, "brush": {"points": [middle, ring[0]], "radius": 300}, "invisible": True}),
+                  ("line", {"value": FREE, "line": {"points": [middle, ring[1]]}}),
+                  ("patch", {"value": CLEAR, "patch": {"box": box, "runs": [0, 3, 5, 1]}}),
+                  ("fill", {"value": FREE, "fill": {"seed": middle, "bounds": box}}),
+                  ("walls", {"value": FREE, "polygon": {"rings": [{"points": ring}]}, "only_where": [OCCUPIED]})]
+        self.ok("MapEditService.AppendMapEdits", {"name": draft, "edits": [
+            {"edit_id": edit_id, "author": "ann", **shape} for edit_id, shape in shapes]})
 
     def localize(self):
         self.ok("LocalizationService.LocalizeRobot", {"site": self.site, "scans": [{"scan": scan(3)}]})

@@ -11,7 +11,7 @@
 #include "proto/convert/geometry.h"
 #include "proto/convert/record.h"
 #include "tests/rpc/graph_fixture.h"
-#include "tests/support/mapped_building.h"
+#include "tests/support/buildings/mapped_building.h"
 #include "tests/support/pose_matchers.h"
 
 namespace enfilade::testing {

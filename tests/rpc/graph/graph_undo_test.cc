@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of link points that are taken back by what the audit trail tells of them.
-#include "client/sdk/api/graph_undo.h"
+#include "client/sdk/editing/graph_undo.h"
 
 #include <string>
 #include <vector>

@@ -38,10 +38,10 @@ export function addPages({ system, browser, at, campus }) {
     const paths = await links.evaluateAll((all) => all.map((link) => new URL(link.href).pathname));
     await first.close();
     for (const theme of ['light', 'dark']) {
-      for (const path of [...paths, '/s/demo/history/versions', '/s/demo/history/audit', '/', '/s/empty/campus', '/s/empty/maps']) {
+      for (const path of [...paths, '/s/demo/history/versions', '/s/demo/history/audit', '/s/demo/history/rearranged', '/s/demo/linkPoints/candidates', '/s/demo/campus?edit=graph', '/', '/s/empty/campus', '/s/empty/maps']) {
         const { page, close } = await open(browser(), system.url + path, { theme });
         await settled(page);
-        await picture(page, `page${path.replaceAll('/', '-')}-${theme}`);
+        await picture(page, `page${path.replaceAll(/[/?=]/g, '-')}-${theme}`);
         assert.deepEqual(await faultsOf(page), [], `${path}, ${theme}`);
         await close();
       }

@@ -214,6 +214,7 @@ void AddGraph(CLI::App& app, const Globals& globals) {
   output->add_flag("!--no-edges", content->with_edges,
                    "Only maps and link points: maps with many doors have many edges");
   output->footer("Example: enfilade graph export -o campus.geojson");
+  AddGraphDiff(graph, globals);
   AddGraphChange(graph, globals);
   AddGraphPlot(graph, globals);
   AddGraphSolve(graph, globals);

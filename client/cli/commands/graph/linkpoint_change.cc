@@ -9,7 +9,7 @@
 #include "client/cli/commands/graph/graph_changes.h"
 #include "client/cli/numbers.h"
 #include "client/cli/remote.h"
-#include "client/sdk/api/graph_undo.h"
+#include "client/sdk/editing/graph_undo.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/pose2.h"

@@ -33,10 +33,21 @@ nlohmann::json ToJson(const v1::Map& map) {
           {"create_time", FormatTime(map.create_time())}};
 }
 
+std::string SourceName(const v1::MapRevision& revision) {
+  return EnumText(v1::MapRevision::Source_Name(revision.source()), "SOURCE_");
+}
+
+std::string AliasesOf(const v1::MapRevision& revision) {
+  std::string aliases;
+  for (const std::string& alias : revision.aliases()) aliases += (aliases.empty() ? "" : ", ") + alias;
+  return aliases;
+}
+
 nlohmann::json ToJson(const v1::MapRevision& revision) {
   return {{"name", revision.name()},
           {"tag", revision.tag()},
-          {"source", revision.source() == v1::MapRevision::SOURCE_IMPORT ? "import" : "mapping"},
+          {"aliases", std::vector<std::string>(revision.aliases().begin(), revision.aliases().end())},
+          {"source", SourceName(revision)},
           {"session", revision.session()},
           {"resolution_m", revision.resolution_m()},
           {"origin", {revision.pose_map_grid().x(), revision.pose_map_grid().y(), revision.pose_map_grid().yaw()}},
@@ -85,11 +96,11 @@ absl::Status ShowMap(const Globals& globals, const std::string& name) {
   std::vector<std::vector<std::string>> rows;
   for (const v1::MapRevision& revision : revisions) {
     rows.push_back({IdOf(revision.name()),
-                    revision.session().empty() ? "import" : "session " + IdOf(revision.session()),
+                    revision.session().empty() ? SourceName(revision) : "session " + IdOf(revision.session()),
                     fmt::format("{} x {} cells of {} m", revision.width(), revision.height(), revision.resolution_m()),
-                    FormatTime(revision.create_time()), revision.tag()});
+                    FormatTime(revision.create_time()), revision.tag(), AliasesOf(revision)});
   }
-  PrintTable(std::cout, {"REVISION", "FROM", "SIZE", "CREATED (UTC)", "TAG"}, rows);
+  PrintTable(std::cout, {"REVISION", "FROM", "SIZE", "CREATED (UTC)", "TAG", "ALIASES"}, rows);
   return absl::OkStatus();
 }
 
@@ -153,8 +164,14 @@ void AddMap(CLI::App& app, const Globals& globals) {
   show->add_option("MAP", *name, "Its name, id or resource name")->required();
   show->footer("Example: enfilade map show \"Main hall\"");
 
+  AddMapAlias(*map, globals);
+  AddMapDiff(*map, globals);
   AddMapAlign(*map, globals);
   AddMapEdit(*map, globals);
+  AddMapDraft(*map, globals);
+  AddMapEditFile(*map, globals);
+  AddMapPublish(*map, globals);
+  AddMapContested(*map, globals);
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
   AddMapRearrange(*map, globals);

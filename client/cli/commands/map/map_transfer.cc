@@ -9,6 +9,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/map_file_reader.h"
+#include "client/cli/map_revision.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "client/sdk/api/map_export.h"
@@ -22,8 +23,10 @@ namespace {
 
 struct MapExportCommandOptions {
   std::string map;
+  std::string revision;
   std::string directory = ".";
   std::string format = "pgm";
+  bool without_edits = false;
 };
 
 absl::StatusOr<v1::MapFormat> MapFormatOf(const std::string& format) {
@@ -62,7 +65,11 @@ absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& op
   } else {
     ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
     request.set_name(map.name());
+    if (!options.revision.empty()) {
+      ENFILADE_ASSIGN_OR_RETURN(*request.mutable_name(), RevisionNameOf(map, options.revision));
+    }
   }
+  request.set_without_edits(options.without_edits);
   ProgressBar bar(globals, "downloading", 0, "B");
   ENFILADE_ASSIGN_OR_RETURN(const client::ExportedMap exported,
                             client::ExportMap(connection, request, options.directory, ProgressOf(bar)));
@@ -84,6 +91,7 @@ struct MapImportCommandOptions {
   std::string map;
   std::string dialect = "nav2";
   int level = 0;
+  bool keep_edits = false;
 };
 
 absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& options) {
@@ -101,8 +109,9 @@ absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& op
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map,
                             client::FindOrCreateMap(connection, SiteId(globals.site), options.map, fresh));
   ProgressBar bar(globals, "uploading", 0, "B");
-  ENFILADE_ASSIGN_OR_RETURN(const v1::ImportMapResponse response,
-                            client::ImportMap(connection, map.name(), dialect, files, ProgressOf(bar)));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const v1::ImportMapResponse response,
+      client::ImportMap(connection, map.name(), dialect, files, ProgressOf(bar), options.keep_edits));
   bar.Finish();
   for (const std::string& warning : response.warnings()) std::cerr << "warning: " << warning << '\n';
   if (globals.json) {
@@ -121,9 +130,11 @@ void AddMapExport(CLI::App& map, const Globals& globals) {
                                  [&globals, options] { return ExportMap(globals, *options); });
   command->add_option("MAP", options->map, "The map's name, id or resource name, or a revision's resource name")
       ->required();
+  command->add_option("--revision", options->revision, "The number of a revision, or an alias (default: the newest)");
   command->add_option("-o,--output", options->directory, "The folder to write to")->capture_default_str();
   command->add_option("--format", options->format, "pgm or png (each with a YAML for Nav2), or json")
       ->capture_default_str();
+  command->add_flag("--without-edits", options->without_edits, "Only what robots have seen and what was imported");
   command->footer("Example: enfilade map export \"Main hall\" -o maps --format png");
 }
 
@@ -136,6 +147,7 @@ void AddMapImport(CLI::App& map, const Globals& globals) {
   command->add_option("--dialect", options->dialect, "Whose rules the thresholds follow: nav2 or ros1")
       ->capture_default_str();
   command->add_option("--level", options->level, "The floor, if the map is created")->capture_default_str();
+  command->add_flag("--keep-edits", options->keep_edits, "Lay published edits over the files instead of ending them");
   command->footer("Example: enfilade map import hall.yaml --map \"Main hall\"");
 }
 

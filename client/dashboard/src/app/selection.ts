@@ -22,3 +22,6 @@ export const setLevel = (level: number | undefined) => setQuery({ l: level?.toSt
 // Where the campus shows a resource.
 export const onCampus = (site: string, name: string, level?: number) =>
   addressOf(site, 'campus', [], { l: level?.toString(), sel: withoutSite(name) });
+
+// Where its link points are changed.
+export const inEditor = (site: string, name: string) => addressOf(site, 'campus', [], { sel: withoutSite(name), edit: 'graph' });

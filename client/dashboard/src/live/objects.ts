@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { idOf } from '../api/names';
+import { shortened } from '../ui/format';
 import type { LiveSite } from './site';
 import { LinkPoint_Kind, LinkPoint_State, LinkPoint_Use } from '../gen/enfilade/v1/link_point_pb';
 import type { GraphLinkPoint } from '../gen/enfilade/v1/graph_pb';
@@ -37,4 +38,12 @@ export function titleOf(site: LiveSite, name: string): string {
   const point = site.linkPoints.get(name);
   if (point) return `${kindOf(point)} ${point.maps.map((one) => site.maps.get(one)?.displayName ?? idOf(one)).join(' – ')}`;
   return idOf(name);
+}
+
+// The same, and which one it is where several of a kind join the same maps.
+export function distinctTitleOf(site: LiveSite, name: string): string {
+  const title = titleOf(site, name);
+  if (!site.linkPoints.has(name)) return title;
+  for (const other of site.linkPoints.keys()) if (other !== name && titleOf(site, other) === title) return `${title} (${shortened(idOf(name))})`;
+  return title;
 }

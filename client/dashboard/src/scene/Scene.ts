@@ -3,6 +3,7 @@ import type { LiveSite } from '../live/site';
 import { Signal } from '../signal';
 import { onColoursChange } from '../ui/theme';
 import { affineOf, apply, united } from './affine';
+import { addAreas } from './areas';
 import { fitted, panned, screenToWorld, viewOf, zoomedAt, type Bounds, type Camera, type Point, type Size } from './camera';
 import { addExplanation, addLinkPoints, addMaps, addRobots, mapBounds } from './drawing';
 import { Surface } from './Surface';
@@ -45,12 +46,15 @@ export class Scene {
   readonly labels = new Labels();
   // The camera's scale has changed, whoever changed it.
   readonly scaleChanged = new Signal();
+  // The camera or the size of the window has changed, whoever changed it: `shown` is what was drawn last.
+  readonly viewChanged = new Signal();
   // What is in view has changed.
   readonly seenChanged = new Signal();
   // Pictures of maps have come.
   readonly picturesChanged = new Signal();
   camera: Camera = { x: 0, y: 0, scale: 20 };
   size: Size = { width: 1, height: 1 };
+  shown: { camera: Camera; size: Size } = { camera: this.camera, size: this.size };
   events: SceneEvents = {};
   measured: Point[] = [];
   drawn: Drawn[] = [];
@@ -208,6 +212,10 @@ export class Scene {
       this.toldScale = this.camera.scale;
       this.scaleChanged.tell();
     }
+    if (this.camera !== this.shown.camera || this.size !== this.shown.size) {
+      this.shown = { camera: this.camera, size: this.size };
+      this.viewChanged.tell();
+    }
     const frame: Frame = {
       site, view: this.view, camera: this.camera, size: this.size, window: viewOf(this.camera, this.size), now: begin, wall: Date.now(), drawn: [], marks: [],
     };
@@ -220,6 +228,7 @@ export class Scene {
     this.placement.update(frame, sources, palette);
     const missing = addMaps(rasters, glyphs, palette, frame, sources, this.placement.maps);
     addPlans(glyphs, palette, frame);
+    addAreas(glyphs, palette, frame);
     addMoves(glyphs, palette, frame, sources);
     addExplanation(glyphs, palette, frame, this.measured);
     addLinkPoints(glyphs, palette, frame, this.placement.links);

@@ -11,6 +11,7 @@ import type { Motion } from './motion';
 import { thumbnailAffine, type Outline, type Outlines } from './outlines';
 import { rgba, type Palette } from './palette';
 import { newDrawn, type PlacedLink, type PlacedMap } from './placement';
+import { chained } from './se2';
 import { coverOf, latticeOf } from './tiles/cover';
 import type { RasterLoader } from './tiles/loader';
 import type { Manifest, Thumbnail } from './tiles/manifest';
@@ -131,13 +132,17 @@ export function addLinkPoints(glyphs: InstanceList, palette: Palette, frame: Fra
   for (const link of links) if (inside(frame.window, link.x, link.y, margin)) addLinkPoint(glyphs, frame, palette, link);
 }
 
+const poseIn = (table: ArrayLike<number>, row: number): Pose => ({ x: table[3 * row]!, y: table[3 * row + 1]!, yaw: table[3 * row + 2]! });
+
 // Each robot of the table that is in the window, with its row and where it is on its way to its place.
 function eachRobot({ site: { robots }, view, window, now }: Frame, motion: Motion, take: (row: number, at: Pose) => void) {
   const own = view.map !== undefined;
   const from = own ? robots.map : robots.world;
   for (let row = 0; row < robots.count; ++row) {
     if (own ? robots.maps[row] !== view.map : !robots.placed[row]) continue;
-    const at = motion.at(robots.names[row]!, { x: from[3 * row]!, y: from[3 * row + 1]!, yaw: from[3 * row + 2]! }, now);
+    const shifted = own ? undefined : view.shifted?.get(robots.maps[row]!);
+    const to = shifted ? chained(shifted, poseIn(robots.map, row)) : poseIn(from, row);
+    const at = motion.at(robots.names[row]!, to, now, view.still);
     if (inside(window, at.x, at.y, 20)) take(row, at);
   }
 }

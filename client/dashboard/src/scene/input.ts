@@ -11,6 +11,17 @@ export interface InputTarget {
   menu(at: Point): boolean;
   // One of the keys of the scene.
   key(key: string): boolean;
+  pen?: Pen;
+}
+
+// What a pointer does that draws instead of moving the map. A second finger ends it, and moves the map.
+export interface Pen {
+  // False: this one moves the map, also with its middle button.
+  begin(at: Point, event: PointerEvent): boolean;
+  // All places that it passes.
+  move(at: Point[]): void;
+  end(at: Point): void;
+  cancel(): void;
 }
 
 const LINE_PX = 16;
@@ -26,6 +37,8 @@ export function wheelFactor({ deltaY, deltaMode, ctrlKey }: Pick<WheelEvent, 'de
 // Pointer, wheel, touch and keys of the canvas. Returns what ends it.
 export function listen(canvas: HTMLElement, target: InputTarget): () => void {
   const down = new Map<number, Point>();
+  const { pen } = target;
+  let drawing: number | undefined;
   let travelled = 0;
   const at = (event: MouseEvent): Point => {
     const box = canvas.getBoundingClientRect();
@@ -37,15 +50,26 @@ export function listen(canvas: HTMLElement, target: InputTarget): () => void {
   };
 
   const onDown = (event: PointerEvent) => {
-    if (event.button !== 0) return;
+    if (event.button !== 0 && !(pen && event.button === 1)) return;
     canvas.setPointerCapture(event.pointerId);
     down.set(event.pointerId, at(event));
     travelled = 0;
+    if (drawing !== undefined) {
+      drawing = undefined;
+      pen?.cancel();
+    } else if (down.size === 1 && pen?.begin(at(event), event)) {
+      drawing = event.pointerId;
+    }
   };
   const onMove = (event: PointerEvent) => {
     const now = at(event);
     const before = down.get(event.pointerId);
     if (!before) return target.hover(now);
+    if (drawing === event.pointerId) {
+      down.set(event.pointerId, now);
+      const passed = event.getCoalescedEvents?.().map(at) ?? []; // missing on plain http
+      return pen?.move(passed.length > 0 ? passed : [now]);
+    }
     const pinch = spread();
     down.set(event.pointerId, now);
     travelled += Math.hypot(now.x - before.x, now.y - before.y);
@@ -59,6 +83,10 @@ export function listen(canvas: HTMLElement, target: InputTarget): () => void {
   };
   const onUp = (event: PointerEvent) => {
     const known = down.delete(event.pointerId);
+    if (drawing === event.pointerId) {
+      drawing = undefined;
+      return event.type === 'pointerup' ? pen?.end(at(event)) : pen?.cancel();
+    }
     if (known && down.size === 0 && travelled <= CLICK_PX && event.type === 'pointerup') target.click(at(event));
   };
   const onWheel = (event: WheelEvent) => {

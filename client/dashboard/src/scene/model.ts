@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveSite } from '../live/site';
+import type { Area } from './areas';
 import type { Bounds, Camera, Point, Pose, Size } from './camera';
 import type { Plan } from './plans';
 
@@ -37,6 +38,13 @@ export interface MapMove {
   to: Pose;
 }
 
+// A map as it was: pale, below the others.
+export interface MapGhost {
+  map: string;
+  // T_world_map.
+  pose: Pose;
+}
+
 // What a page wants to see. `map`: this map only, in its own frame.
 export interface View {
   level?: number | undefined;
@@ -56,6 +64,11 @@ export interface View {
   // Where the maps are, instead of where the graph has them now. Link points and robots, of which only the present place is
   // known, are left out then.
   places?: ReadonlyMap<string, Pose> | undefined;
+  // Maps that are drawn elsewhere than the graph has them: what is in them follows. `ghosts`: where they are.
+  shifted?: ReadonlyMap<string, Pose> | undefined;
+  ghosts?: readonly MapGhost[] | undefined;
+  // What moves is at its place at once, as under a hand.
+  still?: boolean | undefined;
   // An arrow for each, `stretch` times as long as the way of the map's middle, and an outline of where it was.
   moves?: MapMove[] | undefined;
   stretch?: number | undefined;
@@ -64,6 +77,8 @@ export interface View {
   pins?: Pin[] | undefined;
   // Floor plans, in the world.
   plans?: readonly Plan[] | undefined;
+  // Areas of the map, in its frame.
+  areas?: readonly Area[] | undefined;
 }
 
 export type ObjectKind = 'robot' | 'link' | 'map';
@@ -84,9 +99,9 @@ export interface Drawn {
 }
 
 // What is drawn besides objects, as in the last frame, in CSS pixels; for tests. A cursor's `to` lies a metre ahead of it.
-// A plan's are its upper left and lower right corners.
+// A plan's and an area's are its upper left and lower right corners.
 export interface Mark {
-  kind: 'move' | 'path' | 'cursor' | 'pin' | 'trail' | 'plan';
+  kind: 'move' | 'path' | 'cursor' | 'pin' | 'trail' | 'plan' | 'area';
   name: string;
   from: Point;
   to: Point;

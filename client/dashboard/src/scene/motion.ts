@@ -17,10 +17,10 @@ export class Motion {
   private lastBegin = -Infinity;
   animated = !window.matchMedia('(prefers-reduced-motion: reduce)').matches;
 
-  // Where it is now, on its way to `to`.
-  at(name: string, to: Pose, now: number): Pose {
+  // Where it is now, on its way to `to`. `still`: it is there at once.
+  at(name: string, to: Pose, now: number, still = false): Pose {
     const move = this.moves.get(name);
-    if (!move || !this.animated) {
+    if (!move || !this.animated || still) {
       this.moves.set(name, { from: to, to, begin: -Infinity });
       return to;
     }

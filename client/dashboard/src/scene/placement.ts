@@ -11,7 +11,7 @@ import type { Drawn, Frame, ObjectKind, RasterChoice } from './model';
 import { Motion } from './motion';
 import type { Outline } from './outlines';
 import type { Palette } from './palette';
-import { eachPlace } from './places';
+import { eachPlace, shiftedPlace } from './places';
 
 export interface PlacedMap {
   pose: Pose;
@@ -60,7 +60,7 @@ export class Placement {
         choices: chosen?.length ? chosen : undefined, drawn: newDrawn(map, 'map', ghost),
       };
     });
-    this.maps = [...maps.filter(({ ghost }) => ghost), ...maps.filter(({ ghost }) => !ghost)];
+    this.maps = [...this.ghostsOf(frame, { loader, outlines }), ...maps.filter(({ ghost }) => ghost), ...maps.filter(({ ghost }) => !ghost)];
     this.links = this.linksOf(frame, palette);
     this.moved = this.motion.moving(now);
   }
@@ -77,9 +77,14 @@ export class Placement {
 
   private placesOf({ site, view, now }: Frame): Map<string, Pose> {
     const places = new Map<string, Pose>();
-    const isMoving = view.map === undefined;
-    eachPlace(site, view, (map, pose) => places.set(map, isMoving ? this.motion.at(map, pose, now) : pose));
+    eachPlace(site, view, (map, pose) => places.set(map, view.map === undefined ? this.motion.at(map, pose, now, view.still) : pose));
     return places;
+  }
+
+  private ghostsOf({ site, view }: Frame, { loader, outlines }: Pick<Sources, 'loader' | 'outlines'>): PlacedMap[] {
+    return (view.ghosts ?? []).map(({ map, pose }) => ({
+      pose, ghost: true, outline: outlines.of(`${map} as it was`, pose, loader.thumbnails.get(map)), revision: site.rasters.get(map)?.revision, choices: undefined, drawn: newDrawn(map, 'map', true),
+    }));
   }
 
   private linksOf({ site, view, now }: Frame, palette: Palette): PlacedLink[] {
@@ -91,7 +96,7 @@ export class Placement {
     for (const point of site.linkPoints.values()) {
       const place = point.poseWorldPlace?.pose;
       if (!place) continue;
-      if (view.map === undefined) add(point, this.motion.at(point.linkPoint, place, now), view.level !== undefined && !levelsOf(site, point).includes(view.level));
+      if (view.map === undefined) add(point, this.motion.at(point.linkPoint, shiftedPlace(site, view, point.maps, place), now, view.still), view.level !== undefined && !levelsOf(site, point).includes(view.level));
       else if (own && point.maps.includes(view.map)) add(point, apply(inverted(affineOf(own)), place), false);
     }
     return links;

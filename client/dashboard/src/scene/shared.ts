@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo, useSyncExternalStore } from 'react';
 import type { Drawn, Mark, Stats } from './model';
-import { worldToScreen, type Camera, type Point } from './camera';
+import { worldToScreen, type Camera, type Point, type Size } from './camera';
 import { Scene } from './Scene';
 import type { Thumbnail } from './tiles/manifest';
 
@@ -54,6 +54,12 @@ const never = () => () => {};
 export function useScale(): number {
   const shared = sharedScene();
   return useSyncExternalStore(shared?.scaleChanged.subscribe ?? never, () => shared?.camera.scale ?? 1);
+}
+
+// What the canvas shows of the world, for what lies over it; undefined: there is no canvas.
+export function useShown(): { camera: Camera; size: Size } | undefined {
+  const shared = sharedScene();
+  return useSyncExternalStore(shared?.viewChanged.subscribe ?? never, () => shared?.shown);
 }
 
 // The names of what the canvas shows; undefined: there is no canvas.

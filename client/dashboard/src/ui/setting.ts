@@ -2,15 +2,15 @@
 import { useSyncExternalStore } from 'react';
 import { Signal } from '../signal';
 
-// A choice of the person, which this browser keeps. Storage may be forbidden: then it holds until the page is closed.
-export class Setting<T extends string> {
+// What a person has entered, which this browser keeps. Storage may be forbidden: then it holds until the page is closed.
+class Kept<T extends string> {
   private readonly changed = new Signal();
   private value: T;
   readonly subscribe = this.changed.subscribe;
 
-  // `choices`: the first one holds until another is chosen.
-  constructor(private readonly key: string, readonly choices: readonly T[]) {
-    this.value = this.read();
+  // `read`: what holds, of what was kept.
+  constructor(private readonly key: string, read: (kept: string | null) => T) {
+    this.value = read(keptAt(key));
   }
 
   get = () => this.value;
@@ -26,12 +26,26 @@ export class Setting<T extends string> {
   }
 
   use = () => useSyncExternalStore(this.subscribe, this.get);
+}
 
-  private read(): T {
-    try {
-      return this.choices.find((choice) => choice === localStorage.getItem(this.key)) ?? this.choices[0]!;
-    } catch {
-      return this.choices[0]!;
-    }
+function keptAt(key: string): string | null {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null;
+  }
+}
+
+// One of several choices: the first one holds until another is chosen.
+export class Setting<T extends string> extends Kept<T> {
+  constructor(key: string, readonly choices: readonly T[]) {
+    super(key, (kept) => choices.find((choice) => choice === kept) ?? choices[0]!);
+  }
+}
+
+// Any text; empty until there is one.
+export class TextSetting extends Kept<string> {
+  constructor(key: string) {
+    super(key, (kept) => kept ?? '');
   }
 }

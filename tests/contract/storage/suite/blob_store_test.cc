@@ -31,6 +31,18 @@ TEST_F(BlobStoreTest, StoresTheSameBytesOnce) {
   EXPECT_EQ(data, "content");
 }
 
+TEST_F(BlobStoreTest, ManyAreReadAtOnceUnlessOneIsMissing) {
+  const TestBlob one("one"), two("two"), missing("missing");
+  ASSERT_OK(blobs_.Put(Soon(), site_, {one.view(), two.view()}));
+  ASSERT_OK_AND_ASSIGN(const auto both, blobs_.GetAll(Soon(), site_, {two.sha256(), one.sha256(), two.sha256()}));
+  EXPECT_THAT(both, ::testing::UnorderedElementsAre(::testing::Pair(one.sha256(), "one"),
+                                                    ::testing::Pair(two.sha256(), "two")));
+  EXPECT_STATUS(blobs_.GetAll(Soon(), site_, {one.sha256(), missing.sha256()}), absl::StatusCode::kNotFound,
+                ::testing::HasSubstr("does not exist"));
+  ASSERT_OK_AND_ASSIGN(const auto none, blobs_.GetAll(Soon(), site_, {}));
+  EXPECT_TRUE(none.empty());
+}
+
 TEST_F(BlobStoreTest, RefusesBytesThatAreNotWhatWasSaid) {
   const TestBlob good("good");
   const TestBlob other("other");

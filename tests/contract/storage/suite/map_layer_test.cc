@@ -165,6 +165,21 @@ TEST_F(MapLayerTest, AnImportTakesTheirPlaceAndSessionsGoOnAboveIt) {
   EXPECT_THAT(Beside("s2").below, SizeIs(2));
 }
 
+TEST_F(MapLayerTest, ARestoredRevisionTakesTheirPlaceAndAnEditDoesNot) {
+  ASSERT_OK(Add(RevisionOf(first_, {"a"})));
+  storage::NewRevision edit = RevisionOf(std::nullopt, {"edited"});
+  edit.source = storage::RevisionSource::kEdit;
+  ASSERT_OK(Add(edit));
+  EXPECT_THAT(DigestsOf(Beside("none").below.at(0)), ElementsAre(DigestOf("a")));
+  storage::NewRevision restored = RevisionOf(std::nullopt, {"older"});
+  restored.source = storage::RevisionSource::kRestored;
+  ASSERT_OK(Add(restored));
+  const storage::LayersBeside seen = Beside("s1");
+  EXPECT_THAT(seen.above, IsEmpty());
+  ASSERT_THAT(seen.below, SizeIs(1));
+  EXPECT_THAT(DigestsOf(seen.below[0]), ElementsAre(DigestOf("older")));
+}
+
 TEST_F(MapLayerTest, ARunStandsForItsLayers) {
   ASSERT_NO_FATAL_FAILURE(AddFourLayers());
   const std::vector<storage::MapLayer> layers = Beside("none").below;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import './campus.css';
-import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
+import { lazy, useCallback, useEffect, useMemo, useRef, useState } from 'react';
 import { collectionOf, idOf } from '../../api/names';
-import { addressOf, currentPlace, navigate, setQuery } from '../../app/router';
+import { addressOf, currentPlace, navigate, setQuery, usePlace } from '../../app/router';
 import { select, useLevel, useSelection } from '../../app/selection';
 import { useLive } from '../../live/context';
 import { formatView, parseView, type Point } from '../../scene/camera';
@@ -20,6 +20,8 @@ import { usePlanWalls } from './planWalls';
 import { usePointMenu } from './PointMenu';
 import { Readout, type ReadoutHandle } from './Readout';
 import { UnplacedTray } from './UnplacedTray';
+
+const GraphEditor = lazy(() => import('./editing/GraphEditor'));
 
 // Two points and what lies between; a third click begins again.
 function useMeasure(on: boolean) {
@@ -77,6 +79,7 @@ function Campus() {
     else if (key === 'm') setMeasuring(!measuring);
     else if (key === 't') setTrails(!trails);
     else if (key === 'p' && plans.exist) setPlansOn(!plansOn);
+    else if (key === 'e') setQuery({ edit: 'graph' });
     else if (key === 'Escape') (measuring ? setMeasuring(false) : select(undefined));
     else if (key === 'Enter' && selected !== undefined) openMap(selected);
     else return false;
@@ -98,6 +101,7 @@ function Campus() {
           <ToolButton icon="ruler" title="Measure a distance" keys="m" pressed={measuring} onClick={() => setMeasuring(!measuring)} />
           <ToolButton icon="trail" title="Show where robots come from" keys="t" pressed={trails} onClick={() => setTrails(!trails)} />
           {plans.exist && <ToolButton icon="plan" title="Show floor plans" keys="p" pressed={plansOn} onClick={() => setPlansOn(!plansOn)} />}
+          <ToolButton icon="edit" title="Edit the graph" keys="e" onClick={() => setQuery({ edit: 'graph' })} />
           {selected !== undefined && <ToolButton icon="follow" title="Go to the selection" onClick={() => scene?.fit(selected)} />}
         </>
       }>
@@ -116,6 +120,7 @@ function Campus() {
 export default function CampusPage() {
   const live = useLive();
   const level = useLevel();
+  const isEditing = usePlace().query.get('edit') === 'graph';
   if (!live.complete) return <Loading />;
   if (live.maps.size === 0) {
     return (
@@ -127,5 +132,5 @@ export default function CampusPage() {
   if (level !== undefined && !live.levels().includes(level)) {
     return <Empty title={`There is nothing on level ${level}`}>Choose another level above, or all levels.</Empty>;
   }
-  return <Campus />;
+  return isEditing ? <GraphEditor /> : <Campus />;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ReactNode } from 'react';
 import { collectionOf, idOf } from '../../api/names';
-import { addressOf, Link } from '../../app/router';
+import { addressOf, Link, setQuery } from '../../app/router';
 import { select } from '../../app/selection';
 import type { GraphLinkPoint, GraphMap } from '../../gen/enfilade/v1/graph_pb';
 import { WorldPose } from '../../geo/WorldPose';
@@ -122,7 +122,7 @@ export function Inspector({ name, follow, setFollow }: { name: string; follow: b
   if (point) {
     return (
       <section className="inspector" aria-label="Selection">
-        <Head icon="link" kind={kindOf(point)} title={point.maps.map((map) => titleOf(site, map)).join(' – ')} />
+        <Head icon="link" kind={kindOf(point)} title={point.maps.map((map) => titleOf(site, map)).join(' – ')} actions={<button className="button" onClick={() => setQuery({ edit: 'graph' })}>Edit</button>} />
         <LinkFacts point={point} />
       </section>
     );

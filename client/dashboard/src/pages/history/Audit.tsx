@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 import { timestampMs } from '@bufbuild/protobuf/wkt';
 import { useQuery } from '@tanstack/react-query';
+import { useState } from 'react';
 import { sites } from '../../api/clients';
 import { siteName, withoutSite } from '../../api/names';
+import { mayTakeBack } from '../../graph/audited';
 import { AuditEntry_Action as Action, type AuditEntry } from '../../gen/enfilade/v1/site_service_pb';
 import { useLive } from '../../live/context';
 import { DataTable, type Column } from '../../ui/DataTable';
 import { dateTime, shortened } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
+import { TakeBack } from './TakeBack';
 
 const SHOWN = 1000;
 
@@ -58,6 +61,7 @@ const columns: Column<AuditEntry>[] = [
 
 export function Audit() {
   const live = useLive();
+  const [asked, setAsked] = useState<AuditEntry>();
   const { data, error, refetch } = useQuery({
     queryKey: ['audit', live.id],
     queryFn: async () => (await sites.listAuditEntries({ parent: siteName(live.id), pageSize: SHOWN })).entries,
@@ -66,9 +70,20 @@ export function Audit() {
   if (!data) return <Loading />;
   if (data.length === 0) return <Empty title="No entries">Nobody has changed this site, or its audit trail is not kept so long.</Empty>;
   const rows = data.map((entry, i) => ({ entry, key: String(i) }));
+  const all: Column<AuditEntry>[] = [...columns, {
+    title: 'Change',
+    cell: (entry) => mayTakeBack(entry) && (
+      <button className="button" aria-label={`Take back: ${actions[entry.action]} ${resourceOf(entry)}`} onClick={() => setAsked(entry)}>
+        Take back …
+      </button>
+    ),
+  }];
   return (
-    <DataTable caption="Audit trail" noun={['entry', 'entries']} rows={rows} keyOf={({ key }) => key}
-      columns={columns.map(({ cell, order, ...column }) => ({ ...column, cell: (row: { entry: AuditEntry }) => cell(row.entry), ...(order && { order: (row: { entry: AuditEntry }) => order(row.entry) }) }))}
-      textOf={({ entry }) => `${entry.actor} ${actions[entry.action]} ${resourceOf(entry)}`} />
+    <>
+      {asked && <TakeBack key={`${asked.time?.seconds} ${asked.time?.nanos}`} entries={data} entry={asked} isCut={data.length === SHOWN} done={() => setAsked(undefined)} />}
+      <DataTable caption="Audit trail" noun={['entry', 'entries']} rows={rows} keyOf={({ key }) => key}
+        columns={all.map(({ cell, order, ...column }) => ({ ...column, cell: (row: { entry: AuditEntry }) => cell(row.entry), ...(order && { order: (row: { entry: AuditEntry }) => order(row.entry) }) }))}
+        textOf={({ entry }) => `${entry.actor} ${actions[entry.action]} ${resourceOf(entry)}`} />
+    </>
   );
 }

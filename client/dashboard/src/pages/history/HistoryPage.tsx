@@ -3,10 +3,11 @@ import './history.css';
 import { addressOf, Link, usePlace } from '../../app/router';
 import { useLive } from '../../live/context';
 import { Audit } from './Audit';
+import { Rearrangements } from './Rearrangements';
 import { Timeline } from './Timeline';
 import { Versions } from './Versions';
 
-const tabs = [['', 'Maps over time'], ['versions', 'Graph'], ['audit', 'Audit trail']] as const;
+const tabs = [['', 'Maps over time'], ['versions', 'Graph'], ['rearranged', 'Merges and splits'], ['audit', 'Audit trail']] as const;
 
 // How the maps have moved, how the graph has changed, and who changed what.
 export default function HistoryPage() {
@@ -25,7 +26,7 @@ export default function HistoryPage() {
           ))}
         </nav>
       </div>
-      {shown === '' ? <Timeline /> : shown === 'audit' ? <Audit /> : <Versions />}
+      {shown === '' ? <Timeline /> : shown === 'audit' ? <Audit /> : shown === 'rearranged' ? <Rearrangements /> : <Versions />}
     </div>
   );
 }

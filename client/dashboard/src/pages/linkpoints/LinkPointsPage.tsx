@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Fragment } from 'react';
 import { idOf } from '../../api/names';
-import { addressOf, Link } from '../../app/router';
+import { addressOf, Link, usePlace } from '../../app/router';
 import { onCampus, useSelection } from '../../app/selection';
 import type { GraphLinkPoint } from '../../gen/enfilade/v1/graph_pb';
 import { useLive } from '../../live/context';
@@ -11,6 +11,7 @@ import { Badge } from '../../ui/Badge';
 import { DataTable, type Column } from '../../ui/DataTable';
 import { byName, metres } from '../../ui/format';
 import { Empty } from '../../ui/States';
+import { Candidates } from './Candidates';
 
 // The longer half axis of its 1-sigma ellipse in the world, m. The covariance is that of (x, y, yaw), row by row.
 function sigmaOf({ poseWorldPlace }: GraphLinkPoint): number {
@@ -52,25 +53,44 @@ function columnsOf(live: LiveSite): Column<GraphLinkPoint>[] {
 }
 
 // From the stream: it is current without being read again.
-export default function LinkPointsPage() {
+function AllLinkPoints() {
   const live = useLive();
   const selected = useSelection();
   const joins = (point: GraphLinkPoint) => mapsOf(live, point).join(' ');
   const rows = [...live.linkPoints.values()].sort((a, b) => byName(joins(a), joins(b)));
+  if (rows.length === 0) {
+    return (
+      <Empty title="No link points yet" command={`enfilade --site ${live.id} robot --robot r1 --campus figure1 --map Hall`}>
+        A link point is a door, lift or ramp at which two maps meet. Robots find them while they drive; the command drives a
+        simulated one.
+      </Empty>
+    );
+  }
+  return (
+    <DataTable caption="Link points" noun={['link point', 'link points']} rows={rows} columns={columnsOf(live)} keyOf={({ linkPoint }) => linkPoint}
+      textOf={(point) => `${idOf(point.linkPoint)} ${kindOf(point)} ${stateOf(point).text} ${mapsOf(live, point).join(' ')}`} selected={selected} />
+  );
+}
+
+const tabs = [['', 'All'], ['candidates', 'Candidates']] as const;
+
+export default function LinkPointsPage() {
+  const live = useLive();
+  const { rest } = usePlace();
+  const shown = rest[0] ?? '';
   return (
     <div className="page">
       <div className="page-head">
         <h1>Link points</h1>
+        <nav className="tabs" aria-label="Kinds of link points">
+          {tabs.map(([path, title]) => (
+            <Link key={path} className="button" href={addressOf(live.id, 'linkPoints', path === '' ? [] : [path])} aria-current={path === shown ? 'page' : undefined}>
+              {title}
+            </Link>
+          ))}
+        </nav>
       </div>
-      {rows.length === 0 ? (
-        <Empty title="No link points yet" command={`enfilade --site ${live.id} robot --robot r1 --campus figure1 --map Hall`}>
-          A link point is a door, lift or ramp at which two maps meet. Robots find them while they drive; the command drives a
-          simulated one.
-        </Empty>
-      ) : (
-        <DataTable caption="Link points" noun={['link point', 'link points']} rows={rows} columns={columnsOf(live)} keyOf={({ linkPoint }) => linkPoint}
-          textOf={(point) => `${idOf(point.linkPoint)} ${kindOf(point)} ${stateOf(point).text} ${mapsOf(live, point).join(' ')}`} selected={selected} />
-      )}
+      {shown === 'candidates' ? <Candidates /> : <AllLinkPoints />}
     </div>
   );
 }

@@ -2,7 +2,9 @@
 import { idOf } from '../../api/names';
 import { setQuery } from '../../app/router';
 import type { MapRevision } from '../../gen/enfilade/v1/map_pb';
+import type { DiffMapRevisionsResponse } from '../../gen/enfilade/v1/map_service_pb';
 import type { Compare } from '../../scene/model';
+import { count } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 
 const titles: Record<Compare, string> = { difference: 'Difference', swipe: 'Swipe', blink: 'Blink' };
@@ -14,10 +16,12 @@ interface Props {
   blinked: boolean;
   swipe: number;
   setSwipe: (place: number) => void;
+  // Absent while it is read.
+  difference: DiffMapRevisionsResponse | undefined;
 }
 
 // How two revisions are compared, over the map.
-export function CompareBar({ shown, other, compare, blinked, swipe, setSwipe }: Props) {
+export function CompareBar({ shown, other, compare, blinked, swipe, setSwipe, difference }: Props) {
   const [a, b] = [idOf(other.name), idOf(shown.name)];
   return (
     <div className="compare">
@@ -41,6 +45,7 @@ export function CompareBar({ shown, other, compare, blinked, swipe, setSwipe }: 
           {b}
         </label>
       )}
+      {difference && <span className="compare-legend">{count(Number(difference.regionCount), 'place')} changed</span>}
       {compare === 'blink' && <span className="compare-legend">Revision {blinked ? a : b}</span>}
       <button className="button icon plain" aria-label="End the comparison" title="End the comparison" onClick={() => setQuery({ with: undefined, cmp: undefined })}>
         <Icon name="close" />

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { lazy } from 'react';
 import { idOf } from '../../api/names';
 import { addressOf, Link, setQuery, usePlace } from '../../app/router';
 import { onCampus, useLevel } from '../../app/selection';
@@ -8,6 +9,9 @@ import { byName, dateTime, levelName } from '../../ui/format';
 import { Empty, Loading } from '../../ui/States';
 import { ImportForm } from './ImportForm';
 import { MapPage } from './MapPage';
+
+// Few who look at maps edit them.
+const EditPage = lazy(() => import('../edit/EditPage'));
 
 function MapTable() {
   const live = useLive();
@@ -68,6 +72,7 @@ function MapTable() {
 export default function MapsPage() {
   const { rest, query } = usePlace();
   const isImporting = query.has('import');
+  if (rest[0] !== undefined && rest[1] === 'edit') return <EditPage map={rest[0]} draft={rest[2]} />;
   if (rest[0] !== undefined) return <MapPage id={rest[0]} />;
   return (
     <div className="page">

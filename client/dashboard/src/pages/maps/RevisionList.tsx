@@ -6,6 +6,8 @@ import { dateTime } from '../../ui/format';
 
 function originOf({ source, session }: MapRevision): string {
   if (source === MapRevision_Source.IMPORT) return 'Imported';
+  if (source === MapRevision_Source.EDIT) return 'Edited';
+  if (source === MapRevision_Source.RESTORED) return 'Restored';
   return session === '' ? 'Mapped' : `Mapped in session ${idOf(session).slice(0, 8)}`;
 }
 
@@ -31,7 +33,8 @@ export function RevisionList({ revisions, shown, other, show, compareWith }: Pro
             <li key={id} className="revision" aria-current={revision === shown}>
               <button className="revision-show" onClick={() => show(id)} title={originOf(revision)}>
                 <span className="revision-title">
-                  <strong>{id}</strong> {revision === revisions[0] && <span className="sub">newest</span>} {revision.tag !== '' && <span className="sub">{revision.tag}</span>}
+                  <strong>{id}</strong> {revision === revisions[0] && <span className="sub">newest</span>} {revision.tag !== '' && <span className="sub">{revision.tag}</span>}{' '}
+                  {revision.aliases.map((alias) => <span key={alias} className="chip">{alias}</span>)}
                 </span>
                 <span className="sub">
                   {revision.createTime && dateTime(timestampMs(revision.createTime))} · {revision.session === '' ? originOf(revision) : 'Mapped'}

@@ -19,7 +19,8 @@ export function useDoorImages(verdict: string, wanted: boolean) {
   return useQuery({ queryKey: ['door images', verdict], enabled: wanted, queryFn: () => sessions.getDoorImages({ name: verdict }) });
 }
 
-function Picture({ image, what }: { image: Image; what: string }) {
+// One image, as it was recorded.
+export function Picture({ image, what }: { image: Image; what: string }) {
   const live = useLive();
   const [missing, setMissing] = useState(false);
   const name = `${cameras[image.camera]}${image.encoding === Encoding.DEPTH_PNG16 ? ' (depth)' : ''}`;

@@ -8,7 +8,7 @@
 
 #include "client/simulator/sensors/noise.h"
 #include "gmock/gmock.h"
-#include "tests/support/mapped_building.h"
+#include "tests/support/buildings/mapped_building.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/localization/drawn_map.h"

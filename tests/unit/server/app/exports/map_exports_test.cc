@@ -39,7 +39,7 @@ class MapExportsTest : public ::testing::Test {
 
   void NewMap(const std::string& id) { EXPECT_OK(stores_.maps.Create(Soon(), MakeMap(site_, id), "")); }
   void Start() {
-    auto exports = MapExports::Create(options_, stores_.maps, stores_.revisions);
+    auto exports = MapExports::Create(options_, stores_.maps, {stores_.blobs, stores_.revisions});
     ASSERT_OK(exports);
     exports_ = *std::move(exports);
   }
@@ -60,7 +60,7 @@ class MapExportsTest : public ::testing::Test {
   absl::StatusOr<ExportedMap> Export(const std::string& map, std::int64_t revision = 0,
                                      grid::MapFileFormat format = grid::MapFileFormat::kPgm) {
     std::promise<absl::StatusOr<ExportedMap>> exported;
-    exports_->Get(Soon(), {site_, MapId(map), revision}, format,
+    exports_->Get(Soon(), {{site_, MapId(map), revision}, format},
                   [&](absl::StatusOr<ExportedMap> given) { exported.set_value(std::move(given)); });
     return exported.get_future().get();
   }
@@ -270,8 +270,8 @@ TEST_F(MapExportsTest, ServersWithOneProcessIdKeepTheirFolders) {
 TEST_F(MapExportsTest, AFolderThatCannotBeCreatedIsNamed) {
   options_.cache_directory = directory_.path() / "file";
   std::ofstream(options_.cache_directory) << "not a folder";
-  EXPECT_STATUS(MapExports::Create(options_, stores_.maps, stores_.revisions), absl::StatusCode::kFailedPrecondition,
-                HasSubstr(options_.cache_directory));
+  EXPECT_STATUS(MapExports::Create(options_, stores_.maps, {stores_.blobs, stores_.revisions}),
+                absl::StatusCode::kFailedPrecondition, HasSubstr(options_.cache_directory));
 }
 
 TEST_F(MapExportsTest, AFileThatIsTooShortIsDataLoss) {

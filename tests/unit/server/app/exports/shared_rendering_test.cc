@@ -60,7 +60,7 @@ class SharedRenderingTest : public ::testing::Test {
     stores_.database.AddSite(site_);
     options_.cache_directory = directory_.path();
     Import("hall", 40, 30);
-    auto exports = MapExports::Create(options_, stores_.maps, revisions_);
+    auto exports = MapExports::Create(options_, stores_.maps, {stores_.blobs, revisions_});
     EXPECT_OK(exports);
     exports_ = *std::move(exports);
   }
@@ -82,7 +82,7 @@ class SharedRenderingTest : public ::testing::Test {
     const auto exported = std::make_shared<std::promise<absl::StatusOr<ExportedMap>>>();
     storage::CallContext context = Soon();
     context.cancellation = client.get_token();
-    exports_->Get(context, {site_, MapId(map), 0}, grid::MapFileFormat::kPgm,
+    exports_->Get(context, {{site_, MapId(map), 0}, grid::MapFileFormat::kPgm},
                   [exported](absl::StatusOr<ExportedMap> given) { exported->set_value(std::move(given)); });
     return exported->get_future();
   }

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useQueries } from '@tanstack/react-query';
+import { linkPoints, sites } from '../../../api/clients';
+import { siteName } from '../../../api/names';
+import type { LinkPoint } from '../../../gen/enfilade/v1/link_point_pb';
+import type { LiveSite } from '../../../live/site';
+
+export const linkPointKey = (name: string) => ['linkPoint', name] as const;
+
+// Link points with their anchors, read anew with every version of the graph. Null: the site has none of that name. Absent
+// while it is read.
+export function useLinkPoints(site: LiveSite, names: readonly string[]): ReadonlyMap<string, LinkPoint | null> {
+  const found = new Map<string, LinkPoint | null>();
+  // Browsers write each answer 404 to the console as an error: what the stream does not know is not asked for.
+  const known = names.filter((name) => site.linkPoints.has(name));
+  const answers = useQueries({
+    queries: known.map((name) => ({
+      queryKey: [...linkPointKey(name), String(site.graphVersion)],
+      placeholderData: (earlier: LinkPoint | null | undefined) => earlier,
+      queryFn: async () => (await linkPoints.getLinkPoint({ name })).linkPoint ?? null,
+    })),
+  });
+  known.forEach((name, i) => {
+    const data = answers[i]?.data;
+    if (data !== undefined) found.set(name, data);
+  });
+  for (const name of names) if (!site.linkPoints.has(name)) found.set(name, null);
+  return found;
+}
+
+// Who changed a link point last, and when.
+export async function lastChangeOf(site: string, name: string) {
+  return (await sites.listAuditEntries({ parent: siteName(site), resource: name, pageSize: 1 })).entries[0];
+}
