@@ -252,11 +252,10 @@ absl::StatusOr<std::vector<v1::AuditEntry>> ReadAuditedChange(const Connection& 
     if (page.next_page_token().empty() || is_past) break;
     if (page.next_page_token() == request.page_token()) return Internal("the server repeats a page of the list");
     request.set_page_token(page.next_page_token());
-    if (!asked) {
-      std::erase_if(entries, [&](const v1::AuditEntry& entry) {
-        return entry.time().seconds() > entries.back().time().seconds() + kLongestTransaction;
-      });
-    }
+    if (asked || entries.empty()) continue;
+    const std::int64_t still_needed = entries.back().time().seconds() + kLongestTransaction;
+    std::erase_if(entries,
+                  [still_needed](const v1::AuditEntry& entry) { return entry.time().seconds() > still_needed; });
   }
   if (!asked) return NotFound("{} has no audit entry {}, or not any more: see enfilade site audit", site, id);
   std::erase_if(entries, [&](const v1::AuditEntry& entry) { return !AreTogether(entry, *asked); });
