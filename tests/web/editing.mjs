@@ -116,13 +116,15 @@ export async function serverDigests(system, draft, keys) {
   return Object.fromEntries(tiles.map(({ row, column, cells }) => [`${row},${column}`, createHash('sha256').update(cells.map((cell) => (cell >> 2) & 3)).digest('hex')]));
 }
 
-// Waits until the page has what the server has; then the digests of both are the same.
+// Waits until the page has all that the server has; then the digests of both should be the same.
 export async function sameAsServer(page, system, draft) {
-  await until('the page has all that the server has', async () => {
+  const headOf = async () => Number((await system.call(draft)).draft.head ?? 0);
+  return until('the page has all that the server has', async () => {
     await stored(page);
-    const { draft: { head = '0' } } = await system.call(draft);
-    return (await statsOf(page)).head === Number(head);
+    const head = await headOf();
+    const own = await digestsOf(page);
+    if ((await statsOf(page)).head !== head) return undefined;
+    const server = await serverDigests(system, draft, Object.keys(own));
+    return (await headOf()) === head ? { own, server } : undefined;
   });
-  const own = await digestsOf(page);
-  return { own, server: await serverDigests(system, draft, Object.keys(own)) };
 }

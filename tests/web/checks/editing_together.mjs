@@ -39,7 +39,7 @@ export function addEditingTogether({ system, browser, at }) {
       }
       if (i === 119) await ann.page.getByText(/not stored yet/).waitFor();
     }
-    await stored(ann.page);
+    for (const [page] of people) await stored(page);
     const results = [];
     for (const [page] of people) results.push(await sameAsServer(page, system, draft));
     assert.deepEqual(results[0].own, results[0].server);
