@@ -73,7 +73,7 @@ export function EditorHead({ editor, asking, setAsking, close }: Props) {
           {problemOf(save.error).title}: {problemOf(save.error).text}
         </p>
       )}
-      {draft.size > 0 && <PreviewFacts preview={preview} titleOf={titleOf} suspend={editor.suspend} />}
+      {draft.size > 0 && (conflicts.length === 0 || preview.error === undefined) && <PreviewFacts preview={preview} titleOf={titleOf} suspend={editor.suspend} />}
       {draft.size === 0 && save.data && <p role="status">Saved as version {String(save.data.graphVersion)} of the graph.</p>}
     </section>
   );

@@ -48,16 +48,19 @@ export function useEditor(live: LiveSite, level: number | undefined, selected: s
   const names = [...new Set([...[...draft].flatMap(([name, { isNew }]) => (isNew ? [] : [name])), ...(isLinkPoint && !draft.get(selected)?.isNew ? [selected] : [])])];
   const present = useLinkPoints(live, names);
   const conflicts = held ? [] : conflictsOf(draft, present);
-  const preview = usePreview(live, draft, live.graphVersion, held?.version);
 
   const save = useMutation({
     mutationFn: () => graphs.changeGraph({ site: siteName(live.id), changes: changesOf(draft) }),
     onSuccess: ({ linkPoints: stored }) => {
+      // Deleted ones are not read again: the stream tells of them a moment later.
+      for (const [name, { isDeleted }] of draft) if (isDeleted) queries.setQueriesData({ queryKey: linkPointKey(name) }, null);
       for (const one of stored) queries.setQueriesData({ queryKey: linkPointKey(one.name) }, one);
       step('forget');
     },
-    onSettled: () => queries.invalidateQueries({ queryKey: ['linkPoint'] }),
+    onError: () => queries.invalidateQueries({ queryKey: ['linkPoint'] }),
   });
+
+  const preview = usePreview(live, draft, live.graphVersion, held?.version, save.isPending);
 
   const titleOf = useCallback((name: string) => {
     const edit = draft.get(name);

@@ -24,8 +24,8 @@ interface Told {
 const nothing: Preview = { effects: undefined, error: undefined, isCurrent: true };
 
 // What the draft would do, asked anew with every change of it and every version of the graph. `onlyVersion`: while a hand
-// drags, answers from another version of the graph are not shown.
-export function usePreview(site: LiveSite, draft: Draft, graphVersion: bigint, onlyVersion: bigint | undefined): Preview {
+// drags, answers from another version of the graph are not shown. `isSaving`: nothing is asked, since the etags are about to change.
+export function usePreview(site: LiveSite, draft: Draft, graphVersion: bigint, onlyVersion: bigint | undefined, isSaving: boolean): Preview {
   const [told, setTold] = useState<Told>();
   const only = useRef(onlyVersion);
   only.current = onlyVersion;
@@ -42,10 +42,10 @@ export function usePreview(site: LiveSite, draft: Draft, graphVersion: bigint, o
     if (isEmpty) {
       latest.withdraw();
       setTold(undefined);
-    } else {
+    } else if (!isSaving) {
       latest.want(draft);
     }
-  }, [latest, draft, isEmpty, graphVersion, onlyVersion]);
+  }, [latest, draft, isEmpty, graphVersion, onlyVersion, isSaving]);
   if (isEmpty || !told) return { ...nothing, isCurrent: isEmpty };
   return { effects: told.effects, error: told.error, isCurrent: told.draft === draft };
 }
