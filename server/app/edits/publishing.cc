@@ -137,6 +137,11 @@ absl::StatusOr<storage::MapDraft> MapEdits::Rebase(const storage::CallContext& c
     return Aborted("edit_version is {}, but publication {} is the newest: check the draft again", edit_version,
                    check.edit_version);
   }
+  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, {key.site, key.map}));
+  if (ground->lattice != view.draft().lattice) {
+    return FailedPrecondition("the cells of {} have changed since {} began: make a new draft",
+                              NameOf(key.site, key.map), NameOf(key.site, key.map, key.draft));
+  }
   ENFILADE_ASSIGN_OR_RETURN(const storage::OverlayState state, edits_.ReadOverlay(context, key.site, key.map));
   edit::Overlay theirs;
   if (state.overlay) {
@@ -154,13 +159,15 @@ absl::StatusOr<storage::MapDraft> MapEdits::Rebase(const storage::CallContext& c
                      box.first_column, box.first_row);
     }
     if (found->mine) continue;
-    // Their cells, instruction by instruction, where the draft says something else.
+    // Their cells, instruction by instruction. Others in the box are not in conflict, and stay the draft's.
+    edit::Overlay contradicted;
+    contradicted.Draw({Instruction::kOccupied, conflict.cells, false});
     for (const Instruction instruction :
          {Instruction::kNone, Instruction::kUnknown, Instruction::kFree, Instruction::kOccupied}) {
       edit::Overlay marks;
       for (int row = box.first_row; row < box.end_row(); ++row) {
         for (int column = box.first_column; column < box.end_column(); ++column) {
-          if (view.layer().At(column, row) == Instruction::kNone || theirs.At(column, row) != instruction) continue;
+          if (contradicted.At(column, row) == Instruction::kNone || theirs.At(column, row) != instruction) continue;
           const edit::LatticePoint cell{column * edit::kUnitsPerCell, row * edit::kUnitsPerCell};
           marks.Draw({Instruction::kOccupied, edit::Line{{cell}}, false});
         }

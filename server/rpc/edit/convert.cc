@@ -200,7 +200,10 @@ absl::StatusOr<DrawnEdit> FromProto(const std::string& field, const v1::MapEdit&
     drawn.only_where.push_back(wanted);
   }
   if (edit.has_fill()) {
-    drawn.fill = DrawnEdit::Fill{FromProto(edit.fill().seed()), FromProto(edit.fill().bounds())};
+    constexpr int kEnd = edit::kMaxCoordinate / edit::kUnitsPerCell;
+    const edit::CellBox everywhere{-kEnd, -kEnd, 2 * kEnd, 2 * kEnd};
+    drawn.fill = DrawnEdit::Fill{FromProto(edit.fill().seed()),
+                                 edit.fill().has_bounds() ? FromProto(edit.fill().bounds()) : everywhere};
     return drawn;
   }
   ENFILADE_ASSIGN_OR_RETURN(drawn.edit.shape, ShapeOf(field, edit));

@@ -159,6 +159,23 @@ TEST_F(MapEditTest, DraftsThatContradictEachOtherAreSettledByPeople) {
   }
 }
 
+TEST_F(MapEditTest, TakingTheirsLeavesWhatIsNotInConflict) {
+  ImportRoom();
+  const std::string first = CreateDraft("first");
+  const std::string second = CreateDraft("second");
+  // Theirs is an L; ours covers its box.
+  ASSERT_OK(Append(first, {Brush("a", v1::MapEdit::VALUE_OCCUPIED, {{10, 20}, {10, 10}, {20, 10}}, 0.0)}));
+  ASSERT_OK(Append(second, {Patch("b", v1::MapEdit::VALUE_UNKNOWN, Box(10, 10, 11, 11))}));
+  ASSERT_OK(Publish(first, "first"));
+  ASSERT_OK_AND_ASSIGN(const v1::CheckMapDraftResponse check, Check(second));
+  ASSERT_THAT(check.conflicts(), SizeIs(1));
+  EXPECT_EQ(check.conflicts(0).cells(), 21);
+  ASSERT_OK(Rebase(second, check.edit_version(), check.conflicts(0).box(), /*mine=*/false));
+  ASSERT_OK_AND_ASSIGN(const auto published, Publish(second, "second"));
+  EXPECT_EQ(published.changes().to_unknown(), 11 * 11 - 21);
+  EXPECT_TRUE(IsOccupied(10, 20));
+}
+
 TEST_F(MapEditTest, AnImportEndsTheEditsUnlessTheyAreKept) {
   ImportRoom();
   const std::string draft = CreateDraft("d");

@@ -195,7 +195,7 @@ export function addGraphEdit(stage) {
     const site = 'taken-back';
     await twoRooms(system, site);
     const before = await linkPointOf(system, site, 'door');
-    const { page, close } = await edit(stage, site, 'linkPoints/door');
+    const { page, close } = await edit(stage, site, 'linkPoints/door', { expected: /404/ });  // a link point that was deleted
     await drag(page, grip(page, 'Place of the anchor', 'b'), 25, 0);
     await page.getByRole('button', { name: 'Suspend', exact: true }).click();
     await until('the preview has it', () => page.getByText(/^No place in the world: b$/).isVisible());
