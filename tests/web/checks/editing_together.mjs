@@ -258,4 +258,51 @@ export function addEditingTogether({ system, browser, at }) {
     await until('it is gone', async () => ((await system.call(`${map}/areas`)).areas ?? []).length === 0);
     await close();
   });
+
+  test('contested: what robots see against an edit is listed, shown and settled', async () => {
+    const site = 'contested';
+    system.enfilade(site, 'site', 'create', site);
+    const log = join(system.folder, 'rooms.jsonl');
+    system.enfilade(site, '--quiet', 'simulate', '--laps', '1', '-o', log);
+    const drive = (name, ...where) => system.enfilade(site, '--quiet', 'replay', log, '--map', 'Rooms', '--session', name, '--spool', join(system.folder, name), '--wait', ...where);
+    drive('first');
+    const map = (await system.call(`sites/${site}/maps`)).maps[0].name;
+    const [, x, y, yaw] = /^[^\n]*\n([^,]*),([^,]*),([^,]*),([^,\n]*)/.exec(await (await fetch(`${system.url}/v1/sites/${site}/sessions/first/trajectory.csv`)).text()).slice(1).map(Number);
+    // All walls are erased, and a robot that drives there again sees them.
+    const draft = await newDraft(system, map, 'no walls');
+    const { box } = await system.call(`${draft}:readTiles`, {});
+    const [x0, y0] = [256 * (box.firstColumn ?? 0), 256 * (box.firstRow ?? 0)];
+    const [x1, y1] = [x0 + 256 * box.width, y0 + 256 * box.height];
+    const edit = {
+      editId: '00000000-0000-4000-8000-000000000001', author: 'Ann', value: 'VALUE_FREE', onlyWhere: ['VALUE_OCCUPIED'],
+      polygon: { rings: [{ points: [{ x: x0, y: y0 }, { x: x1, y: y0 }, { x: x1, y: y1 }, { x: x0, y: y1 }] }] },
+    };
+    await system.call(`${draft}:append`, { edits: [edit] });
+    await system.call(`${draft}:publish`, { message: 'no walls here', confirmWarnings: true });
+    drive('second', '--at', `${x},${y},${yaw}`);
+    const contested = async () => (await system.call(`${map}/contestedEdits`)).contested ?? [];
+    const count = (await contested()).length;
+    assert.ok(count > 0, 'it is contested');
+
+    const { page, close } = await openEditor(browser(), system, await newDraft(system, map), 'Bob');
+    const inbox = page.getByRole('region', { name: 'Contested edits' });
+    const item = inbox.getByRole('listitem').first();
+    await item.getByText(/Ann made it free \(“no walls here”\); a robot saw it occupied since/).waitFor();
+    assert.equal(await inbox.getByRole('listitem').count(), count);
+    const before = await page.evaluate(() => window.__editor.camera());
+    await item.getByRole('button', { name: 'Show', exact: true }).click();
+    assert.notDeepEqual(await page.evaluate(() => window.__editor.camera()), before, 'it is jumped to');
+    await item.getByRole('button', { name: 'Keep the edit' }).click();
+    if (count > 1) await inbox.getByRole('listitem').nth(1).getByRole('button', { name: 'Show what robots see' }).click();
+    await inbox.getByLabel('Why').fill('looked at it');
+    assert.deepEqual(await faultsOf(page), []);
+    await picture(page, 'editor-contested');
+    await page.keyboard.press('Enter');
+    await inbox.getByText(/Settled: revision/).waitFor();
+    const settled = Math.min(2, count);
+    await until('they are off the list', async () => (await contested()).length === count - settled && (await inbox.getByRole('listitem').count()) === count - settled);
+    const [{ source }] = (await system.call(`${map}/revisions`)).revisions;
+    assert.equal(source, 'SOURCE_EDIT');
+    await close();
+  });
 }
