@@ -7,6 +7,8 @@
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/localization_service.grpc.pb.h"
+#include "enfilade/v1/map_area_service.grpc.pb.h"
+#include "enfilade/v1/map_edit_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
 #include "google/protobuf/descriptor.h"
 #include "grpcpp/generic/generic_stub.h"
@@ -253,6 +255,7 @@ TEST_F(CallsTest, EveryRpcOfTheApiIsServed) {
   int rpcs = 0;
   for (const auto* file : {v1::GraphService::service_full_name(), v1::IngestService::service_full_name(),
                            v1::LinkPointService::service_full_name(), v1::LocalizationService::service_full_name(),
+                           v1::MapAreaService::service_full_name(), v1::MapEditService::service_full_name(),
                            v1::MapService::service_full_name(), v1::RobotService::service_full_name(),
                            v1::ServerService::service_full_name(), v1::SessionService::service_full_name(),
                            v1::SiteService::service_full_name()}) {
@@ -282,7 +285,7 @@ TEST_F(CallsTest, EveryRpcOfTheApiIsServed) {
       EXPECT_NE(RequestIdIn(context), "") << method;
     }
   }
-  EXPECT_EQ(rpcs, 64) << "a new RPC: its handler, tests and docs/api.md are there?";
+  EXPECT_EQ(rpcs, 94) << "a new RPC: its handler, tests and docs/api.md are there?";
 }
 
 }  // namespace

@@ -210,7 +210,7 @@ TEST_F(ServerCommandsTest, TheServersErrorsKeepTheirCodes) {
 
 TEST_F(ServerCommandsTest, CompletionKnowsEveryCommandAndOption) {
   ASSERT_OK(Run({"completion", "bash"}));
-  EXPECT_THAT(printed_, HasSubstr("'map export') words='--help --output --format "));
+  EXPECT_THAT(printed_, HasSubstr("'map export') words='--help --revision --output --format "));
   EXPECT_THAT(printed_, HasSubstr("graph.plot"));
   EXPECT_THAT(printed_, Not(HasSubstr("bashcompinit")));
   ASSERT_OK(Run({"completion", "zsh"}));
