@@ -89,7 +89,7 @@ TEST_F(GraphChangeCommandsTest, APreviewShowsWhatMovesAndChangesNothing) {
   EXPECT_THAT(printed_, AllOf(HasSubstr("l    0.250 m, 0.00 deg"), HasSubstr("x    joined to the root")));
   EXPECT_THAT(printed_, AllOf(HasSubstr("switched off"), HasSubstr("16.3"), HasSubstr("nothing was changed")));
   EXPECT_THAT(printed_, HasSubstr("not joined to the root: far"));
-  ASSERT_OK(Run({"linkpoint", "move", "door", "--map", "h", "--pose", "1,2,0", "--preview"}));
+  ASSERT_OK(Run({"linkpoint", "move", "door", "--map", "Lab", "--pose", "1,2,0", "--preview"}));
   EXPECT_EQ(Printed()["residuals"][0]["switched_off_after"], true);
   EXPECT_EQ(Printed()["moved_maps"][0]["pose_world_map_after"]["x"], 8.25);
   EXPECT_FALSE(Printed()["moved_maps"][1].contains("pose_world_map_before"));
