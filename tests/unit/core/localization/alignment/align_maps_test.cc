@@ -114,17 +114,18 @@ TEST(AlignMapsTest, MapsOfTwoBuildingsAreRefused) {
   }
 }
 
-// A corridor along x of `length` characters, with a niche of two in the upper wall at each of `niches`. Its ends are
-// open: nobody has seen them.
-DrawnMap Corridor(std::size_t length, const std::vector<std::size_t>& niches) {
-  std::vector<std::string> rows = {std::string(length, '?'), std::string(length, '#'), std::string(length, ' '),
-                                   std::string(length, ' '), std::string(length, ' '), std::string(length, ' '),
-                                   std::string(length, ' '), std::string(length, '#'), std::string(length, '?')};
-  for (const std::size_t niche : niches) {
-    rows[0].replace(niche - 1, 4, "####");
-    rows[1].replace(niche - 1, 4, "#  #");
+// A corridor along x of `length` characters, with an alcove as wide as a door, 1 m, and 0.75 m deep in the upper wall at
+// each of `alcoves`. Its ends are open: nobody has seen them.
+DrawnMap Corridor(std::size_t length, const std::vector<std::size_t>& alcoves) {
+  constexpr std::size_t kDeep = 3;
+  const std::string unknown(length, '?'), wall(length, '#'), ground(length, ' ');
+  std::vector<std::string> rows(kDeep + 1, unknown);
+  rows.insert(rows.end(), {wall, ground, ground, ground, ground, ground, ground, wall, unknown});
+  for (const std::size_t alcove : alcoves) {
+    rows[0].replace(alcove - 1, 6, "######");
+    for (std::size_t row = 1; row <= kDeep; ++row) rows[row].replace(alcove - 1, 6, "#    #");
+    rows[kDeep + 1].replace(alcove, 4, "    ");
   }
-  rows.insert(rows.begin(), std::string(length, '?'));
   return DrawnMap(rows);
 }
 
@@ -136,7 +137,7 @@ TEST(AlignMapsTest, ABareCorridorSlides) {
 }
 
 TEST(AlignMapsTest, IdenticalStretchesOfACorridorAreAmbiguous) {
-  // Niches every 4 m: shifted by 4 m it fits as well.
+  // Alcoves every 4 m: shifted by 4 m it fits as well.
   const MapAlignment found = Align(Corridor(160, {8, 24, 40, 56, 72, 88, 104, 120, 136}).Grid(),
                                    Corridor(64, {8, 24, 40, 56}).Grid(), {{8.0, 0.3, 0.1}});
   EXPECT_FALSE(found.accepted);
@@ -151,11 +152,11 @@ TEST(AlignMapsTest, IdenticalUnitsThatOverlapByOneAreAmbiguousThoughMoreWouldFit
   EXPECT_FALSE(found.accepted) << found.reason;
 }
 
-TEST(AlignMapsTest, UnevenNichesFixACorridor) {
-  const std::vector<std::size_t> niches = {8, 20, 47, 63, 90, 97, 121};
+TEST(AlignMapsTest, UnevenAlcovesFixACorridor) {
+  const std::vector<std::size_t> alcoves = {8, 20, 47, 63, 90, 97, 121};
   // b begins 40 characters into a.
   const MapAlignment found =
-      Align(Corridor(130, niches).Grid(), Corridor(90, {7, 23, 50, 57, 81}).Grid(), {{8.0, 1.0, 0.2}});
+      Align(Corridor(130, alcoves).Grid(), Corridor(90, {7, 23, 50, 57, 81}).Grid(), {{8.0, 1.0, 0.2}});
   ASSERT_TRUE(found.accepted) << found.reason;
   EXPECT_THAT(found.T_a_b->pose, PoseNear(Pose2{10.0, 0.0, 0.0}, 0.05, 0.5 * kDegree));
 }
