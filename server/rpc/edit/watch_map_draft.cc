@@ -40,6 +40,8 @@ class DraftWatch {
   absl::StatusOr<bool> Check(const storage::CallContext& context, v1::WatchMapDraftResponse& message) {
     message.Clear();
     ENFILADE_ASSIGN_OR_RETURN(const storage::MapDraft draft, services_.map_edit_store.Get(context, key_));
+    // After a full message the client waits for more: it is told also that there is none.
+    const bool was_full = has_more_;
     ENFILADE_RETURN_IF_ERROR(TellEdits(context, draft, message));
     const std::int64_t presences = services_.draft_presences.Version(name_);
     if (std::exchange(presences_, presences) != presences) {
@@ -52,7 +54,7 @@ class DraftWatch {
     ENFILADE_ASSIGN_OR_RETURN(const storage::OverlayState state,
                               services_.map_edit_store.ReadOverlay(context, key_.site, key_.map));
     const std::int64_t version = state.overlay ? state.overlay->edit_version : 0;
-    const bool is_news = message.edits_size() > 0 || message.presences_changed() || message.has_draft() ||
+    const bool is_news = was_full || message.edits_size() > 0 || message.presences_changed() || message.has_draft() ||
                          std::exchange(edit_version_, version) != version;
     const auto now = std::chrono::steady_clock::now();
     if (!is_news && now - told_ < kHeartbeat) return false;
