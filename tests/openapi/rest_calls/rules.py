@@ -46,7 +46,7 @@ def request_of(rules, message):
             getattr(message, body).SetInParent()
             resource = fields.pop(json_name(body), {})
             content = json.dumps(resource).encode()
-            if verb == "patch" and not resource:
+            if verb == "patch" and not resource and "update_mask" in message.DESCRIPTOR.fields_by_name:
                 message.update_mask.SetInParent()  # made of the body's fields, of which there are none
         query = urlencode(list(flat(fields)))
         return Request(verb.upper(), path + ("?" + query if query else ""), content)

@@ -114,8 +114,8 @@ TEST(AlignMapsTest, MapsOfTwoBuildingsAreRefused) {
   }
 }
 
-// A corridor along x of `length` characters, with an alcove as wide as a door, 1 m, and 0.75 m deep in the upper wall at
-// each of `alcoves`. Its ends are open: nobody has seen them.
+// A corridor along x of `length` characters, with an alcove as wide as a door, 1 m, and 0.75 m deep in the upper wall
+// at each of `alcoves`. Its ends are open: nobody has seen them.
 DrawnMap Corridor(std::size_t length, const std::vector<std::size_t>& alcoves) {
   constexpr std::size_t kDeep = 3;
   const std::string unknown(length, '?'), wall(length, '#'), ground(length, ' ');
