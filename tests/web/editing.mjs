@@ -122,8 +122,9 @@ export async function sameAsServer(page, system, draft) {
   return until('the page has all that the server has', async () => {
     await stored(page);
     const head = await headOf();
-    const own = await digestsOf(page);
-    if ((await statsOf(page)).head !== head) return undefined;
+    // At one time: another's edit may come between two questions.
+    const { own, reached } = await page.evaluate(() => ({ own: window.__editor.digests(), reached: window.__editor.stats().head }));
+    if (reached !== head) return undefined;
     const server = await serverDigests(system, draft, Object.keys(own));
     return (await headOf()) === head ? { own, server } : undefined;
   });
