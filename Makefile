@@ -3,6 +3,8 @@
 PRESET ?= release
 BIN := build/$(PRESET)/bin
 JOBS ?= $(shell nproc)
+# Tests wait for servers, browsers and clocks much of the time.
+TEST_JOBS ?= $(shell expr $(JOBS) + 1)
 # More lists of deploy/packages that a target needs.
 PACKAGES ?=
 SEEDS ?= 20
@@ -27,7 +29,7 @@ stop: ## stop what `make demo` started
 	@deploy/demo --stop
 
 test: build ## build and run all tests
-	@ctest --preset $(PRESET) -j $(JOBS)
+	@ctest --preset $(PRESET) -j $(TEST_JOBS)
 
 test-database: build ## run the contract, rpc and e2e tests against the PostGIS that ENFILADE_TEST_DATABASE=URL names
 	@test -n "$$ENFILADE_TEST_DATABASE" || { echo 'set ENFILADE_TEST_DATABASE=postgresql://USER@HOST/DATABASE' >&2; exit 1; }

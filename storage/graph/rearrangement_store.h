@@ -13,6 +13,7 @@
 #include "core/rearrange/rearrangement.h"
 #include "storage/call_context.h"
 #include "storage/graph/site_lease_store.h"
+#include "storage/maps/map_edit_store.h"
 #include "storage/maps/revision_store.h"
 
 namespace enfilade::storage {
@@ -23,13 +24,30 @@ struct EnteringLayer {
   StoredRaster raster;
 };
 
+// What was published of a map that is redirected becomes a publication of the map that stays, as old as it was.
+struct AdoptedPublication {
+  MapId from;
+  std::int64_t from_version = 0;  // its edit_version there
+  MapDraft draft;                 // of the map that stays
+  std::vector<NewMapEdit> edits;
+  std::int64_t edit_version = 0;
+  std::string message;
+};
+
 // The raster of a map whose layers change and that stays: the layers of sessions that leave it are dropped, `entering`
 // ones are put on top of the rest, and `revision` overlays the result.
 struct RearrangedRaster {
   MapId map;
-  std::int64_t layers_version = 0;      // of the layers that it was composed from; 0: the map had none
-  std::vector<EnteringLayer> entering;  // from the bottom to the top
-  std::optional<NewRevision> revision;  // unset: no layer is left, and the map has no revision so far
+  std::int64_t layers_version = 0;               // of the layers that it was composed from; 0: the map had none
+  std::vector<EnteringLayer> entering;           // from the bottom to the top
+  std::optional<NewRevision> revision;           // unset: no layer is left, and the map has no revision so far
+  std::vector<AdoptedPublication> adopted = {};  // that `revision` shows
+};
+
+// The layers and edits of a map that is redirected, as the rasters were made by them.
+struct SeenLayers {
+  MapId map;
+  std::int64_t version = 0;  // LayersBeside::version
 };
 
 // A rearrangement with what it makes of rasters.
@@ -38,6 +56,7 @@ struct RearrangementChange {
   rearrange::Rearrangement rearrangement;
   std::int64_t graph_version = 0;  // that it was decided by
   std::vector<RearrangedRaster> rasters;
+  std::vector<SeenLayers> seen = {};  // ABORTED if they are others by now
 };
 
 // A rearrangement that was applied.
@@ -68,10 +87,11 @@ class RearrangementStore {
   virtual ~RearrangementStore() = default;
 
   // Moves sessions with everything in their maps' frames (submaps, keyframes, tracks, entries, verdicts, robots' poses,
-  // evidence), changes link points, layers and revisions, and redirects the maps that are left empty. ABORTED if the
-  // lease is lost, the graph is no longer at change.graph_version, or layers have changed (AreLayersChanged): decide
-  // again. FAILED_PRECONDITION naming a session that is still recorded or mapped, a session that is left in a map that
-  // is redirected, or a session to be cut that has no record there; NOT_FOUND; ALREADY_EXISTS if an id is taken.
+  // evidence), changes link points, layers and revisions, takes edits along, and redirects the maps that are left
+  // empty. ABORTED if the lease is lost, the graph is no longer at change.graph_version, or layers have changed
+  // (AreLayersChanged): decide again. FAILED_PRECONDITION naming a session that is still recorded or mapped, a session
+  // that is left in a map that is redirected, or a session to be cut that has no record there; NOT_FOUND;
+  // ALREADY_EXISTS if an id is taken.
   virtual absl::StatusOr<StoredRearrangement> Apply(const CallContext& context, const SiteLease& lease,
                                                     const RearrangementChange& change) const = 0;
   // Restores exactly what was before: poses, link points, evidence, layers; rasters as new revisions with the old

@@ -90,7 +90,7 @@ class MapEditStore {
 
   // NOT_FOUND if the map does not exist; ALREADY_EXISTS.
   absl::StatusOr<MapDraft> Create(const CallContext& context, const MapDraft& draft) const;
-  // NOT_FOUND.
+  // NOT_FOUND; it says so if the map was merged into another one, and the draft with it.
   absl::StatusOr<MapDraft> Get(const CallContext& context, const MapDraftKey& key) const;
   // The newest first, from the one after `after` (empty: from the first). NOT_FOUND if the map does not exist.
   absl::StatusOr<std::vector<MapDraft>> List(const CallContext& context, const SiteId& site, const MapId& map,

@@ -9,47 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "core/base/sha256.h"
 #include "core/grid/files/grey_image.h"
 #include "core/grid/map_raster.h"
-#include "core/grid/tiled_raster.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
-#include "fmt/format.h"
 #include "nlohmann/json.hpp"
-#include "storage/postgres/maps/blob_store.h"
-#include "storage/postgres/maps/revision_store.h"
 #include "tests/bench/support/bench_system.h"
+#include "tests/bench/support/large_maps.h"
 
 namespace {
 
 using namespace enfilade;
 using namespace enfilade::bench;
 using Clock = std::chrono::steady_clock;
-
-template <typename T>
-T Must(absl::StatusOr<T> value) {
-  if (!value.ok()) throw std::runtime_error(value.status().ToString());
-  return *std::move(value);
-}
-void Must(const absl::Status& status) {
-  if (!status.ok()) throw std::runtime_error(status.ToString());
-}
-
-// As robots make it: rooms of 10 m x 7.5 m with rough walls, free inside with some clutter.
-grid::OccupancyGrid Floor(int side) {
-  grid::OccupancyGrid floor;
-  floor.geometry = {0.05, {-0.025 * side, -0.025 * side, 0.0}, side, side};
-  floor.cells.resize(floor.geometry.cell_count());
-  std::mt19937 rng(1);
-  for (int row = 0; row < side; ++row) {
-    for (int column = 0; column < side; ++column) {
-      const bool is_wall = row % 150 < 2 || column % 200 < 2 || rng() % 500 == 0;
-      floor.cells[floor.geometry.index(column, row)] =
-          static_cast<std::uint8_t>(is_wall ? 200 + rng() % 48 : 31 + (rng() % 16 == 0 ? 10 : 0));
-    }
-  }
-  return floor;
-}
 
 // 200 strokes of 2 m.
 grid::OccupancyGrid Edited(grid::OccupancyGrid floor) {
@@ -73,33 +44,6 @@ grid::OccupancyGrid SeenAgain(grid::OccupancyGrid floor) {
 }
 
 grid::MapRaster ToGrey(const grid::OccupancyGrid& floor) { return {floor.geometry, grid::SaveAsGrey(floor.cells, {})}; }
-
-// A map with the revisions 1 and 2. Gives its resource name.
-std::string Store(BenchSystem& system, storage::postgres::Pool& pool, const std::string& name,
-                  const std::vector<grid::MapRaster>& rasters) {
-  const std::string map = system.CreateMap(name);
-  const SiteId site("bench");
-  const auto context = [] { return storage::CallContext::WithTimeout(std::chrono::minutes(5)); };
-  for (const grid::MapRaster& raster : rasters) {
-    const grid::TiledRaster tiled = grid::SplitIntoTiles(raster);
-    storage::NewRevision revision;
-    revision.source = storage::RevisionSource::kImport;
-    revision.geometry = raster.geometry;
-    revision.raster_header = tiled.header;
-    Sha256Stream content;
-    for (const auto& [index, bytes] : tiled.tiles) {
-      const std::string sha256 = Sha256(bytes);
-      content.Add(sha256);
-      Must(storage::postgres::BlobStore(pool).Put(context(), site, {{sha256, bytes}}));
-      revision.tiles.push_back({{index.row, index.column}, sha256});
-    }
-    revision.content_sha256 = content.Finish();
-    Must(storage::postgres::RevisionStore(pool)
-             .Add(context(), site, MapId(map.substr(map.rfind('/') + 1)), revision, {})
-             .status());
-  }
-  return map;
-}
 
 struct Wanted {
   bool picture = false;
@@ -131,13 +75,13 @@ nlohmann::json Run(int side, int rounds) {
   BenchSystem system({"mapping.workers=0"});
   const auto pool = Must(storage::postgres::Pool::Create({.url = system.database_url()}));
   const client::Connection connection = system.server().Connect();
-  const grid::OccupancyGrid floor = Floor(side);
+  const grid::OccupancyGrid floor = RobotsFloor(side);
   const grid::OccupancyGrid edited = Edited(floor);
   const std::string few =
-      Store(system, *pool, "Few", {grid::FromOccupancyGrid(floor), grid::FromOccupancyGrid(edited)});
+      StoreMap(system, *pool, "Few", {grid::FromOccupancyGrid(floor), grid::FromOccupancyGrid(edited)});
   const std::string all =
-      Store(system, *pool, "All", {grid::FromOccupancyGrid(floor), grid::FromOccupancyGrid(SeenAgain(floor))});
-  const std::string grey = Store(system, *pool, "Grey", {ToGrey(floor), ToGrey(edited)});
+      StoreMap(system, *pool, "All", {grid::FromOccupancyGrid(floor), grid::FromOccupancyGrid(SeenAgain(floor))});
+  const std::string grey = StoreMap(system, *pool, "Grey", {ToGrey(floor), ToGrey(edited)});
   return {{"benchmark", "differences of revisions"},
           {"cells", std::int64_t{side} * side},
           {"rounds", rounds},

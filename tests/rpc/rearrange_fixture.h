@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -80,11 +81,18 @@ class RearrangeTest : public ServerTest {
     Map(second_, Drive().second);
     Link("between", Drive().T_first_second, {});
   }
-  std::string CreateSessionIn(const std::string& map) {
+  std::string CreateSessionIn(const std::string& map) { return CreateSessionAt(map, std::nullopt); }
+  // `entry`: where the robot is in the map, well known.
+  std::string CreateSessionAt(const std::string& map, const std::optional<Pose2>& entry) {
     v1::CreateSessionRequest request;
     request.set_parent("sites/s");
     request.mutable_session()->set_robot("sites/s/robots/r");
     request.mutable_session()->set_map(map);
+    if (entry) {
+      const Eigen::Matrix3d covariance = Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal();
+      *request.mutable_session()->mutable_entry()->mutable_pose_map_robot() =
+          convert::ToProto(PoseWithCovariance{*entry, covariance});
+    }
     const auto response = Call(&v1::SessionService::Stub::CreateSession, request);
     EXPECT_OK(response);
     return response.ok() ? response->session().name() : "";

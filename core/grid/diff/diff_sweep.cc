@@ -64,9 +64,12 @@ DiffSweep::DiffSweep(const DiffLattice& lattice, const MapDiffOptions& options) 
 }
 
 absl::Status DiffSweep::Add(int row, int column, const std::uint8_t* base, const std::uint8_t* revision, int size) {
-  for (int i = 0; i < size; ++i) ++pairs_[static_cast<std::size_t>(i) % 2][4U * base[i] + revision[i]];
   if (picture_) picture_->Add(row, column, base, revision, size);
-  if (base == revision) return absl::OkStatus();
+  if (base == revision || std::memcmp(base, revision, static_cast<std::size_t>(size)) == 0) {
+    CountUnchanged(revision, size);
+    return absl::OkStatus();
+  }
+  for (int i = 0; i < size; ++i) ++pairs_[static_cast<std::size_t>(i) % 2][4U * base[i] + revision[i]];
   for (int begin = NextChange(base, revision, 0, size); begin < size;) {
     int end = begin + 1;
     while (end < size && base[end] != revision[end]) ++end;
@@ -74,6 +77,18 @@ absl::Status DiffSweep::Add(int row, int column, const std::uint8_t* base, const
     begin = NextChange(base, revision, end, size);
   }
   return absl::OkStatus();
+}
+
+// Without a table, so that the compiler counts many cells at once.
+void DiffSweep::CountUnchanged(const std::uint8_t* classes, int size) {
+  int free = 0;
+  int occupied = 0;
+  for (int i = 0; i < size; ++i) {
+    free += classes[i] == kFreeClass ? 1 : 0;
+    occupied += classes[i] == kOccupiedClass ? 1 : 0;
+  }
+  pairs_[0][4U * kFreeClass + kFreeClass] += free;
+  pairs_[0][4U * kOccupiedClass + kOccupiedClass] += occupied;
 }
 
 absl::Status DiffSweep::AddRun(int row, int column, const std::uint8_t* base, const std::uint8_t* revision, int size) {

@@ -25,6 +25,8 @@ class DiffSweep {
   absl::StatusOr<MapDiff> Finish() &&;
 
  private:
+  // Those that are unknown are counted by what is left.
+  void CountUnchanged(const std::uint8_t* classes, int size);
   // Of cells that have all changed, next to one another.
   absl::Status AddRun(int row, int column, const std::uint8_t* base, const std::uint8_t* revision, int size);
 

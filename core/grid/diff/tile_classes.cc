@@ -2,6 +2,7 @@
 #include "core/grid/diff/tile_classes.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <variant>
@@ -39,12 +40,29 @@ void CutToRaster(const RasterHeader& header, TileIndex index, absl::Span<std::ui
   };
   const auto [left, right] = inside(index.column, header.lattice_min.column, header.raster.geometry.width);
   const auto [bottom, top] = inside(index.row, header.lattice_min.row, header.raster.geometry.height);
+  if (left == 0 && bottom == 0 && right == kTileSize && top == kTileSize) return;
   for (int row = 0; row < kTileSize; ++row) {
     const auto begin = classes.begin() + std::ptrdiff_t{row} * kTileSize;
     const bool is_inside = row >= bottom && row < top;
     std::fill(begin, begin + (is_inside ? left : kTileSize), kUnknownClass);
     if (is_inside) std::fill(begin + right, begin + kTileSize, kUnknownClass);
   }
+}
+
+// Of each grey, as the image is read.
+std::array<std::uint8_t, 256> ClassBytesOfGreys(const GreyCells& kind, const std::array<std::uint8_t, 256>& class_of) {
+  MapRaster scale;
+  scale.geometry.width = 256;
+  scale.geometry.height = 1;
+  GreyCells greys = kind;
+  greys.grey.resize(256);
+  std::iota(greys.grey.begin(), greys.grey.end(), std::uint8_t{0});
+  scale.cells = std::move(greys);
+  const OccupancyGrid grid = ToOccupancyGrid(scale);
+  std::array<std::uint8_t, 256> classes{};
+  std::transform(grid.cells.begin(), grid.cells.end(), classes.begin(),
+                 [&](std::uint8_t cell) { return class_of[cell]; });
+  return classes;
 }
 
 }  // namespace
@@ -57,12 +75,19 @@ std::array<std::uint8_t, 256> ClassBytesOfCells() {
   return bytes;
 }
 
-TileClasses::TileClasses(RasterHeader header) : header_(std::move(header)), class_of_(ClassBytesOfCells()) {}
+TileClasses::TileClasses(RasterHeader header) : header_(std::move(header)), class_of_(ClassBytesOfCells()) {
+  const auto* const grey = std::get_if<GreyCells>(&header_.raster.cells);
+  is_bytes_ = std::holds_alternative<OccupancyCells>(header_.raster.cells) || (grey != nullptr && !header_.has_alpha);
+  class_of_byte_ = class_of_;
+  if (grey != nullptr && is_bytes_) class_of_byte_ = ClassBytesOfGreys(*grey, class_of_);
+}
 
 absl::StatusOr<TileClasses> TileClasses::Create(std::string_view header) {
   ENFILADE_ASSIGN_OR_RETURN(RasterHeader decoded, DecodeRasterHeader(header));
   TileClasses classes(std::move(decoded));
-  if (!std::holds_alternative<OccupancyCells>(classes.header_.raster.cells)) {
+  if (classes.is_bytes_) {
+    classes.background_ = static_cast<CellClass>(classes.class_of_byte_[classes.header_.background]);
+  } else {
     ENFILADE_ASSIGN_OR_RETURN(const MapRaster background, AssembleTile(classes.header_, {}, {}));
     classes.background_ = static_cast<CellClass>(classes.class_of_[ToOccupancyGrid(background).cells.front()]);
   }
@@ -74,15 +99,19 @@ absl::Status TileClasses::Read(TileIndex index, std::string_view bytes, absl::Sp
     std::fill(classes.begin(), classes.end(), kUnknownClass);
     return absl::OkStatus();
   }
-  const bool is_occupancy = std::holds_alternative<OccupancyCells>(header_.raster.cells);
-  return is_occupancy ? ReadOccupancy(index, bytes, classes) : ReadOther(index, bytes, classes);
+  ENFILADE_RETURN_IF_ERROR(is_bytes_ ? ReadBytes(index, bytes, classes) : ReadOther(index, bytes, classes));
+  CutToRaster(header_, index, classes);
+  return absl::OkStatus();
 }
 
-// Their cells outside the raster are unknown.
-absl::Status TileClasses::ReadOccupancy(TileIndex index, std::string_view bytes, absl::Span<std::uint8_t> classes) {
+absl::Status TileClasses::ReadBytes(TileIndex index, std::string_view bytes, absl::Span<std::uint8_t> classes) {
+  if (bytes.empty()) {
+    std::fill(classes.begin(), classes.end(), static_cast<std::uint8_t>(background_));
+    return absl::OkStatus();
+  }
   ENFILADE_RETURN_IF_ERROR(
       WithContext(packing_.Unpack(bytes, classes), fmt::format("tile ({}, {})", index.row, index.column)));
-  for (std::uint8_t& cell : classes) cell = class_of_[cell];
+  for (std::uint8_t& cell : classes) cell = class_of_byte_[cell];
   return absl::OkStatus();
 }
 
@@ -90,7 +119,6 @@ absl::Status TileClasses::ReadOther(TileIndex index, std::string_view bytes, abs
   ENFILADE_ASSIGN_OR_RETURN(const MapRaster tile, AssembleTile(header_, index, bytes));
   const OccupancyGrid grid = ToOccupancyGrid(tile);
   std::transform(grid.cells.begin(), grid.cells.end(), classes.begin(), [&](std::uint8_t c) { return class_of_[c]; });
-  CutToRaster(header_, index, classes);
   return absl::OkStatus();
 }
 

@@ -34,11 +34,14 @@ class TileClasses {
 
  private:
   explicit TileClasses(RasterHeader header);
-  absl::Status ReadOccupancy(TileIndex index, std::string_view bytes, absl::Span<std::uint8_t> classes);
+  // Of cells of one byte each.
+  absl::Status ReadBytes(TileIndex index, std::string_view bytes, absl::Span<std::uint8_t> classes);
   absl::Status ReadOther(TileIndex index, std::string_view bytes, absl::Span<std::uint8_t> classes) const;
 
   RasterHeader header_;
-  std::array<std::uint8_t, 256> class_of_;
+  std::array<std::uint8_t, 256> class_of_;  // of a cell of an OccupancyGrid
+  bool is_bytes_ = false;                   // a tile has one byte for each cell
+  std::array<std::uint8_t, 256> class_of_byte_{};
   CellClass background_ = CellClass::kUnknown;
   TilePacking packing_;
 };

@@ -20,6 +20,7 @@
 #include "server/app/edits/edited_revision.h"
 #include "server/app/edits/map_ground.h"
 #include "storage/graph/link_point_store.h"
+#include "storage/graph/rearrangement_store.h"
 #include "storage/maps/map_edit_store.h"
 
 namespace enfilade::server {
@@ -123,10 +124,10 @@ class MapEdits {
   // ignored have changed. Does nothing if it would look the same.
   absl::Status Recompose(const storage::CallContext& context, const EditedMap& map) const;
 
-  // Publishes the edits of a map that was merged into another one there, too, where it lies in it. Does nothing if it
-  // has none, or if they are there already.
-  absl::Status Adopt(const storage::CallContext& context, const EditedMap& kept, const MapId& merged,
-                     const Pose2& T_kept_merged) const;
+  // Of a change that redirects maps: what was published of their edits becomes publications of the maps that stay,
+  // where they lie in them, over those maps' own, unless they are there already.
+  absl::Status Adopt(const storage::CallContext& context, const SiteId& site,
+                     storage::RearrangementChange& change) const;
 
   absl::StatusOr<std::vector<ContestedPlace>> ListContested(const storage::CallContext& context, const EditedMap& map);
   // ABORTED if a place is not contested.
@@ -155,6 +156,17 @@ class MapEdits {
   // What publishing the edits over all that is published makes of the map's newest revision.
   absl::StatusOr<storage::NewRevision> Compose(const storage::CallContext& context, const EditedMap& map,
                                                const std::vector<edit::KeptEdit>& edits) const;
+
+  // The published overlay on the lattice.
+  absl::StatusOr<edit::Overlay> OverlayOn(const storage::CallContext& context, const EditedMap& map,
+                                          const storage::StoredOverlay& published, const edit::Lattice& lattice) const;
+  // Of one redirect, without what they become; `change` gets what they were read from.
+  absl::StatusOr<std::vector<storage::AdoptedPublication>> PublicationsToAdopt(
+      const storage::CallContext& context, const EditedMap& kept, const rearrange::MapRedirect& redirect,
+      storage::RearrangementChange& change) const;
+  // Numbers what the raster adopts, and lays it over the raster.
+  absl::Status AdoptIn(const storage::CallContext& context, const EditedMap& kept,
+                       storage::RearrangedRaster& raster) const;
 
   const storage::MapEditStore& edits_;
   const RasterStores rasters_;

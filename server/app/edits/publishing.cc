@@ -63,6 +63,13 @@ absl::StatusOr<edit::Witness> WitnessOf(const storage::CallContext& context, con
 
 }  // namespace
 
+absl::StatusOr<edit::Overlay> MapEdits::OverlayOn(const storage::CallContext& context, const EditedMap& map,
+                                                  const storage::StoredOverlay& published,
+                                                  const edit::Lattice& lattice) const {
+  if (published.lattice == lattice) return ReadOverlay(context, rasters_.blobs, map.site, published);
+  return DrawOverlay(context, rasters_.revisions, map, published, published.edit_version, lattice);
+}
+
 absl::StatusOr<storage::NewRevision> MapEdits::Compose(const storage::CallContext& context, const EditedMap& map,
                                                        const std::vector<edit::KeptEdit>& edits) const {
   // First what the map is: if it changes after this, what is composed is refused, and composed again.
@@ -77,11 +84,8 @@ absl::StatusOr<storage::NewRevision> MapEdits::Compose(const storage::CallContex
   const edit::Lattice lattice = edit::LatticeOf(header);
   const storage::StoredOverlay published = state.overlay.value_or(storage::StoredOverlay{});
   edit::Overlay overlay;
-  if (state.overlay && published.lattice == lattice) {
-    ENFILADE_ASSIGN_OR_RETURN(overlay, ReadOverlay(context, rasters_.blobs, map.site, published));
-  } else if (state.overlay) {
-    ENFILADE_ASSIGN_OR_RETURN(
-        overlay, DrawOverlay(context, rasters_.revisions, map, published, published.edit_version, lattice));
+  if (state.overlay) {
+    ENFILADE_ASSIGN_OR_RETURN(overlay, OverlayOn(context, map, published, lattice));
   }
   overlay = edit::Combine(overlay, edit::LayerOf(edits, lattice));
   ENFILADE_ASSIGN_OR_RETURN(storage::StoredOverlay stored,

@@ -31,10 +31,10 @@ absl::StatusOr<storage::StoredRearrangement> Rearranger::Apply(const storage::Ca
   change.graph_version = graph_version;
   LayerRenderer renderer(context, stores_, profiles_, lease.site, rearrangement);
   ENFILADE_ASSIGN_OR_RETURN(change.rasters, renderer.Render());
+  if (edits_ != nullptr) ENFILADE_RETURN_IF_ERROR(edits_->Adopt(context, lease.site, change));
   absl::StatusOr<storage::StoredRearrangement> applied = stores_.rearrangements.Apply(context, lease, change);
   if (MayBeCommitted(applied.status())) graphs_.MarkChanged(lease.site);
   if (applied.ok()) {
-    MoveEdits(context, lease.site, *applied);
     spdlog::info("maps of {} rearranged ({}): {}", lease.site.value(), change.id.value(), rearrangement.reason);
   }
   return applied;
@@ -50,18 +50,6 @@ absl::StatusOr<storage::StoredRearrangement> Rearranger::Undo(const storage::Cal
     spdlog::info("rearrangement {} of {} undone", id.value(), lease.site.value());
   }
   return undone;
-}
-
-// The maps are rearranged already: an error is no reason to say that they are not.
-void Rearranger::MoveEdits(const storage::CallContext& context, const SiteId& site,
-                           const storage::StoredRearrangement& applied) const {
-  if (edits_ == nullptr) return;
-  for (const rearrange::MapRedirect& redirect : applied.redirects) {
-    const absl::Status moved = edits_->Adopt(context, {site, redirect.to}, redirect.from, redirect.T_to_from);
-    if (moved.ok()) continue;
-    spdlog::error("the edits of map {}, which was merged into {}, were not published there: {}", redirect.from.value(),
-                  redirect.to.value(), moved.ToString());
-  }
 }
 
 // The layers of before are back; edits lie over them as over any others.

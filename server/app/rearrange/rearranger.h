@@ -51,9 +51,6 @@ class Rearranger {
                                                     const rearrange::RearrangementId& id) const;
 
  private:
-  // The edits of maps that are redirected become publications of those that stay.
-  void MoveEdits(const storage::CallContext& context, const SiteId& site,
-                 const storage::StoredRearrangement& applied) const;
   void RecomposeEdited(const storage::CallContext& context, const SiteId& site,
                        const storage::StoredRearrangement& undone) const;
 

@@ -22,6 +22,12 @@ constexpr Statement kRaiseLayersVersion{
     "raising the version of the map's layers",
     "INSERT INTO enfilade.map_layer_stacks AS s (site_id, map_id, version) VALUES ($1, $2, 1)"
     " ON CONFLICT (site_id, map_id) DO UPDATE SET version = s.version + 1"};
+// How much had been published of the map's edits when a session began: it contradicts none that is newer.
+#define ENFILADE_EDITS_BEFORE(session)                                                       \
+  "coalesce((SELECT min(d.edit_version) - 1 FROM enfilade.map_drafts d, enfilade.sessions s" \
+  "   WHERE d.site_id = $1 AND d.map_id = $2 AND s.site_id = $1 AND s.session_id = " session \
+  "   AND d.publish_time > s.create_time),"                                                  \
+  "  (SELECT edit_version FROM enfilade.map_overlays WHERE site_id = $1 AND map_id = $2), 0)"
 #define ENFILADE_LAYERS_VERSION "(SELECT version FROM enfilade.map_layer_stacks WHERE site_id = $1 AND map_id = $2)"
 constexpr Statement kDeleteLayers{"deleting the map's layers",
                                   "DELETE FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"};
@@ -32,7 +38,7 @@ constexpr Statement kUpsertLayer{
     "storing the session's layer",
     "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header, version,"
     " edit_version) SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, $5, " ENFILADE_LAYERS_VERSION
-    ", coalesce((SELECT edit_version FROM enfilade.map_overlays WHERE site_id = $1 AND map_id = $2), 0)"
+    ", " ENFILADE_EDITS_BEFORE("$3")
     " FROM enfilade.map_layers WHERE site_id = $1 AND map_id = $2"
     " ON CONFLICT (site_id, map_id, session_id) WHERE session_id IS NOT NULL DO UPDATE SET"
     " revision = excluded.revision, raster_header = excluded.raster_header, version = excluded.version"};
@@ -56,9 +62,9 @@ constexpr Statement kUpsertLayerTiles{
 // One statement: the new layer's number is known within it only.
 constexpr Statement kInsertTopLayer{
     "storing a layer",
-    "WITH l AS (INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, raster_header, version)"
-    "   SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, " ENFILADE_LAYERS_VERSION
-    " FROM enfilade.map_layers"
+    "WITH l AS (INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, raster_header, version,"
+    "     edit_version) SELECT $1, $2, coalesce(max(position), 0) + 1, $3, $4, " ENFILADE_LAYERS_VERSION
+    ", " ENFILADE_EDITS_BEFORE("$3") " FROM enfilade.map_layers"
     "   WHERE site_id = $1 AND map_id = $2 RETURNING position)"
     " INSERT INTO enfilade.map_layer_tiles (site_id, map_id, position, tile_row, tile_column, sha256)"
     " SELECT $1, $2, l.position, u.* FROM l, unnest($5::integer[], $6::integer[], $7::bytea[]) u"};
@@ -228,11 +234,10 @@ absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLaye
   return absl::OkStatus();
 }
 
-absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision) {
-  if (!revision.layers_version) return absl::OkStatus();
+absl::Status CheckLayers(Transaction& transaction, const MapKey& key, std::int64_t version) {
   ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kSelectLayersVersion, Params(key.site, key.map)));
-  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t version, VersionIn(result));
-  return version == *revision.layers_version ? absl::OkStatus() : LayersChanged(key.site, key.map);
+  ENFILADE_ASSIGN_OR_RETURN(const std::int64_t stored, VersionIn(result));
+  return stored == version ? absl::OkStatus() : LayersChanged(key.site, key.map);
 }
 
 void QueueLayersVersion(Transaction& transaction, const MapKey& key) {

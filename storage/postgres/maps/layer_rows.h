@@ -26,9 +26,8 @@ absl::Status LockLayers(Transaction& transaction, const MapKey& key, std::int64_
 // As RevisionStore::AddRun. Partly queued, as AddRevision.
 absl::Status StoreRun(Transaction& transaction, const MapKey& key, const NewLayerRun& run);
 
-// Within a transaction that has locked the map's row. LayersChanged if the revision was made from layers that have
-// changed since.
-absl::Status CheckLayers(Transaction& transaction, const MapKey& key, const NewRevision& revision);
+// Within a transaction that has locked the map's row. LayersChanged if they are no longer those of `version`.
+absl::Status CheckLayers(Transaction& transaction, const MapKey& key, std::int64_t version);
 
 // Raises the version of the layers only: what lies over them has changed. Queued only.
 void QueueLayersVersion(Transaction& transaction, const MapKey& key);

@@ -12,6 +12,16 @@
 namespace enfilade::storage::postgres {
 namespace {
 
+constexpr Statement kSelectDraft{"reading the draft", "SELECT " ENFILADE_DRAFT_COLUMNS
+                                                      " FROM enfilade.map_drafts WHERE site_id = $1 AND map_id = $2"
+                                                      " AND draft_id = $3"};
+constexpr Statement kSelectRedirect{
+    "looking where the map is",
+    "SELECT redirect_map_id FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 AND redirect_map_id IS NOT NULL"};
+constexpr Statement kLockRedirect{
+    "looking where the map is",
+    "WITH m AS MATERIALIZED (SELECT redirect_map_id FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"
+    "   FOR KEY SHARE) SELECT redirect_map_id FROM m WHERE redirect_map_id IS NOT NULL"};
 constexpr Statement kInsertDraft{
     "creating the draft",
     "INSERT INTO enfilade.map_drafts (site_id, map_id, draft_id, display_name, author, base_edit_version, resolution,"
@@ -38,6 +48,11 @@ constexpr Statement kPublishDraft{
     "publishing the draft",
     "UPDATE enfilade.map_drafts SET publish_time = now(), edit_version = $4, revision = $5, message = $6, etag = $7"
     " WHERE site_id = $1 AND map_id = $2 AND draft_id = $3 RETURNING " ENFILADE_DRAFT_COLUMNS};
+constexpr Statement kTakeTime{
+    "publishing the edits of a merged map",
+    "UPDATE enfilade.map_drafts d SET publish_time = o.publish_time FROM enfilade.map_drafts o"
+    " WHERE d.site_id = $1 AND d.map_id = $2 AND d.draft_id = $3"
+    " AND o.site_id = $1 AND o.map_id = $4 AND o.edit_version = $5"};
 #define ENFILADE_EDIT_COLUMNS \
   "e.edit_id, e.author, e.sequence, e.active, e.instruction, e.invisible, e.shape, e.head, e.create_time"
 constexpr Statement kListEdits{"listing edits", "SELECT " ENFILADE_EDIT_COLUMNS
@@ -117,8 +132,20 @@ MapDraft ReadDraft(Row& row) {
 
 std::string NameOfDraft(const MapDraftKey& key) { return NameOf(key.site, key.map, key.draft); }
 
+absl::Status MissingDraft(const Result& redirect, const MapDraftKey& key) {
+  if (redirect.rows() == 0) return NotFound("{} does not exist", NameOfDraft(key));
+  Row row(redirect, 0);
+  const MapId into{std::string(row.Text())};
+  ENFILADE_RETURN_IF_ERROR(row.status());
+  return NotFound("{} does not exist: {} was merged into {}, and its drafts with it", NameOfDraft(key),
+                  NameOf(key.site, key.map), NameOf(key.site, into));
+}
+
 absl::StatusOr<MapDraft> InsertDraft(Transaction& transaction, const MapDraft& draft) {
   const auto& [site, map, id] = draft.key;
+  // Waits while the map is being merged.
+  ENFILADE_ASSIGN_OR_RETURN(const Result redirect, transaction.Execute(kLockRedirect, Params(site, map)));
+  if (redirect.rows() > 0) return MissingDraft(redirect, draft.key);
   const Pose2& origin = draft.lattice.T_map_lattice;
   ENFILADE_ASSIGN_OR_RETURN(
       const Result result,
@@ -129,7 +156,18 @@ absl::StatusOr<MapDraft> InsertDraft(Transaction& transaction, const MapDraft& d
 
 absl::StatusOr<MapDraft> LockDraft(Transaction& transaction, const MapDraftKey& key) {
   ENFILADE_ASSIGN_OR_RETURN(const Result result, transaction.Execute(kLockDraft, Params(key.site, key.map, key.draft)));
-  return ReadOne(result, ReadDraft, NameOfDraft(key));
+  if (result.rows() > 0) return ReadOne(result, ReadDraft, NameOfDraft(key));
+  ENFILADE_ASSIGN_OR_RETURN(const Result redirect, transaction.Execute(kSelectRedirect, Params(key.site, key.map)));
+  return MissingDraft(redirect, key);
+}
+
+absl::StatusOr<MapDraft> ReadDraftOf(Pool& pool, const CallContext& context, const MapDraftKey& key) {
+  ENFILADE_ASSIGN_OR_RETURN(const Result result,
+                            ExecuteAlone(pool, context, kSelectDraft, Params(key.site, key.map, key.draft)));
+  if (result.rows() > 0) return ReadOne(result, ReadDraft, NameOfDraft(key));
+  ENFILADE_ASSIGN_OR_RETURN(const Result redirect,
+                            ExecuteAlone(pool, context, kSelectRedirect, Params(key.site, key.map)));
+  return MissingDraft(redirect, key);
 }
 
 absl::StatusOr<std::int64_t> InsertEdits(Transaction& transaction, const MapDraft& draft,
@@ -168,11 +206,18 @@ absl::StatusOr<std::int64_t> InsertEdits(Transaction& transaction, const MapDraf
   return head;
 }
 
-void QueuePublished(Transaction& transaction, const MapDraftKey& key, const NewPublication& publication,
-                    std::int64_t revision) {
-  transaction.Queue(kPublishDraft,
-                    Params(key.site, key.map, key.draft, publication.revision.edits->overlay.edit_version, revision,
-                           publication.message, NewEtag()));
+void QueuePublished(Transaction& transaction, const MapDraftKey& key, std::int64_t edit_version, std::int64_t revision,
+                    const std::string& message) {
+  transaction.Queue(kPublishDraft, Params(key.site, key.map, key.draft, edit_version, revision, message, NewEtag()));
+}
+
+absl::Status AdoptPublication(Transaction& transaction, const AdoptedPublication& adopted, std::int64_t revision) {
+  const MapDraftKey& key = adopted.draft.key;
+  ENFILADE_ASSIGN_OR_RETURN(const MapDraft draft, InsertDraft(transaction, adopted.draft));
+  ENFILADE_RETURN_IF_ERROR(InsertEdits(transaction, draft, adopted.edits).status());
+  QueuePublished(transaction, key, adopted.edit_version, revision, adopted.message);
+  transaction.Queue(kTakeTime, Params(key.site, key.map, key.draft, adopted.from, adopted.from_version));
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<StoredMapEdit>> ReadEdits(Pool& pool, const CallContext& context, const MapDraft& draft,

@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
+#include "storage/graph/rearrangement_store.h"
 #include "storage/maps/map_edit_store.h"
 #include "storage/postgres/driver/result.h"
 #include "storage/postgres/driver/transaction.h"
@@ -23,6 +24,9 @@ MapDraft ReadDraft(Row& row);
 
 std::string NameOfDraft(const MapDraftKey& key);
 
+// NOT_FOUND.
+absl::StatusOr<MapDraft> ReadDraftOf(Pool& pool, const CallContext& context, const MapDraftKey& key);
+// NOT_FOUND if the map has been merged into another one.
 absl::StatusOr<MapDraft> InsertDraft(Transaction& transaction, const MapDraft& draft);
 // NOT_FOUND.
 absl::StatusOr<MapDraft> LockDraft(Transaction& transaction, const MapDraftKey& key);
@@ -30,8 +34,10 @@ absl::StatusOr<MapDraft> LockDraft(Transaction& transaction, const MapDraftKey& 
 absl::StatusOr<std::int64_t> InsertEdits(Transaction& transaction, const MapDraft& draft,
                                          absl::Span<const NewMapEdit> edits);
 // The last one of the queue gives the draft's columns.
-void QueuePublished(Transaction& transaction, const MapDraftKey& key, const NewPublication& publication,
-                    std::int64_t revision);
+void QueuePublished(Transaction& transaction, const MapDraftKey& key, std::int64_t edit_version, std::int64_t revision,
+                    const std::string& message);
+// What another map has published becomes a publication of `adopted`'s map, in `revision`. Partly queued.
+absl::Status AdoptPublication(Transaction& transaction, const AdoptedPublication& adopted, std::int64_t revision);
 
 // As the methods of MapEditStore.
 absl::StatusOr<std::vector<StoredMapEdit>> ReadEdits(Pool& pool, const CallContext& context, const MapDraft& draft,

@@ -23,9 +23,6 @@ using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
 
-constexpr Statement kSelectDraft{"reading the draft", "SELECT " ENFILADE_DRAFT_COLUMNS
-                                                      " FROM enfilade.map_drafts WHERE site_id = $1 AND map_id = $2"
-                                                      " AND draft_id = $3"};
 constexpr Statement kSelectMapOfDrafts{"looking for the map",
                                        "SELECT true FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
 constexpr Statement kListDrafts{
@@ -50,7 +47,8 @@ constexpr Statement kSwitchEdits{
     " RETURNING head"};
 constexpr Statement kRebaseDraft{"rebasing the draft",
                                  "UPDATE enfilade.map_drafts SET base_edit_version = $4, etag = $5"
-                                 " WHERE site_id = $1 AND map_id = $2 AND draft_id = $3"};
+                                 " WHERE site_id = $1 AND map_id = $2 AND draft_id = $3"
+                                 " RETURNING " ENFILADE_DRAFT_COLUMNS};
 
 Params KeyOf(const MapDraftKey& key) { return Params(key.site, key.map, key.draft); }
 
@@ -84,6 +82,7 @@ absl::Status CheckSwitched(const postgres::Result& found, absl::Span<const std::
 }
 
 absl::Status ExplainDraft(const absl::Status& status, const MapDraftKey& key) {
+  if (absl::IsNotFound(status)) return status;
   if (absl::IsAlreadyExists(status)) return AlreadyExists("{} exists already", NameOfDraft(key));
   if (postgres::SqlStateOf(status) == "23503") return NotFound("{} does not exist", NameOf(key.site, key.map));
   return WithContext(status, NameOfDraft(key));
@@ -96,7 +95,8 @@ absl::StatusOr<MapDraft> PublishDraft(Transaction& transaction, const MapDraftKe
   const auto number = postgres::StoreRevision(transaction, map, publication.revision, {}, MapState::kReady);
   if (!number.ok()) return postgres::ExplainRevisionError(number.status(), key.site, key.map);
   postgres::QueueLayersVersion(transaction, map);
-  postgres::QueuePublished(transaction, key, publication, *number);
+  postgres::QueuePublished(transaction, key, publication.revision.edits->overlay.edit_version, *number,
+                           publication.message);
   const auto results = transaction.FlushAndCommit();
   if (!results.ok()) return postgres::ExplainRevisionError(results.status(), key.site, key.map);
   return postgres::ReadOne(results->back(), postgres::ReadDraft, NameOfDraft(key));
@@ -113,8 +113,7 @@ absl::StatusOr<MapDraft> MapEditStore::Create(const CallContext& context, const 
 }
 
 absl::StatusOr<MapDraft> MapEditStore::Get(const CallContext& context, const MapDraftKey& key) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectDraft, KeyOf(key)));
-  return postgres::ReadOne(result, postgres::ReadDraft, NameOfDraft(key));
+  return postgres::ReadDraftOf(pool_, context, key);
 }
 
 absl::StatusOr<std::vector<MapDraft>> MapEditStore::List(const CallContext& context, const SiteId& site,
@@ -177,7 +176,6 @@ absl::StatusOr<MapDraft> MapEditStore::Rebase(const CallContext& context, const 
   }
   if (!edits.empty()) ENFILADE_RETURN_IF_ERROR(postgres::InsertEdits(transaction, draft, edits).status());
   transaction.Queue(kRebaseDraft, Params(key.site, key.map, key.draft, to, postgres::NewEtag()));
-  transaction.Queue(kSelectDraft, KeyOf(key));
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
   return postgres::ReadOne(results.back(), postgres::ReadDraft, NameOfDraft(key));
 }

@@ -69,7 +69,7 @@ absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKe
   std::int64_t number = row.Int64();
   const bool stored = row.Bool();
   ENFILADE_RETURN_IF_ERROR(row.status());
-  ENFILADE_RETURN_IF_ERROR(CheckLayers(transaction, key, revision));
+  if (revision.layers_version) ENFILADE_RETURN_IF_ERROR(CheckLayers(transaction, key, *revision.layers_version));
   QueueBlobs(transaction, site, blobs);
   if (!stored) {
     ++number;

@@ -15,6 +15,7 @@
 #include "storage/postgres/graph/link_point_rows.h"
 #include "storage/postgres/graph/placement.h"
 #include "storage/postgres/maps/layer_rows.h"
+#include "storage/postgres/maps/map_edit_rows.h"
 #include "storage/postgres/maps/numbered_map.h"
 #include "storage/postgres/maps/revision_rows.h"
 #include "storage/postgres/rearrange/rearrangement_rows.h"
@@ -143,12 +144,18 @@ void QueueMoves(Transaction& transaction, const SiteId& site, const rearrange::R
 }
 
 absl::Status ChangeRasters(Transaction& transaction, const SiteId& site, const RearrangementChange& change) {
+  for (const SeenLayers& seen : change.seen) {
+    ENFILADE_RETURN_IF_ERROR(CheckLayers(transaction, {site, seen.map}, seen.version));
+  }
   for (const RearrangedRaster& raster : change.rasters) {
     if (!raster.revision) continue;
     NewRevision revision = *raster.revision;
     revision.layers_version = raster.layers_version;
     const auto stored = StoreRevision(transaction, {site, raster.map}, revision, {}, MapState::kReady);
     if (!stored.ok()) return ExplainRevisionError(stored.status(), site, raster.map);
+    for (const AdoptedPublication& adopted : raster.adopted) {
+      ENFILADE_RETURN_IF_ERROR(AdoptPublication(transaction, adopted, *stored));
+    }
   }
   for (const RearrangedRaster& raster : change.rasters) QueueLayersChange(transaction, {site, raster.map});
   transaction.Queue(kDropLeavingLayers, Params(site, change.id));

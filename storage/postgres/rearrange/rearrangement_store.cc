@@ -44,6 +44,7 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext&
                                                                           ResourceOfRearrangement(change.id)));
   QueueRearrangement(transaction, site, change, version);
   QueueRearranging(transaction, change.id);
+  QueueDraftLocks(transaction, site, change);
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(transaction.Flush().status(), site, change.id));
   ENFILADE_RETURN_IF_ERROR(LockAndCheck(transaction, site, change));
   QueueImagesBefore(transaction, site, change.id);
@@ -52,6 +53,7 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext&
   QueueMoves(transaction, site, change.id);
   ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(transaction, site, change, version));
   ENFILADE_RETURN_IF_ERROR(ChangeRasters(transaction, site, change));
+  QueueDraftMoves(transaction, site, change);
   QueueRedirects(transaction, site, change.id);
   QueueImagesAfter(transaction, site, change.id);
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(transaction.Flush().status(), site, change.id));

@@ -203,9 +203,10 @@ constexpr Statement kDropLayersOf{
                            "layers") " AND r.before IS DISTINCT FROM r.after AND l.site_id = $1 AND l.map_id = r.key"};
 constexpr Statement kRestoreLayers{
     "restoring layers",
-    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header, version)"
-    " SELECT b.site_id, b.map_id, b.position, b.session_id, b.revision, b.raster_header, (SELECT s.version"
-    "   FROM enfilade.map_layer_stacks s WHERE s.site_id = $1 AND s.map_id = r.key)"
+    "INSERT INTO enfilade.map_layers (site_id, map_id, position, session_id, revision, raster_header, version,"
+    " edit_version) SELECT b.site_id, b.map_id, b.position, b.session_id, b.revision, b.raster_header,"
+    "   (SELECT s.version FROM enfilade.map_layer_stacks s WHERE s.site_id = $1 AND s.map_id = r.key),"
+    "   coalesce(b.edit_version, 0)"
     " FROM enfilade.rearrangement_images r, jsonb_array_elements(nullif(r.before, 'null')) e,"
     "   jsonb_populate_record(NULL::enfilade.map_layers, e) b WHERE r.site_id = $1 AND r.rearrangement_id = $2"
     " AND r.relation = 'layers' AND r.before IS DISTINCT FROM r.after"};

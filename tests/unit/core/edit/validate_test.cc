@@ -148,5 +148,12 @@ TEST(ValidateEdit, AcceptsWhatTheOtherTestsDraw) {
   for (int i = 0; i < 2000; ++i) ASSERT_OK(Validate(RandomShapes{{-9'000, 70'000}}.RandomShape(random))) << i;
 }
 
+TEST(ValidateEdit, RefusesThinShapesThatTouchTooManyTiles) {
+  constexpr int kTile = 256 * kUnitsPerCell;
+  EXPECT_OK(Validate(Line{Zigzag(32, 31 * kTile, kTile)}));  // 32 x 32 tiles
+  EXPECT_STATUS(Validate(Line{Zigzag(34, 31 * kTile, kTile)}), kInvalid,
+                AllOf(HasSubstr("more than 1024 tiles of 256 x 256 cells"), HasSubstr("split")));
+}
+
 }  // namespace
 }  // namespace enfilade::edit
