@@ -20,6 +20,7 @@ class Oracle:
         self.call, self.place, self.tally = call, place, tally
         self.seen = 0  # revisions
         self.version = 0  # the newest edit_version
+        self.has_edits = False  # since the last import that ended them
         self.overlay = {}  # what the published edits that count say: {cell: 1 to 3}
         self.picture = None  # of the newest revision that was seen
         self.evidence = None  # below its edits, if that is a file and nothing else
@@ -128,7 +129,7 @@ class Oracle:
             self.evidence = None
         else:
             fail(f"{revision.name} has source {revision.source}")
-        if revision.edit_version != self.version and (self.overlay or revision.edit_version != 0):
+        if revision.edit_version != (self.version if self.has_edits else 0):
             fail(f"{revision.name} has edit_version {revision.edit_version} after {self.version}")
         self.compare_edits(revision.name, picture)
         self.picture = picture
@@ -140,7 +141,7 @@ class Oracle:
         if revision.edit_version != self.version + 1:
             fail(f"{revision.name} is publication {revision.edit_version} after {self.version}")
         draft = published[revision.edit_version]
-        self.version = revision.edit_version
+        self.version, self.has_edits = revision.edit_version, True
         touched = set()
         for covered, value in draft.drawn:
             touched |= covered
@@ -165,6 +166,7 @@ class Oracle:
             overlay = self.overlay if keep_edits else {}
             if picture.same_place(file) and picture.greys == laid_over(file, overlay):
                 self.evidence, self.overlay = file, dict(overlay)
+                self.has_edits = self.has_edits and keep_edits
                 return
         fail(f"{revision.name} is none of the {len(self.place.imports)} imports with the edits that it must have")
 
