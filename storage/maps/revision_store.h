@@ -155,8 +155,8 @@ class RevisionStore {
   // Makes the map's next revision and its current one. Of a large raster, put the blobs beforehand, in portions.
   // FAILED_PRECONDITION naming a blob that is missing; INVALID_ARGUMENT if a tile is given twice; NOT_FOUND if the map
   // does not exist. A retry makes no second revision: if the map's current revision has the same source, session,
-  // header and content, it is returned. Stores its session's layer, too; an import or restored revision becomes the
-  // only layer. ABORTED, with AreLayersChanged, if the layers are no longer those of `layers_version`.
+  // header, content and edit_version, it is returned. Stores its session's layer, too; an import or restored revision
+  // becomes the only layer. ABORTED, with AreLayersChanged, if the layers are no longer those of `layers_version`.
   virtual absl::StatusOr<MapRevision> Add(const CallContext& context, const SiteId& site, const MapId& map,
                                           const NewRevision& revision, absl::Span<const BlobView> blobs) const = 0;
   // The current revision for number 0. NOT_FOUND.

@@ -20,10 +20,22 @@ bool HaveCommon(const std::set<grid::TileIndex>& few, const std::set<grid::TileI
 
 absl::Status DraftView::Update(const storage::CallContext& context) {
   ENFILADE_ASSIGN_OR_RETURN(storage::MapDraft draft, edits_.Get(context, key_));
+  if (has_base_ && draft.create_time != draft_.create_time) Forget();
   const bool is_moved = !has_base_ || draft.base_edit_version != draft_.base_edit_version;
   draft_ = std::move(draft);
   if (is_moved) ENFILADE_RETURN_IF_ERROR(UpdateBase(context));
   return draft_.head == head_ ? absl::OkStatus() : UpdateEdits(context);
+}
+
+void DraftView::Forget() {
+  for (const auto& [index, cells] : layer_.tiles()) changed_.insert(index);
+  layer_ = edit::Overlay();
+  stored_.clear();
+  place_of_.clear();
+  tiles_of_.clear();
+  stale_.clear();
+  head_ = sequence_ = 0;
+  has_base_ = false;
 }
 
 absl::Status DraftView::UpdateBase(const storage::CallContext& context) {

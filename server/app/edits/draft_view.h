@@ -39,6 +39,8 @@ class DraftView {
   const storage::OverlayState& newest() const { return newest_; }
 
  private:
+  // Everything that was read: of a draft that is deleted, when another one has its name.
+  void Forget();
   absl::Status UpdateBase(const storage::CallContext& context);
   absl::Status UpdateEdits(const storage::CallContext& context);
   void Apply(storage::StoredMapEdit edit);

@@ -50,11 +50,13 @@ absl::StatusOr<edit::Overlay> DrawOverlay(const storage::CallContext& context, c
 
 absl::StatusOr<grid::MapRaster> ReadEvidence(const storage::CallContext& context, const RasterStores& stores,
                                              const storage::MapRevision& newest) {
-  if (newest.edit_version > 0) {
-    ENFILADE_ASSIGN_OR_RETURN(const auto evidence, stores.revisions.ReadEvidence(context, newest.site, newest.map));
-    if (evidence) return ReadRaster(context, stores.blobs, newest.site, *evidence);
-  }
-  return ReadRaster(context, stores.revisions, newest);
+  if (newest.edit_version == 0) return ReadRaster(context, stores.revisions, newest);
+  ENFILADE_ASSIGN_OR_RETURN(const auto evidence, stores.revisions.ReadEvidence(context, newest.site, newest.map));
+  if (evidence) return ReadRaster(context, stores.blobs, newest.site, *evidence);
+  // An import has put an end to the edits meanwhile: what it shows, not what they did.
+  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision now, stores.revisions.Get(context, newest.site, newest.map, 0));
+  if (now.number == newest.number) return ReadRaster(context, stores.revisions, newest);
+  return ReadEvidence(context, stores, now);
 }
 
 absl::StatusOr<RasterRevision> StoreEdited(const storage::CallContext& context, const RasterStores& stores,

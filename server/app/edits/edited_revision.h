@@ -40,7 +40,7 @@ absl::StatusOr<edit::Overlay> DrawOverlay(const storage::CallContext& context, c
                                           const EditedMap& map, const storage::StoredOverlay& overlay,
                                           std::int64_t up_to, const edit::Lattice& lattice);
 
-// The newest revision without its edits. Errors as ReadRaster.
+// The newest revision without its edits; of a newer one if there is one by now. Errors as ReadRaster.
 absl::StatusOr<grid::MapRaster> ReadEvidence(const storage::CallContext& context, const RasterStores& stores,
                                              const storage::MapRevision& newest);
 

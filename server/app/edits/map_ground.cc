@@ -24,7 +24,8 @@ absl::StatusOr<std::shared_ptr<const MapGround>> MapGrounds::Get(const storage::
   {
     const MutexLock lock(mutex_);
     const auto found = std::find_if(entries_.begin(), entries_.end(), is_same_map);
-    if (found != entries_.end() && found->ground->revision == newest.number) {
+    if (found != entries_.end() && found->ground->revision == newest.number &&
+        found->ground->create_time == newest.create_time) {
       entries_.splice(entries_.begin(), entries_, found);
       return entries_.front().ground;
     }
@@ -32,6 +33,7 @@ absl::StatusOr<std::shared_ptr<const MapGround>> MapGrounds::Get(const storage::
   ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadEvidence(context, stores_, newest));
   auto ground = std::make_shared<MapGround>();
   ground->revision = newest.number;
+  ground->create_time = newest.create_time;
   ENFILADE_ASSIGN_OR_RETURN(ground->header, grid::DecodeRasterHeader(grid::SplitIntoTiles(raster).header));
   ground->lattice = edit::LatticeOf(ground->header);
   ground->box = edit::BoxOf(ground->header);

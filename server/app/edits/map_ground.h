@@ -11,6 +11,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "core/base/mutex.h"
+#include "core/base/time.h"
 #include "core/edit/apply.h"
 #include "core/edit/map_edit.h"
 #include "core/grid/raster_header.h"
@@ -23,6 +24,7 @@ namespace enfilade::server {
 // What a map shows below its edits.
 struct MapGround {
   std::int64_t revision = 0;  // the newest one, that it is the evidence of
+  TimeNs create_time = 0;     // of the revision: a map that is made again counts its revisions from 1 again
   grid::RasterHeader header;  // of the evidence
   edit::Lattice lattice;
   edit::CellBox box;

@@ -114,6 +114,8 @@ absl::StatusOr<PublishedDraft> MapEdits::Publish(const storage::CallContext& con
     ENFILADE_RETURN_IF_ERROR(RefuseConflicts(check, draft));
     ENFILADE_RETURN_IF_ERROR(RefuseProblems(check, request.confirm_warnings));
     storage::NewPublication publication{request.etag, request.expected_head, request.message, {}};
+    // Not another draft that has been made under its name meanwhile.
+    if (publication.etag == 0 && publication.expected_head == 0) publication.etag = draft.etag;
     if (publication.expected_head == 0) publication.expected_head = draft.head;
     ENFILADE_ASSIGN_OR_RETURN(publication.revision, Compose(context, {key.site, key.map}, view.KeptEdits()));
     // Others have published since the check.

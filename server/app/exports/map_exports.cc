@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/resource_name.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "io/file.h"
@@ -130,7 +131,10 @@ absl::StatusOr<MapExports::Subject> MapExports::FindSubject(const storage::CallC
   ENFILADE_ASSIGN_OR_RETURN(subject.revision, rasters_.revisions.Get(context, name.site, name.map, name.revision));
   subject.key = fmt::format("{}/{}/{}", ToHex(subject.revision.content_sha256), static_cast<int>(wanted.format),
                             grid::SafeStem(map.display_name));
-  if (wanted.without_edits) subject.key += fmt::format("/evidence of {}", subject.revision.number);
+  if (wanted.without_edits) {
+    subject.key += fmt::format("/evidence of {} {} of {}", NameOf(name.site, subject.revision.map),
+                               subject.revision.number, subject.revision.create_time);
+  }
   return subject;
 }
 
@@ -188,7 +192,8 @@ void MapExports::Run(const std::shared_ptr<Rendering>& rendering) {
       rendered = entry.status();
     } else {
       rendered = entry->map;
-      entry->key = subject.key;
+      // Of a newer revision than was asked for: nobody asks for it by this key again.
+      if (entry->map.revision.number == subject.revision.number) entry->key = subject.key;
       bytes_ += entry->bytes;
       entries_.push_front(*std::move(entry));
       Evict();
@@ -202,7 +207,7 @@ void MapExports::Run(const std::shared_ptr<Rendering>& rendering) {
       Wait(subject, std::move(waiter));
       continue;
     }
-    if (rendered.ok()) rendered->revision = waiter.revision;
+    if (rendered.ok() && !subject.without_edits) rendered->revision = waiter.revision;
     waiter.done(rendered);
   }
 }
@@ -219,11 +224,19 @@ std::optional<ExportedMap> MapExports::Find(const std::string& key, const storag
 }
 
 absl::StatusOr<MapExports::Entry> MapExports::Render(const storage::CallContext& context, const Subject& subject) {
-  const storage::MapRevision& revision = subject.revision;
-  const absl::StatusOr<grid::MapRaster> raster = subject.without_edits
-                                                     ? ReadEvidence(context, rasters_, revision)
-                                                     : ReadRaster(context, rasters_.revisions, revision);
+  storage::MapRevision revision = subject.revision;
+  absl::StatusOr<grid::MapRaster> raster = subject.without_edits ? ReadEvidence(context, rasters_, revision)
+                                                                 : ReadRaster(context, rasters_.revisions, revision);
   ENFILADE_RETURN_IF_ERROR(raster.status());
+  // What is below the edits is stored of the newest revision only: it may be that of a newer one.
+  while (subject.without_edits) {
+    ENFILADE_ASSIGN_OR_RETURN(storage::MapRevision newest,
+                              rasters_.revisions.Get(context, revision.site, revision.map, 0));
+    if (newest.number == revision.number) break;
+    revision = std::move(newest);
+    raster = ReadEvidence(context, rasters_, revision);
+    ENFILADE_RETURN_IF_ERROR(raster.status());
+  }
   grid::MapFileOptions file_options;
   file_options.format = subject.format;
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::MapFile> files,

@@ -15,7 +15,7 @@ namespace {
 constexpr Statement kLockMapForRevision{
     "locking the map",
     "SELECT m.current_revision, coalesce(r.source = $3 AND r.session_id IS NOT DISTINCT FROM $4"
-    " AND r.content_sha256 = $5 AND r.raster_header = $6, false)"
+    " AND r.content_sha256 = $5 AND r.raster_header = $6 AND r.edit_version = $7, false)"
     " FROM enfilade.maps m LEFT JOIN enfilade.map_revisions r"
     " ON (r.site_id, r.map_id, r.revision) = (m.site_id, m.map_id, m.current_revision)"
     " WHERE m.site_id = $1 AND m.map_id = $2 AND m.redirect_map_id IS NULL FOR NO KEY UPDATE OF m"};
@@ -38,15 +38,20 @@ constexpr Statement kReviewMap{"having the map's revisions reviewed",
                                " VALUES ($1, $2, now()) ON CONFLICT (site_id, map_id)"
                                " DO UPDATE SET due_time = excluded.due_time WHERE r.due_time > excluded.due_time"};
 
+// Of the newest publication that lies over it; 0 if an import has put an end to all of them.
+std::int64_t EditVersionOf(const NewRevision& revision) {
+  if (!revision.edits || revision.edits->overlay.edit_version < revision.edits->overlay.first_version) return 0;
+  return revision.edits->overlay.edit_version;
+}
+
 void QueueRevision(Transaction& transaction, const MapKey& key, const NewRevision& revision, std::int64_t number) {
   const TileColumns tiles(revision.tiles);
   const grid::GridGeometry& grid = revision.geometry;
-  transaction.Queue(
-      kInsertRevision,
-      Params(key.site, key.map, number, static_cast<std::int16_t>(revision.source), revision.session, grid.resolution,
-             grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw, std::int32_t{grid.width},
-             std::int32_t{grid.height}, Bytes{revision.raster_header}, Bytes{revision.content_sha256}, tiles.digests,
-             revision.edits ? revision.edits->overlay.edit_version : std::int64_t{0}));
+  transaction.Queue(kInsertRevision,
+                    Params(key.site, key.map, number, static_cast<std::int16_t>(revision.source), revision.session,
+                           grid.resolution, grid.T_map_grid.x, grid.T_map_grid.y, grid.T_map_grid.yaw,
+                           std::int32_t{grid.width}, std::int32_t{grid.height}, Bytes{revision.raster_header},
+                           Bytes{revision.content_sha256}, tiles.digests, EditVersionOf(revision)));
   transaction.Queue(kInsertTiles, Params(key.site, key.map, number, tiles.rows, tiles.columns, tiles.digests));
 }
 
@@ -62,8 +67,9 @@ absl::StatusOr<std::int64_t> StoreRevision(Transaction& transaction, const MapKe
   const auto source = static_cast<std::int16_t>(revision.source);
   ENFILADE_ASSIGN_OR_RETURN(
       const Result locked,
-      transaction.Execute(kLockMapForRevision, Params(site, map, source, revision.session,
-                                                      Bytes{revision.content_sha256}, Bytes{revision.raster_header})));
+      transaction.Execute(kLockMapForRevision,
+                          Params(site, map, source, revision.session, Bytes{revision.content_sha256},
+                                 Bytes{revision.raster_header}, EditVersionOf(revision))));
   if (locked.rows() == 0) return NotFound("{} does not exist", NameOf(site, map));
   Row row(locked, 0);
   std::int64_t number = row.Int64();

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server's API as rpc_fuzzer.api has it, but every call that has a rule goes over REST and is compared on its way."""
+"""The server's API as service.api has it, but every call that has a rule goes over REST and is compared on its way."""
 import collections
 import http.client
 import json
@@ -8,7 +8,7 @@ import uuid
 
 import grpc
 from google.protobuf import json_format
-from rpc_fuzzer import api
+from service import api
 
 from . import rules
 

@@ -2,7 +2,6 @@
 """Valid calls of every RPC on a site of their own, which becomes the deep state that malformed calls are made on."""
 import hashlib
 import json
-import math
 import random
 import struct
 import time
@@ -10,8 +9,8 @@ import zlib
 
 import grpc
 
-START_S = 1_700_000_000
-BEAMS = 120
+from service.hall import START_S, odometry, scan
+
 INDOOR, DOOR, PGM, NAV2 = 1, 1, 1, 1
 FREE, OCCUPIED, CLEAR, KEEP, MINE = 2, 3, 4, 1, 1  # of edits
 COVARIANCE = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01]
@@ -71,24 +70,6 @@ def plan():
 def cloud():
     """Points as float32 x y z."""
     return b"".join(struct.pack("<fff", i * 0.1, i * 0.05, 0.5) for i in range(60))
-
-
-def scan(step):
-    """What a robot that has driven `step` times 0.1 m through a rectangular hall with a niche sees."""
-    x, y = 2.0 + 0.1 * step, 2.5
-    ranges = []
-    for beam in range(BEAMS):
-        angle = 2 * math.pi * beam / BEAMS
-        c, s = math.cos(angle), math.sin(angle)
-        hits = [(w - x) / c for w in (0.0, 9.0) if abs(c) > 1e-9] + [(w - y) / s for w in (0.0, 6.0) if abs(s) > 1e-9]
-        distance = min(h for h in hits if h > 0)
-        ranges.append(distance + (0.7 if 20 < beam < 26 else 0.0))
-    return {"time": {"seconds": START_S + step}, "angle_increment_rad": 2 * math.pi / BEAMS, "range_min_m": 0.05,
-            "range_max_m": 30.0, "ranges_m": ranges}
-
-
-def odometry(step):
-    return {"time": {"seconds": START_S + step}, "pose_odom_robot": {"x": 0.1 * step}}
 
 
 def sha(data):

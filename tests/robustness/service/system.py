@@ -2,6 +2,7 @@
 """A private database cluster and a server, as processes of their own."""
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -18,19 +19,20 @@ class System:
 
     def __init__(self, binaries, settings):
         self.binaries, self.settings = binaries, settings
-        self.folder = Path(tempfile.mkdtemp(prefix="enfilade-rpcs-"))
+        self.folder = Path(tempfile.mkdtemp(prefix="enfilade-robustness-"))
         self.folder.chmod(0o755)  # the database's owner enters it
         self.address = f"unix:{self.folder}/server.sock"
         self.log = self.folder / "server.log"
+        self.url = ""
         self.server = None
         self.guard = subprocess.Popen(["sh", "-c", GUARD, "sh", self.folder, ROOT / "deploy/database/cluster"],
                                       stdin=subprocess.PIPE, start_new_session=True)
 
     def __enter__(self):
-        url = self._deploy("database/cluster", "start", str(self.folder / "database")).strip()
+        self.start_database()
         try:
-            self._deploy("database/migrate", "up", url)
-            self._start_server(url)
+            self._deploy("database/migrate", "up", self.url)
+            self.start_server()
         except BaseException:
             self.__exit__()
             raise
@@ -58,15 +60,41 @@ class System:
             raise RuntimeError(f"{program} {' '.join(arguments)}:\n{done.stdout}{done.stderr}")
         return done.stdout
 
-    def _start_server(self, url):
+    def start_database(self):
+        """Also after kill_database."""
+        self.url = self._deploy("database/cluster", "start", str(self.folder / "database")).strip()
+
+    def kill_database(self):
+        """kill -9 of the postmaster. Its other processes end by themselves."""
+        for folder in (self.folder / "database", Path(self._moved_to())):
+            pid_file = folder / "data/postmaster.pid"
+            if pid_file.exists():
+                pid = int(pid_file.read_text().split()[0])
+                os.kill(pid, signal.SIGKILL)
+                while Path(f"/proc/{pid}").exists():  # until then PostgreSQL refuses to start again
+                    time.sleep(0.01)
+                return
+        raise RuntimeError("no database is running")
+
+    def _moved_to(self):
+        moved = self.folder / "database/moved-to"
+        return moved.read_text().strip() if moved.exists() else self.folder / "database"
+
+    def kill_server(self):
+        """kill -9."""
+        self.server.kill()
+        self.server.wait()
+
+    def start_server(self):
+        """Also after kill_server; returns when it answers."""
         settings = {**self.settings, "listen.address": self.address, "metrics.address": "",
                     "transfers.cache_directory": str(self.folder)}
         command = [str(self.binaries / "enfilade-server")]
         for key, value in settings.items():
             command += ["--set", f"{key}={value}"]
-        with self.log.open("wb") as log:
+        with self.log.open("ab") as log:
             self.server = subprocess.Popen(command, stdout=log, stderr=log,
-                                           env={**os.environ, "ENFILADE_SERVER_DATABASE_URL": url})
+                                           env={**os.environ, "ENFILADE_SERVER_DATABASE_URL": self.url})
         (self.folder / "server.pid").write_text(str(self.server.pid))
         for _ in range(300):
             if self.server.poll() is not None:

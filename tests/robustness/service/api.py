@@ -55,11 +55,18 @@ class Api:
     """All RPCs of a server but those of gRPC's standard services."""
 
     def __init__(self, address):
-        limits = [("grpc.max_receive_message_length", -1), ("grpc.max_send_message_length", -1)]
-        self.channel = grpc.insecure_channel(address, options=limits)
-        grpc.channel_ready_future(self.channel).result(timeout=30)
+        self.address = address
+        self.channel = None
+        self.connect()
         self.methods = {}
         self._learn()
+
+    def connect(self):
+        """Also after the server was killed: a new channel does not wait as long as an old one until it tries again."""
+        limits = [("grpc.max_receive_message_length", -1), ("grpc.max_send_message_length", -1)]
+        channel = grpc.insecure_channel(self.address, options=limits + [("grpc.use_local_subchannel_pool", 1)])
+        grpc.channel_ready_future(channel).result(timeout=30)
+        self.channel = channel
 
     def _learn(self):
         response = reflection_response()
