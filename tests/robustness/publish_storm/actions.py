@@ -142,6 +142,7 @@ class Actions:
         """Until it is known what became of it."""
         request = {"name": draft.name, "message": f"{draft.draft_id} of {self.number}", "confirm_warnings": True}
         while True:
+            self.call.publishing.set()
             try:
                 published = self.call.once("MapEditService.PublishMapDraft", **request)
                 self.tally.add("publishes_acknowledged")

@@ -6,7 +6,7 @@ import threading
 import time
 import traceback
 
-from . import actions, calls, ledger, oracle, places
+from . import actions, breakage, calls, ledger, oracle, places
 
 LIFE = 4  # interleavings of a place
 MAPPED, FAILED = 3, 4  # states of a session
@@ -147,7 +147,12 @@ class Killer:
 
     def strike(self, rng, is_over):
         for _ in range(rng.choice((1, 1, 1, 2))):
-            time.sleep(rng.uniform(0, 0.5))
+            if rng.random() < 0.6:
+                self.call.publishing.clear()
+                self.call.publishing.wait(0.6)
+                time.sleep(rng.uniform(0, 0.06))
+            else:
+                time.sleep(rng.uniform(0, 0.5))
             self.call.up.clear()
             with_database = rng.random() < 0.12
             self.tally.add("kills_amid_interleavings", 0 if is_over() else 1)
@@ -200,6 +205,14 @@ class Storm:
     def settle(threads):
         for thread in threads:
             thread.join()
+
+    def prove(self):
+        """That what is broken is found."""
+        quiet = Tally()
+        missed = breakage.unnoticed(self.running.url, lambda: Lane(self.lanes[0].call, quiet, self.seed, 0))
+        self.tally.failures += quiet.failures
+        self.tally.failures += [f"nobody has noticed: {what}" for what in missed]
+        self.tally.add("breakages_found", len(breakage.WAYS) - len(missed))
 
     def finish(self):
         self.settle(self.for_lanes([(self.done, lane) for lane in self.lanes if lane.place],
