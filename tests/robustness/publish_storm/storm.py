@@ -98,7 +98,8 @@ class Lane:
         chosen = [(acts.publish_draft, first)]
         if rng.random() < 0.55:
             chosen.append((acts.publish_draft, second, first if rng.random() < 0.2 else None))
-        chosen += [(action,) for action, share in ((acts.drive, 0.7), (acts.import_file, 0.3), (acts.optimise, 0.4))
+        chosen += [(action,) for action, share in ((acts.drive, 0.7), (acts.import_file, 0.3), (acts.optimise, 0.4),
+                                                      (acts.restore, 0.08))
                    if rng.random() < share]
         # The last of a place's interleavings ends in its deletion, often enough.
         if rng.random() < (0.3 if place.interleavings == LIFE else 0.04):
@@ -177,7 +178,7 @@ class Storm:
         self.running, self.seed = running, seed
         self.killer = Killer(running, call, self.tally)
         self.lanes = [Lane(call, self.tally, seed, number) for number in range(lanes)]
-        self.done = 0
+        self.done = self.rounds = 0
 
     def for_lanes(self, lanes, action):
         """Does it in each lane, of which it gets the number of the interleaving. Gives the threads."""
@@ -194,12 +195,13 @@ class Storm:
             return
         rng = random.Random(f"{self.seed}-{self.done}-kill")
         threads = self.for_lanes(numbered, lambda lane, number: lane.interleave(number))
-        if rng.random() < 0.5:
+        if self.rounds % 2 == 0:
             self.tally.add("interleavings_with_kills", count)
             self.tally.guard(self.done, self.killer.strike, rng, lambda: not any(thread.is_alive() for thread in threads))
         self.settle(threads)
         self.settle(self.for_lanes(numbered, lambda lane, _: lane.check()))
         self.done += count
+        self.rounds += 1
 
     @staticmethod
     def settle(threads):
