@@ -203,7 +203,10 @@ absl::StatusOr<LayersBeside> ReadLayers(Pool& pool, const CallContext& context, 
   }
   // Read last: if edits are published after the layers were read, their version is no longer that of the map.
   ENFILADE_ASSIGN_OR_RETURN(OverlayState state, ReadOverlayRows(pool, context, key));
-  if (state.overlay && !state.overlay->tiles.empty()) beside.edits = std::move(state.overlay);
+  // Also edits that say nothing any more: what is made of these layers is made of those publications.
+  if (state.overlay && state.overlay->edit_version >= state.overlay->first_version) {
+    beside.edits = std::move(state.overlay);
+  }
   ENFILADE_ASSIGN_OR_RETURN(beside.ignored, ReadIgnoredOutlines(pool, context, key));
   return beside;
 }

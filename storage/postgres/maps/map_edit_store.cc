@@ -25,6 +25,8 @@ using postgres::Transaction;
 
 constexpr Statement kSelectMapOfDrafts{"looking for the map",
                                        "SELECT true FROM enfilade.maps WHERE site_id = $1 AND map_id = $2"};
+constexpr Statement kLockMapOfDrafts{
+    "locking the map", "SELECT true FROM enfilade.maps WHERE site_id = $1 AND map_id = $2 FOR NO KEY UPDATE"};
 constexpr Statement kListDrafts{
     "listing drafts",
     "SELECT " ENFILADE_DRAFT_COLUMNS
@@ -51,6 +53,11 @@ constexpr Statement kRebaseDraft{"rebasing the draft",
                                  " RETURNING " ENFILADE_DRAFT_COLUMNS};
 
 Params KeyOf(const MapDraftKey& key) { return Params(key.site, key.map, key.draft); }
+
+// To publish: the map before its draft, in the order in which deleting a map locks them.
+absl::Status LockMapOfDraft(Transaction& transaction, const MapDraftKey& key) {
+  return transaction.Execute(kLockMapOfDrafts, Params(key.site, key.map)).status();
+}
 
 // NOT_FOUND; FAILED_PRECONDITION if it is published.
 absl::StatusOr<MapDraft> LockOpenDraft(Transaction& transaction, const MapDraftKey& key) {
@@ -198,6 +205,7 @@ absl::StatusOr<std::vector<LayerWitness>> MapEditStore::ReadWitnesses(const Call
 absl::StatusOr<MapDraft> MapEditStore::Publish(const CallContext& context, const MapDraftKey& key,
                                                const NewPublication& publication) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_RETURN_IF_ERROR(LockMapOfDraft(transaction, key));
   ENFILADE_ASSIGN_OR_RETURN(const MapDraft draft, LockOpenDraft(transaction, key));
   if (publication.etag != 0 && publication.etag != draft.etag) return StaleEtag(NameOfDraft(key));
   if (publication.expected_head != 0 && publication.expected_head != draft.head) {
@@ -211,6 +219,7 @@ absl::StatusOr<MapDraft> MapEditStore::PublishAtOnce(const CallContext& context,
                                                      absl::Span<const NewMapEdit> edits,
                                                      const NewPublication& publication) const {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_RETURN_IF_ERROR(LockMapOfDraft(transaction, draft.key));
   const auto created = postgres::InsertDraft(transaction, draft);
   if (!created.ok()) return ExplainDraft(created.status(), draft.key);
   ENFILADE_RETURN_IF_ERROR(postgres::InsertEdits(transaction, *created, edits).status());

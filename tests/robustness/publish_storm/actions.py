@@ -27,7 +27,7 @@ class Actions:
 
     def refuse(self, error):
         """What may be refused because the map is deleted meanwhile."""
-        if not (self.place.deleting and error.code in ("NOT_FOUND", "FAILED_PRECONDITION", "ABORTED")):
+        if not self.place.deleting:  # else, for example: ALREADY_EXISTS of a session that was created and deleted
             raise calls.Fault(f"refused: {error}") from error
 
     # Drafts
@@ -142,6 +142,7 @@ class Actions:
         """Until it is known what became of it."""
         request = {"name": draft.name, "message": f"{draft.draft_id} of {self.number}", "confirm_warnings": True}
         while True:
+            self.call.publishing.set()
             try:
                 published = self.call.once("MapEditService.PublishMapDraft", **request)
                 self.tally.add("publishes_acknowledged")
@@ -212,6 +213,19 @@ class Actions:
             self.call.again("MapService.ImportMap",
                             lambda: places.import_requests(self.place.name, picture, keep_edits))
             self.tally.add("imports_that_keep_edits" if keep_edits else "imports_that_end_edits")
+        except calls.Refused as error:
+            self.refuse(error)
+
+    def restore(self):
+        """An older revision becomes the newest one, as if it were imported."""
+        rng = self.rng("restore")
+        time.sleep(rng.uniform(0, 0.4))
+        try:
+            revisions = self.call.pages("MapService.ListMapRevisions", "revisions", parent=self.place.name)
+            name = rng.choice(revisions).name
+            self.place.restored.append(name)
+            self.call.sure("MapService.RestoreMapRevision", name=name)
+            self.tally.add("restores")
         except calls.Refused as error:
             self.refuse(error)
 

@@ -39,6 +39,7 @@ class Calls:
         self.api = api
         self.up = threading.Event()
         self.up.set()
+        self.publishing = threading.Event()  # someone has begun to
 
     def stream(self, name, requests, timeout=CALL_S):
         """All responses to requests, which are messages or dictionaries. Lost, Refused, or Fault: an error that none of

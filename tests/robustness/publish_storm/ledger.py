@@ -52,6 +52,7 @@ class Place:
         self.lock = threading.Lock()
         self.drafts = {}
         self.imports = []  # (picture, keep_edits), also those whose answers were lost
+        self.restored = []  # names of older revisions, also where the answers were lost
         self.sessions = []
         self.interleavings = 0
         self.deleted = False  # acknowledged

@@ -4,7 +4,7 @@ from . import actions, calls, places
 
 GREYS = {1: places.UNKNOWN, 2: places.FREE, 3: places.OCCUPIED}
 WORDS = {places.UNKNOWN: "unknown", places.FREE: "free", places.OCCUPIED: "occupied"}
-MAPPING, IMPORT, EDIT = 1, 2, 3  # sources of revisions
+MAPPING, IMPORT, EDIT, RESTORED = 1, 2, 3, 4  # sources of revisions
 PUBLISHED = 2
 NEAR_WALL = 8  # cells: where robots may see something
 
@@ -24,7 +24,7 @@ class Oracle:
         self.overlay = {}  # what the published edits that count say: {cell: 1 to 3}
         self.picture = None  # of the newest revision that was seen
         self.evidence = None  # below its edits, if that is a file and nothing else
-        self.pictures = {}  # of the last few revisions: (picture, overlay, evidence)
+        self.pictures = {}  # of each revision: (picture, overlay, evidence)
 
     def check(self):
         """All that has come since the last time. Fault if something is not as it must be."""
@@ -125,6 +125,8 @@ class Oracle:
             self.follow_edit(revision, picture, published)
         elif revision.source == IMPORT:
             self.follow_import(revision, picture)
+        elif revision.source == RESTORED:
+            self.follow_restored(revision, picture)
         elif revision.source == MAPPING:
             self.evidence = None
         else:
@@ -134,8 +136,6 @@ class Oracle:
         self.compare_edits(revision.name, picture)
         self.picture = picture
         self.pictures[revision.name] = (picture, dict(self.overlay), self.evidence)
-        if len(self.pictures) > 20:
-            del self.pictures[next(iter(self.pictures))]
 
     def follow_edit(self, revision, picture, published):
         if revision.edit_version != self.version + 1:
@@ -170,6 +170,13 @@ class Oracle:
                 return
         fail(f"{revision.name} is none of the {len(self.place.imports)} imports with the edits that it must have")
 
+    def follow_restored(self, revision, picture):
+        """What an older revision showed. Edits in it are a part of it."""
+        older = [self.pictures[name][0] for name in self.place.restored if name in self.pictures]
+        if not any(picture.same_place(one) and picture.greys == one.greys for one in older):
+            fail(f"{revision.name} is none of {self.place.restored}")
+        self.evidence, self.overlay, self.has_edits = picture, {}, False
+
     def compare_edits(self, name, picture):
         wrong = [cell for cell, value in self.overlay.items()
                  if (place := picture.index(cell)) is not None and picture.greys[place] != GREYS[value]]
@@ -197,7 +204,25 @@ class Oracle:
         self.compare(name, picture, evidence, overlay)
         if file and evidence.greys != file.greys:
             fail(f"{name} without its edits is not the file that was imported")
+        self.check_seen(name, evidence)
         self.tally.add("evidence")
+
+    def check_seen(self, name, evidence):
+        """No edit has become a part of what is seen: inside the hall there is nothing but imported furniture."""
+        if self.place.restored:
+            return
+        left, bottom = self.place.corner
+        furniture = [file for file, _ in self.place.imports]
+        for row in range(bottom + NEAR_WALL, bottom + places.HEIGHT - NEAR_WALL):
+            start = evidence.index((left + NEAR_WALL, row))
+            if start is None:
+                continue
+            found = evidence.greys.find(places.OCCUPIED, start, start + places.WIDTH - 2 * NEAR_WALL)
+            while found >= 0:
+                cell = (left + NEAR_WALL + found - start, row)
+                if not any(file.greys[file.index(cell)] == places.OCCUPIED for file in furniture):
+                    fail(f"{name} without its edits has an obstacle at {cell}, where nobody has seen one")
+                found = evidence.greys.find(places.OCCUPIED, found + 1, start + places.WIDTH - 2 * NEAR_WALL)
 
     def export(self, name, without_edits=False):
         """The picture, and the name of its revision."""

@@ -6,7 +6,7 @@ import threading
 import time
 import traceback
 
-from . import actions, calls, ledger, oracle, places
+from . import actions, breakage, calls, ledger, oracle, places
 
 LIFE = 4  # interleavings of a place
 MAPPED, FAILED = 3, 4  # states of a session
@@ -98,7 +98,8 @@ class Lane:
         chosen = [(acts.publish_draft, first)]
         if rng.random() < 0.55:
             chosen.append((acts.publish_draft, second, first if rng.random() < 0.2 else None))
-        chosen += [(action,) for action, share in ((acts.drive, 0.7), (acts.import_file, 0.3), (acts.optimise, 0.4))
+        chosen += [(action,) for action, share in ((acts.drive, 0.7), (acts.import_file, 0.3), (acts.optimise, 0.4),
+                                                      (acts.restore, 0.08))
                    if rng.random() < share]
         # The last of a place's interleavings ends in its deletion, often enough.
         if rng.random() < (0.3 if place.interleavings == LIFE else 0.04):
@@ -147,7 +148,12 @@ class Killer:
 
     def strike(self, rng, is_over):
         for _ in range(rng.choice((1, 1, 1, 2))):
-            time.sleep(rng.uniform(0, 0.5))
+            if rng.random() < 0.6:
+                self.call.publishing.clear()
+                self.call.publishing.wait(0.6)
+                time.sleep(rng.uniform(0, 0.06))
+            else:
+                time.sleep(rng.uniform(0, 0.5))
             self.call.up.clear()
             with_database = rng.random() < 0.12
             self.tally.add("kills_amid_interleavings", 0 if is_over() else 1)
@@ -172,7 +178,7 @@ class Storm:
         self.running, self.seed = running, seed
         self.killer = Killer(running, call, self.tally)
         self.lanes = [Lane(call, self.tally, seed, number) for number in range(lanes)]
-        self.done = 0
+        self.done = self.rounds = 0
 
     def for_lanes(self, lanes, action):
         """Does it in each lane, of which it gets the number of the interleaving. Gives the threads."""
@@ -189,17 +195,26 @@ class Storm:
             return
         rng = random.Random(f"{self.seed}-{self.done}-kill")
         threads = self.for_lanes(numbered, lambda lane, number: lane.interleave(number))
-        if rng.random() < 0.5:
+        if self.rounds % 2 == 0:
             self.tally.add("interleavings_with_kills", count)
             self.tally.guard(self.done, self.killer.strike, rng, lambda: not any(thread.is_alive() for thread in threads))
         self.settle(threads)
         self.settle(self.for_lanes(numbered, lambda lane, _: lane.check()))
         self.done += count
+        self.rounds += 1
 
     @staticmethod
     def settle(threads):
         for thread in threads:
             thread.join()
+
+    def prove(self):
+        """That what is broken is found."""
+        quiet = Tally()
+        missed = breakage.unnoticed(self.running.url, lambda: Lane(self.lanes[0].call, quiet, self.seed, 0))
+        self.tally.failures += quiet.failures
+        self.tally.failures += [f"nobody has noticed: {what}" for what in missed]
+        self.tally.add("breakages_found", len(breakage.WAYS) - len(missed))
 
     def finish(self):
         self.settle(self.for_lanes([(self.done, lane) for lane in self.lanes if lane.place],

@@ -195,6 +195,24 @@ TEST_F(MapEditTest, AnImportEndsTheEditsUnlessTheyAreKept) {
   EXPECT_TRUE(IsOccupied(30, 10));
 }
 
+TEST_F(MapEditTest, ADraftShowsNoEditsThatAnImportHasEnded) {
+  ImportRoom();
+  const std::string draft = CreateDraft("d");
+  ASSERT_OK(Append(draft, {Brush("e", v1::MapEdit::VALUE_OCCUPIED, {{10, 10}}, 1.0)}));
+  ASSERT_OK(Publish(draft, "a pillar"));
+  v1::ReadMapDraftTilesRequest request;
+  request.set_name(CreateDraft("open"));
+  request.add_tiles();
+  const auto published_at_pillar = [&] {
+    const auto response = Call(&v1::MapEditService::Stub::ReadMapDraftTiles, request);
+    EXPECT_OK(response);
+    return response.ok() ? response->tiles(0).cells()[10 * 256 + 10] >> 4 : -1;
+  };
+  EXPECT_EQ(published_at_pillar(), 3);
+  ImportRoom();
+  EXPECT_EQ(published_at_pillar(), 0);
+}
+
 TEST_F(MapEditTest, WhatAFormatCannotSayIsRefused) {
   ImportJson();
   const std::string draft = CreateDraft("d");
