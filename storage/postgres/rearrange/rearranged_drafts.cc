@@ -7,10 +7,11 @@
 namespace enfilade::storage::postgres {
 namespace {
 
+// What somebody appends meanwhile is moved, too. Their map is locked before them, as by whoever publishes.
 constexpr Statement kLockDrafts{
     "locking drafts of maps that are merged",
-    "SELECT draft_id FROM enfilade.map_drafts WHERE site_id = $1 AND map_id = ANY ($2) AND publish_time IS NULL"
-    " ORDER BY map_id, draft_id FOR UPDATE"};
+    "SELECT draft_id FROM enfilade.map_drafts WHERE site_id = $1 AND map_id = $2 AND publish_time IS NULL"
+    " ORDER BY draft_id FOR UPDATE"};
 // `$6`, `$7`: its publications that the other map has adopted, by their numbers there and here. An id that is taken in
 // the other map gets the hash of its old name.
 constexpr Statement kMoveDrafts{
@@ -44,14 +45,6 @@ constexpr Statement kDeleteMovedDrafts{
 
 }  // namespace
 
-void QueueDraftLocks(Transaction& transaction, const SiteId& site, const RearrangementChange& change) {
-  std::vector<std::string_view> maps;
-  for (const rearrange::MapRedirect& redirect : change.rearrangement.redirects) {
-    maps.emplace_back(redirect.from.value());
-  }
-  if (!maps.empty()) transaction.Queue(kLockDrafts, Params(site, maps));
-}
-
 void QueueDraftMoves(Transaction& transaction, const SiteId& site, const RearrangementChange& change) {
   for (const rearrange::MapRedirect& redirect : change.rearrangement.redirects) {
     std::vector<std::int64_t> there, here;
@@ -63,6 +56,7 @@ void QueueDraftMoves(Transaction& transaction, const SiteId& site, const Rearran
       }
     }
     const Pose2& pose = redirect.T_to_from;
+    transaction.Queue(kLockDrafts, Params(site, redirect.from));
     transaction.Queue(kMoveDrafts, Params(site, redirect.from, redirect.to,
                                           std::vector<double>{pose.x, pose.y, pose.yaw}, NewEtag(), there, here));
     transaction.Queue(kDeleteMovedDrafts, Params(site, redirect.from));

@@ -44,7 +44,6 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext&
                                                                           ResourceOfRearrangement(change.id)));
   QueueRearrangement(transaction, site, change, version);
   QueueRearranging(transaction, change.id);
-  QueueDraftLocks(transaction, site, change);
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(transaction.Flush().status(), site, change.id));
   ENFILADE_RETURN_IF_ERROR(LockAndCheck(transaction, site, change));
   QueueImagesBefore(transaction, site, change.id);
