@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { faultsOf, launchToKill, open, picture } from '../browser.mjs';
-import { drag, editedAt, editorAddress, editsOf, introduce, lookAt, newDraft, newMap, openEditor, random, sameAsServer, screenOf, statsOf, stored } from '../editing.mjs';
+import { drag, editedAt, editorAddress, editsOf, introduce, lookAt, newDraft, newMap, openEditor, publish, random, sameAsServer, screenOf, send, statsOf, stored } from '../editing.mjs';
 import { until } from '../system.mjs';
 
 const SITE = 'editing';
@@ -12,15 +12,6 @@ const [FREE, OCCUPIED] = [2, 3];
 
 // What a browser says of a gateway that is away.
 const away = { expected: /Failed to load resource|EventSource|ERR_/ };
-
-async function publish(page, message) {
-  await page.getByRole('button', { name: 'Publish …' }).click();
-  const dialog = page.getByRole('dialog', { name: 'Publish the draft' });
-  await dialog.getByLabel('What was edited, and why').fill(message);
-  return dialog;
-}
-
-const send = (dialog) => dialog.getByRole('button', { name: 'Publish', exact: true }).click();
 
 export function addEditingTogether({ system, browser, at }) {
   test('two_editors: two browsers on one draft come to the same cells, whatever is cut, and each undoes its own', async () => {

@@ -42,6 +42,8 @@ export class EditSession {
   box: Box | undefined;
   // The newest of the map's publications.
   editVersion = 0n;
+  // Of the map, that robots or people have made last; empty: not known yet.
+  revision = '';
   presences: readonly MapDraftPresence[] = [];
   stream: StreamState = { kind: 'connecting' };
   isDeleted = false;
@@ -196,6 +198,16 @@ export class EditSession {
     }
     if (this.stream.kind !== 'live') this.outbox.hurry();
     this.setStream({ kind: 'live' });
+  }
+
+  // The newest revision of the map, each time and before `start`: another one has other evidence, which is read anew under
+  // all that is drawn.
+  see(revision = '') {
+    if (revision === this.revision || revision === '') return;
+    const isFirst = this.revision === '';
+    this.revision = revision;
+    if (!isFirst) this.tiles.renew();
+    this.tell();
   }
 
   takeState(state: MapDraft) {

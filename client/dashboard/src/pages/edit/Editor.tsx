@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from 'react';
-import { idOf } from '../../api/names';
+import { idOf, mapOfDraft } from '../../api/names';
 import { addressOf, Link } from '../../app/router';
 import { LatticeFrame } from '../../edit/frame';
 import { listenToKeys } from '../../edit/keys';
@@ -23,8 +23,6 @@ import { SyncState } from './SyncState';
 import { ToolBar } from './ToolBar';
 import { ToolOptions } from './ToolOptions';
 import { useEditor, useVersion, type EditorState } from './useEditor';
-
-const mapOf = (draft: string) => draft.replace(/\/drafts\/[^/]*$/, '');
 
 // In cells of the draft's lattice, of a place that may be on another one.
 function boxOf(frame: LatticeFrame, { box, lattice }: ContestedEdit): Box | undefined {
@@ -57,14 +55,14 @@ function Canvas({ editor }: { editor: EditorState }) {
 
 function Head({ editor }: { editor: EditorState }) {
   const live = useLive();
-  const { state, editVersion } = editor.session;
+  const { state, editVersion, revision } = editor.session;
   const later = Number(editVersion - state.baseEditVersion);
-  const map = mapOf(state.name);
+  const map = mapOfDraft(state.name);
   return (
     <div className="map-head">
       <h1>{state.displayName || `Draft ${idOf(state.name).slice(0, 8)}`}</h1>
       <p className="sub">
-        A draft of <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link> by {state.author} · <Link href={editAddress(live.id, map)}>All drafts</Link>
+        A draft of <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link> by {state.author}{revision !== '' && `, over revision ${idOf(revision)}`} · <Link href={editAddress(live.id, map)}>All drafts</Link>
       </p>
       {state.state === MapDraft_State.OPEN && later > 0 && <p className="sub">{count(later, 'publication')} of this map came since the draft began. They are put together when it is published.</p>}
       {state.state === MapDraft_State.PUBLISHED && (
@@ -99,8 +97,8 @@ function Panel({ editor }: { editor: EditorState }) {
       </div>
       <ToolOptions editor={editor} />
       <NumbersForm editor={editor} />
-      <Areas editor={editor} map={mapOf(session.name)} />
-      <Contested map={mapOf(session.name)} show={(edit) => show(boxOf(session.frame, edit))} />
+      <Areas editor={editor} map={mapOfDraft(session.name)} />
+      <Contested map={mapOfDraft(session.name)} show={(edit) => show(boxOf(session.frame, edit))} />
       <People session={session} />
       <AuthorLine />
     </aside>
@@ -114,7 +112,7 @@ function OpenEditor({ editor }: { editor: EditorState }) {
     <div className="campus">
       <Canvas editor={editor} />
       <Panel editor={editor} />
-      {editor.isPublishing && <PublishDialog editor={editor} map={mapOf(editor.session.name)} close={() => editor.set({ isPublishing: false })} />}
+      {editor.isPublishing && <PublishDialog editor={editor} map={mapOfDraft(editor.session.name)} close={() => editor.set({ isPublishing: false })} />}
     </div>
   );
 }

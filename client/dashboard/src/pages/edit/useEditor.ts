@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState, useSyncExternalStore } from 'react';
 import { mapEdits } from '../../api/clients';
+import { mapOfDraft } from '../../api/names';
 import { Board } from '../../edit/board/Board';
 import type { Units } from '../../edit/lattice';
 import { EditSession } from '../../edit/session';
 import { PointerReport } from '../../edit/tools/pointer';
 import { ToolSettings } from '../../edit/tools/settings';
 import type { MapDraft } from '../../gen/enfilade/v1/map_edit_pb';
+import { useLive } from '../../live/context';
 import type { Point } from '../../scene/camera';
 import { Signal } from '../../signal';
 import { author } from './author';
@@ -83,18 +85,23 @@ function forTests({ board, session }: EditorState) {
 // One session for as long as the component shows the draft.
 export function useEditor(draft: MapDraft): EditorState | undefined {
   const [editor, setEditor] = useState<EditorState>();
+  const live = useLive();
   useEffect(() => {
     const session = new EditSession(draft, author.get, mapEdits);
+    const see = () => session.see(live.rasters.get(mapOfDraft(draft.name))?.revision);
+    see();
+    const unsubscribe = live.subscribe(see);
     const made = new EditorState(session);
     window.__editor = forTests(made);
     let isOver = false;
     void session.start().then(() => isOver || setEditor(made));
     return () => {
       isOver = true;
+      unsubscribe();
       delete window.__editor;
       made.close();
     };
-  }, [draft]);
+  }, [draft, live]);
   return editor;
 }
 
