@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { addAreas } from './checks/areas.mjs';
 import { addEditingTogether } from './checks/editing_together.mjs';
 import { addEditor } from './checks/editor.mjs';
 import { addSurvivesMapping } from './checks/survives_mapping.mjs';
@@ -8,4 +9,4 @@ const { system, browser } = setStage((started) => started.enfilade('editing', 's
 
 const stage = { system, browser, at: (path) => `${system.url}/s/${path}` };
 
-for (const add of [addEditor, addEditingTogether, addSurvivesMapping]) add(stage);
+for (const add of [addEditor, addEditingTogether, addAreas, addSurvivesMapping]) add(stage);

@@ -11,6 +11,7 @@ import { titleOf } from '../../live/objects';
 import { count } from '../../ui/format';
 import { Loading } from '../../ui/States';
 import { ToolButton } from '../../scene/SceneView';
+import { AreaHandles } from './AreaHandles';
 import { Areas } from './Areas';
 import { AuthorLine } from './AuthorForm';
 import { Contested } from './Contested';
@@ -42,6 +43,7 @@ function Canvas({ editor }: { editor: EditorState }) {
   return (
     <div className="scene edit-scene">
       <div className="scene-host" ref={host} />
+      <AreaHandles editor={editor} />
       <div className="scene-tools" role="toolbar" aria-label="Map">
         <ToolButton icon="plus" title="Zoom in" keys="+" onClick={() => board.zoom(1.5)} />
         <ToolButton icon="minus" title="Zoom out" keys="-" onClick={() => board.zoom(1 / 1.5)} />

@@ -3,7 +3,7 @@ import { useEffect, useState, useSyncExternalStore } from 'react';
 import { mapEdits } from '../../api/clients';
 import { mapOfDraft } from '../../api/names';
 import { Board } from '../../edit/board/Board';
-import type { Units } from '../../edit/lattice';
+import { UNITS } from '../../edit/lattice';
 import { EditSession } from '../../edit/session';
 import { PointerReport } from '../../edit/tools/pointer';
 import { ToolSettings } from '../../edit/tools/settings';
@@ -21,8 +21,8 @@ export class EditorState {
   // What the editor has to say on the last thing that was done.
   said = '';
   pointer: Point | undefined;
-  // The ring that was drawn for an area.
-  ring: Units[] | undefined;
+  // Of the area that is drawn or edited, in metres of the map.
+  outline: readonly Point[] | undefined;
   isPublishing = false;
   version = 0;
   readonly changed = new Signal();
@@ -36,7 +36,7 @@ export class EditorState {
         this.pointerMoved.tell();
       },
       said: (text) => this.say(text),
-      area: (ring) => this.set({ ring }),
+      area: (ring) => this.set({ outline: ring.map(({ x, y }) => session.frame.metres({ x: x / UNITS, y: y / UNITS })) }),
     });
     this.settings.changed.subscribe(() => this.set({}));
     session.changed.subscribe(() => this.set({}));
@@ -46,7 +46,7 @@ export class EditorState {
     if (said !== this.said) this.set({ said });
   };
 
-  set(changes: Partial<Pick<EditorState, 'said' | 'ring' | 'isPublishing'>>) {
+  set(changes: Partial<Pick<EditorState, 'said' | 'outline' | 'isPublishing'>>) {
     Object.assign(this, changes);
     ++this.version;
     this.changed.tell();
