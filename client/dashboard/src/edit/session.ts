@@ -262,7 +262,8 @@ export class EditSession {
     } else {
       this.draft.settle(operation.ids);
     }
-    this.refusals = [...this.refusals, reason];
+    // Which of the edits that were sent together does not matter to a person.
+    this.refusals = [...this.refusals, reason.replace(/^edits\[\d+\] \([^)]*\): /, '')];
     this.tell();
   }
 
