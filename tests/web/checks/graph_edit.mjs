@@ -17,6 +17,13 @@ const anchorIn = ({ anchors }, map) => anchors.find((one) => one.map.endsWith(`/
 const inverse = (pose) => { const { x, y } = seenFrom(pose, { x: 0, y: 0 }); return { x, y, yaw: -(pose.yaw ?? 0) }; };
 const chained = (a, b) => ({ ...placed(a, { x: b.x ?? 0, y: b.y ?? 0 }), yaw: (a.yaw ?? 0) + (b.yaw ?? 0) });
 
+// v' S^-1 v of a 3x3 covariance, row by row.
+function mahalanobis(v, [a, b, c, , e, f, , , i]) {
+  const det = a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c);
+  const inverted = [[e * i - f * f, c * f - b * i, b * f - c * e], [c * f - b * i, a * i - c * c, b * c - a * f], [b * f - c * e, b * c - a * f, a * e - b * b]];
+  return inverted.reduce((sum, row, k) => sum + v[k] * row.reduce((part, value, l) => part + value * v[l], 0), 0) / det;
+}
+
 // The campus with the graph being edited and one thing selected.
 async function edit(stage, site, selection, options) {
   const opened = await open(stage.browser(), stage.at(`${site}/campus?sel=${encodeURIComponent(selection)}`), options);
@@ -245,8 +252,13 @@ export function addGraphEdit(stage) {
     await panel.getByLabel('y, m', { exact: true }).fill(String(truth.y - wrong));
     await panel.getByLabel('Direction, °').fill(String((truth.yaw * 180) / Math.PI + 20));
     await picture(page, 'graph-align-guess');
+    const answered = page.waitForResponse((response) => response.url().endsWith(':align'));
     await panel.getByRole('button', { name: 'Find the place' }).click();
     await panel.getByText('The maps fit here, and nowhere else').waitFor({ timeout: 60_000 });
+    const { poseAB } = await (await answered).json();
+    const off = [poseAB.pose.x - truth.x, poseAB.pose.y - truth.y, poseAB.pose.yaw - truth.yaw];
+    const chi2 = mahalanobis(off, poseAB.covariance);
+    assert.ok(chi2 < 16.27, `its covariance contains the truth: chi-squared ${chi2}`); // 99.9 % of 3 degrees of freedom
     await picture(page, 'graph-align-found');
     assert.deepEqual(await faultsOf(page), []);
     const found = { x: Number(await panel.getByLabel('x, m', { exact: true }).inputValue()), y: Number(await panel.getByLabel('y, m', { exact: true }).inputValue()), yaw: (Number(await panel.getByLabel('Direction, °').inputValue()) * Math.PI) / 180 };
