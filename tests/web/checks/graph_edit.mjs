@@ -10,7 +10,7 @@ import { distance, placed, sceneOf, seenFrom, toScreen } from '../pixels.mjs';
 import { until } from '../system.mjs';
 
 const middle = { x: 5, y: 5 };
-const graphOf = async (system, site) => (await system.call(`sites/${site}/graph`)).graph;
+export const graphOf = async (system, site) => (await system.call(`sites/${site}/graph`)).graph;
 const poseOf = async (system, site, map) => (await graphOf(system, site)).maps.find((one) => one.map === `sites/${site}/maps/${map}`).poseWorldMap.pose;
 const linkPointOf = async (system, site, id) => (await system.call(`sites/${site}/linkPoints/${id}`)).linkPoint;
 const anchorIn = ({ anchors }, map) => anchors.find((one) => one.map.endsWith(`/${map}`)).poseMapPlace;
@@ -25,10 +25,10 @@ function mahalanobis(v, [a, b, c, , e, f, , , i]) {
 }
 
 // The campus with the graph being edited and one thing selected.
-async function edit(stage, site, selection, options) {
+export async function edit(stage, site, selection, options, count = 2) {
   const opened = await open(stage.browser(), stage.at(`${site}/campus?sel=${encodeURIComponent(selection)}`), options);
   const { page } = opened;
-  await until('the maps are drawn', async () => (await drawnMaps(page)).length >= 2);
+  await until('the maps are drawn', async () => (await drawnMaps(page)).length >= count);
   await settled(page);
   await page.locator('.scene-canvas').press('e');
   await page.getByRole('heading', { name: 'Edit the graph' }).waitFor();
@@ -331,23 +331,22 @@ export function addGraphEdit(stage) {
     await close();
   });
 
-  test('merge_maps: two maps are merged after a warning of what will happen, and it is undone', async () => {
-    const site = 'merged';
+  test('drag_link_point: a link point is suspended and resumed', async () => {
+    const site = 'resumed';
     await twoRooms(system, site);
-    const { page, close } = await edit(stage, site, 'maps/a');
-    await page.getByLabel('With another map of its level').selectOption({ label: 'b' });
-    await page.getByRole('button', { name: 'Merge …' }).click();
-    const question = page.getByRole('group', { name: 'Merge “b” into “a”?' });
-    await question.getByText('1 link point between the two goes.').waitFor();
-    await picture(page, 'graph-merge');
-    assert.deepEqual(await faultsOf(page), []);
-    await question.getByRole('button', { name: 'Merge them' }).click();
-    await until('there is one map', async () => (await graphOf(system, site)).maps.length === 1);
-    await page.goto(at(`${site}/history/rearranged`));
-    await page.getByRole('button', { name: /^Undo: b into a/ }).click();
-    await page.getByRole('button', { name: 'Undo it' }).click();
-    await until('there are two again, joined', async () => { const { maps, linkPoints } = await graphOf(system, site); return maps.length === 2 && linkPoints?.length === 1; });
-    await page.getByText(/^undone /).waitFor();
+    const { page, close } = await edit(stage, site, 'linkPoints/door');
+    await page.getByRole('button', { name: 'Suspend', exact: true }).click();
+    await previewed(page);
+    await save(page, 'Save although 1 map loses its place').click();
+    await saved(page);
+    await until('the map has lost its place', async () => (await graphOf(system, site)).maps.some(({ poseWorldMap }) => !poseWorldMap));
+    assert.equal((await linkPointOf(system, site, 'door')).use, 'USE_SUSPENDED');
+    await page.getByRole('button', { name: 'Resume', exact: true }).click();
+    await page.getByText('Placed now: b').waitFor();
+    await previewed(page);
+    await save(page).click();
+    await until('both have one again', async () => (await graphOf(system, site)).maps.every(({ poseWorldMap }) => poseWorldMap));
+    assert.equal((await linkPointOf(system, site, 'door')).use, 'USE_USED');
     await close();
   });
 }
