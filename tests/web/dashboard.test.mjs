@@ -7,6 +7,7 @@ import { addHistory } from './checks/history.mjs';
 import { addImports } from './checks/imports.mjs';
 import { addPages } from './checks/pages.mjs';
 import { addPlans } from './checks/plans.mjs';
+import { addRearranging } from './checks/rearranging.mjs';
 import { addRobots } from './checks/robots.mjs';
 import { addScene } from './checks/scene.mjs';
 import { addSessions } from './checks/sessions.mjs';
@@ -25,4 +26,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addCampus, addGraphEdit, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addVersions, addRobots, addPages]) add(stage);
+for (const add of [addScene, addCampus, addGraphEdit, addRearranging, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addVersions, addRobots, addPages]) add(stage);

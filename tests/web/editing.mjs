@@ -129,3 +129,13 @@ export async function sameAsServer(page, system, draft) {
     return (await headOf()) === head ? { own, server } : undefined;
   });
 }
+
+// Opens the dialog that publishes, and says why.
+export async function publish(page, message) {
+  await page.getByRole('button', { name: 'Publish …' }).click();
+  const dialog = page.getByRole('dialog', { name: 'Publish the draft' });
+  await dialog.getByLabel('What was edited, and why').fill(message);
+  return dialog;
+}
+
+export const send = (dialog) => dialog.getByRole('button', { name: 'Publish', exact: true }).click();

@@ -4,6 +4,7 @@ import { readFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { settled } from './browser.mjs';
+import { introduce, lookAt, stored } from './editing.mjs';
 import { Robots } from './robots.mjs';
 
 export const root = join(dirname(fileURLToPath(import.meta.url)), '../..');
@@ -44,7 +45,24 @@ async function georeference(system, map) {
   if (!answer.ok) throw new Error(await answer.text());
 }
 
-// The pages by the names of their pictures.
+// A draft of the hall in which a pillar is erased and glass is drawn, beside an area.
+async function draftOf(system, map) {
+  const outline = { corners: [{ x: -4, y: -14 }, { x: 3, y: -18 }, { x: 5, y: -14.5 }, { x: -2, y: -10.5 }] };
+  await system.call(`${map}/areas`, { displayName: 'Loading zone', kind: 'KIND_KEEP_OUT', outline, robotTypes: ['cleaner'] });
+  const { draft } = await system.call(`${map}/drafts`, { displayName: 'Glass wall', author: 'Ann' });
+  const { poseMapLattice: { x: x0 = 0, y: y0 = 0 } = {}, resolutionM } = draft.lattice;
+  const units = (metres) => Math.round((256 * metres) / resolutionM);
+  const edit = (number, radius, points, how) => ({
+    editId: `00000000-0000-4000-8000-00000000000${number}`, author: 'Ann', ...how, brush: { points: points.map(([x, y]) => ({ x: units(x - x0), y: units(y - y0) })), radius: units(radius) },
+  });
+  await system.call(`${draft.name}:append`, {
+    edits: [edit(1, 0.8, [[-9.2, -5.9], [-8.4, -5.7]], { value: 'VALUE_FREE' }), edit(2, 0.1, [[-20, -3], [-12.2, -7.5]], { value: 'VALUE_OCCUPIED', invisible: true })],
+  });
+  const [column, row] = [(-9 - x0) / resolutionM, (-10 - y0) / resolutionM];
+  return { name: draft.name, column, row };
+}
+
+// The pages by the names of their pictures. `prepare`: what a person does there first.
 export async function picturesOf(system) {
   const { maps } = await system.call('sites/demo/maps');
   const hallName = maps.find(({ displayName }) => displayName === 'Hall').name;
@@ -52,12 +70,20 @@ export async function picturesOf(system) {
   await georeference(system, hallName);
   const session = await sessionToShow(system);
   const placing = await placingToShow(system);
+  const draft = await draftOf(system, hallName);
+  const openDraft = async (page) => {
+    await introduce(page, 'Ann');
+    await stored(page);
+    await lookAt(page, draft.column, draft.row, 1.1);
+    await stored(page);
+  };
   const path = (rest) => `${system.url}/s/demo/${rest}`;
   return {
     campus: { url: path('campus'), theme: 'light' },
     'campus-dark': { url: path('campus?sel=robots%2Fr1'), theme: 'dark' },
     maps: { url: path('maps'), theme: 'light' },
     map: { url: path(`maps/${hall}`), theme: 'light' },
+    editor: { url: path(`maps/${hall}/edit/${idOf(draft.name)}`), theme: 'light', prepare: openDraft },
     'link-points': { url: path('linkPoints'), theme: 'light' },
     robots: { url: path('robots'), theme: 'light' },
     robot: { url: path('robots/r1'), theme: 'light' },
@@ -91,10 +117,11 @@ export async function standing(system, names) {
   };
 }
 
-export async function show(page, { url, theme }) {
+export async function show(page, { url, theme, prepare = async () => {} }) {
   await page.emulateMedia({ colorScheme: theme, reducedMotion: 'reduce' });
   await page.goto(url);
   await settled(page);
+  await prepare(page);
 }
 
 // What a page consists of, without what depends on the campus: landmarks, headings, controls and columns, in their order.

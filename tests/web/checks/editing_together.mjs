@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { faultsOf, launchToKill, open, picture } from '../browser.mjs';
-import { drag, editedAt, editorAddress, editsOf, introduce, lookAt, newDraft, newMap, openEditor, random, sameAsServer, screenOf, statsOf, stored } from '../editing.mjs';
+import { drag, editedAt, editorAddress, editsOf, introduce, lookAt, newDraft, newMap, openEditor, publish, random, sameAsServer, screenOf, send, statsOf, stored } from '../editing.mjs';
 import { until } from '../system.mjs';
 
 const SITE = 'editing';
@@ -12,15 +12,6 @@ const [FREE, OCCUPIED] = [2, 3];
 
 // What a browser says of a gateway that is away.
 const away = { expected: /Failed to load resource|EventSource|ERR_/ };
-
-async function publish(page, message) {
-  await page.getByRole('button', { name: 'Publish …' }).click();
-  const dialog = page.getByRole('dialog', { name: 'Publish the draft' });
-  await dialog.getByLabel('What was edited, and why').fill(message);
-  return dialog;
-}
-
-const send = (dialog) => dialog.getByRole('button', { name: 'Publish', exact: true }).click();
 
 export function addEditingTogether({ system, browser, at }) {
   test('two_editors: two browsers on one draft come to the same cells, whatever is cut, and each undoes its own', async () => {
@@ -226,37 +217,6 @@ export function addEditingTogether({ system, browser, at }) {
     assert.equal((await editsOf(system, drafts[0].name)).length, 1);
     await ann.close();
     await bob.close();
-  });
-
-  test('keepout: an area is drawn, stored, renamed and deleted', async () => {
-    const map = await newMap(system, 'areas');
-    const { page, close } = await openEditor(browser(), system, await newDraft(system, map), 'Ann');
-    await lookAt(page, 200, 200, 3);
-    await page.keyboard.press('a');
-    for (const [column, row] of [[120, 120], [200, 120], [160, 200]]) {
-      const { x, y } = await screenOf(page, column, row);
-      await page.mouse.click(x, y);
-    }
-    await page.keyboard.press('Enter');
-    const form = page.getByRole('form', { name: 'New area' });
-    await form.getByLabel('Name').fill('Lab');
-    await form.getByLabel('Robot types').fill('cleaner, tug');
-    await form.getByRole('button', { name: 'Create', exact: true }).click();
-    const list = page.getByRole('region', { name: 'Areas' });
-    await list.getByRole('button', { name: /Lab/ }).click();
-    const { areas: [area] } = await system.call(`${map}/areas`);
-    assert.deepEqual([area.kind, area.displayName, area.robotTypes], ['KIND_KEEP_OUT', 'Lab', ['cleaner', 'tug']]);
-    const corners = [[120, 120], [200, 120], [160, 200]].map(([column, row]) => ({ x: (column + 0.5) * 0.05, y: (row + 0.5) * 0.05 }));
-    area.outline.corners.forEach(({ x, y }, i) => assert.ok(Math.hypot(x - corners[i].x, y - corners[i].y) < 0.03, `corner ${i} is where it was clicked: ${x}, ${y}`));
-    assert.deepEqual(await faultsOf(page), []);
-    await list.getByRole('button', { name: 'Rename' }).click();
-    await list.getByLabel('New name').fill('Laboratory');
-    await page.keyboard.press('Enter');
-    await list.getByRole('button', { name: /Laboratory/ }).waitFor();
-    await list.getByRole('button', { name: 'Delete', exact: true }).click();
-    await list.getByRole('button', { name: 'Delete it' }).click();
-    await until('it is gone', async () => ((await system.call(`${map}/areas`)).areas ?? []).length === 0);
-    await close();
   });
 
   test('contested: what robots see against an edit is listed, shown and settled', async () => {

@@ -10,18 +10,25 @@ import { distance, placed, sceneOf, seenFrom, toScreen } from '../pixels.mjs';
 import { until } from '../system.mjs';
 
 const middle = { x: 5, y: 5 };
-const graphOf = async (system, site) => (await system.call(`sites/${site}/graph`)).graph;
+export const graphOf = async (system, site) => (await system.call(`sites/${site}/graph`)).graph;
 const poseOf = async (system, site, map) => (await graphOf(system, site)).maps.find((one) => one.map === `sites/${site}/maps/${map}`).poseWorldMap.pose;
 const linkPointOf = async (system, site, id) => (await system.call(`sites/${site}/linkPoints/${id}`)).linkPoint;
 const anchorIn = ({ anchors }, map) => anchors.find((one) => one.map.endsWith(`/${map}`)).poseMapPlace;
 const inverse = (pose) => { const { x, y } = seenFrom(pose, { x: 0, y: 0 }); return { x, y, yaw: -(pose.yaw ?? 0) }; };
 const chained = (a, b) => ({ ...placed(a, { x: b.x ?? 0, y: b.y ?? 0 }), yaw: (a.yaw ?? 0) + (b.yaw ?? 0) });
 
+// v' S^-1 v of a 3x3 covariance, row by row.
+function mahalanobis(v, [a, b, c, , e, f, , , i]) {
+  const det = a * (e * i - f * f) - b * (b * i - f * c) + c * (b * f - e * c);
+  const inverted = [[e * i - f * f, c * f - b * i, b * f - c * e], [c * f - b * i, a * i - c * c, b * c - a * f], [b * f - c * e, b * c - a * f, a * e - b * b]];
+  return inverted.reduce((sum, row, k) => sum + v[k] * row.reduce((part, value, l) => part + value * v[l], 0), 0) / det;
+}
+
 // The campus with the graph being edited and one thing selected.
-async function edit(stage, site, selection, options) {
+export async function edit(stage, site, selection, options, count = 2) {
   const opened = await open(stage.browser(), stage.at(`${site}/campus?sel=${encodeURIComponent(selection)}`), options);
   const { page } = opened;
-  await until('the maps are drawn', async () => (await drawnMaps(page)).length >= 2);
+  await until('the maps are drawn', async () => (await drawnMaps(page)).length >= count);
   await settled(page);
   await page.locator('.scene-canvas').press('e');
   await page.getByRole('heading', { name: 'Edit the graph' }).waitFor();
@@ -245,8 +252,13 @@ export function addGraphEdit(stage) {
     await panel.getByLabel('y, m', { exact: true }).fill(String(truth.y - wrong));
     await panel.getByLabel('Direction, °').fill(String((truth.yaw * 180) / Math.PI + 20));
     await picture(page, 'graph-align-guess');
+    const answered = page.waitForResponse((response) => response.url().endsWith(':align'));
     await panel.getByRole('button', { name: 'Find the place' }).click();
     await panel.getByText('The maps fit here, and nowhere else').waitFor({ timeout: 60_000 });
+    const { poseAB } = await (await answered).json();
+    const off = [poseAB.pose.x - truth.x, poseAB.pose.y - truth.y, poseAB.pose.yaw - truth.yaw];
+    const chi2 = mahalanobis(off, poseAB.covariance);
+    assert.ok(chi2 < 16.27, `its covariance contains the truth: chi-squared ${chi2}`); // 99.9 % of 3 degrees of freedom
     await picture(page, 'graph-align-found');
     assert.deepEqual(await faultsOf(page), []);
     const found = { x: Number(await panel.getByLabel('x, m', { exact: true }).inputValue()), y: Number(await panel.getByLabel('y, m', { exact: true }).inputValue()), yaw: (Number(await panel.getByLabel('Direction, °').inputValue()) * Math.PI) / 180 };
@@ -319,23 +331,22 @@ export function addGraphEdit(stage) {
     await close();
   });
 
-  test('merge_maps: two maps are merged after a warning of what will happen, and it is undone', async () => {
-    const site = 'merged';
+  test('drag_link_point: a link point is suspended and resumed', async () => {
+    const site = 'resumed';
     await twoRooms(system, site);
-    const { page, close } = await edit(stage, site, 'maps/a');
-    await page.getByLabel('With another map of its level').selectOption({ label: 'b' });
-    await page.getByRole('button', { name: 'Merge …' }).click();
-    const question = page.getByRole('group', { name: 'Merge “b” into “a”?' });
-    await question.getByText('1 link point between the two goes.').waitFor();
-    await picture(page, 'graph-merge');
-    assert.deepEqual(await faultsOf(page), []);
-    await question.getByRole('button', { name: 'Merge them' }).click();
-    await until('there is one map', async () => (await graphOf(system, site)).maps.length === 1);
-    await page.goto(at(`${site}/history/rearranged`));
-    await page.getByRole('button', { name: /^Undo: b into a/ }).click();
-    await page.getByRole('button', { name: 'Undo it' }).click();
-    await until('there are two again, joined', async () => { const { maps, linkPoints } = await graphOf(system, site); return maps.length === 2 && linkPoints?.length === 1; });
-    await page.getByText(/^undone /).waitFor();
+    const { page, close } = await edit(stage, site, 'linkPoints/door');
+    await page.getByRole('button', { name: 'Suspend', exact: true }).click();
+    await previewed(page);
+    await save(page, 'Save although 1 map loses its place').click();
+    await saved(page);
+    await until('the map has lost its place', async () => (await graphOf(system, site)).maps.some(({ poseWorldMap }) => !poseWorldMap));
+    assert.equal((await linkPointOf(system, site, 'door')).use, 'USE_SUSPENDED');
+    await page.getByRole('button', { name: 'Resume', exact: true }).click();
+    await page.getByText('Placed now: b').waitFor();
+    await previewed(page);
+    await save(page).click();
+    await until('both have one again', async () => (await graphOf(system, site)).maps.every(({ poseWorldMap }) => poseWorldMap));
+    assert.equal((await linkPointOf(system, site, 'door')).use, 'USE_USED');
     await close();
   });
 }

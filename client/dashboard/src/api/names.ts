@@ -16,3 +16,6 @@ export function collectionOf(name: string): string {
   const parts = name.split('/');
   return parts[parts.length - 2] ?? '';
 }
+
+// "sites/s/maps/m" of "sites/s/maps/m/drafts/d".
+export const mapOfDraft = (draft: string) => draft.replace(/\/drafts\/[^/]*$/, '');

@@ -42,6 +42,8 @@ export class EditSession {
   box: Box | undefined;
   // The newest of the map's publications.
   editVersion = 0n;
+  // Of the map, that robots or people have made last; empty: not known yet.
+  revision = '';
   presences: readonly MapDraftPresence[] = [];
   stream: StreamState = { kind: 'connecting' };
   isDeleted = false;
@@ -198,6 +200,16 @@ export class EditSession {
     this.setStream({ kind: 'live' });
   }
 
+  // The newest revision of the map, each time and before `start`: another one has other evidence, which is read anew under
+  // all that is drawn.
+  see(revision = '') {
+    if (revision === this.revision || revision === '') return;
+    const isFirst = this.revision === '';
+    this.revision = revision;
+    if (!isFirst) this.tiles.renew();
+    this.tell();
+  }
+
   takeState(state: MapDraft) {
     const isMoved = state.baseEditVersion !== this.state.baseEditVersion;
     this.state = state;
@@ -250,7 +262,8 @@ export class EditSession {
     } else {
       this.draft.settle(operation.ids);
     }
-    this.refusals = [...this.refusals, reason];
+    // Which of the edits that were sent together does not matter to a person.
+    this.refusals = [...this.refusals, reason.replace(/^edits\[\d+\] \([^)]*\): /, '')];
     this.tell();
   }
 

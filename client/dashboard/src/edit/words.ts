@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { CLEAR, FREE, OCCUPIED, UNKNOWN, type Value } from './cells';
+import { CLEAR, editedOf, FREE, OCCUPIED, shownOf, UNKNOWN, type Value } from './cells';
 import type { ToolName } from './tools/settings';
 
 export const valueNames: Record<Value, string> = { [FREE]: 'Free', [OCCUPIED]: 'Occupied', [UNKNOWN]: 'Unknown', [CLEAR]: 'Clear edits' };
@@ -23,4 +23,16 @@ export function listed(names: readonly string[]): string {
   const known = [...new Set(names)].map((name) => (name === '' ? 'somebody' : name));
   if (known.length < 2) return known[0] ?? 'somebody';
   return `${known.slice(0, -1).join(', ')} and ${known.at(-1)}`;
+}
+
+// "free", "occupied, edited", of the byte of a cell.
+export function cellText(cell: number): string {
+  return `${valueNames[shownOf(cell) as Value].toLowerCase()}${editedOf(cell) === 0 ? '' : ', edited'}`;
+}
+
+// "occupied from 65 %, free up to 25 %, and unknown between", of the classes of the 256 values of a cell (RasterService).
+export function thresholdsText(classes: Uint8Array): string | undefined {
+  const percent = (value: number) => `${Math.round((100 * (value - 1)) / 254)} %`;
+  const [free, occupied] = [classes.lastIndexOf(1), classes.indexOf(2)];
+  return free < 1 || occupied < 1 ? undefined : `occupied from ${percent(occupied)}, free up to ${percent(free)}${occupied - free > 1 ? ', and unknown between' : ''}`;
 }

@@ -48,6 +48,8 @@ export function sharedScene(): Scene | undefined {
   return scene;
 }
 
+export const sceneCanvas = () => sharedScene()?.canvas;
+
 const never = () => () => {};
 
 // Pixels per metre.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState } from 'react';
-import { idOf } from '../../api/names';
+import { idOf, mapOfDraft } from '../../api/names';
 import { addressOf, Link } from '../../app/router';
 import { LatticeFrame } from '../../edit/frame';
 import { listenToKeys } from '../../edit/keys';
@@ -11,6 +11,7 @@ import { titleOf } from '../../live/objects';
 import { count } from '../../ui/format';
 import { Loading } from '../../ui/States';
 import { ToolButton } from '../../scene/SceneView';
+import { AreaHandles } from './AreaHandles';
 import { Areas } from './Areas';
 import { AuthorLine } from './AuthorForm';
 import { Contested } from './Contested';
@@ -23,8 +24,6 @@ import { SyncState } from './SyncState';
 import { ToolBar } from './ToolBar';
 import { ToolOptions } from './ToolOptions';
 import { useEditor, useVersion, type EditorState } from './useEditor';
-
-const mapOf = (draft: string) => draft.replace(/\/drafts\/[^/]*$/, '');
 
 // In cells of the draft's lattice, of a place that may be on another one.
 function boxOf(frame: LatticeFrame, { box, lattice }: ContestedEdit): Box | undefined {
@@ -44,6 +43,7 @@ function Canvas({ editor }: { editor: EditorState }) {
   return (
     <div className="scene edit-scene">
       <div className="scene-host" ref={host} />
+      <AreaHandles editor={editor} />
       <div className="scene-tools" role="toolbar" aria-label="Map">
         <ToolButton icon="plus" title="Zoom in" keys="+" onClick={() => board.zoom(1.5)} />
         <ToolButton icon="minus" title="Zoom out" keys="-" onClick={() => board.zoom(1 / 1.5)} />
@@ -57,14 +57,14 @@ function Canvas({ editor }: { editor: EditorState }) {
 
 function Head({ editor }: { editor: EditorState }) {
   const live = useLive();
-  const { state, editVersion } = editor.session;
+  const { state, editVersion, revision } = editor.session;
   const later = Number(editVersion - state.baseEditVersion);
-  const map = mapOf(state.name);
+  const map = mapOfDraft(state.name);
   return (
     <div className="map-head">
       <h1>{state.displayName || `Draft ${idOf(state.name).slice(0, 8)}`}</h1>
       <p className="sub">
-        A draft of <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link> by {state.author} · <Link href={editAddress(live.id, map)}>All drafts</Link>
+        A draft of <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link> by {state.author}{revision !== '' && `, over revision ${idOf(revision)}`} · <Link href={editAddress(live.id, map)}>All drafts</Link>
       </p>
       {state.state === MapDraft_State.OPEN && later > 0 && <p className="sub">{count(later, 'publication')} of this map came since the draft began. They are put together when it is published.</p>}
       {state.state === MapDraft_State.PUBLISHED && (
@@ -99,8 +99,8 @@ function Panel({ editor }: { editor: EditorState }) {
       </div>
       <ToolOptions editor={editor} />
       <NumbersForm editor={editor} />
-      <Areas editor={editor} map={mapOf(session.name)} />
-      <Contested map={mapOf(session.name)} show={(edit) => show(boxOf(session.frame, edit))} />
+      <Areas editor={editor} map={mapOfDraft(session.name)} />
+      <Contested map={mapOfDraft(session.name)} show={(edit) => show(boxOf(session.frame, edit))} />
       <People session={session} />
       <AuthorLine />
     </aside>
@@ -114,7 +114,7 @@ function OpenEditor({ editor }: { editor: EditorState }) {
     <div className="campus">
       <Canvas editor={editor} />
       <Panel editor={editor} />
-      {editor.isPublishing && <PublishDialog editor={editor} map={mapOf(editor.session.name)} close={() => editor.set({ isPublishing: false })} />}
+      {editor.isPublishing && <PublishDialog editor={editor} map={mapOfDraft(editor.session.name)} close={() => editor.set({ isPublishing: false })} />}
     </div>
   );
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from 'react';
 import { mapEdits } from '../../api/clients';
+import { mapOfDraft } from '../../api/names';
 import { navigate } from '../../app/router';
 import { uuid } from '../../edit/ids';
 import type { EditSession } from '../../edit/session';
@@ -28,7 +29,7 @@ function Left({ session, reason }: { session: EditSession; reason: string }) {
   const [problem, setProblem] = useState('');
   const [isBusy, setBusy] = useState(false);
   const left = session.leftEdits();
-  const map = session.name.replace(/\/drafts\/[^/]*$/, '');
+  const map = mapOfDraft(session.name);
   const move = async () => {
     setBusy(true);
     try {

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+import { useQuery } from '@tanstack/react-query';
+import { rasters } from '../../api/clients';
 import { OCCUPIED, type Value } from '../../edit/cells';
 import { valueKeys } from '../../edit/keys';
 import { sizes } from '../../edit/tools/settings';
-import { classes, valueNames, values } from '../../edit/words';
+import { classes, thresholdsText, valueNames, values } from '../../edit/words';
 import type { EditorState } from './useEditor';
 
 const toggled = (all: Value[], value: Value) => (all.includes(value) ? all.filter((other) => other !== value) : [...all, value]);
+
+// How likely obstacles become cells. It is the same in all revisions of a server.
+function Thresholds({ revision }: { revision: string }) {
+  const { data } = useQuery({ queryKey: ['thresholds'], enabled: revision !== '', staleTime: Infinity, queryFn: async () => thresholdsText((await rasters.getRasterManifest({ name: revision })).classes) ?? '' });
+  return data ? <p className="sub">By what robots see or a file says, a cell counts as {data}. Of an image, the YAML file says how likely a grey is.</p> : null;
+}
 
 // What is drawn becomes of the cells, and of which.
 export function ToolOptions({ editor: { settings, session } }: { editor: EditorState }) {
@@ -41,6 +49,7 @@ export function ToolOptions({ editor: { settings, session } }: { editor: EditorS
         ))}
         {onlyWhere.length === 0 && <span className="sub">none ticked: all</span>}
       </fieldset>
+      <Thresholds revision={session.revision} />
       <label className="edit-line">
         <span>
           <input type="checkbox" checked={invisible} disabled={value !== OCCUPIED} onChange={(event) => settings.set({ invisible: event.target.checked })} /> Invisible to scanners, such as glass

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState, useSyncExternalStore } from 'react';
 import { mapEdits } from '../../api/clients';
+import { mapOfDraft } from '../../api/names';
 import { Board } from '../../edit/board/Board';
-import type { Units } from '../../edit/lattice';
+import { UNITS } from '../../edit/lattice';
 import { EditSession } from '../../edit/session';
 import { PointerReport } from '../../edit/tools/pointer';
 import { ToolSettings } from '../../edit/tools/settings';
 import type { MapDraft } from '../../gen/enfilade/v1/map_edit_pb';
+import { useLive } from '../../live/context';
 import type { Point } from '../../scene/camera';
 import { Signal } from '../../signal';
 import { author } from './author';
@@ -19,8 +21,8 @@ export class EditorState {
   // What the editor has to say on the last thing that was done.
   said = '';
   pointer: Point | undefined;
-  // The ring that was drawn for an area.
-  ring: Units[] | undefined;
+  // Of the area that is drawn or edited, in metres of the map.
+  outline: readonly Point[] | undefined;
   isPublishing = false;
   version = 0;
   readonly changed = new Signal();
@@ -34,7 +36,7 @@ export class EditorState {
         this.pointerMoved.tell();
       },
       said: (text) => this.say(text),
-      area: (ring) => this.set({ ring }),
+      area: (ring) => this.set({ outline: ring.map(({ x, y }) => session.frame.metres({ x: x / UNITS, y: y / UNITS })) }),
     });
     this.settings.changed.subscribe(() => this.set({}));
     session.changed.subscribe(() => this.set({}));
@@ -44,7 +46,7 @@ export class EditorState {
     if (said !== this.said) this.set({ said });
   };
 
-  set(changes: Partial<Pick<EditorState, 'said' | 'ring' | 'isPublishing'>>) {
+  set(changes: Partial<Pick<EditorState, 'said' | 'outline' | 'isPublishing'>>) {
     Object.assign(this, changes);
     ++this.version;
     this.changed.tell();
@@ -83,18 +85,23 @@ function forTests({ board, session }: EditorState) {
 // One session for as long as the component shows the draft.
 export function useEditor(draft: MapDraft): EditorState | undefined {
   const [editor, setEditor] = useState<EditorState>();
+  const live = useLive();
   useEffect(() => {
     const session = new EditSession(draft, author.get, mapEdits);
+    const see = () => session.see(live.rasters.get(mapOfDraft(draft.name))?.revision);
+    see();
+    const unsubscribe = live.subscribe(see);
     const made = new EditorState(session);
     window.__editor = forTests(made);
     let isOver = false;
     void session.start().then(() => isOver || setEditor(made));
     return () => {
       isOver = true;
+      unsubscribe();
       delete window.__editor;
       made.close();
     };
-  }, [draft]);
+  }, [draft, live]);
   return editor;
 }
 

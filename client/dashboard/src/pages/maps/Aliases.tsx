@@ -76,7 +76,7 @@ export function Aliases({ map, shown, isNewest }: { map: string; shown: MapRevis
         ))}
       </div>
       <form className="alias-form" onSubmit={submit}>
-        <input value={typed} aria-label="Another alias" placeholder="another one" onChange={(event) => setTyped(event.target.value)} />
+        <input className="field" value={typed} aria-label="Another alias" placeholder="another one" onChange={(event) => setTyped(event.target.value)} />
         <button className="button small-text" disabled={isPending}>
           Set
         </button>

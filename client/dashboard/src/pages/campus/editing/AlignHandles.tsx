@@ -5,10 +5,10 @@ import { affineOf, apply } from '../../../scene/affine';
 import { worldToScreen, type Point, type Pose } from '../../../scene/camera';
 import { middleAt } from '../../../scene/moves';
 import { thumbnailAffine } from '../../../scene/outlines';
+import { Grip } from '../../../scene/Grip';
 import { chained, relative, wrapped } from '../../../scene/se2';
-import { useShown, useThumbnails } from '../../../scene/shared';
+import { sceneCanvas, useShown, useThumbnails } from '../../../scene/shared';
 import { pose as poseText } from '../../../ui/format';
-import { Grip } from './Grip';
 
 interface Props {
   map: string;
@@ -62,7 +62,7 @@ export function AlignHandles({ map, title, base, guess, change }: Props) {
   const text = poseText(guess);
   return (
     <>
-      <Grip className="whole" label={`${title} at ${text}. Arrow keys move it.`} begin={begin} drag={move} end={end}
+      <Grip canvas={sceneCanvas} className="whole" label={`${title} at ${text}. Arrow keys move it.`} begin={begin} drag={move} end={end}
         style={{ width: thumbnail.width * scale, height: thumbnail.height * scale, transform: `translate(${at.x}px, ${at.y}px) translate(-50%, -50%) rotate(${-Math.atan2(cells.b, cells.a)}rad)` }}
         step={(key, fine) => {
           const [dx, dy] = [{ ArrowLeft: -1, ArrowRight: 1 }[key] ?? 0, { ArrowDown: -1, ArrowUp: 1 }[key] ?? 0];
@@ -71,7 +71,7 @@ export function AlignHandles({ map, title, base, guess, change }: Props) {
           set({ ...place, x: place.x + dx * step, y: place.y + dy * step });
           return true;
         }} />
-      <Grip className="heading" label={`Direction of ${title}: ${text}. Arrow keys turn it.`} begin={begin} drag={turn} end={end} style={{ transform: `translate(${corner.x}px, ${corner.y}px) translate(-50%, -50%)` }}
+      <Grip canvas={sceneCanvas} className="heading" label={`Direction of ${title}: ${text}. Arrow keys turn it.`} begin={begin} drag={turn} end={end} style={{ transform: `translate(${corner.x}px, ${corner.y}px) translate(-50%, -50%)` }}
         step={(key, fine) => {
           const sign = { ArrowLeft: 1, ArrowUp: 1, ArrowRight: -1, ArrowDown: -1 }[key];
           if (sign === undefined) return false;

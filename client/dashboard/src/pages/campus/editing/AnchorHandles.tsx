@@ -5,9 +5,9 @@ import type { AnchorPlace } from '../../../graph/draft';
 import { draggedTo, gripsOf, HEADING_PX, steppedBy, WEDGE_PX, type Grabbed, type Grips, type Handle } from '../../../graph/handles';
 import { covarianceOf, spreadOf, spreadText } from '../../../graph/spread';
 import type { Point, Pose } from '../../../scene/camera';
-import { useShown } from '../../../scene/shared';
+import { Grip } from '../../../scene/Grip';
+import { sceneCanvas, useShown } from '../../../scene/shared';
 import { pose as poseText } from '../../../ui/format';
-import { Grip } from './Grip';
 
 const handles: readonly Handle[] = ['middle', 'heading', 'major', 'minor', 'wedge'];
 
@@ -101,7 +101,7 @@ export function AnchorHandles({ anchors, active, choose, hold, change, undo }: P
         const at = handle === 'wedge' ? own.grips.wedge[0] : own.grips[handle];
         const value = handle === 'middle' || handle === 'heading' ? poseText(own.place.pose) : `σ ${spreadText(own.spread)}`;
         return (
-          <Grip key={handle} className={handle} label={`${names[handle]} in ${own.title}: ${value}. Arrow keys change it.`}
+          <Grip key={handle} canvas={sceneCanvas} className={handle} label={`${names[handle]} in ${own.title}: ${value}. Arrow keys change it.`}
             style={{ transform: `translate(${at.x}px, ${at.y}px) translate(-50%, -50%)` }} begin={(from) => begin(handle, from)} drag={(to) => drag(handle, to)} end={end}
             step={(key, fine) => step(handle, key, fine)} />
         );

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { timestampMs } from '@bufbuild/protobuf/wkt';
 import { useQuery } from '@tanstack/react-query';
+import { lastChangeOf } from '../../../api/audit';
 import { differencesOf } from '../../../graph/differences';
 import type { Draft, Edit } from '../../../graph/draft';
 import type { LinkPoint } from '../../../gen/enfilade/v1/link_point_pb';
 import { useLive } from '../../../live/context';
 import { dateTime } from '../../../ui/format';
-import { lastChangeOf } from './useLinkPoints';
 
 export interface Conflict {
   edit: Edit;

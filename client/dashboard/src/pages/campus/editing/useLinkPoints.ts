@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useQueries } from '@tanstack/react-query';
-import { linkPoints, sites } from '../../../api/clients';
-import { siteName } from '../../../api/names';
+import { linkPoints } from '../../../api/clients';
 import type { LinkPoint } from '../../../gen/enfilade/v1/link_point_pb';
 import type { LiveSite } from '../../../live/site';
 
@@ -26,9 +25,4 @@ export function useLinkPoints(site: LiveSite, names: readonly string[]): Readonl
   });
   for (const name of names) if (!site.linkPoints.has(name)) found.set(name, null);
   return found;
-}
-
-// Who changed a link point last, and when.
-export async function lastChangeOf(site: string, name: string) {
-  return (await sites.listAuditEntries({ parent: siteName(site), resource: name, pageSize: 1 })).entries[0];
 }

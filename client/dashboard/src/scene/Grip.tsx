@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person grabs over the map, by pointer or by the arrow keys.
+import './grip.css';
 import { useRef, type CSSProperties, type KeyboardEvent, type PointerEvent, type ReactNode } from 'react';
-import type { Point } from '../../../scene/camera';
-import { sharedScene } from '../../../scene/shared';
+import type { Point } from './camera';
 
 interface Props {
   // What it is and where it stands, for who does not see it.
   label: string;
   className: string;
   style: CSSProperties;
+  // The map below.
+  canvas: () => HTMLElement | undefined;
   // In CSS pixels of the canvas; `at`: of the pointer.
   begin: (at: Point) => void;
   drag: (at: Point) => void;
@@ -16,16 +18,16 @@ interface Props {
   end: (cancelled: boolean) => void;
   // An arrow key; `fine` with Shift. False: it does nothing here.
   step: (key: string, fine: boolean) => boolean;
+  focused?: () => void;
   children?: ReactNode;
 }
 
-function onCanvas({ clientX, clientY }: PointerEvent): Point {
-  const box = sharedScene()!.canvas.getBoundingClientRect();
-  return { x: clientX - box.left, y: clientY - box.top };
-}
-
-export function Grip({ label, className, style, begin, drag, end, step, children }: Props) {
+export function Grip({ label, className, style, canvas, begin, drag, end, step, focused, children }: Props) {
   const grabbed = useRef<number>(undefined);
+  const onCanvas = ({ clientX, clientY }: PointerEvent): Point => {
+    const { left = 0, top = 0 } = canvas()?.getBoundingClientRect() ?? {};
+    return { x: clientX - left, y: clientY - top };
+  };
   const finish = (cancelled: boolean) => {
     if (grabbed.current === undefined) return;
     grabbed.current = undefined;
@@ -44,10 +46,10 @@ export function Grip({ label, className, style, begin, drag, end, step, children
     event.stopPropagation();
   };
   return (
-    <button type="button" className={`grip ${className}`} aria-label={label} title={label} style={style} onPointerDown={onPointerDown} onKeyDown={onKeyDown}
+    <button type="button" className={`grip ${className}`} aria-label={label} title={label} style={style} onPointerDown={onPointerDown} onKeyDown={onKeyDown} onFocus={focused}
       onPointerMove={(event) => grabbed.current === event.pointerId && drag(onCanvas(event))} onPointerUp={() => finish(false)} onPointerCancel={() => finish(true)}
       // The wheel zooms the map below.
-      onWheel={(event) => sharedScene()?.canvas.dispatchEvent(new WheelEvent('wheel', event.nativeEvent))}>
+      onWheel={(event) => canvas()?.dispatchEvent(new WheelEvent('wheel', event.nativeEvent))}>
       {children}
     </button>
   );
