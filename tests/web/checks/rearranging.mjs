@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { drawnMaps, faultsOf, picture } from '../browser.mjs';
+import { drag, editsOf, newDraft, openEditor, stored } from '../editing.mjs';
 import { twoRooms } from '../maps.mjs';
 import { until } from '../system.mjs';
 import { edit, graphOf } from './graph_edit.mjs';
@@ -28,6 +29,26 @@ export function addRearranging(stage) {
     await page.getByRole('button', { name: 'Undo it' }).click();
     await until('there are two again, joined', async () => { const { maps, linkPoints } = await graphOf(system, site); return maps.length === 2 && linkPoints?.length === 1; });
     await page.getByText(/^undone /).waitFor();
+    await close();
+  });
+
+  test('merge_maps: a draft goes on in the map that stays', async () => {
+    const site = 'merged-draft';
+    await twoRooms(system, site);
+    const draft = await newDraft(system, `sites/${site}/maps/b`, 'Glass');
+    const { page, close } = await openEditor(stage.browser(), system, draft, 'Ann', { expected: /404|Failed to load resource|EventSource/ });
+    await page.keyboard.press('2');
+    const { box } = await system.call(`${draft}:readTiles`, {});
+    const column = (box.firstColumn ?? 0) + Math.floor(box.width / 2);
+    const row = (box.firstRow ?? 0) + Math.floor(box.height / 2);
+    await drag(page, [column, row], [column + 10, row]);
+    await stored(page);
+    await system.call(`sites/${site}/maps/a:merge`, { mergedMap: `sites/${site}/maps/b` });
+    await page.getByText('The draft goes on there.').waitFor();
+    await page.getByRole('alert').getByRole('link').click();
+    await page.getByRole('link', { name: 'Glass' }).click();
+    await stored(page);
+    assert.equal((await editsOf(system, draft.replace('/maps/b/', '/maps/a/'))).length, 1);
     await close();
   });
 

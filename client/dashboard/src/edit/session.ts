@@ -47,6 +47,8 @@ export class EditSession {
   presences: readonly MapDraftPresence[] = [];
   stream: StreamState = { kind: 'connecting' };
   isDeleted = false;
+  // The map that the draft's map was merged into, and the draft with it.
+  mergedInto: string | undefined;
   // All edits that there were are here.
   isComplete = false;
   // What the server has not taken, and why.
@@ -293,10 +295,12 @@ export class EditSession {
       if (draft) this.takeState(draft);
       return draft?.state === MapDraft_State.PUBLISHED ? 'it is published' : undefined;
     } catch (error) {
-      if (ConnectError.from(error).code !== Code.NotFound) throw error;
+      const { code, rawMessage } = ConnectError.from(error);
+      if (code !== Code.NotFound) throw error;
       this.isDeleted = true;
+      this.mergedInto = / was merged into (sites\/[^/]+\/maps\/[^/,]+),/.exec(rawMessage)?.[1];
       this.tell();
-      return 'it is deleted';
+      return this.mergedInto === undefined ? 'it is deleted' : 'its map was merged into another one';
     }
   }
 }

@@ -2,10 +2,11 @@
 import { useState } from 'react';
 import { mapEdits } from '../../api/clients';
 import { mapOfDraft } from '../../api/names';
-import { navigate } from '../../app/router';
+import { Link, navigate } from '../../app/router';
 import { uuid } from '../../edit/ids';
 import type { EditSession } from '../../edit/session';
 import { useLive, useNow } from '../../live/context';
+import { titleOf } from '../../live/objects';
 import { Badge } from '../../ui/Badge';
 import { count } from '../../ui/format';
 import { refusalOf } from '../../ui/Sending';
@@ -49,14 +50,26 @@ function Left({ session, reason }: { session: EditSession; reason: string }) {
       </p>
       {left.length > 0 && (
         <div className="actions">
-          <button className="button" disabled={isBusy} onClick={() => void move()}>
-            Put them into a new draft
-          </button>
+          {/* In another map they lie elsewhere. */}
+          {session.mergedInto === undefined && (
+            <button className="button" disabled={isBusy} onClick={() => void move()}>
+              Put them into a new draft
+            </button>
+          )}
           <Sure title="Give them up" question="Give them up?" keep="Keep them" act="Give them up" busy={isBusy} onAct={() => void session.giveUp()} />
         </div>
       )}
       {problem !== '' && <p>{problem}</p>}
     </div>
+  );
+}
+
+function Merged({ into }: { into: string }) {
+  const live = useLive();
+  return (
+    <p className="refusal" role="alert">
+      The map was merged into <Link href={editAddress(live.id, into)}>{titleOf(live, into)}</Link>. The draft goes on there.
+    </p>
   );
 }
 
@@ -76,7 +89,8 @@ export function SyncState({ session }: { session: EditSession }) {
       )}
       {pending > 0 && !isDurable && <p className="refusal">This browser keeps nothing: stay on this page until all edits are stored.</p>}
       {stream.kind === 'lost' && <p className="sub">The edits of others are not shown at the moment: {stream.reason}.</p>}
-      {session.isDeleted && pending === 0 && <p className="refusal" role="alert">This draft was deleted.</p>}
+      {session.isDeleted && session.mergedInto === undefined && pending === 0 && <p className="refusal" role="alert">This draft was deleted.</p>}
+      {session.mergedInto !== undefined && <Merged into={session.mergedInto} />}
       {session.refusals.map((reason, i) => (
         <p key={i} className="refusal" role="alert">
           The server does not take an edit, so it was taken back: {reason}
