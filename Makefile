@@ -15,6 +15,8 @@ OPTIONS ?=
 MINUTES ?= 10
 CALLS ?= 100000
 KILLS ?= 1000
+# How often edits are published while everything else goes on.
+PUBLISHES ?= 1000
 # Calls of each operation of the OpenAPI document.
 EXAMPLES ?= 1000
 .PHONY: help demo stop test test-web soak fleet-soak screenshots programs web build bootstrap configure bench asan tsan coverage tidy format lint structure api-baseline clean campus robustness packages package-check containers-check test-database restore-drill
@@ -86,12 +88,13 @@ bench: ## run the benchmarks; they write JSON to build/bench
 	@$(MAKE) build PACKAGES=analysis
 	@tests/bench/run $(BIN) build/bench
 
-robustness: ## fuzz decoders (MINUTES=10 each), all RPCs (CALLS=100000) and REST (EXAMPLES=1000 each), kill -9 (KILLS=1000); JSON in build/robustness
+robustness: ## fuzz decoders (MINUTES=10 each), all RPCs (CALLS=100000) and REST (EXAMPLES=1000 each), kill -9 (KILLS=1000), publishing (PUBLISHES=1000); JSON in build/robustness
 	@$(MAKE) build
 	@$(MAKE) build PRESET=fuzz PACKAGES=fuzz
 	@tests/robustness/rpcs $(BIN) build/robustness --calls $(CALLS)
 	@ENFILADE_EXAMPLES=$(EXAMPLES) ENFILADE_OUT=build/robustness tests/openapi/run $(BIN) fuzz
 	@$(BIN)/kill_storm --kills $(KILLS) --json build/robustness/kills.json
+	@tests/robustness/publishes $(BIN) --interleavings $(PUBLISHES) --json build/robustness/publishes.json --log build/robustness/publishes-server.log
 	@tests/robustness/decoders build/fuzz/bin build/robustness --minutes $(MINUTES)
 
 asan: ## run the tests under AddressSanitizer and UndefinedBehaviorSanitizer

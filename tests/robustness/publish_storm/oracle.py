@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether a map is what was sent and acknowledged. Shares no code with the server: shapes are drawn by tests/data/edits."""
-from . import actions, calls, places
+from google.protobuf import json_format
+
+from . import calls, places
 
 GREYS = {1: places.UNKNOWN, 2: places.FREE, 3: places.OCCUPIED}
 WORDS = {places.UNKNOWN: "unknown", places.FREE: "free", places.OCCUPIED: "occupied"}
@@ -92,7 +94,7 @@ class Oracle:
             sent = draft.sent.get(edit.edit_id)
             if sent is None:
                 self.check_settling(draft, edit)
-                sent = actions.edit_of(edit)
+                sent = edit_of(edit)
             elif self.shape_of(edit) != self.shape_of(draft.messages[edit.edit_id]):
                 fail(f"{draft.name} has another edit {edit.edit_id}: {edit}")
             if edit.active if edit.edit_id in draft.undone else not edit.active and edit.edit_id not in draft.maybe_undone:
@@ -275,3 +277,9 @@ def differences(picture, expected, found):
     first = places_of[0]
     cell = (first % picture.width + picture.left, first // picture.width + picture.bottom)
     return f"{len(places_of)} cells, the first {cell}: {found[first]} instead of {expected[first]}"
+
+
+def edit_of(message):
+    """A stored edit as the dictionary that was sent, for edits that the server has made: patches."""
+    patch = json_format.MessageToDict(message.patch, including_default_value_fields=True)
+    return {"editId": message.edit_id, "value": json_format.MessageToDict(message)["value"], "patch": patch}

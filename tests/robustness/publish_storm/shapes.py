@@ -43,12 +43,12 @@ class Pen:
     def edits(self, author, count):
         return [self.edit(author) for _ in range(count)]
 
-    def _near(self, cells):
+    def _near(self, reach):
         """A point at most so many cells away, now and then exactly on a corner or a centre."""
         point = {}
         for axis, cell in zip("xy", self.at):
             within = self.rng.choice((0, 128, self.rng.randrange(UNITS)))
-            point[axis] = (cell + self.rng.randint(-cells, cells)) * UNITS + within
+            point[axis] = (cell + self.rng.randint(-reach, reach)) * UNITS + within
         return point
 
     def _brush(self):

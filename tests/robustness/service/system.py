@@ -82,6 +82,7 @@ class System:
 
     def kill_server(self):
         """kill -9."""
+        (self.folder / "server.pid").unlink(missing_ok=True)  # another process may get its id
         self.server.kill()
         self.server.wait()
 
