@@ -30,7 +30,7 @@ constexpr std::int32_t kMaxSide = 1 << 22;  // of a segment, along each axis
 constexpr std::int32_t kMaxRadius = 1 << 16;
 constexpr std::size_t kMaxPoints = 10'000;
 constexpr std::int64_t kMaxCells = 4'000'000;  // of one edit
-constexpr std::size_t kMaxTiles = 1024;       // that one edit touches: each takes 64 KiB while it is drawn
+constexpr std::size_t kMaxTiles = 1024;        // that one edit touches: each takes 64 KiB while it is drawn
 
 // In 1/kUnitsPerCell of a cell: the centre of cell (c, r) is (256 c + 128, 256 r + 128).
 struct LatticePoint {

@@ -79,12 +79,16 @@ export class System {
     return execFileSync(join(programs, 'enfilade'), args, { env: this.#environmentOf(site), stdio: ['ignore', 'pipe', 'pipe'] }).toString();
   }
 
-  // Drives a robot through a simulated campus; the promise ends with it.
-  async drive(site, robot, ...args) {
-    const child = this.#run('enfilade', `${site}-${robot}.log`,
-      ['robot', '--robot', robot, '--spool', join(this.folder, `${site}-${robot}.spool`), '--wait', ...args], this.#environmentOf(site));
+  // The same beside what else is done; the promise ends with it. `log`: where it writes to.
+  async aside(site, log, ...args) {
+    const child = this.#run('enfilade', log, args, this.#environmentOf(site));
     await stopped(child);
-    if (child.exitCode !== 0) throw new Error(`robot ${robot} failed:\n${this.log(`${site}-${robot}.log`).slice(-2000)}`);
+    if (child.exitCode !== 0) throw new Error(`enfilade ${args.join(' ')} failed:\n${this.log(log).slice(-2000)}`);
+  }
+
+  // Drives a robot through a simulated campus; the promise ends with it.
+  drive(site, robot, ...args) {
+    return this.aside(site, `${site}-${robot}.log`, 'robot', '--robot', robot, '--spool', join(this.folder, `${site}-${robot}.spool`), '--wait', ...args);
   }
 
   // Calls the API over REST.

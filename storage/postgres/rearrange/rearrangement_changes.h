@@ -27,8 +27,8 @@ absl::Status AddMaps(Transaction& transaction, const SiteId& site, const Rearran
 void QueueAreaMoves(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
 // Moves sessions and what else is in the frames of their maps. Queued only.
 void QueueMoves(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
-// Moves the open drafts of maps that are redirected into the maps that stay, where they lie in them, over the edits that
-// they were drawn over. Queued only.
+// Moves the open drafts of maps that are redirected into the maps that stay, where they lie in them, over the edits
+// that they were drawn over. Queued only.
 void QueueDraftMoves(Transaction& transaction, const SiteId& site, const RearrangementChange& change);
 absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, const RearrangementChange& change,
                               std::int64_t version);

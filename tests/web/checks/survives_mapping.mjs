@@ -149,4 +149,41 @@ export function addSurvivesMapping({ system, browser }) {
     await picture(bob.page, 'survives-contested');
     await bob.close();
   });
+  test('survives_mapping: what is published while robots map is in every revision from then on', async (t) => {
+    const site = 'publishing';
+    system.enfilade(site, 'site', 'create', site);
+    const log = join(system.folder, 'publishing.jsonl');
+    system.enfilade(site, '--quiet', 'simulate', '--laps', '1', '-o', log);
+    const drive = (name, ...where) => system.aside(site, 'publishing.log', '--quiet', 'replay', log, '--map', 'Rooms', '--session', name, '--spool', join(system.folder, `publishing-${name}`), '--wait', ...where);
+    await drive('first');
+    const map = (await system.call(`sites/${site}/maps`)).maps[0].name;
+    const start = (await (await fetch(`${system.url}/v1/sites/${site}/sessions/first/trajectory.csv`)).text()).split('\n')[1].split(',').slice(1).join(',');
+    const { width, height } = (await system.call(`${map}/revisions`)).revisions[0];
+    let isOver = false;
+    const mapping = (async () => { for (const name of ['second', 'third', 'fourth']) await drive(name, '--at', start); })().finally(() => (isOver = true));
+    // One cell each, a row for all, outside of the rooms.
+    const published = [];
+    const lattices = new Set();
+    while (!isOver) {
+      const draft = await newDraft(system, map, `cell ${published.length}`);
+      const { box } = await system.call(`${draft}:readTiles`, {});
+      const cell = [(box.firstColumn ?? 0) + 2 + 2 * (published.length % Math.floor(width / 2 - 4)), (box.firstRow ?? 0) + 2 + 2 * Math.floor(published.length / Math.floor(width / 2 - 4))];
+      const at = { x: 256 * cell[0] + 128, y: 256 * cell[1] + 128 };
+      await system.call(`${draft}:append`, { edits: [{ editId: `00000000-0000-4000-8000-${String(published.length).padStart(12, '0')}`, author: 'Ann', value: 'VALUE_OCCUPIED', invisible: true, brush: { points: [at], radius: 1 } }] });
+      const { revision, draft: after } = await system.call(`${draft}:publish`, { message: 'a cell', confirmWarnings: true });
+      lattices.add(JSON.stringify(after.lattice));
+      published.push({ cell, draft, number: Number(revision.name.split('/').pop()) });
+    }
+    await mapping;
+    assert.equal(lattices.size, 1);
+    const revisions = (await system.call(`${map}/revisions?pageSize=1000`)).revisions.map((one) => ({ ...one, number: Number(one.name.split('/').pop()) })).sort((a, b) => a.number - b.number);
+    const mapped = revisions.filter(({ source, number }) => source === 'SOURCE_MAPPING' && number > 1);
+    t.diagnostic(`${published.length} publications, and ${mapped.length} revisions of robots between them, of ${width} x ${height} cells`);
+    assert.ok(mapped.length >= 3 && published.length > 10);
+    for (const { number, editVersion } of revisions) assert.equal(Number(editVersion), published.filter((one) => one.number <= number).length, `revision ${number}`);
+    for (const { name, number } of [...mapped, revisions.at(-1)]) {
+      const wall = await wallsOf(system, name, published[0].draft);
+      for (const one of published.filter((other) => other.number <= number)) assert.ok(wall(...one.cell), `revision ${number} has ${one.cell}, published as ${one.number}`);
+    }
+  });
 }
