@@ -140,11 +140,7 @@ absl::StatusOr<DraftChange> MapEdits::Append(const storage::CallContext& context
   const MutexLock lock(shared->mutex);
   DraftView& view = shared->view;
   ENFILADE_RETURN_IF_ERROR(view.Update(context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, {key.site, key.map}));
-  if (ground->lattice != view.draft().lattice) {
-    return FailedPrecondition("the cells of {} have changed since {} began: publish or delete it, and make a new draft",
-                              NameOf(key.site, key.map), NameOfDraft(key));
-  }
+  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, {key.site, key.map}, view.draft().lattice));
   EditResolver resolver(*ground, view);
   std::vector<storage::NewMapEdit> resolved;
   for (std::size_t i = 0; i < edits.size(); ++i) {
@@ -172,11 +168,10 @@ absl::StatusOr<DraftTiles> MapEdits::ReadTiles(const storage::CallContext& conte
   const MutexLock lock(shared->mutex);
   DraftView& view = shared->view;
   ENFILADE_RETURN_IF_ERROR(view.Update(context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, {key.site, key.map}));
+  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, {key.site, key.map}, view.draft().lattice));
   DraftTiles answer;
   answer.head = view.draft().head;
   answer.box = ground->box;
-  const bool is_same = ground->lattice == view.draft().lattice;
   for (const TileIndex& index : tiles) {
     const edit::TileCells combined = view.Combined(index);
     const edit::TileCells* const base = view.base().Find(index);
@@ -184,7 +179,7 @@ absl::StatusOr<DraftTiles> MapEdits::ReadTiles(const storage::CallContext& conte
     for (std::size_t place = 0; place < edit::kCellsOfTile; ++place) {
       const int column = index.column * grid::kTileSize + static_cast<int>(place % grid::kTileSize);
       const int row = index.row * grid::kTileSize + static_cast<int>(place / grid::kTileSize);
-      const auto seen = static_cast<int>(is_same ? ground->At(column, row) : CellClass::kUnknown);
+      const auto seen = static_cast<int>(ground->At(column, row));
       const int published = base != nullptr ? (*base)[place] : 0;
       tile.cells[place] = static_cast<char>(seen | combined[place] << 2 | published << 4);
     }
@@ -208,12 +203,12 @@ absl::StatusOr<DraftCheck> MapEdits::Check(const storage::CallContext& context, 
 absl::StatusOr<DraftCheck> MapEdits::CheckView(const storage::CallContext& context, const DraftView& view) {
   const storage::MapDraft& draft = view.draft();
   const EditedMap map{draft.key.site, draft.key.map};
-  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, map));
+  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, map, draft.lattice));
   ENFILADE_ASSIGN_OR_RETURN(const storage::OverlayState state, edits_.ReadOverlay(context, map.site, map.map));
   DraftCheck check;
   check.head = draft.head;
-  // All on the lattice that the map has now.
-  const edit::Lattice& lattice = ground->lattice;
+  // All on the draft's lattice, whatever the map's is by now.
+  const edit::Lattice& lattice = draft.lattice;
   edit::Overlay base, newest;
   std::vector<edit::Publication> since;
   if (state.overlay) {

@@ -39,14 +39,19 @@ class MapGrounds {
  public:
   MapGrounds(const RasterStores& stores, std::size_t max_bytes) : stores_(stores), max_bytes_(max_bytes) {}
 
-  // Of the newest revision. NOT_FOUND if the map has none; errors as ReadEvidence.
+  // Of the newest revision, on its own lattice. NOT_FOUND if the map has none; errors as ReadEvidence.
   absl::StatusOr<std::shared_ptr<const MapGround>> Get(const storage::CallContext& context, const EditedMap& map);
+  // The same on a lattice of before. FAILED_PRECONDITION if its cells are too small for the map of now.
+  absl::StatusOr<std::shared_ptr<const MapGround>> Get(const storage::CallContext& context, const EditedMap& map,
+                                                       const edit::Lattice& lattice);
 
  private:
   struct Entry {
     std::string site, map;
+    bool is_resampled = false;
     std::shared_ptr<const MapGround> ground;
   };
+  void Keep(Entry entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const RasterStores stores_;
   const std::size_t max_bytes_;

@@ -143,11 +143,6 @@ absl::StatusOr<storage::MapDraft> MapEdits::Rebase(const storage::CallContext& c
     return Aborted("edit_version is {}, but publication {} is the newest: check the draft again", edit_version,
                    check.edit_version);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, {key.site, key.map}));
-  if (ground->lattice != view.draft().lattice) {
-    return FailedPrecondition("the cells of {} have changed since {} began: make a new draft",
-                              NameOf(key.site, key.map), NameOf(key.site, key.map, key.draft));
-  }
   ENFILADE_ASSIGN_OR_RETURN(const storage::OverlayState state, edits_.ReadOverlay(context, key.site, key.map));
   edit::Overlay theirs;
   if (state.overlay) {

@@ -213,6 +213,36 @@ TEST_F(MapEditTest, ADraftShowsNoEditsThatAnImportHasEnded) {
   EXPECT_EQ(published_at_pillar(), 0);
 }
 
+// The room is imported again with its corner at (-1 m, 0.5 m): its cells have other numbers.
+TEST_F(MapEditTest, ADraftGoesOnWhereTheMapsCellsAreOthers) {
+  ImportRoom();
+  const std::string draft = CreateDraft("d");
+  ASSERT_OK(Append(draft, {Brush("a", v1::MapEdit::VALUE_OCCUPIED, {{10, 10}}, 1.0)}));
+  ImportRoom(true, -1.0, 0.5);
+  v1::ReadMapDraftTilesRequest request;
+  request.set_name(draft);
+  request.add_tiles();
+  ASSERT_OK_AND_ASSIGN(const auto tiles, Call(&v1::MapEditService::Stub::ReadMapDraftTiles, request));
+  const auto seen_at = [&](int column, int row) {
+    return tiles.tiles(0).cells()[static_cast<std::size_t>(row * 256 + column)] & 3;
+  };
+  EXPECT_EQ(tiles.box().first_column(), -10);
+  EXPECT_EQ(tiles.box().first_row(), 5);
+  EXPECT_EQ(tiles.box().width(), kWidth);
+  EXPECT_EQ(tiles.box().height(), kHeight);
+  EXPECT_EQ(seen_at(0, 4), 0) << "below the room";
+  EXPECT_EQ(seen_at(0, 5), 2) << "its lower wall";
+  EXPECT_EQ(seen_at(0, 6), 1);
+  EXPECT_EQ(seen_at(kWidth - 11, 20), 2) << "its right wall";
+  v1::MapEdit where_free = Brush("b", v1::MapEdit::VALUE_UNKNOWN, {{0, 5}}, 1.0);
+  where_free.add_only_where(v1::MapEdit::VALUE_FREE);
+  ASSERT_OK_AND_ASSIGN(const auto appended, Append(draft, {where_free}));
+  ASSERT_OK(Publish(draft, "after it moved", /*confirm=*/true));
+  EXPECT_TRUE(IsOccupied(20, 5)) << "where it was drawn, in the cells of now";
+  EXPECT_TRUE(IsOccupied(10, 0)) << "the wall was not free";
+  EXPECT_FALSE(IsOccupied(10, 1));
+}
+
 TEST_F(MapEditTest, WhatAFormatCannotSayIsRefused) {
   ImportJson();
   const std::string draft = CreateDraft("d");
