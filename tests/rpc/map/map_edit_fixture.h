@@ -41,11 +41,11 @@ class MapEditFixture : public ServerTest {
     }
     return pixels;
   }
-  // `x`, `y`: of its lower left corner, m.
-  void ImportRoom(bool keep_edits = false, double x = 0.0, double y = 0.0) {
+  // `origin`: of its lower-left corner, m.
+  void ImportRoom(bool keep_edits = false, const std::string& origin = "0, 0") {
     const std::string pgm = "P5\n" + std::to_string(kWidth) + " " + std::to_string(kHeight) + "\n255\n" + RoomPixels();
-    const std::string yaml = "image: room.pgm\nresolution: 0.1\norigin: [" + std::to_string(x) + ", " +
-                             std::to_string(y) + ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    const std::string yaml = "image: room.pgm\nresolution: 0.1\norigin: [" + origin +
+                             ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
     Import({{"room.pgm", pgm}, {"room.yaml", yaml}}, keep_edits);
   }
   void ImportJson() {

@@ -218,7 +218,7 @@ TEST_F(MapEditTest, ADraftGoesOnWhereTheMapsCellsAreOthers) {
   ImportRoom();
   const std::string draft = CreateDraft("d");
   ASSERT_OK(Append(draft, {Brush("a", v1::MapEdit::VALUE_OCCUPIED, {{10, 10}}, 1.0)}));
-  ImportRoom(true, -1.0, 0.5);
+  ImportRoom(true, "-1, 0.5");
   v1::ReadMapDraftTilesRequest request;
   request.set_name(draft);
   request.add_tiles();
@@ -309,21 +309,6 @@ TEST_F(MapEditTest, ADraftThatSaysTheSameAsTheOneBeforeIsARevisionOfItsOwn) {
   EXPECT_EQ(published.revision().name(), "sites/s/maps/m/revisions/3");
   EXPECT_EQ(published.revision().edit_version(), 2);
   EXPECT_EQ(published.draft().edit_version(), 2);
-}
-
-TEST_F(MapEditTest, ADraftThatIsMadeAgainHasNothingOfTheDeletedOne) {
-  ImportRoom();
-  const std::string draft = CreateDraft("d");
-  ASSERT_OK(Append(draft, {Brush("a", v1::MapEdit::VALUE_OCCUPIED, {{10, 10}}, 1.0)}));
-  v1::DeleteMapDraftRequest request;
-  request.set_name(draft);
-  ASSERT_OK(Call(&v1::MapEditService::Stub::DeleteMapDraft, request));
-  ASSERT_EQ(CreateDraft("d"), draft);
-  ASSERT_OK_AND_ASSIGN(const auto appended, Append(draft, {Brush("b", v1::MapEdit::VALUE_OCCUPIED, {{30, 10}}, 1.0)}));
-  ASSERT_THAT(appended.edits(), SizeIs(1));
-  ASSERT_OK(Publish(draft, "another"));
-  EXPECT_TRUE(IsOccupied(30, 10));
-  EXPECT_FALSE(IsOccupied(10, 10));
 }
 
 TEST_F(MapEditTest, AWatcherIsToldEditsPresencesAndPublications) {
