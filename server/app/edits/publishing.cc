@@ -47,6 +47,17 @@ bool Covers(const edit::CellBox& outer, const edit::CellBox& inner) {
          inner.end_column() <= outer.end_column() && inner.end_row() <= outer.end_row();
 }
 
+// The smallest that covers the box: boxes of regions may lie in one another. Null: none.
+const ConflictResolution* ResolutionOf(const edit::CellBox& box, absl::Span<const ConflictResolution> resolutions) {
+  const auto size = [](const edit::CellBox& one) { return std::int64_t{one.width} * one.height; };
+  const ConflictResolution* best = nullptr;
+  for (const ConflictResolution& resolution : resolutions) {
+    if (!Covers(resolution.box, box)) continue;
+    if (best == nullptr || size(resolution.box) < size(best->box)) best = &resolution;
+  }
+  return best;
+}
+
 // What a session's layer shows surely, on the lattice of the map's edits.
 absl::StatusOr<edit::Witness> WitnessOf(const storage::CallContext& context, const RasterStores& stores,
                                         const EditedMap& map, const storage::LayerWitness& layer,
@@ -151,11 +162,9 @@ absl::StatusOr<storage::MapDraft> MapEdits::Rebase(const storage::CallContext& c
   }
   std::vector<storage::NewMapEdit> settling;
   for (const edit::Conflict& conflict : check.conflicts) {
-    const auto found = std::find_if(resolutions.begin(), resolutions.end(), [&](const ConflictResolution& resolution) {
-      return Covers(resolution.box, conflict.region.box);
-    });
     const edit::CellBox& box = conflict.region.box;
-    if (found == resolutions.end()) {
+    const ConflictResolution* const found = ResolutionOf(box, resolutions);
+    if (found == nullptr) {
       return Aborted("no resolution settles the conflict of {} x {} cells from ({}, {})", box.width, box.height,
                      box.first_column, box.first_row);
     }

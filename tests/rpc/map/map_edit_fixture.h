@@ -146,12 +146,18 @@ class MapEditFixture : public ServerTest {
   }
   absl::StatusOr<v1::RebaseMapDraftResponse> Rebase(const std::string& draft, std::int64_t edit_version,
                                                     const v1::CellBox& box, bool mine) {
+    return Rebase(draft, edit_version, {{box, mine}});
+  }
+  absl::StatusOr<v1::RebaseMapDraftResponse> Rebase(const std::string& draft, std::int64_t edit_version,
+                                                    const std::vector<std::pair<v1::CellBox, bool>>& is_mine) {
     v1::RebaseMapDraftRequest request;
     request.set_name(draft);
     request.set_edit_version(edit_version);
-    v1::MapEditResolution& resolution = *request.add_resolutions();
-    *resolution.mutable_box() = box;
-    resolution.set_choice(mine ? v1::MapEditResolution::CHOICE_MINE : v1::MapEditResolution::CHOICE_THEIRS);
+    for (const auto& [box, mine] : is_mine) {
+      v1::MapEditResolution& resolution = *request.add_resolutions();
+      *resolution.mutable_box() = box;
+      resolution.set_choice(mine ? v1::MapEditResolution::CHOICE_MINE : v1::MapEditResolution::CHOICE_THEIRS);
+    }
     return Call(&v1::MapEditService::Stub::RebaseMapDraft, request);
   }
   absl::StatusOr<v1::PublishMapDraftResponse> Publish(const std::string& draft, const std::string& message,

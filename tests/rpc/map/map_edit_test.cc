@@ -159,6 +159,29 @@ TEST_F(MapEditTest, DraftsThatContradictEachOtherAreSettledByPeople) {
   }
 }
 
+// An L and, within its box, a dot.
+TEST_F(MapEditTest, AConflictWithinTheBoxOfAnotherHasAResolutionOfItsOwn) {
+  ImportRoom();
+  const std::string first = CreateDraft("first"), second = CreateDraft("second");
+  for (const auto& [draft, value] :
+       {std::pair(first, v1::MapEdit::VALUE_OCCUPIED), {second, v1::MapEdit::VALUE_UNKNOWN}}) {
+    ASSERT_OK(
+        Append(draft, {Brush("L", value, {{10, 20}, {10, 10}, {20, 10}}, 0.0), Brush("dot", value, {{17, 17}}, 0.0)}));
+  }
+  ASSERT_OK(Publish(first, "first"));
+  ASSERT_OK_AND_ASSIGN(const v1::CheckMapDraftResponse check, Check(second));
+  ASSERT_THAT(check.conflicts(), SizeIs(2));
+  std::vector<std::pair<v1::CellBox, bool>> is_mine;
+  for (const v1::MapEditConflict& conflict : check.conflicts()) {
+    is_mine.emplace_back(conflict.box(), conflict.box().width() == 1);
+  }
+  std::sort(is_mine.begin(), is_mine.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  ASSERT_OK(Rebase(second, check.edit_version(), is_mine));
+  ASSERT_OK(Publish(second, "second"));
+  EXPECT_TRUE(IsOccupied(10, 15)) << "theirs";
+  EXPECT_FALSE(IsOccupied(17, 17)) << "mine";
+}
+
 TEST_F(MapEditTest, TakingTheirsLeavesWhatIsNotInConflict) {
   ImportRoom();
   const std::string first = CreateDraft("first");
