@@ -31,7 +31,8 @@ export default function EditPage({ map: id, draft }: { map: string; draft: strin
   const live = useLive();
   const map = withSite(live.id, `maps/${id}`);
   if (!live.complete) return <Loading />;
-  if (!live.maps.has(map)) {
+  // A draft that is open outlives its map, and says where it is.
+  if (!live.maps.has(map) && draft === undefined) {
     return (
       <Empty title="This map does not exist">
         It may have been deleted, or merged into another one. <Link href={addressOf(live.id, 'maps')}>All maps of this site</Link>
