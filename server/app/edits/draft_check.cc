@@ -33,8 +33,8 @@ void ForEachEditedCell(const edit::Overlay& overlay, Visit visit) {
 
 }  // namespace
 
-CellClass DraftComparison::Class(const edit::Overlay& overlay, int column, int row) const {
-  switch (overlay.At(column, row)) {
+CellClass DraftComparison::Class(Instruction edited, int column, int row) const {
+  switch (edited) {
     case Instruction::kUnknown:
       return CellClass::kUnknown;
     case Instruction::kFree:
@@ -47,21 +47,27 @@ CellClass DraftComparison::Class(const edit::Overlay& overlay, int column, int r
 }
 
 void DraftComparison::Count(ChangeCounts& changes, edit::CellBox& box) const {
-  const auto compare = [&](int column, int row) {
-    if (!ground_.box.contains(column, row)) return;
-    const CellClass is = Class(before_, column, row);
-    const CellClass becomes = Class(after_, column, row);
-    if (is == becomes) return;
-    box.Include(column, row);
-    ++(becomes == CellClass::kFree      ? changes.to_free
-       : becomes == CellClass::kUnknown ? changes.to_unknown
-                                        : changes.to_occupied);
+  static const edit::TileCells nothing(edit::kCellsOfTile, 0);
+  const auto compare = [&](const grid::TileIndex& index, const edit::TileCells* is, const edit::TileCells* becomes) {
+    const std::uint8_t* const before = (is != nullptr ? *is : nothing).data();
+    const std::uint8_t* const after = (becomes != nullptr ? *becomes : nothing).data();
+    for (std::size_t place = 0; place < edit::kCellsOfTile; ++place) {
+      if (before[place] == after[place]) continue;
+      const int column = index.column * kTileSize + static_cast<int>(place % kTileSize);
+      const int row = index.row * kTileSize + static_cast<int>(place / kTileSize);
+      if (!ground_.box.contains(column, row)) continue;
+      const CellClass now = Class(static_cast<Instruction>(after[place]), column, row);
+      if (now == Class(static_cast<Instruction>(before[place]), column, row)) continue;
+      box.Include(column, row);
+      ++(now == CellClass::kFree      ? changes.to_free
+         : now == CellClass::kUnknown ? changes.to_unknown
+                                      : changes.to_occupied);
+    }
   };
-  ForEachEditedCell(after_, compare);
-  // Those that lose their edit.
-  ForEachEditedCell(before_, [&](int column, int row) {
-    if (after_.At(column, row) == Instruction::kNone) compare(column, row);
-  });
+  for (const auto& [index, cells] : after_.tiles()) compare(index, before_.Find(index), &cells);
+  for (const auto& [index, cells] : before_.tiles()) {
+    if (after_.Find(index) == nullptr) compare(index, &cells, nullptr);
+  }
 }
 
 std::int64_t DraftComparison::CellsOutside(const edit::Overlay& layer) const {
@@ -92,7 +98,7 @@ std::vector<int> DraftComparison::ReachableParts(const edit::Overlay& overlay,
   std::vector<std::pair<int, int>> waiting;
   const auto reach = [&](int column, int row, int part) {
     if (!box.contains(column, row) || part_of[index_of(column, row)] >= 0) return;
-    if (Class(overlay, column, row) != CellClass::kFree) return;
+    if (Class(overlay.At(column, row), column, row) != CellClass::kFree) return;
     part_of[index_of(column, row)] = part;
     waiting.emplace_back(column, row);
   };
@@ -102,7 +108,7 @@ std::vector<int> DraftComparison::ReachableParts(const edit::Overlay& overlay,
     int part = -1;
     for (int row = around.first_row; row < around.end_row() && part < 0; ++row) {
       for (int column = around.first_column; column < around.end_column() && part < 0; ++column) {
-        if (!box.contains(column, row) || Class(overlay, column, row) != CellClass::kFree) continue;
+        if (!box.contains(column, row) || Class(overlay.At(column, row), column, row) != CellClass::kFree) continue;
         reach(column, row, static_cast<int>(i));
         part = part_of[index_of(column, row)];
       }
@@ -129,7 +135,8 @@ void DraftComparison::CheckPlaces(const std::vector<PlaceInMap>& places, std::ve
     for (int y = row - clearance; y <= row + clearance; ++y) {
       for (int x = column - clearance; x <= column + clearance; ++x) {
         if ((x - column) * (x - column) + (y - row) * (y - row) > clearance * clearance) continue;
-        obstacles += Class(after_, x, y) == CellClass::kOccupied && Class(before_, x, y) != CellClass::kOccupied;
+        obstacles += Class(after_.At(x, y), x, y) == CellClass::kOccupied &&
+                     Class(before_.At(x, y), x, y) != CellClass::kOccupied;
       }
     }
     if (obstacles == 0) continue;

@@ -57,7 +57,7 @@ class DraftComparison {
   void CheckPlaces(const std::vector<PlaceInMap>& places, std::vector<DraftProblem>& problems) const;
 
  private:
-  grid::CellClass Class(const edit::Overlay& overlay, int column, int row) const;
+  grid::CellClass Class(edit::Instruction edited, int column, int row) const;
   std::vector<int> ReachableParts(const edit::Overlay& overlay, const std::vector<PlaceInMap>& places) const;
   edit::CellBox CellsAround(const PlaceInMap& place) const;
 

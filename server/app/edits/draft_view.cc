@@ -104,7 +104,9 @@ void DraftView::Apply(storage::StoredMapEdit edit) {
   } else if (edit.kept.active) {
     stale_.insert(tiles.begin(), tiles.end());
   }
-  for (auto& [id, known_place] : place_of_) known_place += known_place >= place && place < stored_.size() ? 1 : 0;
+  if (place < stored_.size()) {
+    for (auto& [id, known_place] : place_of_) known_place += known_place >= place ? 1 : 0;
+  }
   place_of_.emplace(edit.kept.id, place);
   tiles_of_.insert(tiles_of_.begin() + static_cast<std::ptrdiff_t>(place), std::move(tiles));
   stored_.insert(stored_.begin() + static_cast<std::ptrdiff_t>(place), std::move(edit));

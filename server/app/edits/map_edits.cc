@@ -29,6 +29,10 @@ CellClass ClassOf(Instruction instruction, CellClass below) {
 }
 
 bool IsOutside(const edit::Shape& shape, const edit::CellBox& map) {
+  const edit::CellBox box = edit::BoxOf(shape);
+  if (map.contains(box.first_column, box.first_row) && map.contains(box.end_column() - 1, box.end_row() - 1)) {
+    return false;
+  }
   bool inside = false;
   edit::VisitSpans(shape, [&](const edit::Span& span) {
     inside = inside || (span.row >= map.first_row && span.row < map.end_row() && span.begin < map.end_column() &&
@@ -40,8 +44,9 @@ bool IsOutside(const edit::Shape& shape, const edit::CellBox& map) {
 // Makes the stored form of edits that are drawn one after the other: each sees those before it.
 class EditResolver {
  public:
-  EditResolver(const MapGround& ground, const DraftView& view)
-      : ground_(ground), view_(view), class_at_([this](int column, int row) {
+  // `is_looked_at`: whether an edit after the first one depends on what those before it show.
+  EditResolver(const MapGround& ground, const DraftView& view, bool is_looked_at)
+      : ground_(ground), view_(view), is_looked_at_(is_looked_at), class_at_([this](int column, int row) {
           const Instruction new_one = drawn_.At(column, row);
           const CellClass seen = ground_.At(column, row);
           if (new_one == Instruction::kClear) return seen;
@@ -65,13 +70,14 @@ class EditResolver {
                              ground_.box.height, ground_.box.first_column, ground_.box.first_row);
     }
     ENFILADE_RETURN_IF_ERROR(edit::CanSay(ground_.header, drawn.edit.instruction));
-    drawn_.Draw(resolved.edit);
+    if (is_looked_at_) drawn_.Draw(resolved.edit);
     return resolved;
   }
 
  private:
   const MapGround& ground_;
   const DraftView& view_;
+  const bool is_looked_at_;
   edit::Overlay drawn_;  // by this call
   const edit::ClassAt class_at_;
 };
@@ -141,7 +147,9 @@ absl::StatusOr<DraftChange> MapEdits::Append(const storage::CallContext& context
   DraftView& view = shared->view;
   ENFILADE_RETURN_IF_ERROR(view.Update(context));
   ENFILADE_ASSIGN_OR_RETURN(const auto ground, grounds_.Get(context, {key.site, key.map}, view.draft().lattice));
-  EditResolver resolver(*ground, view);
+  const bool is_looked_at = std::any_of(edits.begin(), edits.end(),
+                                        [](const DrawnEdit& edit) { return edit.fill || !edit.only_where.empty(); });
+  EditResolver resolver(*ground, view, is_looked_at);
   std::vector<storage::NewMapEdit> resolved;
   for (std::size_t i = 0; i < edits.size(); ++i) {
     absl::StatusOr<storage::NewMapEdit> edit = resolver.Resolve(edits[i]);
@@ -209,24 +217,22 @@ absl::StatusOr<DraftCheck> MapEdits::CheckView(const storage::CallContext& conte
   check.head = draft.head;
   // All on the draft's lattice, whatever the map's is by now.
   const edit::Lattice& lattice = draft.lattice;
-  edit::Overlay base, newest;
-  std::vector<edit::Publication> since;
+  edit::Overlay newest;
+  const std::vector<edit::KeptEdit> kept = view.KeptEdits();
   if (state.overlay) {
     check.edit_version = state.overlay->edit_version;
-    ENFILADE_ASSIGN_OR_RETURN(
-        newest, DrawOverlay(context, rasters_.revisions, map, *state.overlay, check.edit_version, lattice));
-    base = newest;
+    ENFILADE_ASSIGN_OR_RETURN(newest, OverlayOn(context, map, *state.overlay, lattice));
     if (draft.base_edit_version != check.edit_version) {
+      ENFILADE_ASSIGN_OR_RETURN(const edit::Overlay base, DrawOverlay(context, rasters_.revisions, map, *state.overlay,
+                                                                      draft.base_edit_version, lattice));
       ENFILADE_ASSIGN_OR_RETURN(
-          base, DrawOverlay(context, rasters_.revisions, map, *state.overlay, draft.base_edit_version, lattice));
-      ENFILADE_ASSIGN_OR_RETURN(since, rasters_.revisions.ReadPublications(
-                                           context, map.site, map.map, draft.base_edit_version, check.edit_version));
+          const std::vector<edit::Publication> since,
+          rasters_.revisions.ReadPublications(context, map.site, map.map, draft.base_edit_version, check.edit_version));
+      check.conflicts = edit::FindConflicts(base, newest, kept, since, lattice);
     }
   }
-  const std::vector<edit::KeptEdit> kept = view.KeptEdits();
-  const edit::Overlay layer = edit::LayerOf(kept, lattice);
+  const edit::Overlay& layer = view.layer();
   const edit::Overlay after = edit::Combine(newest, layer);
-  check.conflicts = edit::FindConflicts(base, newest, kept, since, lattice);
   if (layer.empty()) check.problems.push_back({true, "the draft has no active edits: there is nothing to publish"});
   for (const Instruction instruction : {Instruction::kUnknown, Instruction::kFree, Instruction::kOccupied}) {
     const bool is_used = std::any_of(kept.begin(), kept.end(), [&](const edit::KeptEdit& edit) {
