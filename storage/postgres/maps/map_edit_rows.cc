@@ -30,6 +30,7 @@ constexpr Statement kInsertDraft{
 constexpr Statement kLockDraft{"locking the draft", "SELECT " ENFILADE_DRAFT_COLUMNS
                                                     " FROM enfilade.map_drafts WHERE site_id = $1 AND map_id = $2"
                                                     " AND draft_id = $3 FOR UPDATE"};
+// Those that the draft has already leave gaps in the sequence.
 constexpr Statement kInsertEdits{
     "storing edits",
     "INSERT INTO enfilade.map_edits (site_id, map_id, draft_id, sequence, edit_id, author, head, instruction,"
@@ -37,12 +38,11 @@ constexpr Statement kInsertEdits{
     " u.author, $4, u.instruction, u.invisible = 1, u.shape FROM enfilade.map_drafts d,"
     " unnest($5::text[], $6::text[], $7::smallint[], $8::smallint[], $9::bytea[])"
     "   WITH ORDINALITY u (edit_id, author, instruction, invisible, shape, place)"
-    " WHERE (d.site_id, d.map_id, d.draft_id) = ($1, $2, $3) AND NOT EXISTS (SELECT FROM enfilade.map_edits e"
-    "   WHERE (e.site_id, e.map_id, e.draft_id, e.edit_id) = ($1, $2, $3, u.edit_id))"
-    " RETURNING sequence"};
+    " WHERE (d.site_id, d.map_id, d.draft_id) = ($1, $2, $3)"
+    " ON CONFLICT (site_id, map_id, draft_id, edit_id) DO NOTHING RETURNING sequence"};
 constexpr Statement kGrowDraft{"updating the draft",
                                "UPDATE enfilade.map_drafts SET head = $4, next_sequence = next_sequence + $5,"
-                               " active_edits = active_edits + $5 WHERE site_id = $1 AND map_id = $2 AND draft_id = $3"
+                               " active_edits = active_edits + $6 WHERE site_id = $1 AND map_id = $2 AND draft_id = $3"
                                " RETURNING next_sequence"};
 constexpr Statement kPublishDraft{
     "publishing the draft",
@@ -195,7 +195,8 @@ absl::StatusOr<std::int64_t> InsertEdits(Transaction& transaction, const MapDraf
   if (inserted.rows() == 0) return draft.head;
   ENFILADE_ASSIGN_OR_RETURN(
       const Result grown,
-      transaction.Execute(kGrowDraft, Params(site, map, id, head, static_cast<std::int64_t>(inserted.rows()))));
+      transaction.Execute(kGrowDraft, Params(site, map, id, head, static_cast<std::int64_t>(edits.size()),
+                                             static_cast<std::int64_t>(inserted.rows()))));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t next,
                             ReadOne(
                                 grown, [](Row& row) { return row.Int64(); }, NameOfDraft(draft.key)));
