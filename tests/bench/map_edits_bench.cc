@@ -84,26 +84,50 @@ double Time(const client::Connection& connection, Method method, const Request& 
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
+// A room of 20 m in the middle, as one person draws in; the rest of the map is not touched.
+v1::CellBox RoomIn(const v1::CellBox& map) {
+  constexpr int kSide = 400;
+  v1::CellBox room;
+  room.set_first_column(map.first_column() + (map.width() - kSide) / 2);
+  room.set_first_row(map.first_row() + (map.height() - kSide) / 2);
+  room.set_width(kSide);
+  room.set_height(kSide);
+  return room;
+}
+
+v1::MapDraft NewDraft(const client::Connection& connection, const std::string& map) {
+  v1::CreateMapDraftRequest create;
+  create.set_parent(map);
+  create.mutable_draft()->set_author("bench");
+  return Must(connection.Call(&v1::MapEditService::Stub::CreateMapDraft, create)).draft();
+}
+
+double Append(const client::Connection& connection, const std::string& draft, Strokes& strokes) {
+  v1::AppendMapEditsRequest append;
+  append.set_name(draft);
+  for (int edit = 0; edit < kEditsOfACall; ++edit) *append.add_edits() = strokes.Next();
+  return Time(connection, &v1::MapEditService::Stub::AppendMapEdits, append);
+}
+
 nlohmann::json Run(int side, int publications, int calls_before_publishing) {
   BenchSystem system({"mapping.workers=0"});
   const auto pool = Must(storage::postgres::Pool::Create({.url = system.database_url()}));
   const client::Connection connection = system.server().Connect();
   const std::string map = StoreMap(system, *pool, "Floor", {grid::FromOccupancyGrid(RobotsFloor(side))});
-  std::vector<double> appends, checks, publishes;
+  std::vector<double> appends_in_a_room, appends, checks, publishes;
   for (int i = 0; i < publications; ++i) {
-    v1::CreateMapDraftRequest create;
-    create.set_parent(map);
-    create.mutable_draft()->set_author("bench");
-    const v1::MapDraft draft = Must(connection.Call(&v1::MapEditService::Stub::CreateMapDraft, create)).draft();
+    const v1::MapDraft draft = NewDraft(connection, map);
     v1::ReadMapDraftTilesRequest extent;
     extent.set_name(draft.name());
-    Strokes strokes(Must(connection.Call(&v1::MapEditService::Stub::ReadMapDraftTiles, extent)).box(),
-                    static_cast<std::uint32_t>(i) + 1);
+    const v1::CellBox box = Must(connection.Call(&v1::MapEditService::Stub::ReadMapDraftTiles, extent)).box();
+    Strokes in_a_room(RoomIn(box), static_cast<std::uint32_t>(i) + 1);
+    const v1::MapDraft room = NewDraft(connection, map);
     for (int call = 0; call < calls_before_publishing; ++call) {
-      v1::AppendMapEditsRequest append;
-      append.set_name(draft.name());
-      for (int edit = 0; edit < kEditsOfACall; ++edit) *append.add_edits() = strokes.Next();
-      appends.push_back(Time(connection, &v1::MapEditService::Stub::AppendMapEdits, append));
+      appends_in_a_room.push_back(Append(connection, room.name(), in_a_room));
+    }
+    Strokes strokes(box, static_cast<std::uint32_t>(i) + 1);
+    for (int call = 0; call < calls_before_publishing; ++call) {
+      appends.push_back(Append(connection, draft.name(), strokes));
     }
     v1::CheckMapDraftRequest check;
     check.set_name(draft.name());
@@ -114,9 +138,13 @@ nlohmann::json Run(int side, int publications, int calls_before_publishing) {
     publish.set_confirm_warnings(true);
     publishes.push_back(Time(connection, &v1::MapEditService::Stub::PublishMapDraft, publish));
   }
-  return {{"benchmark", "edits of maps"},     {"cells", std::int64_t{side} * side},
-          {"edits of a call", kEditsOfACall}, {"edits of a publication", kEditsOfACall * calls_before_publishing},
-          {"append", Summary(appends)},       {"check", Summary(checks)},
+  return {{"benchmark", "edits of maps"},
+          {"cells", std::int64_t{side} * side},
+          {"edits of a call", kEditsOfACall},
+          {"edits of a publication", kEditsOfACall * calls_before_publishing},
+          {"append in a room", Summary(appends_in_a_room)},
+          {"append all over", Summary(appends)},
+          {"check", Summary(checks)},
           {"publish", Summary(publishes)}};
 }
 
