@@ -76,11 +76,12 @@ void Overlay::Set(TileIndex index, TileCells cells) {
   }
 }
 
-std::set<TileIndex> TilesOf(const Shape& shape) {
+std::set<TileIndex> TilesOf(const Shape& shape, std::size_t most) {
   std::set<TileIndex> tiles;
   VisitSpans(shape, [&](const Span& span) {
     const TileIndex last = TileOf(span.end - 1, span.row);
-    for (TileIndex index = TileOf(span.begin, span.row); index.column <= last.column; ++index.column) {
+    for (TileIndex index = TileOf(span.begin, span.row); index.column <= last.column && tiles.size() <= most;
+         ++index.column) {
       tiles.insert(index);
     }
   });

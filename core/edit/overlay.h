@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -42,8 +43,8 @@ class Overlay {
   std::map<grid::TileIndex, TileCells> tiles_;
 };
 
-// Of the tiles that an edit may touch.
-std::set<grid::TileIndex> TilesOf(const Shape& shape);
+// Of the tiles that an edit may touch: all, or `most` of them and one more.
+std::set<grid::TileIndex> TilesOf(const Shape& shape, std::size_t most = std::numeric_limits<std::size_t>::max() - 1);
 
 // What a draft leaves of published instructions: its own ones lie over them, and kClear takes them away.
 TileCells Combine(const TileCells* published, const TileCells* draft);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdlib>
-#include <set>
 #include <utility>
 
 #include "core/base/error.h"
@@ -135,28 +134,11 @@ std::int64_t CountCells(const Shape& shape) {
   return cells;
 }
 
-// Of a shape with few cells: no more than kMaxTiles are counted.
-bool TouchesTooManyTiles(const Shape& shape) {
-  const CellBox box = BoxOf(shape);
-  const std::int64_t columns = (std::int64_t{box.width} + grid::kTileSize - 1) / grid::kTileSize + 1;
-  const std::int64_t rows = (std::int64_t{box.height} + grid::kTileSize - 1) / grid::kTileSize + 1;
-  if (columns * rows <= static_cast<std::int64_t>(kMaxTiles)) return false;
-  std::set<grid::TileIndex> tiles;
-  VisitSpans(shape, [&](const Span& span) {
-    for (int column = span.begin; column < span.end && tiles.size() <= kMaxTiles;) {
-      const grid::TileIndex tile = TileOf(column, span.row);
-      tiles.insert(tile);
-      column = (tile.column + 1) * grid::kTileSize;
-    }
-  });
-  return tiles.size() > kMaxTiles;
-}
-
 absl::Status CheckCells(const Shape& shape) {
   const std::int64_t cells = CountCells(shape);
   if (cells == 0) return InvalidArgument("it covers no cell");
   if (cells > kMaxCells) return InvalidArgument("it covers {} cells: at most {}; split it", cells, kMaxCells);
-  if (TouchesTooManyTiles(shape)) {
+  if (TilesOf(shape, kMaxTiles).size() > kMaxTiles) {
     return InvalidArgument("it touches more than {} tiles of {} x {} cells: split it", kMaxTiles, grid::kTileSize,
                            grid::kTileSize);
   }

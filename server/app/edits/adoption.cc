@@ -77,31 +77,23 @@ absl::StatusOr<std::vector<storage::AdoptedPublication>> MapEdits::PublicationsT
 absl::Status MapEdits::AdoptIn(const storage::CallContext& context, const EditedMap& kept,
                                storage::RearrangedRaster& raster) const {
   ENFILADE_ASSIGN_OR_RETURN(const storage::OverlayState state, edits_.ReadOverlay(context, kept.site, kept.map));
-  const storage::StoredOverlay published = state.overlay.value_or(storage::StoredOverlay{});
   storage::NewRevision& revision = *raster.revision;
   const storage::StoredRaster evidence =
       revision.edits ? revision.edits->evidence : storage::StoredRaster{revision.raster_header, revision.tiles};
   ENFILADE_ASSIGN_OR_RETURN(grid::MapRaster cells, ReadRaster(context, rasters_.blobs, kept.site, evidence));
   ENFILADE_ASSIGN_OR_RETURN(const grid::RasterHeader header, grid::DecodeRasterHeader(evidence.header));
-  const edit::Lattice lattice = edit::LatticeOf(header);
-  edit::Overlay overlay;
-  if (state.overlay) {
-    ENFILADE_ASSIGN_OR_RETURN(overlay, OverlayOn(context, kept, published, lattice));
-  }
-  std::int64_t version = published.edit_version;
+  std::int64_t version = state.overlay ? state.overlay->edit_version : 0;
+  std::vector<std::vector<edit::KeptEdit>> drafts;
   for (storage::AdoptedPublication& adopted : raster.adopted) {
     adopted.draft.base_edit_version = version;
     adopted.edit_version = ++version;
-    overlay = edit::Combine(overlay, edit::LayerOf(AsKept(adopted), lattice));
+    drafts.push_back(AsKept(adopted));
   }
-  ENFILADE_ASSIGN_OR_RETURN(storage::StoredOverlay stored,
-                            PutOverlay(context, rasters_.blobs, kept.site, lattice, overlay));
-  stored.edit_version = version;
-  stored.first_version = published.first_version;
-  ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole, StoreEdited(context, rasters_, kept, stored, std::move(cells), {}));
-  whole.revision.source = revision.source;
-  whole.revision.session = revision.session;
-  revision = std::move(whole.revision);
+  ENFILADE_ASSIGN_OR_RETURN(storage::NewRevision edited,
+                            Lay(context, kept, state, std::move(cells), edit::LatticeOf(header), drafts));
+  edited.source = revision.source;
+  edited.session = revision.session;
+  revision = std::move(edited);
   return absl::OkStatus();
 }
 

@@ -157,6 +157,11 @@ class MapEdits {
   absl::StatusOr<storage::NewRevision> Compose(const storage::CallContext& context, const EditedMap& map,
                                                const std::vector<edit::KeptEdit>& edits) const;
 
+  // The revision that shows `evidence` with drafts' edits over all that is published, one publication each.
+  absl::StatusOr<storage::NewRevision> Lay(const storage::CallContext& context, const EditedMap& map,
+                                           const storage::OverlayState& state, grid::MapRaster evidence,
+                                           const edit::Lattice& lattice,
+                                           absl::Span<const std::vector<edit::KeptEdit>> drafts) const;
   // The published overlay on the lattice.
   absl::StatusOr<edit::Overlay> OverlayOn(const storage::CallContext& context, const EditedMap& map,
                                           const storage::StoredOverlay& published, const edit::Lattice& lattice) const;

@@ -91,22 +91,32 @@ absl::StatusOr<storage::NewRevision> MapEdits::Compose(const storage::CallContex
                                                  : ReadRaster(context, rasters_.revisions, newest);
   ENFILADE_RETURN_IF_ERROR(evidence.status());
   ENFILADE_ASSIGN_OR_RETURN(const grid::RasterHeader header,
-                            grid::DecodeRasterHeader(grid::SplitIntoTiles(*evidence).header));
-  const edit::Lattice lattice = edit::LatticeOf(header);
+                            grid::DecodeRasterHeader(state.evidence ? state.evidence->header : newest.raster_header));
+  ENFILADE_ASSIGN_OR_RETURN(
+      storage::NewRevision revision,
+      Lay(context, map, state, *std::move(evidence), edit::LatticeOf(header), absl::MakeConstSpan(&edits, 1)));
+  revision.source = storage::RevisionSource::kEdit;
+  revision.layers_version = state.layers_version;
+  return revision;
+}
+
+absl::StatusOr<storage::NewRevision> MapEdits::Lay(const storage::CallContext& context, const EditedMap& map,
+                                                   const storage::OverlayState& state, grid::MapRaster evidence,
+                                                   const edit::Lattice& lattice,
+                                                   absl::Span<const std::vector<edit::KeptEdit>> drafts) const {
   const storage::StoredOverlay published = state.overlay.value_or(storage::StoredOverlay{});
   edit::Overlay overlay;
   if (state.overlay) {
     ENFILADE_ASSIGN_OR_RETURN(overlay, OverlayOn(context, map, published, lattice));
   }
-  overlay = edit::Combine(overlay, edit::LayerOf(edits, lattice));
+  for (const std::vector<edit::KeptEdit>& edits : drafts) {
+    overlay = edit::Combine(overlay, edit::LayerOf(edits, lattice));
+  }
   ENFILADE_ASSIGN_OR_RETURN(storage::StoredOverlay stored,
                             PutOverlay(context, rasters_.blobs, map.site, lattice, overlay));
-  stored.edit_version = published.edit_version + 1;
+  stored.edit_version = published.edit_version + static_cast<std::int64_t>(drafts.size());
   stored.first_version = published.first_version;
-  ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole,
-                            StoreEdited(context, rasters_, map, stored, *std::move(evidence), {}));
-  whole.revision.source = storage::RevisionSource::kEdit;
-  whole.revision.layers_version = state.layers_version;
+  ENFILADE_ASSIGN_OR_RETURN(RasterRevision whole, StoreEdited(context, rasters_, map, stored, std::move(evidence), {}));
   return std::move(whole.revision);
 }
 

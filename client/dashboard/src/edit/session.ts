@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Code, ConnectError, type Client } from '@connectrpc/connect';
 import { fromJson } from '@bufbuild/protobuf';
+import { maps } from '../api/clients';
 import { hex } from '../api/digests';
+import { mapOfDraft } from '../api/names';
 import { MapDraft_State, type MapDraft, type MapEdit } from '../gen/enfilade/v1/map_edit_pb';
 import { WatchMapDraftResponseSchema, type MapDraftPresence, type MapDraftTile, type MapEditService, type MapEditTile, type WatchMapDraftResponse } from '../gen/enfilade/v1/map_edit_service_pb';
 import { keepStream } from '../live/eventStream';
@@ -295,10 +297,12 @@ export class EditSession {
       if (draft) this.takeState(draft);
       return draft?.state === MapDraft_State.PUBLISHED ? 'it is published' : undefined;
     } catch (error) {
-      const { code, rawMessage } = ConnectError.from(error);
-      if (code !== Code.NotFound) throw error;
+      if (ConnectError.from(error).code !== Code.NotFound) throw error;
+      // The old name of a map that was merged leads to the one that stays.
+      const name = mapOfDraft(this.name);
+      const { map } = await maps.getMap({ name }, { timeoutMs: 5000 }).catch(() => ({ map: undefined }));
       this.isDeleted = true;
-      this.mergedInto = / was merged into (sites\/[^/]+\/maps\/[^/,]+),/.exec(rawMessage)?.[1];
+      this.mergedInto = map && map.name !== name ? map.name : undefined;
       this.tell();
       return this.mergedInto === undefined ? 'it is deleted' : 'its map was merged into another one';
     }

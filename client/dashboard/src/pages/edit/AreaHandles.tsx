@@ -2,7 +2,7 @@
 // The outline of an area that is edited, over the map: its corners are moved, taken away and added, by pointer or keys.
 import { useEffect, useRef, useState, useSyncExternalStore } from 'react';
 import { screenToWorld, worldToScreen, type Point } from '../../scene/camera';
-import { Grip } from '../../scene/Grip';
+import { Grip } from '../../ui/Grip';
 import type { EditorState } from './useEditor';
 
 // More would hide the map: these are typed.

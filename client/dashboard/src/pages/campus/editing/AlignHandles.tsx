@@ -5,7 +5,7 @@ import { affineOf, apply } from '../../../scene/affine';
 import { worldToScreen, type Point, type Pose } from '../../../scene/camera';
 import { middleAt } from '../../../scene/moves';
 import { thumbnailAffine } from '../../../scene/outlines';
-import { Grip } from '../../../scene/Grip';
+import { Grip } from '../../../ui/Grip';
 import { chained, relative, wrapped } from '../../../scene/se2';
 import { sceneCanvas, useShown, useThumbnails } from '../../../scene/shared';
 import { pose as poseText } from '../../../ui/format';

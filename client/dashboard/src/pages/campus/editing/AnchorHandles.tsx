@@ -5,7 +5,7 @@ import type { AnchorPlace } from '../../../graph/draft';
 import { draggedTo, gripsOf, HEADING_PX, steppedBy, WEDGE_PX, type Grabbed, type Grips, type Handle } from '../../../graph/handles';
 import { covarianceOf, spreadOf, spreadText } from '../../../graph/spread';
 import type { Point, Pose } from '../../../scene/camera';
-import { Grip } from '../../../scene/Grip';
+import { Grip } from '../../../ui/Grip';
 import { sceneCanvas, useShown } from '../../../scene/shared';
 import { pose as poseText } from '../../../ui/format';
 

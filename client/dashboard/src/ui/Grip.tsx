@@ -2,7 +2,11 @@
 // What a person grabs over the map, by pointer or by the arrow keys.
 import './grip.css';
 import { useRef, type CSSProperties, type KeyboardEvent, type PointerEvent, type ReactNode } from 'react';
-import type { Point } from './camera';
+
+interface Point {
+  x: number;
+  y: number;
+}
 
 interface Props {
   // What it is and where it stands, for who does not see it.
