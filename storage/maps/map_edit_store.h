@@ -36,6 +36,7 @@ struct MapDraft {
   // Set by the store.
   std::int64_t head = 0;  // grows with every change of its edits
   std::int64_t active_edits = 0;
+  std::int64_t first_version = 1;  // of its map: StoredOverlay::first_version
   std::int64_t etag = 0;
   TimeNs create_time = 0;
   // Of a published one.

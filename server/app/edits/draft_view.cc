@@ -21,13 +21,10 @@ bool HaveCommon(const std::set<grid::TileIndex>& few, const std::set<grid::TileI
 absl::Status DraftView::Update(const storage::CallContext& context) {
   ENFILADE_ASSIGN_OR_RETURN(storage::MapDraft draft, edits_.Get(context, key_));
   if (has_base_ && draft.create_time != draft_.create_time) Forget();
-  bool is_moved = !has_base_ || draft.base_edit_version != draft_.base_edit_version;
+  // An import may have put an end to what it lies over.
+  const bool is_moved =
+      !has_base_ || draft.base_edit_version != draft_.base_edit_version || draft.first_version != draft_.first_version;
   draft_ = std::move(draft);
-  if (!is_moved && draft_.base_edit_version > 0 && draft_.head == head_) {
-    // An import may have put an end to what it lies over. Who has just appended has looked before.
-    ENFILADE_ASSIGN_OR_RETURN(const storage::OverlayState state, edits_.ReadOverlay(context, key_.site, key_.map));
-    is_moved = state.overlay && newest_.overlay && state.overlay->first_version != newest_.overlay->first_version;
-  }
   if (is_moved) ENFILADE_RETURN_IF_ERROR(UpdateBase(context));
   return draft_.head == head_ ? absl::OkStatus() : UpdateEdits(context);
 }

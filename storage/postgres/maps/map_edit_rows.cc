@@ -127,6 +127,7 @@ MapDraft ReadDraft(Row& row) {
   publication.revision = row.Int64();
   publication.message = row.Text();
   if (published) draft.published = std::move(publication);
+  draft.first_version = row.Int64();
   return draft;
 }
 

@@ -19,7 +19,8 @@ namespace enfilade::storage::postgres {
 #define ENFILADE_DRAFT_COLUMNS                                                                          \
   "site_id, map_id, draft_id, display_name, author, base_edit_version, resolution, origin_x, origin_y," \
   " origin_yaw, head, active_edits, etag, create_time, publish_time, coalesce(edit_version, 0),"        \
-  " coalesce(revision, 0), coalesce(message, '')"
+  " coalesce(revision, 0), coalesce(message, ''), coalesce((SELECT o.first_version"                     \
+  "   FROM enfilade.map_overlays o WHERE o.site_id = map_drafts.site_id AND o.map_id = map_drafts.map_id), 1)"
 MapDraft ReadDraft(Row& row);
 
 std::string NameOfDraft(const MapDraftKey& key);

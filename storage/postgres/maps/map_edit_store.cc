@@ -30,7 +30,7 @@ constexpr Statement kLockMapOfDrafts{
 constexpr Statement kListDrafts{
     "listing drafts",
     "SELECT " ENFILADE_DRAFT_COLUMNS
-    " FROM enfilade.map_drafts d WHERE site_id = $1 AND map_id = $2"
+    " FROM enfilade.map_drafts WHERE site_id = $1 AND map_id = $2"
     " AND ($3::boolean IS NULL OR (publish_time IS NOT NULL) = $3)"
     " AND ($4 = '' OR (create_time, draft_id) < (SELECT a.create_time, a.draft_id::text FROM enfilade.map_drafts a"
     "   WHERE a.site_id = $1 AND a.map_id = $2 AND a.draft_id = $4))"
