@@ -31,7 +31,7 @@ stop: ## stop what `make demo` started
 	@deploy/demo --stop
 
 test: build ## build and run all tests
-	@ctest --preset $(PRESET) -j $(TEST_JOBS)
+	@ctest --preset $(PRESET) -j $(TEST_JOBS) || { tests/failures build/$(PRESET); exit 1; }
 
 test-database: build ## run the contract, rpc and e2e tests against the PostGIS that ENFILADE_TEST_DATABASE=URL names
 	@test -n "$$ENFILADE_TEST_DATABASE" || { echo 'set ENFILADE_TEST_DATABASE=postgresql://USER@HOST/DATABASE' >&2; exit 1; }

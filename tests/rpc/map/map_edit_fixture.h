@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -328,6 +329,7 @@ class DraftStream {
       : stub_(v1::MapEditService::NewStub(connection.channel())) {
     v1::WatchMapDraftRequest request;
     request.set_name(draft);
+    context_.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(1));
     reader_ = stub_->WatchMapDraft(&context_, request);
   }
   ~DraftStream() {
@@ -335,8 +337,18 @@ class DraftStream {
     reader_->Finish();
   }
   v1::WatchMapDraftResponse Receive() {
+    return ReceiveUntil([](const v1::WatchMapDraftResponse&) { return true; });
+  }
+  // What one change brings about may come in several messages, and nothing new is told every 10 s.
+  template <typename IsWanted>
+  v1::WatchMapDraftResponse ReceiveUntil(const IsWanted& is_wanted) {
     v1::WatchMapDraftResponse message;
-    EXPECT_TRUE(reader_->Read(&message));
+    do {
+      if (!reader_->Read(&message)) {
+        ADD_FAILURE() << "the stream ended";
+        return {};
+      }
+    } while (!is_wanted(message));
     return message;
   }
 

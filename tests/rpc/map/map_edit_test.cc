@@ -261,8 +261,9 @@ TEST_F(MapEditTest, AWatcherIsToldEditsPresencesAndPublications) {
   const v1::WatchMapDraftResponse first = stream.Receive();
   ASSERT_THAT(first.edits(), SizeIs(1));
   EXPECT_EQ(first.draft().name(), draft);
+  const auto has_edits = [](const v1::WatchMapDraftResponse& message) { return message.edits_size() > 0; };
   ASSERT_OK(Append(draft, {Brush("after", v1::MapEdit::VALUE_FREE, {{9, 5}}, 1.0)}));
-  const v1::WatchMapDraftResponse second = stream.Receive();
+  const v1::WatchMapDraftResponse second = stream.ReceiveUntil(has_edits);
   ASSERT_THAT(second.edits(), SizeIs(1));
   EXPECT_EQ(second.edits(0).edit_id(), "after");
   v1::ReportMapDraftPresenceRequest presence;
@@ -271,11 +272,12 @@ TEST_F(MapEditTest, AWatcherIsToldEditsPresencesAndPublications) {
   presence.mutable_presence()->set_author("Ada");
   *presence.mutable_presence()->mutable_pointer() = At(3, 4);
   ASSERT_OK(Call(&v1::MapEditService::Stub::ReportMapDraftPresence, presence));
-  const v1::WatchMapDraftResponse third = stream.Receive();
+  const v1::WatchMapDraftResponse third =
+      stream.ReceiveUntil([](const auto& message) { return message.presences_changed(); });
   ASSERT_THAT(third.presences(), SizeIs(1));
   EXPECT_EQ(third.presences(0).author(), "Ada");
   ASSERT_OK(Publish(draft, "done"));
-  const v1::WatchMapDraftResponse last = stream.Receive();
+  const v1::WatchMapDraftResponse last = stream.ReceiveUntil([](const auto& message) { return message.has_draft(); });
   EXPECT_EQ(last.draft().state(), v1::MapDraft::STATE_PUBLISHED);
   EXPECT_EQ(last.edit_version(), 1);
 }
