@@ -48,6 +48,17 @@ std::vector<PathSource> SolvedMaps(const GraphSnapshot& graph, const PathOptions
   return sources;
 }
 
+// By the solution alone. Empty if it does not pose both.
+std::optional<MapTransform> TransformBySolution(const GraphSnapshot& graph, int a, int b) {
+  const PoseWithCovariance* T_world_a = graph.FindSolvedPose(graph.map_node(a).map->id);
+  const PoseWithCovariance* T_world_b = graph.FindSolvedPose(graph.map_node(b).map->id);
+  if (T_world_a == nullptr || T_world_b == nullptr) return std::nullopt;
+  return MapTransform{.T_a_b = Compose(Inverse(*T_world_a), *T_world_b),
+                      .graph_version = graph.version(),
+                      .hops = {},
+                      .solution_version = graph.solution()->graph_version};
+}
+
 MapTransform TransformAlong(const GraphSnapshot& graph, const Path& path) {
   PoseChain chain = ChainAlong(graph, path, {}, {});
   MapTransform result{.T_a_b = chain.T_start_end,
@@ -102,6 +113,9 @@ absl::StatusOr<std::optional<GlobalPose>> WorldPoses::Find(const MapId& map,
   if (const PoseWithCovariance* solved = graph_.FindSolvedPose(result.base_map)) {
     result.T_world_base = *solved;
     result.solution_version = graph_.solution()->graph_version;
+    for (const PlanInGraph& plan : graph_.plans()) {
+      if (plan.ties->HasSeen(result.base_map)) result.plans.push_back(plan.id);
+    }
   }
   PoseChain chain = ChainAlong(graph_, *path, result.T_world_base, T_map_robot);
   result.T_world_robot = chain.T_start_end;
@@ -117,8 +131,7 @@ absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& g
   ENFILADE_ASSIGN_OR_RETURN(const int slot_b, GetMapSlot(graph, b));
   const std::vector<PathSource> sources = {{.map = slot_a, .cost = 0.0, .position = std::nullopt}};
   const std::optional<Path> path = ShortestPath(graph, sources, {.map = slot_b, .position = std::nullopt}, options);
-  if (!path.has_value()) return std::optional<MapTransform>();
-
+  if (!path.has_value()) return TransformBySolution(graph, slot_a, slot_b);
   return std::optional<MapTransform>(TransformAlong(graph, *path));
 }
 
@@ -161,7 +174,7 @@ absl::StatusOr<std::optional<MapTransform>> TransformsTo::Find(const MapId& a) {
     }
     path = BestPath(*graph_, sources_, labels_, target, options_);
   }
-  if (!path.has_value()) return std::optional<MapTransform>();
+  if (!path.has_value()) return TransformBySolution(*graph_, slot, sources_.front().map);
   // The search started at b; legs cost the same in both directions.
   std::reverse(path->maps.begin(), path->maps.end());
   std::reverse(path->link_points.begin(), path->link_points.end());

@@ -30,6 +30,8 @@ struct GlobalPose {
   Eigen::Matrix3d base_share = Eigen::Matrix3d::Zero();
   std::vector<PoseHop> hops = {};
   Eigen::Matrix3d robot_share = Eigen::Matrix3d::Zero();
+  // Plans in use of which the base map has seen walls: they are part of what gave T_world_base.
+  std::vector<PriorMapId> plans = {};
 };
 
 // World poses from one snapshot. Maps posed by the solution need no search; the first other map costs one search over
@@ -78,8 +80,9 @@ struct MapTransform {
 
 // The frame of map b in map a. The pose is the solution's if it has both maps, otherwise the chain's; the covariance is
 // always the chain's. (Correlations between solved maps are not stored. The chain's covariance is an upper bound,
-// because an optimisation uses at least the chain's information.) Empty if no chain connects the maps. NOT_FOUND: no
-// such map.
+// because an optimisation uses at least the chain's information.) Where no chain connects two maps that the solution
+// poses, only a plan does: then both are the solution's, the covariance as if the two poses were independent. Empty if
+// nothing connects the maps. NOT_FOUND: no such map.
 absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& graph, const MapId& a, const MapId& b,
                                                           const PathOptions& options = {});
 

@@ -13,6 +13,7 @@
 #include "core/base/status_macros.h"
 #include "core/graph/chi_squared.h"
 #include "core/graph/joint_graph.h"
+#include "core/graph/plans/solve_with_plans.h"
 #include "core/optimize/solve_pose_graph.h"
 
 namespace enfilade::graph {
@@ -240,7 +241,8 @@ absl::StatusOr<SolvedGraph> OptimizeGraph(const GraphSnapshot& graph, const Grap
   ENFILADE_RETURN_IF_ERROR(Validate(options));
   const int root = graph.MapSlot(graph.root());
   if (root < 0) return FailedPrecondition("the graph has no maps");
-  return Optimization(graph, root, options).Run();
+  ENFILADE_ASSIGN_OR_RETURN(SolvedGraph solution, Optimization(graph, root, options).Run());
+  return graph.plans().empty() ? std::move(solution) : SolveWithPlans(graph, std::move(solution), options);
 }
 
 SnapshotChanges ChangesOf(const GraphSnapshot& graph, SolvedGraph solution, std::int64_t version) {

@@ -35,6 +35,8 @@ struct GraphOptimizationOptions {
 // contradicts it. A link point with a covariance that no measurement has (ValidateMeasuredCovariance) is switched off
 // before anything is solved, with chi2 and gate 0.
 //
+// Then the graph's floor plans, if it has any, tie maps together: see SolveWithPlans.
+//
 // INVALID_ARGUMENT: options out of range. FAILED_PRECONDITION: the graph has no root. A graph without link points has
 // the trivial solution: its root at the origin.
 absl::StatusOr<SolvedGraph> OptimizeGraph(const GraphSnapshot& graph, const GraphOptimizationOptions& options = {});

@@ -179,6 +179,7 @@ absl::StatusOr<GraphSnapshot> Apply(const GraphSnapshot& snapshot, const Snapsho
   for (const LinkPoint& link_point : changes.link_points) ENFILADE_RETURN_IF_ERROR(next.Upsert(link_point));
   for (const MapId& id : changes.removed_maps) ENFILADE_RETURN_IF_ERROR(next.Remove(id));
   if (changes.solution != nullptr) next.solution_ = changes.solution;
+  if (changes.plans) next.plans_ = *changes.plans;
   if (changes.root.has_value()) next.root_ = *changes.root;
   if (next.root_.empty() && !changes.maps.empty()) next.root_ = changes.maps.front().id;
   if (!next.root_.empty() && next.MapSlot(next.root_) < 0) next.root_ = MapId();

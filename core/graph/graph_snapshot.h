@@ -15,6 +15,7 @@
 #include "core/graph/cow_index.h"
 #include "core/graph/cow_vector.h"
 #include "core/graph/link_point.h"
+#include "core/graph/plans/plan_ties.h"
 #include "core/graph/solved_graph.h"
 
 namespace enfilade::graph {
@@ -38,13 +39,14 @@ struct SnapshotChanges {
   std::vector<LinkPointId> removed_link_points = {};
   std::vector<LinkPoint> link_points = {};
   std::vector<MapId> removed_maps = {};
-  std::shared_ptr<const SolvedGraph> solution = {};  // null: unchanged
+  std::shared_ptr<const SolvedGraph> solution = {};    // null: unchanged
+  std::optional<std::vector<PlanInGraph>> plans = {};  // all, by id; unset: unchanged
 };
 
-// The topological graph of one site at one version: maps, link points and the optimised poses of maps, if any. Two link
-// points are connected by an edge for each map in which both have an anchor; edges are not stored but follow from the
-// maps' link points. Immutable, and cheap to copy and to change: versions share what is equal, so readers keep theirs
-// while the next one is made.
+// The topological graph of one site at one version: maps, link points, floor plans and the optimised poses of maps, if
+// any. Two link points are connected by an edge for each map in which both have an anchor; edges are not stored but
+// follow from the maps' link points. Immutable, and cheap to copy and to change: versions share what is equal, so
+// readers keep theirs while the next one is made.
 //
 // Link points are identified by their ids. The numbers of maps and link points below ("slots") are for searches within
 // one snapshot and have no meaning in another.
@@ -77,6 +79,9 @@ class GraphSnapshot {
   const SolvedGraph* solution() const { return solution_.get(); }
   // T_world_map of a solution with the current root; null if there is none.
   const PoseWithCovariance* FindSolvedPose(const MapId& map) const;
+
+  // The floor plans in use, by id.
+  const std::vector<PlanInGraph>& plans() const { return plans_; }
 
   std::size_t map_count() const { return map_index_.size(); }
   std::size_t link_point_count() const { return link_point_index_.size(); }
@@ -113,6 +118,7 @@ class GraphSnapshot {
   std::int64_t version_ = 0;
   MapId root_;
   std::shared_ptr<const SolvedGraph> solution_;
+  std::vector<PlanInGraph> plans_;
   CowVector<MapNode> maps_;
   CowVector<LinkPointNode> link_points_;
   CowIndex<MapId> map_index_;

@@ -44,11 +44,10 @@ bool IsSolved(const LinkPoint& link_point) {
   return link_point.use != LinkPointUse::kSuspended && !link_point.is_candidate() && !IsUnusable(link_point);
 }
 
-// The maps connected to the root, breadth first, with their initial poses.
-std::vector<std::pair<int, Pose2>> Reach(const GraphSnapshot& snapshot, int root) {
-  std::vector<std::pair<int, Pose2>> reached = {{root, Pose2()}};
+// The maps connected to any of those that are reached, breadth first, with their initial poses.
+std::vector<PlacedSlot> Reach(const GraphSnapshot& snapshot, std::vector<PlacedSlot> reached) {
   std::vector<char> seen(snapshot.map_slots(), 0);
-  seen[static_cast<std::size_t>(root)] = 1;
+  for (const auto& [map, T_world_map] : reached) seen[static_cast<std::size_t>(map)] = 1;
   for (std::size_t next = 0; next < reached.size(); ++next) {
     const auto [map, T_world_map] = reached[next];
     for (const int slot : snapshot.map_node(map).link_points) {
@@ -100,10 +99,15 @@ bool IsUnusable(const LinkPoint& link_point) {
 }
 
 JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphOptimizationOptions& options) {
+  return BuildJointGraph(snapshot, {{root, Pose2()}}, options);
+}
+
+JointGraph BuildJointGraph(const GraphSnapshot& snapshot, const std::vector<PlacedSlot>& starts,
+                           const GraphOptimizationOptions& options) {
   JointGraph joint;
   std::vector<char> reached(snapshot.map_slots(), 0);
   std::vector<Pose2> T_world_maps(snapshot.map_slots());
-  for (const auto& [map, T_world_map] : Reach(snapshot, root)) {
+  for (const auto& [map, T_world_map] : Reach(snapshot, starts)) {
     reached[static_cast<std::size_t>(map)] = 1;
     T_world_maps[static_cast<std::size_t>(map)] = T_world_map;
     joint.graph.nodes.push_back({.id = map, .T_world_node = T_world_map});

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -18,6 +19,9 @@ struct JointTerm {
   std::vector<std::size_t> edges = {};
   int degrees_of_freedom = 3;  // of its disagreement: 3 for each anchor beyond the first
 };
+
+// A map with its place, T_world_map.
+using PlacedSlot = std::pair<int, Pose2>;
 
 // The maps connected to the root and the link points between them, as a pose graph. The id of a map's node is its slot;
 // the id of the place of a link point with three or more anchors is the number of map slots plus its own slot.
@@ -36,6 +40,10 @@ bool IsUnusable(const LinkPoint& link_point);
 // Initial poses are the solution's, or, for maps that it lacks, those of the chain with the fewest link points.
 // Includes switched-off link points, but not suspended, unusable ones and candidates.
 JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphOptimizationOptions& options);
+// The same of the maps connected to any of `starts`, the first of which is the root: these are the first nodes, and
+// keep their places.
+JointGraph BuildJointGraph(const GraphSnapshot& snapshot, const std::vector<PlacedSlot>& starts,
+                           const GraphOptimizationOptions& options);
 
 void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled);
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -20,15 +21,39 @@ struct SwitchedOff {
   friend bool operator==(const SwitchedOff&, const SwitchedOff&) = default;
 };
 
+// How a wall that a map has seen fits (WallSighting).
+struct SightingUse {
+  bool is_part = false;  // the map and the plan are part of the graph
+  bool used = false;
+  double across = 0.0;  // m: where the wall lies, to the left of where it was seen
+  double turn = 0.0;    // rad
+  double chi2 = 0.0;    // 2 degrees of freedom
+
+  friend bool operator==(const SightingUse&, const SightingUse&) = default;
+};
+
+// What the optimisation has made of a floor plan (PlanTies).
+struct PlanUse {
+  PriorMapId plan = {};
+  int used = 0;          // walls that maps have seen: sightings that count
+  int switched_off = 0;  // ... that contradict the others
+  // Why the plan contradicts what robots have measured; it then has no influence. Empty: it does not.
+  std::string contradiction = {};
+  std::vector<SightingUse> sightings = {};  // of each of the ties; empty: the plan is not part of the graph
+
+  friend bool operator==(const PlanUse&, const PlanUse&) = default;
+};
+
 // The poses of the maps after an optimisation.
 struct SolvedGraph {
   std::int64_t graph_version = 0;  // of the input
   MapId root = {};
-  // T_world_map with its covariance relative to the root, whose own is zero. Without maps that no chain connects to the
-  // root.
+  // T_world_map with its covariance relative to the root, whose own is zero. Without maps that neither a chain nor a
+  // plan connects to the root.
   std::unordered_map<MapId, PoseWithCovariance> map_poses = {};
   std::vector<SwitchedOff> switched_off = {};  // sorted by id
   std::vector<MapId> disconnected = {};        // from the root; sorted by id
+  std::vector<PlanUse> plans = {};             // of each plan that the graph has, by id
 
   double chi2_before = 0.0;  // at the initial poses, over the link points in use afterwards
   double chi2_after = 0.0;

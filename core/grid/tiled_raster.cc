@@ -87,25 +87,6 @@ CellIndex LatticeMinOf(const GridGeometry& geometry) {
   return {static_cast<int>(std::lround(column)), static_cast<int>(std::lround(row))};
 }
 
-RasterHeader HeaderOf(const MapRaster& raster) {
-  RasterHeader header;
-  header.raster.geometry = raster.geometry;
-  if (std::holds_alternative<OccupancyCells>(raster.cells)) {
-    header.lattice_min = LatticeMinOf(raster.geometry);
-  } else if (const auto* const unit = std::get_if<UnitCells>(&raster.cells)) {
-    header.raster.cells = UnitCells{{}, unit->limits};
-  } else {
-    const auto& grey = std::get<GreyCells>(raster.cells);
-    header.has_alpha = !grey.alpha.empty();
-    header.background = MostFrequent(grey.grey);
-    header.raster.cells = GreyCells{.max_value = grey.max_value,
-                                    .interpretation = grey.interpretation,
-                                    .pgm_header = grey.pgm_header,
-                                    .pgm_trailer = grey.pgm_trailer};
-  }
-  return header;
-}
-
 class TilePacker {
  public:
   // Both must outlive the packer.
@@ -159,6 +140,25 @@ void Allocate(RasterHeader& header) {
 }
 
 }  // namespace
+
+RasterHeader HeaderOf(const MapRaster& raster) {
+  RasterHeader header;
+  header.raster.geometry = raster.geometry;
+  if (std::holds_alternative<OccupancyCells>(raster.cells)) {
+    header.lattice_min = LatticeMinOf(raster.geometry);
+  } else if (const auto* const unit = std::get_if<UnitCells>(&raster.cells)) {
+    header.raster.cells = UnitCells{{}, unit->limits};
+  } else {
+    const auto& grey = std::get<GreyCells>(raster.cells);
+    header.has_alpha = !grey.alpha.empty();
+    header.background = MostFrequent(grey.grey);
+    header.raster.cells = GreyCells{.max_value = grey.max_value,
+                                    .interpretation = grey.interpretation,
+                                    .pgm_header = grey.pgm_header,
+                                    .pgm_trailer = grey.pgm_trailer};
+  }
+  return header;
+}
 
 TiledRaster SplitIntoTiles(const MapRaster& raster) {
   const RasterHeader header = HeaderOf(raster);

@@ -44,6 +44,8 @@ struct TiledRaster {
   friend bool operator==(const TiledRaster&, const TiledRaster&) = default;
 };
 
+// Without cells. `raster` must be valid.
+RasterHeader HeaderOf(const MapRaster& raster);
 // `raster` must be valid.
 TiledRaster SplitIntoTiles(const MapRaster& raster);
 

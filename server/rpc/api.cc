@@ -215,10 +215,12 @@ class PriorMapApi final : public ApiOf<v1::PriorMapService::CallbackService> {
   ENFILADE_UNARY(GetPriorMap)
   ENFILADE_UNARY(ListPriorMaps)
   ENFILADE_UNARY(UpdatePriorMap)
-  ENFILADE_UNARY(DeletePriorMap)
-  ENFILADE_UNARY_ON_GRAPH(AlignPriorMap, CallLane::kSlow)
-  ENFILADE_UNARY(ActivatePriorMap)
-  ENFILADE_UNARY(SuspendPriorMap)
+  ENFILADE_UNARY_CHANGES_GRAPH(DeletePriorMap)
+  ENFILADE_UNARY_CHANGES_READ_GRAPH(AlignPriorMap, CallLane::kSlow)
+  ENFILADE_UNARY_CHANGES_GRAPH(ActivatePriorMap)
+  ENFILADE_UNARY_CHANGES_GRAPH(SuspendPriorMap)
+  ENFILADE_UNARY_ON_GRAPH(ListPriorAssociations, CallLane::kSlow)
+  ENFILADE_UNARY_ON_GRAPH(ListPredictedLinkPoints)
   ENFILADE_SERVER_STREAM(ExportPriorMap)
 };
 

@@ -32,6 +32,7 @@ enum class GraphCause : std::int16_t {
   kOptimized = 7,
   kGeoreferenced = 8,
   kRearranged = 9,
+  kPriorMapChanged = 10,
 };
 
 struct MapPose {
@@ -66,6 +67,19 @@ struct LinkPointPose {
   PoseWithCovariance T_world_place;
 };
 
+// What ties maps together by a prior map in use.
+struct StoredPlanTies {
+  PriorMapId prior_map;
+  std::string sha256;  // of the bytes
+  std::string bytes;   // graph::EncodePlanTies; empty: the caller has them
+};
+
+// A prior map that contradicts what robots have measured.
+struct ContradictedPlan {
+  PriorMapId prior_map;
+  std::string reason;
+};
+
 // The result of an optimisation. Link points that are not listed keep their places.
 struct GraphSolution {
   // Whether `maps` lists all maps that the solution poses. Otherwise it lists those whose poses have changed since the
@@ -77,6 +91,8 @@ struct GraphSolution {
   // All link points that the chi-square gate has switched off. Those that were switched off before and are not listed
   // are used again.
   std::vector<LinkPointId> switched_off = {};
+  // Those of them that are in use diverge.
+  std::vector<ContradictedPlan> contradicted_plans = {};
   double chi2_before = 0.0;
   double chi2_after = 0.0;
   std::int64_t map_count = 0;  // that the solution poses
@@ -92,8 +108,8 @@ struct MapPoseChanges {
 struct GraphVersion {
   std::int64_t version = 0;
   GraphCause cause = GraphCause::kMapAdded;
-  std::string resource;  // the changed resource: maps/{map}, linkPoints/{link_point}, rearrangements/{id}; empty for
-                         // the whole graph
+  std::string resource;  // the changed resource: maps/{map}, linkPoints/{link_point}, rearrangements/{id},
+                         // priorMaps/{prior_map}; empty for the whole graph
   std::string actor;     // CallContext::actor of the call that changed it
   TimeNs create_time = 0;
   // Of optimisations only.
@@ -159,6 +175,9 @@ class GraphReader {
                                                          const std::vector<MapId>& maps) const = 0;
   virtual absl::StatusOr<std::vector<ControlPoint>> GetControlPoints(const CallContext& context,
                                                                      const SiteId& site) const = 0;
+  // Of the prior maps in use, by id; without the bytes of those whose digests are `known`.
+  virtual absl::StatusOr<std::vector<StoredPlanTies>> ReadPlanTies(const CallContext& context, const SiteId& site,
+                                                                   const std::vector<std::string>& known) const = 0;
 };
 
 // The graph of a site's maps and link points as a whole. Thread-safe; errors common to all stores: see SiteStore.

@@ -55,7 +55,9 @@ struct PriorMapAlignment {
   std::vector<MapId> maps;
   std::int64_t graph_version = 0;
   std::vector<PriorMapPair> pairs;
-  TimeNs time = 0;  // set by the store
+  int tied_walls = 0;              // how often a map has seen a wall of the plan
+  std::vector<MapId> joined_maps;  // those of `maps` that no link points joined to the root map
+  TimeNs time = 0;                 // set by the store
 };
 
 struct PriorMap {
@@ -82,6 +84,7 @@ enum class PriorMapProduct {
   kCorrected = 3,  // the plan as it is built
   kPlanning = 4,
   kPicture = 5,
+  kTies = 6,  // graph::PlanTies: what the site's graph has of it while it is in use
 };
 
 struct PriorMapFile {
@@ -107,7 +110,8 @@ struct PriorMapOutcome {
   std::vector<NewPriorMapFile> files = {};  // of the alignment
 };
 
-// Prior maps with their files, whose blobs they keep. Thread-safe; errors common to all stores: see SiteStore. A stale
+// Prior maps with their files, whose blobs they keep. While one is in use (kActive) it ties maps together: what changes
+// that, or changes its ties meanwhile, raises the version of the site's graph. Thread-safe; errors common to all stores: see SiteStore. A stale
 // etag (0: any) is ABORTED.
 class PriorMapStore {
  public:

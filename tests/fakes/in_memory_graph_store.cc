@@ -245,6 +245,12 @@ absl::StatusOr<std::vector<storage::ControlPoint>> InMemoryGraphStore::GetContro
   return rows == nullptr ? std::vector<storage::ControlPoint>() : rows->graph.control_points;
 }
 
+absl::StatusOr<std::vector<storage::StoredPlanTies>> InMemoryGraphStore::ReadPlanTies(
+    const storage::CallContext& context, const SiteId& site, const std::vector<std::string>& known) const {
+  (void)context, (void)site, (void)known;
+  return std::vector<storage::StoredPlanTies>();
+}
+
 absl::StatusOr<std::vector<storage::GraphListener::Change>> InMemoryGraphStore::ListVersionsOf(
     const storage::CallContext& context, const std::vector<SiteId>& sites) const {
   ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));

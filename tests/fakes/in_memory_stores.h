@@ -218,6 +218,9 @@ class InMemoryGraphStore final : public storage::GraphStore {
                                                 const std::vector<storage::ControlPoint>& points) const override;
   absl::StatusOr<std::vector<storage::ControlPoint>> GetControlPoints(const storage::CallContext& context,
                                                                       const SiteId& site) const override;
+  // None: prior maps have no store in memory.
+  absl::StatusOr<std::vector<storage::StoredPlanTies>> ReadPlanTies(
+      const storage::CallContext& context, const SiteId& site, const std::vector<std::string>& known) const override;
   absl::StatusOr<std::vector<storage::GraphListener::Change>> ListVersionsOf(
       const storage::CallContext& context, const std::vector<SiteId>& sites) const override;
   absl::StatusOr<std::unique_ptr<storage::GraphListener>> Listen(const storage::CallContext& context) const override;

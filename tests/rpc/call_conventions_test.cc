@@ -100,6 +100,8 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::AlignPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ActivatePriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::SuspendPriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorAssociations);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPredictedLinkPoints);
   ExpectRefusesEmpty(*connection_, &v1::RasterService::Stub::GetRasterManifest);
   ExpectRefusesEmpty(*connection_, &v1::RasterService::Stub::ListRasterThumbnails);
 

@@ -66,6 +66,7 @@ void AddPriorExport(CLI::App& prior, const Globals& globals);
 void AddPriorFit(CLI::App& prior, const Globals& globals);
 void AddPriorImport(CLI::App& prior, const Globals& globals);
 void AddPriorMaps(CLI::App& prior, const Globals& globals);  // list, show, activate, suspend, rename, delete
+void AddPriorTies(CLI::App& prior, const Globals& globals);  // associations, doors
 void AddSessionDoors(CLI::App& session, const Globals& globals);
 
 }  // namespace enfilade::cli

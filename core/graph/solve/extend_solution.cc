@@ -118,7 +118,9 @@ class Extension {
 
 std::optional<SolvedGraph> ExtendSolution(const GraphSnapshot& solved, const SolvedGraph& solution,
                                           const GraphSnapshot& graph, const GraphOptimizationOptions& options) {
-  if (graph.root() != solution.root || !HasAllMaps(graph, solution)) return std::nullopt;
+  if (graph.root() != solution.root || graph.plans() != solved.plans() || !HasAllMaps(graph, solution)) {
+    return std::nullopt;
+  }
   const std::optional<std::vector<int>> added = AddedMeasurements(solved, graph);
   if (!added) return std::nullopt;
   Extension extension(graph, solution, options);

@@ -32,7 +32,8 @@ grid::Rgb ColorOf(Sight sight) {
 
 nlohmann::json Position(const Eigen::Vector2d& point) { return {point.x(), point.y()}; }
 
-// Each wall with `state`, `stretch` and `sigma_m`.
+// Each wall with `state`, `stretch` and `sigma_m`, then each door with `state` (seen: robots know the ground there) and
+// `sigma_m`.
 std::string WriteCorrectedWalls(const PlanGraph& plan, const CorrectedPlan& corrected) {
   nlohmann::json features = nlohmann::json::array();
   for (std::size_t i = 0; i < plan.walls.size(); ++i) {
@@ -50,6 +51,15 @@ std::string WriteCorrectedWalls(const PlanGraph& plan, const CorrectedPlan& corr
            {"contradicted", wall.contradicted_share},
            {"stretch", wall.stretch},
            {"sigma_m", std::sqrt(std::max(0.0, variance))}}}});
+  }
+  for (const PlanDoor& door : plan.doors) {
+    const CorrectedPoint from = corrected.Locate(door.from), to = corrected.Locate(door.to);
+    const CorrectedPoint middle = corrected.Locate(0.5 * (door.from + door.to));
+    features.push_back(
+        {{"type", "Feature"},
+         {"geometry", {{"type", "LineString"}, {"coordinates", {Position(from.point), Position(to.point)}}}},
+         {"properties",
+          {{"kind", "door"}, {"state", NameOf(middle.sight)}, {"sigma_m", std::max(from.sigma, to.sigma)}}}});
   }
   return nlohmann::json{{"type", "FeatureCollection"}, {"frame", "metres"}, {"features", std::move(features)}}.dump(1) +
          "\n";

@@ -85,7 +85,7 @@ absl::StatusOr<std::shared_ptr<const MapGround>> MapGrounds::Get(const storage::
   auto ground = std::make_shared<MapGround>();
   ground->revision = newest.number;
   ground->create_time = newest.create_time;
-  ENFILADE_ASSIGN_OR_RETURN(ground->header, grid::DecodeRasterHeader(grid::SplitIntoTiles(raster).header));
+  ground->header = grid::HeaderOf(raster);
   ground->lattice = edit::LatticeOf(ground->header);
   ground->box = edit::BoxOf(ground->header);
   ground->classes = edit::ClassesOf(raster);

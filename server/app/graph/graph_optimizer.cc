@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/graph/graph_optimizer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
 #include "core/graph/solve/extend_solution.h"
@@ -43,7 +45,13 @@ std::string FirstNames(const std::vector<graph::SwitchedOff>& switched_off) {
   return names;
 }
 
+bool HasContradictedPlan(const graph::SolvedGraph& solution) {
+  return std::any_of(solution.plans.begin(), solution.plans.end(),
+                     [](const graph::PlanUse& plan) { return !plan.contradiction.empty(); });
+}
+
 bool IsSame(const graph::GraphSnapshot& graph, const graph::SolvedGraph& solution) {
+  if (HasContradictedPlan(solution)) return false;
   // A solution that only places the root adds nothing.
   if (graph.solution() == nullptr) return solution.map_poses.size() <= 1 && solution.switched_off.empty();
   if (graph.solution()->map_poses.size() != solution.map_poses.size()) return false;
@@ -136,7 +144,9 @@ absl::StatusOr<OptimizedGraph> GraphOptimizer::SolveLocked(const storage::CallCo
   const auto solve = [&](const storage::GraphChanges& changes) -> absl::StatusOr<storage::GraphSolution> {
     const SiteGraph none{graph::GraphSnapshot()};
     const SiteGraph& before = changes.complete ? none : *known;
-    ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot, graph::Apply(before.graph(), ToSnapshotChanges(changes)));
+    graph::SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
+    snapshot_changes.plans = known->graph().plans();
+    ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot snapshot, graph::Apply(before.graph(), snapshot_changes));
     PlacedLinkPoints placed = before.placed.With(before.graph(), snapshot, changes);
     SiteGraph graph(std::move(snapshot), std::move(placed));
     ENFILADE_ASSIGN_OR_RETURN(optimized.solution, graph::OptimizeGraph(graph.graph()));
@@ -239,6 +249,10 @@ absl::Status GraphOptimizer::SolveIfChanged(const SiteId& site, const std::share
     spdlog::info("graph of {}: version {}: {} maps, chi-squared {:.1f} to {:.1f}, {} link points switched off{}",
                  site.value(), *version, solution->map_poses.size(), solution->chi2_before, solution->chi2_after,
                  solution->switched_off.size(), FirstNames(solution->switched_off));
+    for (const graph::PlanUse& plan : solution->plans) {
+      spdlog::info("{}: {} walls that maps have seen count, {} do not{}{}", NameOf(site, plan.plan), plan.used,
+                   plan.switched_off, plan.contradiction.empty() ? "" : ": it diverges: ", plan.contradiction);
+    }
   }
   Remember(site, graph, *std::move(solution));
   return absl::OkStatus();

@@ -134,6 +134,9 @@ storage::GraphSolution ToStored(const SiteGraph& before, const graph::WorldPoses
   std::sort(out.link_points.begin(), out.link_points.end(),
             [](const auto& a, const auto& b) { return a.link_point < b.link_point; });
   for (const graph::SwitchedOff& off : solution.switched_off) out.switched_off.push_back(off.link_point);
+  for (const graph::PlanUse& plan : solution.plans) {
+    if (!plan.contradiction.empty()) out.contradicted_plans.push_back({plan.plan, plan.contradiction});
+  }
   out.chi2_before = solution.chi2_before;
   out.chi2_after = solution.chi2_after;
   out.map_count = static_cast<std::int64_t>(solution.map_poses.size());

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
+#include "core/graph/plans/plan_ties.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -34,6 +36,35 @@ absl::StatusOr<GraphUpdate> ReadUpdate(const storage::GraphStore& store, const s
   return update;
 }
 
+// Of the prior maps in use. Those of `old` are not read again.
+absl::StatusOr<std::vector<graph::PlanInGraph>> ReadPlans(const storage::GraphStore& store,
+                                                          const storage::CallContext& context, const SiteId& site,
+                                                          const SiteGraph* old) {
+  std::vector<std::string> known;
+  if (old != nullptr) {
+    for (const graph::PlanInGraph& plan : old->graph().plans()) known.push_back(plan.sha256);
+  }
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::StoredPlanTies> stored,
+                            store.ReadPlanTies(context, site, known));
+  std::vector<graph::PlanInGraph> plans;
+  for (const storage::StoredPlanTies& one : stored) {
+    graph::PlanInGraph& plan = plans.emplace_back(graph::PlanInGraph{one.prior_map, one.sha256});
+    const auto found = std::find(known.begin(), known.end(), one.sha256);
+    if (found != known.end()) {
+      plan.ties = old->graph().plans()[static_cast<std::size_t>(found - known.begin())].ties;
+      continue;
+    }
+    absl::StatusOr<graph::PlanTies> ties = graph::DecodePlanTies(one.bytes);
+    if (!ties.ok()) {  // the graph can do without
+      spdlog::error("{} has no influence: {}", NameOf(site, one.prior_map), ties.status().ToString());
+      plans.pop_back();
+      continue;
+    }
+    plan.ties = std::make_shared<const graph::PlanTies>(*std::move(ties));
+  }
+  return plans;
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const SiteGraph>> ReadSiteGraph(const storage::GraphStore& store,
@@ -43,6 +74,7 @@ absl::StatusOr<std::shared_ptr<const SiteGraph>> ReadSiteGraph(const storage::Gr
   const storage::GraphChanges& changes = update.changes;
   if (old != nullptr && changes.version == old->graph().version()) return old;
   graph::SnapshotChanges snapshot_changes = ToSnapshotChanges(changes);
+  ENFILADE_ASSIGN_OR_RETURN(snapshot_changes.plans, ReadPlans(store, context, site, old.get()));
   const bool complete = changes.complete || old == nullptr;
   std::int64_t solution_version = complete ? 0 : old->solution_version;
   if (update.solution_version > 0) {

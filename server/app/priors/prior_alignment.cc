@@ -2,17 +2,21 @@
 #include "server/app/priors/prior_alignment.h"
 
 #include <algorithm>
-#include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
+#include "core/graph/graph_optimization.h"
+#include "core/graph/plans/plan_ties.h"
 #include "core/prior/fit/fit_plan.h"
 #include "core/prior/fit/join_maps.h"
 #include "core/prior/formats/geojson_plan.h"
 #include "core/prior/products/products.h"
+#include "core/prior/ties/find_ties.h"
 #include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
 
@@ -22,12 +26,27 @@ namespace {
 constexpr double kLevelCell = 0.05;  // m
 constexpr int kMapsPage = 1000;
 
+// Maps that no link points join to the root are looked for in the plan one by one, each for seconds: those with the
+// most walls.
+constexpr std::size_t kMostUnjoined = 16;
+constexpr double kLeastWalls = 20.0;  // m, of such a map
+
 struct LevelMap {
   MapId id;
-  Pose2 T_world_map;
+  Pose2 T_world_map;  // not of maps that no link points join to the root
   grid::OccupancyGrid grid;
   prior::MapEvidence evidence;
 };
+
+// The graph without its plans: they must not confirm what they have made.
+absl::StatusOr<graph::WorldPoses> WithoutPlans(const graph::GraphSnapshot& graph) {
+  graph::SnapshotChanges changes{.version = graph.version(), .plans = std::vector<graph::PlanInGraph>()};
+  ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot without, graph::Apply(graph, changes));
+  ENFILADE_ASSIGN_OR_RETURN(graph::SolvedGraph solution, graph::OptimizeGraph(without));
+  changes.solution = std::make_shared<const graph::SolvedGraph>(std::move(solution));
+  ENFILADE_ASSIGN_OR_RETURN(without, graph::Apply(without, changes));
+  return graph::WorldPoses(std::move(without));
+}
 
 absl::StatusOr<std::vector<prior::ControlPair>> InWorld(const std::vector<storage::PriorMapPair>& pairs,
                                                         const std::vector<LevelMap>& maps) {
@@ -76,7 +95,8 @@ absl::StatusOr<std::vector<storage::NewPriorMapFile>> ProductsOf(const prior::Pl
 }  // namespace
 
 struct PriorAlignment::Level {
-  std::vector<LevelMap> maps;  // with walls and a place in the world, by id
+  std::vector<LevelMap> maps;      // with walls and a place in the world, by id
+  std::vector<LevelMap> unjoined;  // with walls, the most first
   std::int64_t graph_version = 0;
 };
 
@@ -85,23 +105,36 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(context, prior_map.site));
   Level level;
   level.graph_version = graph->graph().version();
+  std::optional<graph::WorldPoses> without_plans;
+  if (!graph->graph().plans().empty()) {
+    ENFILADE_ASSIGN_OR_RETURN(graph::WorldPoses made, WithoutPlans(graph->graph()));
+    without_plans.emplace(std::move(made));
+  }
+  const graph::WorldPoses& poses = without_plans ? *without_plans : graph->poses;
   for (std::string after;;) {
     ENFILADE_ASSIGN_OR_RETURN(const auto page, maps_.List(context, prior_map.site, {kMapsPage, after}));
     for (const storage::Map& map : page) {
       if (map.level != prior_map.level || map.current_revision == 0) continue;
-      const auto place = graph->poses.Find(map.id);
-      if (!place.ok() || !*place) continue;  // it was made after this version, or nothing joins it to the root
+      const auto place = poses.Find(map.id);
+      if (!place.ok()) continue;  // it was made after this version
       ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
                                 revisions_.Get(context, prior_map.site, map.id, map.current_revision));
       ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadEvidence(context, {blobs_, revisions_}, revision));
       ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(raster, kLevelCell));
       prior::MapEvidence evidence = prior::EvidenceOf(grid);
-      if (evidence.walls.empty()) continue;
-      level.maps.push_back({map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence)});
+      if (*place && !evidence.walls.empty()) {
+        level.maps.push_back({map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence)});
+      } else if (evidence.wall_length() >= kLeastWalls) {
+        level.unjoined.push_back({map.id, {}, std::move(grid), std::move(evidence)});
+      }
     }
     if (page.size() < kMapsPage) break;
     after = page.back().id.value();
   }
+  std::stable_sort(level.unjoined.begin(), level.unjoined.end(), [](const LevelMap& a, const LevelMap& b) {
+    return a.evidence.walls.size() > b.evidence.walls.size();
+  });
+  if (level.unjoined.size() > kMostUnjoined) level.unjoined.resize(kMostUnjoined);
   if (level.maps.empty()) {
     return FailedPrecondition("no map of level {} has walls and is joined to the root map of {}", prior_map.level,
                               NameOf(prior_map.site));
@@ -128,9 +161,10 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
   prior::FitOptions options;
   ENFILADE_ASSIGN_OR_RETURN(options.pairs, InWorld(pairs, level.maps));
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
-  std::vector<grid::OccupancyGrid> world;
-  world.push_back(std::move(joined));
-  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, world, options));
+  std::vector<grid::OccupancyGrid> grids;
+  grids.push_back(std::move(joined));
+  for (const LevelMap& map : level.unjoined) grids.push_back(map.grid);
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, grids, options));
 
   AlignedPriorMap aligned;
   aligned.outcome.reason = fit.alignment.reason;
@@ -142,13 +176,24 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
   alignment.explained = fit.corrected->agreement().explained;
   alignment.contradicted = fit.corrected->agreement().contradicted();
   alignment.rival_ratio = fit.alignment.rival_ratio;
-  for (const LevelMap& map : level.maps) alignment.maps.push_back(map.id);
+  std::vector<prior::MapOfPlan> maps;
+  for (const LevelMap& map : level.maps) maps.push_back({map.id, &map.evidence, map.T_world_map});
+  for (std::size_t i = 0; i < level.unjoined.size(); ++i) {
+    const std::optional<Pose2>& T_world_map = fit.maps[i + 1].T_first_map;
+    if (!T_world_map) continue;
+    maps.push_back({level.unjoined[i].id, &level.unjoined[i].evidence, *T_world_map});
+    alignment.joined_maps.push_back(maps.back().id);
+  }
+  for (const prior::MapOfPlan& map : maps) alignment.maps.push_back(map.id);
+  const graph::PlanTies ties = prior::FindTies(plan, fit.alignment.T_map_sheet, *fit.corrected, maps);
+  alignment.tied_walls = static_cast<int>(ties.sightings.size());
   alignment.graph_version = level.graph_version;
   alignment.pairs = pairs;
   for (const prior::ControlPair& pair : options.pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
   }
   ENFILADE_ASSIGN_OR_RETURN(aligned.outcome.files, ProductsOf(plan, fit));
+  aligned.outcome.files.push_back({storage::PriorMapProduct::kTies, "ties.bin", graph::EncodePlanTies(ties)});
   return aligned;
 }
 

@@ -19,8 +19,8 @@ struct AlignedPriorMap {
   std::vector<double> pair_residuals;  // m, of each pair; empty if it was not accepted
 };
 
-// Finds plans in the maps of their level, as they lie in the world by the graph. Thread-safe; each call computes for
-// seconds.
+// Finds plans in the maps of their level, as they lie in the world by the graph, without what plans have done to it,
+// and in those that no link points join to the root map, each by itself. Thread-safe; each call computes for seconds.
 class PriorAlignment {
  public:
   PriorAlignment(const storage::PriorMapStore& prior_maps, const storage::MapReader& maps,

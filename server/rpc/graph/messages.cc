@@ -104,6 +104,7 @@ void Fill(const SiteId& site, const graph::GlobalPose& pose, v1::GlobalPose& out
   for (const graph::PoseHop& hop : pose.hops) *out.add_hops() = ToProto(site, hop);
   convert::SetMatrix(pose.robot_share, out.mutable_robot_share());
   out.set_search_radius_m(graph::SearchRadius(pose.T_world_robot.covariance));
+  for (const PriorMapId& plan : pose.plans) out.add_prior_maps(NameOf(site, plan));
 }
 
 v1::Route ToProto(const SiteId& site, const graph::Route& route) {

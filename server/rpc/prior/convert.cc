@@ -35,6 +35,8 @@ v1::PriorAlignment AlignmentToProto(const SiteId& site, const storage::PriorMapA
     out_pair.set_x_m(pair.point_map.x());
     out_pair.set_y_m(pair.point_map.y());
   }
+  out.set_tied_walls(alignment.tied_walls);
+  for (const MapId& map : alignment.joined_maps) out.add_joined_maps(NameOf(site, map));
   *out.mutable_align_time() = convert::ToTimestamp(alignment.time);
   return out;
 }

@@ -79,6 +79,7 @@ absl::StatusOr<MessageSource<v1::ExportPriorMapResponse>> ExportPriorMap(const S
     if (!is_there) return FailedPrecondition("{} is not aligned yet", convert::NameOf(name));
   }
   std::erase_if(files, [&](const storage::PriorMapFile& file) {
+    if (file.product == storage::PriorMapProduct::kTies) return true;  // for the server's own use
     return !products.empty() && std::find(products.begin(), products.end(), file.product) == products.end();
   });
   return PriorMapFiles(services, call.context(), name, std::move(files));

@@ -25,6 +25,10 @@ absl::StatusOr<v1::ActivatePriorMapResponse> ActivatePriorMap(const Services& se
                                                               const v1::ActivatePriorMapRequest& request);
 absl::StatusOr<v1::SuspendPriorMapResponse> SuspendPriorMap(const Services& services, const Call& call,
                                                             const v1::SuspendPriorMapRequest& request);
+absl::StatusOr<v1::ListPriorAssociationsResponse> ListPriorAssociations(
+    const Services& services, const Call& call, const v1::ListPriorAssociationsRequest& request);
+absl::StatusOr<v1::ListPredictedLinkPointsResponse> ListPredictedLinkPoints(
+    const Services& services, const Call& call, const v1::ListPredictedLinkPointsRequest& request);
 absl::StatusOr<MessageSource<v1::ExportPriorMapResponse>> ExportPriorMap(const Services& services, const Call& call,
                                                                          const v1::ExportPriorMapRequest& request);
 

@@ -2,6 +2,7 @@
 #include "storage/postgres/graph/graph_store.h"
 
 #include "core/base/resource_name.h"
+#include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/graph_changes.h"
 #include "storage/postgres/graph/graph_listener.h"
@@ -76,6 +77,17 @@ constexpr Statement kPutControlPoints{
 constexpr Statement kSelectControlPoints{"reading control points",
                                          "SELECT map_id, x, y, latitude, longitude FROM enfilade.control_points"
                                          " WHERE site_id = $1 ORDER BY ordinal"};
+constexpr Statement kSelectPlanTies{
+    "reading the ties of prior maps",
+    "SELECT f.prior_map_id, f.sha256, CASE WHEN f.sha256 = ANY ($2) THEN ''::bytea ELSE b.data END"
+    " FROM enfilade.prior_maps p JOIN enfilade.prior_map_files f USING (site_id, prior_map_id)"
+    " JOIN enfilade.blobs b ON b.site_id = f.site_id AND b.sha256 = f.sha256"
+    " WHERE p.site_id = $1 AND p.state = 3 AND f.product = 6 ORDER BY f.prior_map_id"};
+constexpr Statement kDivergePlans{
+    "storing which prior maps diverge",
+    "UPDATE enfilade.prior_maps p SET state = 4, reason = u.reason, etag = u.etag, update_time = now()"
+    " FROM unnest($2::text[], $3::text[], $4::bigint[]) AS u (prior_map_id, reason, etag)"
+    " WHERE p.site_id = $1 AND p.prior_map_id = u.prior_map_id AND p.state = 3"};
 
 MapPose ReadMapPose(Row& row) {
   MapPose pose;
@@ -122,6 +134,16 @@ absl::StatusOr<std::int64_t> StoreAndCommit(Transaction& transaction, const Site
   transaction.Queue(kStoreResult, Params(site, raised, solution.chi2_before, solution.chi2_after, switched_off,
                                          solution.map_count, solution.residual_count));
   transaction.Queue(kStorePoses, Params(site, raised, maps));
+  if (!solution.contradicted_plans.empty()) {
+    std::vector<std::string_view> plans, reasons;
+    std::vector<std::int64_t> etags;
+    for (const ContradictedPlan& plan : solution.contradicted_plans) {
+      plans.push_back(plan.prior_map.value());
+      reasons.push_back(plan.reason);
+      etags.push_back(NewEtag());
+    }
+    transaction.Queue(kDivergePlans, Params(site, plans, reasons, etags));
+  }
   if (solution.complete) {
     transaction.Queue(kUnposeOtherMaps, Params(site, raised, maps));
   } else {
@@ -258,6 +280,20 @@ absl::StatusOr<std::vector<ControlPoint>> GraphStore::GetControlPoints(const Cal
     point.latitude = row.Double();
     point.longitude = row.Double();
     return point;
+  });
+}
+
+absl::StatusOr<std::vector<StoredPlanTies>> GraphStore::ReadPlanTies(const CallContext& context, const SiteId& site,
+                                                                     const std::vector<std::string>& known) const {
+  std::vector<Bytes> digests;
+  for (const std::string& sha256 : known) digests.push_back(Bytes{sha256});
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectPlanTies, Params(site, digests)));
+  return ReadRows(result, [](Row& row) {
+    StoredPlanTies ties;
+    ties.prior_map = PriorMapId(std::string(row.Text()));
+    ties.sha256 = row.Bytes();
+    ties.bytes = row.Bytes();
+    return ties;
   });
 }
 

@@ -30,6 +30,8 @@ class GraphStore final : public storage::GraphStore {
                                                 const std::vector<ControlPoint>& points) const override;
   absl::StatusOr<std::vector<ControlPoint>> GetControlPoints(const CallContext& context,
                                                              const SiteId& site) const override;
+  absl::StatusOr<std::vector<StoredPlanTies>> ReadPlanTies(const CallContext& context, const SiteId& site,
+                                                           const std::vector<std::string>& known) const override;
   absl::StatusOr<std::vector<storage::GraphListener::Change>> ListVersionsOf(
       const CallContext& context, const std::vector<SiteId>& sites) const override;
   absl::StatusOr<std::unique_ptr<storage::GraphListener>> Listen(const CallContext& context) const override;

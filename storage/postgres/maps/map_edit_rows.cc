@@ -30,20 +30,20 @@ constexpr Statement kInsertDraft{
 constexpr Statement kLockDraft{"locking the draft", "SELECT " ENFILADE_DRAFT_COLUMNS
                                                     " FROM enfilade.map_drafts WHERE site_id = $1 AND map_id = $2"
                                                     " AND draft_id = $3 FOR UPDATE"};
-// Those that the draft has already leave gaps in the sequence.
+// Those that the draft has already leave gaps in the sequence. The draft grows if there is a new one.
 constexpr Statement kInsertEdits{
     "storing edits",
-    "INSERT INTO enfilade.map_edits (site_id, map_id, draft_id, sequence, edit_id, author, head, instruction,"
+    "WITH new AS (INSERT INTO enfilade.map_edits (site_id, map_id, draft_id, sequence, edit_id, author, head, instruction,"
     " invisible, shape) SELECT $1, $2, $3, d.next_sequence + row_number() OVER (ORDER BY u.place) - 1, u.edit_id,"
     " u.author, $4, u.instruction, u.invisible = 1, u.shape FROM enfilade.map_drafts d,"
     " unnest($5::text[], $6::text[], $7::smallint[], $8::smallint[], $9::bytea[])"
     "   WITH ORDINALITY u (edit_id, author, instruction, invisible, shape, place)"
     " WHERE (d.site_id, d.map_id, d.draft_id) = ($1, $2, $3)"
-    " ON CONFLICT (site_id, map_id, draft_id, edit_id) DO NOTHING RETURNING sequence"};
-constexpr Statement kGrowDraft{"updating the draft",
-                               "UPDATE enfilade.map_drafts SET head = $4, next_sequence = next_sequence + $5,"
-                               " active_edits = active_edits + $6 WHERE site_id = $1 AND map_id = $2 AND draft_id = $3"
-                               " RETURNING next_sequence"};
+    " ON CONFLICT (site_id, map_id, draft_id, edit_id) DO NOTHING RETURNING sequence),"
+    " counted AS (SELECT count(*) AS edits FROM new)"
+    " UPDATE enfilade.map_drafts d SET head = $4, next_sequence = d.next_sequence + cardinality($5),"
+    " active_edits = d.active_edits + counted.edits FROM counted"
+    " WHERE (d.site_id, d.map_id, d.draft_id) = ($1, $2, $3) AND counted.edits > 0 RETURNING d.next_sequence"};
 constexpr Statement kPublishDraft{
     "publishing the draft",
     "UPDATE enfilade.map_drafts SET publish_time = now(), edit_version = $4, revision = $5, message = $6, etag = $7"
@@ -191,13 +191,9 @@ absl::StatusOr<std::int64_t> InsertEdits(Transaction& transaction, const MapDraf
   }();
   const std::int64_t head = draft.head + 1;
   ENFILADE_ASSIGN_OR_RETURN(
-      const Result inserted,
-      transaction.Execute(kInsertEdits, Params(site, map, id, head, ids, authors, instructions, invisible, views)));
-  if (inserted.rows() == 0) return draft.head;
-  ENFILADE_ASSIGN_OR_RETURN(
       const Result grown,
-      transaction.Execute(kGrowDraft, Params(site, map, id, head, static_cast<std::int64_t>(edits.size()),
-                                             static_cast<std::int64_t>(inserted.rows()))));
+      transaction.Execute(kInsertEdits, Params(site, map, id, head, ids, authors, instructions, invisible, views)));
+  if (grown.rows() == 0) return draft.head;
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t next,
                             ReadOne(
                                 grown, [](Row& row) { return row.Int64(); }, NameOfDraft(draft.key)));

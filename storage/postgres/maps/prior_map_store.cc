@@ -8,6 +8,7 @@
 #include "core/base/sha256.h"
 #include "storage/postgres/driver/etag.h"
 #include "storage/postgres/driver/rows.h"
+#include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/maps/blob_store.h"
 
 namespace enfilade::storage {
@@ -21,11 +22,12 @@ using postgres::Statement;
 using postgres::Transaction;
 
 // Those of an alignment are empty without one.
-#define ENFILADE_PRIOR_MAP_COLUMNS                                                                                \
-  "site_id, prior_map_id, display_name, level, state, reason, file_name, warnings, walls, corners, doors, rooms," \
-  " shafts, metres_per_unit, etag, create_time, update_time, align_time, coalesce(affine, '{}'),"                 \
-  " coalesce(model, 2::smallint), coalesce(explained, 0), coalesce(contradicted, 0), coalesce(rival_ratio, 0),"   \
-  " coalesce(aligned_maps, '{}'), coalesce(graph_version, 0), coalesce(pair_maps, '{}'), coalesce(pair_points, '{}')"
+#define ENFILADE_PRIOR_MAP_COLUMNS                                                                                     \
+  "site_id, prior_map_id, display_name, level, state, reason, file_name, warnings, walls, corners, doors, rooms,"      \
+  " shafts, metres_per_unit, etag, create_time, update_time, align_time, coalesce(affine, '{}'),"                      \
+  " coalesce(model, 2::smallint), coalesce(explained, 0), coalesce(contradicted, 0), coalesce(rival_ratio, 0),"        \
+  " coalesce(aligned_maps, '{}'), coalesce(graph_version, 0), coalesce(pair_maps, '{}'), coalesce(pair_points, '{}')," \
+  " coalesce(tied_walls, 0), coalesce(joined_maps, '{}')"
 
 constexpr Statement kInsertPriorMap{
     "creating the prior map",
@@ -59,7 +61,10 @@ constexpr Statement kSetPriorMapAlignment{
     "storing the alignment",
     ENFILADE_UPDATE_PRIOR_MAP("state = $5, reason = $6, affine = $7, model = $8, explained = $9, contradicted = $10,"
                               " rival_ratio = $11, aligned_maps = $12, graph_version = $13, pair_maps = $14,"
-                              " pair_points = $15, align_time = now()")};
+                              " pair_points = $15, tied_walls = $16, joined_maps = $17, align_time = now()")};
+constexpr Statement kIsInUse{"looking whether the prior map is in use",
+                             "SELECT count(*) FROM enfilade.prior_maps"
+                             " WHERE site_id = $1 AND prior_map_id = $2 AND state = 3"};
 constexpr Statement kDeletePriorMap{"deleting the prior map",
                                     "DELETE FROM enfilade.prior_maps"
                                     " WHERE site_id = $1 AND prior_map_id = $2 AND ($3 = 0 OR etag = $3)"};
@@ -86,6 +91,8 @@ PriorMapAlignment ReadAlignment(Row& row, TimeNs time) {
     const double* point = &points[4 * i];
     alignment.pairs.push_back({{point[0], point[1]}, MapId(maps[i]), {point[2], point[3]}});
   }
+  alignment.tied_walls = row.Int32();
+  for (std::string& map : row.OptionalTexts()) alignment.joined_maps.emplace_back(std::move(map));
   return alignment;
 }
 
@@ -129,6 +136,19 @@ absl::Status Explain(const absl::Status& status, const SiteId& site, const Prior
   if (absl::IsAlreadyExists(status)) return AlreadyExists("{} exists already", NameOf(site, id));
   if (postgres::SqlStateOf(status) == "23503") return NotFound("{} does not exist", NameOf(site));
   return WithContext(status, NameOf(site, id));
+}
+
+// Locks the site's graph, before the prior map, and tells whether the graph has ties of the prior map.
+absl::StatusOr<bool> LockUse(Transaction& transaction, const SiteId& site, const PriorMapId& id) {
+  ENFILADE_RETURN_IF_ERROR(postgres::LockGraph(transaction, site).status());
+  ENFILADE_ASSIGN_OR_RETURN(const auto in_use, transaction.Execute(kIsInUse, Params(site, id)));
+  return postgres::ReadOne(
+      in_use, [](Row& row) { return row.Int64() > 0; }, NameOf(site, id));
+}
+
+absl::Status RaiseVersion(Transaction& transaction, const SiteId& site, const PriorMapId& id) {
+  return postgres::RaiseGraphVersion(transaction, site, GraphCause::kPriorMapChanged, "priorMaps/" + id.value())
+      .status();
 }
 
 // Files with the digests of their bytes, which they outlive not.
@@ -221,15 +241,17 @@ absl::StatusOr<PriorMap> PriorMapStore::SetOutcome(const CallContext& context, c
   ENFILADE_RETURN_IF_ERROR(ValidateBlobs(to_store.blobs()));
   const auto state = static_cast<std::int16_t>(outcome.state);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const bool was_in_use, LockUse(transaction, site, id));
   absl::StatusOr<postgres::Result> updated = absl::UnknownError("");
   if (outcome.alignment) {
     const PriorMapAlignment& alignment = *outcome.alignment;
     const Eigen::Matrix2d& linear = alignment.T_world_sheet.linear;
     const Eigen::Vector2d& offset = alignment.T_world_sheet.offset;
     const std::vector<double> affine{linear(0, 0), linear(0, 1), offset.x(), linear(1, 0), linear(1, 1), offset.y()};
-    std::vector<std::string_view> maps, pair_maps;
+    std::vector<std::string_view> maps, joined_maps, pair_maps;
     std::vector<double> points;
     for (const MapId& map : alignment.maps) maps.emplace_back(map.value());
+    for (const MapId& map : alignment.joined_maps) joined_maps.emplace_back(map.value());
     for (const PriorMapPair& pair : alignment.pairs) {
       pair_maps.emplace_back(pair.map.value());
       points.insert(points.end(), {pair.point_sheet.x(), pair.point_sheet.y(), pair.point_map.x(), pair.point_map.y()});
@@ -238,7 +260,8 @@ absl::StatusOr<PriorMap> PriorMapStore::SetOutcome(const CallContext& context, c
         kSetPriorMapAlignment,
         Params(site, id, etag, postgres::NewEtag(), state, outcome.reason, affine,
                static_cast<std::int16_t>(static_cast<int>(alignment.model) + 1), alignment.explained,
-               alignment.contradicted, alignment.rival_ratio, maps, alignment.graph_version, pair_maps, points));
+               alignment.contradicted, alignment.rival_ratio, maps, alignment.graph_version, pair_maps, points,
+               std::int32_t{alignment.tied_walls}, joined_maps));
   } else {
     updated =
         transaction.Execute(kSetPriorMapState, Params(site, id, etag, postgres::NewEtag(), state, outcome.reason));
@@ -253,15 +276,23 @@ absl::StatusOr<PriorMap> PriorMapStore::SetOutcome(const CallContext& context, c
     postgres::QueueBlobs(transaction, site, to_store.blobs());
     to_store.Queue(transaction, site, id);
   }
+  if (was_in_use || outcome.state == PriorMapState::kActive) {
+    ENFILADE_RETURN_IF_ERROR(RaiseVersion(transaction, site, id));
+  }
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), name));
   return postgres::ReadOne(*updated, ReadPriorMap, name);
 }
 
 absl::Status PriorMapStore::Delete(const CallContext& context, const SiteId& site, const PriorMapId& id,
                                    std::int64_t etag) const {
-  const auto deleted = ExecuteAlone(pool_, context, kDeletePriorMap, Params(site, id, etag));
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const bool was_in_use, LockUse(transaction, site, id));
+  const auto deleted = transaction.Execute(kDeletePriorMap, Params(site, id, etag));
   if (!deleted.ok()) return WithContext(deleted.status(), NameOf(site, id));
-  if (deleted->affected() > 0) return absl::OkStatus();
+  if (deleted->affected() > 0) {
+    if (was_in_use) ENFILADE_RETURN_IF_ERROR(RaiseVersion(transaction, site, id));
+    return WithContext(transaction.Commit(), NameOf(site, id));
+  }
   ENFILADE_RETURN_IF_ERROR(Get(context, site, id).status());
   return postgres::StaleEtag(NameOf(site, id));
 }

@@ -362,6 +362,8 @@ class Tour:
                  for x, y in ((0, 0), (14, 0), (5, 9))]
         self.ok("PriorMapService.AlignPriorMap", {"name": name, "pairs": pairs})
         self.ok("PriorMapService.ActivatePriorMap", {"name": name})
+        self.ok("PriorMapService.ListPriorAssociations", {"parent": name, "page_size": 3})
+        self.ok("PriorMapService.ListPredictedLinkPoints", {"parent": name, "page_size": 3})
         self.ok("PriorMapService.SuspendPriorMap", {"name": name})
         self.ok("PriorMapService.ExportPriorMap", {"name": name})
         self.ok("PriorMapService.DeletePriorMap", {"name": f"{site}/priorMaps/spare"})

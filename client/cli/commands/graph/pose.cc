@@ -41,6 +41,7 @@ nlohmann::json ToJson(const v1::GlobalPose& pose) {
                       {"map", pose.map_pose().map()},
                       {"graph_version", pose.graph_version()},
                       {"search_radius_m", pose.search_radius_m()},
+                      {"prior_maps", std::vector<std::string>(pose.prior_maps().begin(), pose.prior_maps().end())},
                       {"hops", nlohmann::json::array()}};
   if (pose.has_pose_world_robot()) json["pose_world_robot"] = PoseToJson(pose.pose_world_robot());
   for (const v1::PoseHop& hop : pose.hops()) {
@@ -65,7 +66,7 @@ void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line
   }
   if (!pose.robot().empty()) std::cout << IdOf(pose.robot()) << " in " << IdOf(pose.map_pose().map()) << ": ";
   if (!pose.has_pose_world_robot()) {
-    std::cout << "no link points join its map to the root" << std::endl;
+    std::cout << "neither link points nor a plan join its map to the root" << std::endl;
     return;
   }
   std::cout << FormatPose(pose.pose_world_robot()) << std::endl;
@@ -73,6 +74,7 @@ void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line
     std::cout << fmt::format("  {} -> {} through {}\n", IdOf(hop.from_map()), IdOf(hop.to_map()),
                              IdOf(hop.link_point()));
   }
+  for (const std::string& plan : pose.prior_maps()) std::cout << fmt::format("  by plan {}\n", IdOf(plan));
   if (!one_line) {
     std::cout << fmt::format("  search radius {:.2f} m, graph version {}\n", pose.search_radius_m(),
                              pose.graph_version());

@@ -13,6 +13,7 @@ void AddPrior(CLI::App& app, const Globals& globals) {
   AddPriorFit(*prior, globals);
   AddPriorImport(*prior, globals);
   AddPriorMaps(*prior, globals);
+  AddPriorTies(*prior, globals);
 }
 
 }  // namespace enfilade::cli

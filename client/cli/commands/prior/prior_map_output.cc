@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <utility>
 
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
@@ -12,17 +13,20 @@ namespace enfilade::cli {
 namespace {
 
 nlohmann::json AlignmentToJson(const v1::PriorAlignment& alignment) {
-  nlohmann::json document = {{"affine_world_sheet", std::vector<double>(alignment.affine_world_sheet().begin(),
-                                                                        alignment.affine_world_sheet().end())},
-                             {"model", EnumText(v1::PriorAlignment::Model_Name(alignment.model()), "MODEL_")},
-                             {"mirrored", alignment.mirrored()},
-                             {"explained", alignment.explained()},
-                             {"contradicted", alignment.contradicted()},
-                             {"rival_ratio", alignment.rival_ratio()},
-                             {"maps", std::vector<std::string>(alignment.maps().begin(), alignment.maps().end())},
-                             {"graph_version", alignment.graph_version()},
-                             {"pairs", nlohmann::json::array()},
-                             {"align_time", FormatTime(alignment.align_time())}};
+  nlohmann::json document = {
+      {"affine_world_sheet",
+       std::vector<double>(alignment.affine_world_sheet().begin(), alignment.affine_world_sheet().end())},
+      {"model", EnumText(v1::PriorAlignment::Model_Name(alignment.model()), "MODEL_")},
+      {"mirrored", alignment.mirrored()},
+      {"explained", alignment.explained()},
+      {"contradicted", alignment.contradicted()},
+      {"rival_ratio", alignment.rival_ratio()},
+      {"maps", std::vector<std::string>(alignment.maps().begin(), alignment.maps().end())},
+      {"graph_version", alignment.graph_version()},
+      {"tied_walls", alignment.tied_walls()},
+      {"joined_maps", std::vector<std::string>(alignment.joined_maps().begin(), alignment.joined_maps().end())},
+      {"pairs", nlohmann::json::array()},
+      {"align_time", FormatTime(alignment.align_time())}};
   for (const v1::ControlPair& pair : alignment.pairs()) {
     document["pairs"].push_back(
         {{"sheet", {pair.sheet_x(), pair.sheet_y()}}, {"map", pair.map()}, {"point_m", {pair.x_m(), pair.y_m()}}});
@@ -86,11 +90,17 @@ std::string ElementsText(const v1::PriorMapElements& elements) {
 }
 
 std::string AlignmentText(const v1::PriorAlignment& alignment) {
-  return fmt::format(
+  std::string text = fmt::format(
       "{}{}, {:.5g} m per unit of the plan; {:.0f} % of the maps' walls explained, {:.0f} % of the plan's known walls "
       "contradicted",
       alignment.mirrored() ? "mirrored, " : "", EnumText(v1::PriorAlignment::Model_Name(alignment.model()), "MODEL_"),
       ScaleOf(alignment), 100 * alignment.explained(), 100 * alignment.contradicted());
+  if (alignment.tied_walls() > 0) {
+    text += fmt::format("; {} walls tie {} maps", alignment.tied_walls(), alignment.maps_size());
+  }
+  std::string separator = ", and only the plan joins ";
+  for (const std::string& map : alignment.joined_maps()) text += std::exchange(separator, ", ") + IdOf(map);
+  return text;
 }
 
 void PrintPriorMap(const Globals& globals, const std::string& what, const v1::PriorMap& prior_map) {

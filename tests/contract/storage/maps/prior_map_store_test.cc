@@ -42,6 +42,8 @@ class PriorMapStoreTest : public StoreTest {
     alignment.maps = {MapId("hall"), MapId("lab")};
     alignment.graph_version = 7;
     alignment.pairs = {{{1, 2}, MapId("hall"), {3, 4}}, {{5, 6}, MapId(), {7, 8}}};
+    alignment.tied_walls = 12;
+    alignment.joined_maps = {MapId("lab")};
     outcome.files = std::move(files);
     return outcome;
   }
@@ -60,6 +62,7 @@ class PriorMapStoreTest : public StoreTest {
 
   const PriorMapId plan_{"plan"};
   storage::PriorMapStore prior_maps_{*pool_};
+  storage::postgres::GraphStore graphs_{*pool_};
 };
 
 TEST_F(PriorMapStoreTest, GivesBackWhatWasImported) {
@@ -119,6 +122,8 @@ TEST_F(PriorMapStoreTest, AnAlignmentReplacesTheOneBefore) {
   EXPECT_EQ(found.alignment->rival_ratio, 1.5);
   EXPECT_EQ(found.alignment->maps, Accepted({}).alignment->maps);
   EXPECT_EQ(found.alignment->graph_version, 7);
+  EXPECT_EQ(found.alignment->tied_walls, 12);
+  EXPECT_EQ(found.alignment->joined_maps, Accepted({}).alignment->joined_maps);
   ASSERT_EQ(found.alignment->pairs.size(), 2U);
   EXPECT_EQ(found.alignment->pairs[0].map, MapId("hall"));
   EXPECT_EQ(found.alignment->pairs[1].point_map, Eigen::Vector2d(7, 8));
@@ -135,6 +140,55 @@ TEST_F(PriorMapStoreTest, ARefusedAlignmentKeepsTheLastOne) {
   EXPECT_EQ(refused.reason, "nothing fits");
   EXPECT_TRUE(refused.alignment.has_value());
   EXPECT_EQ(FilesOf(plan_).size(), 3U);
+}
+
+TEST_F(PriorMapStoreTest, OneInUseIsPartOfTheGraph) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  ASSERT_OK_AND_ASSIGN(const std::int64_t first, graphs_.GetVersion(Soon(), site_));
+  ASSERT_OK(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, Accepted({{PriorMapProduct::kTies, "ties", "bytes"}})));
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first) << "it is proposed only";
+  EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
+
+  ASSERT_OK(prior_maps_.SetState(Soon(), site_, plan_, 0, PriorMapState::kActive, "right"));
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 1);
+  ASSERT_OK_AND_ASSIGN(const auto versions, graphs_.ListVersions(Soon(), site_, 0, 1));
+  EXPECT_EQ(versions.at(0).cause, storage::GraphCause::kPriorMapChanged);
+  EXPECT_EQ(versions.at(0).resource, "priorMaps/plan");
+  ASSERT_OK_AND_ASSIGN(const auto ties, graphs_.ReadPlanTies(Soon(), site_, {}));
+  ASSERT_EQ(ties.size(), 1U);
+  EXPECT_EQ(ties[0].prior_map, plan_);
+  EXPECT_EQ(ties[0].bytes, "bytes");
+  EXPECT_EQ(ties[0].sha256, Sha256("bytes"));
+  ASSERT_OK_AND_ASSIGN(const auto known, graphs_.ReadPlanTies(Soon(), site_, {ties[0].sha256}));
+  ASSERT_EQ(known.size(), 1U);
+  EXPECT_EQ(known[0].bytes, "");
+
+  ASSERT_OK(prior_maps_.Rename(Soon(), site_, plan_, 0, "Cellar"));
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 1);
+  ASSERT_OK(prior_maps_.SetState(Soon(), site_, plan_, 0, PriorMapState::kSuspended, "wrong"));
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 2);
+  EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
+  ASSERT_OK(prior_maps_.SetState(Soon(), site_, plan_, 0, PriorMapState::kActive, "right after all"));
+  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, 0));
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 4);
+}
+
+TEST_F(PriorMapStoreTest, OneThatContradictsTheMapsDiverges) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  ASSERT_OK(Create("other", "First floor"));
+  storage::PriorMapOutcome outcome = Accepted({{PriorMapProduct::kTies, "ties", "bytes"}});
+  outcome.state = PriorMapState::kActive;
+  ASSERT_OK_AND_ASSIGN(const PriorMap active, prior_maps_.SetOutcome(Soon(), site_, plan_, 0, outcome));
+  ASSERT_OK_AND_ASSIGN(const std::int64_t version, graphs_.GetVersion(Soon(), site_));
+  storage::GraphSolution solution;
+  solution.contradicted_plans = {{plan_, "too many walls do not fit"}, {PriorMapId("other"), "it is not in use"}};
+  ASSERT_OK(graphs_.Apply(Soon(), site_, version, solution));
+  ASSERT_OK_AND_ASSIGN(const PriorMap diverged, prior_maps_.Get(Soon(), site_, plan_));
+  EXPECT_EQ(diverged.state, PriorMapState::kDiverged);
+  EXPECT_EQ(diverged.reason, "too many walls do not fit");
+  EXPECT_NE(diverged.etag, active.etag);
+  EXPECT_EQ(prior_maps_.Get(Soon(), site_, PriorMapId("other"))->state, PriorMapState::kNew);
+  EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
 }
 
 TEST_F(PriorMapStoreTest, StaleEtagsChangeNothing) {

@@ -143,7 +143,7 @@ TEST_F(GraphCommandsTest, AGlobalPoseComesFromARobotOrAPoseInAMap) {
   EXPECT_THAT(printed_, HasSubstr("search radius 12.50 m"));
   ASSERT_OK(Run({"pose", "global", "--robot", "r1"}, false));
   EXPECT_EQ(asked.robot(), "sites/s/robots/r1");
-  EXPECT_THAT(printed_, HasSubstr("no link points join its map to the root"));
+  EXPECT_THAT(printed_, HasSubstr("neither link points nor a plan join its map to the root"));
 }
 
 TEST_F(GraphCommandsTest, WatchedPosesAreOneLineEach) {

@@ -19,6 +19,7 @@ const causes: Record<Cause, string> = {
   [Cause.OPTIMIZED]: 'Optimised',
   [Cause.GEOREFERENCED]: 'Georeferenced',
   [Cause.REARRANGED]: 'Maps merged or split',
+  [Cause.PRIOR_MAP_CHANGED]: 'Plan changed',
 };
 
 // A version that placed the maps is a link to where they were.

@@ -30,8 +30,17 @@ function Facts({ facts }: { facts: [title: string, value: ReactNode][] }) {
   );
 }
 
-function Alignment({ alignment, plan }: { alignment: PriorAlignment; plan: PriorMap }) {
+function MapLinks({ maps }: { maps: string[] }) {
   const live = useLive();
+  return maps.map((map, i) => (
+    <Fragment key={map}>
+      {i > 0 && ', '}
+      <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link>
+    </Fragment>
+  ));
+}
+
+function Alignment({ alignment, plan }: { alignment: PriorAlignment; plan: PriorMap }) {
   return (
     <>
       <h2>Alignment</h2>
@@ -41,12 +50,10 @@ function Alignment({ alignment, plan }: { alignment: PriorAlignment; plan: Prior
         ['Contradicted', `${share(alignment.contradicted)} of the plan’s walls are where robots have seen none`],
         ['Against the best other place', alignment.rivalRatio > 0 ? `${alignment.rivalRatio.toFixed(2)} times as good` : 'people showed the place'],
         ['Pairs that people showed', alignment.pairs.length],
-        ['Maps', alignment.maps.map((map, i) => (
-          <Fragment key={map}>
-            {i > 0 && ', '}
-            <Link href={addressOf(live.id, 'maps', [idOf(map)])}>{titleOf(live, map)}</Link>
-          </Fragment>
-        ))],
+        ['Maps', <MapLinks key="maps" maps={alignment.maps} />],
+        ['Ties', `${alignment.tiedWalls} times a map has seen a wall of the plan`],
+        ...(alignment.joinedMaps.length > 0
+          ? [['Joined by the plan alone', <MapLinks key="joined" maps={alignment.joinedMaps} />] as [string, ReactNode]] : []),
         ['Made', alignment.alignTime ? dateTime(timestampMs(alignment.alignTime)) : '–'],
       ]} />
       <img className="card plan-picture" src={`${fileOf(plan.name, 'fit.png', 'picture')}&etag=${encodeURIComponent(plan.etag)}`}

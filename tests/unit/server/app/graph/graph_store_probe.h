@@ -78,6 +78,10 @@ class GraphStoreProbe final : public storage::GraphStore {
                                                                       const SiteId& site) const override {
     return store_.GetControlPoints(context, site);
   }
+  absl::StatusOr<std::vector<storage::StoredPlanTies>> ReadPlanTies(
+      const storage::CallContext& context, const SiteId& site, const std::vector<std::string>& known) const override {
+    return store_.ReadPlanTies(context, site, known);
+  }
   absl::StatusOr<std::vector<storage::GraphListener::Change>> ListVersionsOf(
       const storage::CallContext& context, const std::vector<SiteId>& sites) const override {
     if (Get(listening_) == Listening::kSilent) return std::vector<storage::GraphListener::Change>();

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/graph/plans/joint_plans.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace enfilade::graph {
+namespace {
+
+constexpr double kTurnSigma = 1.0 * kDegree;  // of a strut
+constexpr double kAlongSigma = 30.0;  // m: walls are not seen along themselves, but matrices must have an inverse
+constexpr double kShortStrut = 2.0;   // m
+
+// Uncertainty of a strut between its corners, in its own frame: along, across (m^2), turn (rad^2).
+Eigen::Vector3d StrutVariances(const PlanTies& ties, double length) {
+  const double corners = 2.0 * ties.corner_sigma * ties.corner_sigma;
+  const double stretch = ties.stretch_sigma * length;
+  const double turn = kTurnSigma * length;
+  return {corners + stretch * stretch, corners + turn * turn, (corners + turn * turn) / (length * length)};
+}
+
+// The information of a strut, in a frame in which it points to `direction`.
+Eigen::Matrix3d StrutInformation(const Eigen::Vector3d& variances, double direction) {
+  Eigen::Matrix3d to_frame = Eigen::Matrix3d::Identity();
+  to_frame.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(direction).toRotationMatrix();
+  const Eigen::Matrix3d information = to_frame * variances.cwiseInverse().asDiagonal() * to_frame.transpose();
+  return 0.5 * (information + information.transpose());
+}
+
+// Of the line's direction, and of its place across where it was seen; in the frame of the strut's middle.
+Eigen::Matrix3d SightingInformation(const WallSighting& sighting) {
+  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
+  jacobian(1, 2) = sighting.along;
+  const Eigen::Vector3d variances(kAlongSigma * kAlongSigma, sighting.across_sigma * sighting.across_sigma,
+                                  sighting.yaw_sigma * sighting.yaw_sigma);
+  const Eigen::Matrix3d information = jacobian.transpose() * variances.cwiseInverse().asDiagonal() * jacobian;
+  return 0.5 * (information + information.transpose());
+}
+
+class PlanAddition {
+ public:
+  PlanAddition(const GraphSnapshot& snapshot, const PlanInGraph& plan, const Pose2& T_world_plan, JointGraph& joint)
+      : snapshot_(snapshot), ties_(*plan.ties), T_world_plan_(T_world_plan), joint_(joint) {
+    part_.plan = &plan;
+  }
+
+  PlanPart Run() {
+    for (const Eigen::Vector2d& corner : ties_.corners) {
+      part_.corners.push_back(AddNode({corner.x(), corner.y(), 0.0}));
+    }
+    std::vector<char> is_seen(ties_.struts.size(), 0);
+    for (const WallSighting& sighting : ties_.sightings) {
+      if (NodeOf(sighting.map) != PlanPart::kNone) is_seen[static_cast<std::size_t>(sighting.strut)] = 1;
+    }
+    middles_.assign(ties_.struts.size(), PlanPart::kNone);
+    for (std::size_t i = 0; i < ties_.struts.size(); ++i) AddStrut(i, is_seen[i] != 0);
+    for (const WallSighting& sighting : ties_.sightings) AddSighting(sighting);
+    return std::move(part_);
+  }
+
+ private:
+  std::size_t AddNode(const Pose2& T_plan_node) {
+    const auto node = joint_.graph.nodes.size();
+    const auto first = static_cast<std::int64_t>(snapshot_.map_slots() + snapshot_.link_point_slots());
+    const std::int64_t id = first + static_cast<std::int64_t>(node);
+    joint_.graph.nodes.push_back({.id = id, .T_world_node = T_world_plan_ * T_plan_node});
+    joint_.node_of[id] = node;
+    return node;
+  }
+  void AddEdge(std::size_t from, std::size_t to, const Pose2& T_from_to, const Eigen::Matrix3d& information) {
+    joint_.graph.edges.push_back({.from = joint_.graph.nodes[from].id,
+                                  .to = joint_.graph.nodes[to].id,
+                                  .T_from_to = T_from_to,
+                                  .information = information,
+                                  .robust = true,
+                                  .enabled = true});
+  }
+
+  // One that somebody has seen is a variable at its middle, between its corners; another only joins its corners.
+  void AddStrut(std::size_t index, bool is_seen) {
+    const PlanStrut& strut = ties_.struts[index];
+    const Eigen::Vector2d from = ties_.corners[static_cast<std::size_t>(strut.from)];
+    const Eigen::Vector2d way = ties_.corners[static_cast<std::size_t>(strut.to)] - from;
+    const std::size_t begin = part_.corners[static_cast<std::size_t>(strut.from)];
+    const std::size_t end = part_.corners[static_cast<std::size_t>(strut.to)];
+    const double length = way.norm();
+    const double direction = std::atan2(way.y(), way.x());
+    const Eigen::Vector3d variances = StrutVariances(ties_, length);
+    part_.strut_edges.push_back(joint_.graph.edges.size());
+    if (!is_seen) return AddEdge(begin, end, {way.x(), way.y(), 0.0}, StrutInformation(variances, direction));
+    part_.strut_edges.push_back(joint_.graph.edges.size() + 1);
+    const Eigen::Vector2d middle = from + 0.5 * way;
+    const std::size_t node = AddNode({middle.x(), middle.y(), direction});
+    middles_[index] = node;
+    part_.seen_struts.push_back(index);
+    AddEdge(begin, node, {0.5 * way.x(), 0.5 * way.y(), direction}, StrutInformation(0.5 * variances, 0.0));
+    AddEdge(node, end, {0.5 * length, 0.0, -direction}, StrutInformation(0.5 * variances, direction));
+  }
+
+  void AddSighting(const WallSighting& sighting) {
+    const std::size_t map = NodeOf(sighting.map);
+    part_.edges.push_back(map == PlanPart::kNone ? PlanPart::kNone : joint_.graph.edges.size());
+    if (map == PlanPart::kNone) return;
+    AddEdge(map, middles_[static_cast<std::size_t>(sighting.strut)],
+            sighting.T_map_line * Pose2{-sighting.along, 0.0, 0.0}, SightingInformation(sighting));
+  }
+
+  // kNone: it is not part of the graph.
+  std::size_t NodeOf(const MapId& map) const {
+    const int slot = snapshot_.MapSlot(map);
+    const auto node = joint_.node_of.find(slot);
+    return slot < 0 || node == joint_.node_of.end() ? PlanPart::kNone : node->second;
+  }
+
+  const GraphSnapshot& snapshot_;
+  const PlanTies& ties_;
+  const Pose2 T_world_plan_;
+  JointGraph& joint_;
+  PlanPart part_;
+  std::vector<std::size_t> middles_;  // nodes of struts; kNone: nobody has seen it
+};
+
+}  // namespace
+
+PlanPart AddPlan(const GraphSnapshot& snapshot, const PlanInGraph& plan, const Pose2& T_world_plan, JointGraph& joint) {
+  return PlanAddition(snapshot, plan, T_world_plan, joint).Run();
+}
+
+double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut) {
+  const auto from = static_cast<std::size_t>(part.ties().struts[strut].from);
+  const auto to = static_cast<std::size_t>(part.ties().struts[strut].to);
+  const double before = (part.ties().corners[to] - part.ties().corners[from]).norm();
+  if (before < kShortStrut) return 1.0;
+  const auto at = [&](std::size_t corner) {
+    return joint.graph.nodes[part.corners[corner]].T_world_node.translation();
+  };
+  return (at(to) - at(from)).norm() / before;
+}
+
+}  // namespace enfilade::graph

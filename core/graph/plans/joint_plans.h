@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "core/graph/graph_snapshot.h"
+#include "core/graph/joint_graph.h"
+#include "core/graph/plans/plan_ties.h"
+
+namespace enfilade::graph {
+
+// A plan in the joint graph.
+struct PlanPart {
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+  const PlanInGraph* plan = nullptr;
+  std::vector<std::size_t> corners = {};      // nodes
+  std::vector<std::size_t> edges = {};        // of each sighting; kNone: its map is not part of the graph
+  std::vector<std::size_t> strut_edges = {};  // one for each strut, or two for one that was seen
+  std::vector<std::size_t> seen_struts = {};  // those of the sightings
+
+  const PlanTies& ties() const { return *plan->ties; }
+};
+
+// Adds a node for each corner, which has the turn of the plan around it as its yaw; one for each strut that a map of
+// the graph has seen, at its middle, with x along it; an edge for each strut, or two for one with a node; and one for
+// each sighting. All are robust. `plan` must outlive the result.
+PlanPart AddPlan(const GraphSnapshot& snapshot, const PlanInGraph& plan, const Pose2& T_world_plan, JointGraph& joint);
+
+// The length of a strut by that in the plan; 1 for short ones, which may be stretched in any way.
+double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut);
+
+}  // namespace enfilade::graph

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/graph/plans/solve_with_plans.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/status_macros.h"
+#include "core/graph/chi_squared.h"
+#include "core/graph/joint_graph.h"
+#include "core/graph/plans/joint_plans.h"
+#include "core/optimize/edge_error.h"
+#include "core/optimize/solve_pose_graph.h"
+#include "fmt/core.h"
+
+namespace enfilade::graph {
+namespace {
+
+constexpr double kHuberWidth = 2.0;
+constexpr double kWidths[] = {10.0, 3.0, 2.45};
+constexpr double kGate = 0.99;                   // of sightings and struts
+constexpr double kTolerance = 1.5;               // of chi-squared: plans are wrong in ways that nobody has foreseen
+constexpr double kMostPositionSigma = 1.0;       // m
+constexpr double kMostYawSigma = 5.0 * kDegree;  // rad
+constexpr double kLeastStretch = 0.7;
+constexpr double kMostStretch = 1.4;
+
+// One attempt, with some of the plans.
+class PlanSolve {
+ public:
+  PlanSolve(const GraphSnapshot& snapshot, const SolvedGraph& without, const GraphOptimizationOptions& options,
+            const std::vector<const PlanInGraph*>& plans)
+      : snapshot_(snapshot), without_(without), options_(options) {
+    std::vector<PlacedSlot> starts = {{snapshot.MapSlot(snapshot.root()), Pose2()}};
+    std::vector<const PlanInGraph*> usable;
+    std::vector<Pose2> places;
+    for (const PlanInGraph* plan : plans) {
+      const std::optional<Pose2> T_world_plan = PlaceOf(*plan->ties);
+      if (!T_world_plan) continue;
+      usable.push_back(plan);
+      places.push_back(*T_world_plan);
+      for (const MapInPlan& map : plan->ties->maps) {
+        const int slot = snapshot.MapSlot(map.map);
+        const auto is_start = [slot](const PlacedSlot& start) { return start.first == slot; };
+        if (slot < 0 || without.map_poses.contains(map.map) || std::any_of(starts.begin(), starts.end(), is_start)) {
+          continue;
+        }
+        starts.emplace_back(slot, *T_world_plan * map.T_plan_map);
+      }
+    }
+    joint_ = BuildJointGraph(snapshot, starts, options);
+    for (std::size_t i = 0; i < joint_.maps; ++i) {
+      const auto known = without.map_poses.find(MapAt(i));
+      if (known != without.map_poses.end()) joint_.graph.nodes[i].T_world_node = known->second.pose;
+    }
+    ApplyUse();
+    for (std::size_t i = 0; i < usable.size(); ++i) Add(*usable[i], places[i]);
+    begin_ = joint_.graph.nodes;
+  }
+
+  const std::vector<PlanPart>& parts() const { return parts_; }
+
+  absl::Status Run() {
+    ENFILADE_RETURN_IF_ERROR(Solve({.type = optimize::RobustKernel::Type::kHuber, .width = kHuberWidth}));
+    for (const double width : kWidths) {
+      ENFILADE_RETURN_IF_ERROR(Solve({.type = optimize::RobustKernel::Type::kDcs, .width = width}));
+    }
+    for (Judged& one : judged_) {
+      if (Excess(one) > 1.0) Use(one, false);
+    }
+    for (int round = 0;; ++round) {
+      ENFILADE_RETURN_IF_ERROR(Solve({}));
+      if (round >= options_.max_rounds || !(SwitchOffWorst() || UseAgain())) return absl::OkStatus();
+    }
+  }
+
+  PlanUse UseOf(const PlanPart& part) const {
+    PlanUse use{.plan = part.plan->id};
+    for (std::size_t i = 0; i < part.edges.size(); ++i) {
+      use.sightings.push_back(UseOf(part, i));
+      if (use.sightings.back().is_part) ++(use.sightings.back().used ? use.used : use.switched_off);
+    }
+    if (use.used < use.switched_off) {
+      use.contradiction =
+          fmt::format("{} of {} walls that maps have seen do not fit", use.switched_off, use.used + use.switched_off);
+    }
+    const Strain strain = StrainOf(part);
+    if (use.contradiction.empty() && strain.chi2 > strain.limit) {
+      use.contradiction =
+          fmt::format("it would have to be bent too much: chi-squared {:.0f} of {} degrees of freedom, at most {:.0f}",
+                      strain.chi2, strain.degrees_of_freedom, strain.limit);
+    }
+    for (const std::size_t strut : part.seen_struts) {
+      const double stretch = StretchOf(joint_, part, strut);
+      if (!use.contradiction.empty() || (stretch >= kLeastStretch && stretch <= kMostStretch)) continue;
+      use.contradiction = fmt::format("wall {} would have to be stretched to {:.2f} of its length",
+                                      part.ties().struts[strut].wall, stretch);
+    }
+    return use;
+  }
+
+  // What link points say of the poses that the plans ask for; empty: they agree.
+  std::string DisagreementOfLinkPoints() const {
+    double chi2 = 0.0;
+    int degrees_of_freedom = 0;
+    for (const Judged& one : known_) {
+      if (!one.used) continue;
+      chi2 += Chi2(one);
+      degrees_of_freedom += one.degrees_of_freedom;
+    }
+    if (degrees_of_freedom == 0) return "";
+    const double limit = std::max(ChiSquaredQuantile(0.999, degrees_of_freedom), 1.1 * without_.chi2_after);
+    if (chi2 <= limit) return "";
+    return fmt::format("link points disagree with it: chi-squared {:.1f} of {} degrees of freedom, at most {:.1f}",
+                       chi2, degrees_of_freedom, limit);
+  }
+
+  absl::StatusOr<SolvedGraph> Solution() {
+    SolvedGraph solution = without_;
+    const std::vector<char> is_joined = JoinedNodes();
+    std::size_t nodes = 0;  // that are posed
+    for (std::size_t i = 0; i < joint_.graph.nodes.size(); ++i) nodes += is_joined[i] != 0 ? 1 : 0;
+    for (std::size_t i = 0; i < joint_.maps; ++i) {
+      const Eigen::Matrix3d& covariance = report_.covariances[i].covariance;
+      if (is_joined[i] == 0 || (!without_.map_poses.contains(MapAt(i)) && !IsSure(covariance))) continue;
+      solution.map_poses[MapAt(i)] = {joint_.graph.nodes[i].T_world_node, covariance};
+    }
+    std::erase_if(solution.disconnected, [&](const MapId& map) { return solution.map_poses.contains(map); });
+    for (const Judged& one : judged_) {
+      if (one.link_point < 0 || one.used) continue;
+      ENFILADE_ASSIGN_OR_RETURN(const double chi2, Disagreement(joint_, joint_.graph.nodes, joint_.terms[one.term]));
+      solution.switched_off.push_back(
+          {.link_point = snapshot_.link_point_node(one.link_point).link_point->id, .chi2 = chi2, .gate = one.gate});
+    }
+    std::sort(solution.switched_off.begin(), solution.switched_off.end(),
+              [](const SwitchedOff& a, const SwitchedOff& b) { return a.link_point < b.link_point; });
+    solution.chi2_before = 0.0;
+    solution.degrees_of_freedom = -3 * (static_cast<int>(nodes) - 1);
+    for (std::size_t i = 0; i < joint_.graph.edges.size(); ++i) {
+      const optimize::PoseGraphEdge& edge = joint_.graph.edges[i];
+      if (!edge.enabled || is_joined[joint_.node_of.at(edge.from)] == 0) continue;
+      solution.chi2_before += Chi2At(begin_, edge);
+      solution.degrees_of_freedom += is_sighting_[i] != 0 ? 2 : 3;
+    }
+    solution.chi2_after = report_.final_chi2;
+    solution.iterations += iterations_;
+    solution.converged = report_.converged;
+    return solution;
+  }
+
+ private:
+  // What may be switched off: a sighting, a strut, or a link point.
+  struct Judged {
+    std::vector<std::size_t> edges = {};
+    int degrees_of_freedom = 0;
+    double gate = 0.0;
+    int link_point = -1;   // slot; -1: it is none
+    std::size_t term = 0;  // of the link point
+    bool used = true;
+    bool returned = false;
+  };
+
+  SightingUse UseOf(const PlanPart& part, std::size_t sighting) const {
+    const std::size_t edge = part.edges[sighting];
+    if (edge == PlanPart::kNone) return {};
+    const WallSighting& seen = part.ties().sightings[sighting];
+    const auto pose = [&](std::int64_t id) { return joint_.graph.nodes[joint_.node_of.at(id)].T_world_node; };
+    const Pose2 T_map_strut = Between(pose(joint_.graph.edges[edge].from), pose(joint_.graph.edges[edge].to));
+    const Pose2 T_line_wall = Between(seen.T_map_line, T_map_strut * Pose2{seen.along, 0.0, 0.0});
+    return {.is_part = true,
+            .used = joint_.graph.edges[edge].enabled,
+            .across = T_line_wall.y,
+            .turn = T_line_wall.yaw,
+            .chi2 = report_.edge_chi2[edge]};
+  }
+
+  // How much a plan is bent: of all struts, also those that are switched off, and the sightings that count.
+  struct Strain {
+    double chi2 = 0.0;  // single struts count up to twice their gate: a wall may be elsewhere than it is drawn
+    int degrees_of_freedom = 0;
+    double limit = 0.0;
+  };
+  Strain StrainOf(const PlanPart& part) const {
+    Strain strain;
+    const auto most = 2.0 * ChiSquaredQuantile(kGate, 3);
+    for (const std::size_t edge : part.strut_edges) strain.chi2 += std::min(report_.edge_chi2[edge], most);
+    auto freedom = 3 * static_cast<std::ptrdiff_t>(part.strut_edges.size()) -
+                   3 * static_cast<std::ptrdiff_t>(part.corners.size() + part.seen_struts.size());
+    for (const std::size_t edge : part.edges) {
+      if (edge == PlanPart::kNone || !joint_.graph.edges[edge].enabled) continue;
+      strain.chi2 += report_.edge_chi2[edge];
+      freedom += 2;
+    }
+    for (const MapInPlan& map : part.ties().maps) freedom -= without_.map_poses.contains(map.map) ? 0 : 3;
+    strain.degrees_of_freedom = static_cast<int>(std::max<std::ptrdiff_t>(freedom, 1));
+    strain.limit = kTolerance * ChiSquaredQuantile(0.999, strain.degrees_of_freedom);
+    return strain;
+  }
+
+  const MapId& MapAt(std::size_t node) const {
+    return snapshot_.map_node(static_cast<int>(joint_.graph.nodes[node].id)).map->id;
+  }
+
+  void Add(const PlanInGraph& plan, const Pose2& T_world_plan) {
+    parts_.push_back(AddPlan(snapshot_, plan, T_world_plan, joint_));
+    is_sighting_.resize(joint_.graph.edges.size(), 0);
+    for (const std::size_t edge : parts_.back().edges) {
+      if (edge == PlanPart::kNone) continue;
+      is_sighting_[edge] = 1;
+      judged_.push_back({.edges = {edge}, .degrees_of_freedom = 2, .gate = ChiSquaredQuantile(kGate, 2)});
+    }
+    for (const std::size_t edge : parts_.back().strut_edges) {
+      judged_.push_back({.edges = {edge}, .degrees_of_freedom = 3, .gate = ChiSquaredQuantile(kGate, 3)});
+    }
+  }
+
+  // By the map that sees most of it, of those that are posed without it.
+  std::optional<Pose2> PlaceOf(const PlanTies& ties) const {
+    std::optional<Pose2> T_world_plan;
+    std::ptrdiff_t most = 0;
+    for (const MapInPlan& map : ties.maps) {
+      const auto known = without_.map_poses.find(map.map);
+      const auto seen = std::count_if(ties.sightings.begin(), ties.sightings.end(),
+                                      [&](const WallSighting& sighting) { return sighting.map == map.map; });
+      if (known == without_.map_poses.end() || snapshot_.MapSlot(map.map) < 0 || seen <= most) continue;
+      most = seen;
+      T_world_plan = known->second.pose * Inverse(map.T_plan_map);
+    }
+    return T_world_plan;
+  }
+
+  // Link points between maps that are posed without plans count as they do there; others are judged.
+  void ApplyUse() {
+    for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
+      const JointTerm& term = joint_.terms[i];
+      const LinkPoint& link_point = *snapshot_.link_point_node(term.link_point).link_point;
+      Judged one{.edges = term.edges,
+                 .degrees_of_freedom = term.degrees_of_freedom,
+                 .gate = ChiSquaredQuantile(options_.gate_probability, term.degrees_of_freedom),
+                 .link_point = term.link_point,
+                 .term = i};
+      const bool is_known = std::all_of(link_point.anchors.begin(), link_point.anchors.end(),
+                                        [&](const Anchor& anchor) { return without_.map_poses.contains(anchor.map); });
+      one.used = std::none_of(without_.switched_off.begin(), without_.switched_off.end(),
+                              [&](const SwitchedOff& off) { return off.link_point == link_point.id; });
+      SetEnabled(joint_, term, one.used);
+      for (const std::size_t edge : term.edges) joint_.graph.edges[edge].robust = !is_known;
+      (is_known ? known_ : judged_).push_back(std::move(one));
+    }
+    is_sighting_.assign(joint_.graph.edges.size(), 0);
+  }
+
+  absl::Status Solve(const optimize::RobustKernel& kernel) {
+    optimize::SolveOptions solve{.initialisation = optimize::Initialisation::kNone,
+                                 .kernel = kernel,
+                                 .max_iterations = options_.max_iterations,
+                                 .fixed = {joint_.graph.nodes.front().id}};
+    if (kernel.type == optimize::RobustKernel::Type::kNone) {
+      for (std::size_t i = 0; i < joint_.maps; ++i) solve.covariance_of.push_back(joint_.graph.nodes[i].id);
+    }
+    ENFILADE_ASSIGN_OR_RETURN(report_, optimize::SolvePoseGraph(solve, joint_.graph));
+    iterations_ += report_.iterations;
+    return absl::OkStatus();
+  }
+
+  double Chi2(const Judged& one) const {
+    return std::accumulate(one.edges.begin(), one.edges.end(), 0.0,
+                           [this](double sum, std::size_t edge) { return sum + report_.edge_chi2[edge]; });
+  }
+  // Comparable between sightings, struts and link points.
+  double Excess(const Judged& one) const { return Chi2(one) / one.gate; }
+
+  void Use(Judged& one, bool used) {
+    one.used = used;
+    for (const std::size_t edge : one.edges) joint_.graph.edges[edge].enabled = used;
+  }
+
+  bool SwitchOffWorst() {
+    const auto worst = std::max_element(judged_.begin(), judged_.end(), [this](const Judged& a, const Judged& b) {
+      return (a.used ? Excess(a) : 0.0) < (b.used ? Excess(b) : 0.0);
+    });
+    if (worst == judged_.end() || !worst->used || Excess(*worst) <= 1.0) return false;
+    Use(*worst, false);
+    return true;
+  }
+
+  // At most once each, so that the rounds end.
+  bool UseAgain() {
+    bool any = false;
+    for (Judged& one : judged_) {
+      if (one.used || one.returned || Excess(one) > 1.0) continue;
+      one.returned = true;
+      Use(one, true);
+      any = true;
+    }
+    return any;
+  }
+
+  // The nodes that enabled edges join to the root.
+  std::vector<char> JoinedNodes() const {
+    const std::vector<optimize::PoseGraphNode>& nodes = joint_.graph.nodes;
+    std::vector<std::vector<std::size_t>> neighbours(nodes.size());
+    for (const optimize::PoseGraphEdge& edge : joint_.graph.edges) {
+      if (!edge.enabled) continue;
+      const std::size_t from = joint_.node_of.at(edge.from);
+      const std::size_t to = joint_.node_of.at(edge.to);
+      neighbours[from].push_back(to);
+      neighbours[to].push_back(from);
+    }
+    std::vector<char> joined(nodes.size(), 0);
+    std::vector<std::size_t> reached = {0};
+    joined[0] = 1;
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      for (const std::size_t next : neighbours[reached[i]]) {
+        if (std::exchange(joined[next], 1) == 0) reached.push_back(next);
+      }
+    }
+    return joined;
+  }
+
+  double Chi2At(const std::vector<optimize::PoseGraphNode>& nodes, const optimize::PoseGraphEdge& edge) const {
+    const Eigen::Vector3d error =
+        optimize::EdgeError(nodes[joint_.node_of.at(edge.from)].T_world_node,
+                            nodes[joint_.node_of.at(edge.to)].T_world_node, optimize::EdgeMeasurement(edge.T_from_to));
+    return error.dot(edge.information * error);
+  }
+
+  static bool IsSure(const Eigen::Matrix3d& covariance) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
+    return axes.eigenvalues()(1) <= kMostPositionSigma * kMostPositionSigma &&
+           covariance(2, 2) <= kMostYawSigma * kMostYawSigma;
+  }
+
+  const GraphSnapshot& snapshot_;
+  const SolvedGraph& without_;
+  const GraphOptimizationOptions& options_;
+  JointGraph joint_;
+  std::vector<PlanPart> parts_;
+  std::vector<char> is_sighting_;  // of each edge
+  std::vector<Judged> known_;      // link points
+  std::vector<Judged> judged_;
+  std::vector<optimize::PoseGraphNode> begin_;
+  optimize::SolveReport report_;
+  int iterations_ = 0;
+};
+
+double ShareOf(const PlanUse& use) { return static_cast<double>(use.used) / (use.used + use.switched_off); }
+
+}  // namespace
+
+absl::StatusOr<SolvedGraph> SolveWithPlans(const GraphSnapshot& graph, SolvedGraph without,
+                                           const GraphOptimizationOptions& options) {
+  std::vector<const PlanInGraph*> plans;
+  std::vector<PlanUse> uses;  // of those that are decided
+  for (const PlanInGraph& plan : graph.plans()) plans.push_back(&plan);
+  const auto finish = [&](SolvedGraph solution) {
+    solution.plans = std::move(uses);
+    std::sort(solution.plans.begin(), solution.plans.end(),
+              [](const PlanUse& a, const PlanUse& b) { return a.plan < b.plan; });
+    return solution;
+  };
+  while (true) {
+    PlanSolve solve(graph, without, options, plans);
+    std::erase_if(plans, [&](const PlanInGraph* plan) {
+      const bool is_part = std::any_of(solve.parts().begin(), solve.parts().end(),
+                                       [&](const PlanPart& part) { return part.plan == plan; });
+      if (!is_part) uses.push_back({.plan = plan->id});  // no map that is posed has seen it
+      return !is_part;
+    });
+    if (plans.empty()) return finish(std::move(without));
+    ENFILADE_RETURN_IF_ERROR(solve.Run());
+    std::vector<PlanUse> attempted;
+    for (const PlanPart& part : solve.parts()) attempted.push_back(solve.UseOf(part));
+    const auto is_contradicted = [](const PlanUse& use) { return !use.contradiction.empty(); };
+    if (std::none_of(attempted.begin(), attempted.end(), is_contradicted)) {
+      const std::string disagreement = solve.DisagreementOfLinkPoints();
+      if (disagreement.empty()) {
+        ENFILADE_ASSIGN_OR_RETURN(SolvedGraph solution, solve.Solution());
+        uses.insert(uses.end(), attempted.begin(), attempted.end());
+        return finish(std::move(solution));
+      }
+      std::min_element(attempted.begin(), attempted.end(), [](const PlanUse& a, const PlanUse& b) {
+        return ShareOf(a) < ShareOf(b);
+      })->contradiction = disagreement;
+    }
+    for (const PlanUse& use : attempted) {
+      if (!is_contradicted(use)) continue;
+      uses.push_back(use);
+      std::erase_if(plans, [&](const PlanInGraph* plan) { return plan->id == use.plan; });
+    }
+    if (plans.empty()) return finish(std::move(without));
+  }
+}
+
+}  // namespace enfilade::graph

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/graph/plans/plan_ties.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "tests/support/status_assertions.h"
+#include "tests/unit/core/graph/scene.h"
+
+namespace enfilade::graph {
+namespace {
+
+using testing::M;
+
+PlanTies Sample() {
+  PlanTies ties;
+  ties.corners = {{0, 0}, {4, 0}, {4, 3}};
+  ties.struts = {{0, 1, 7}, {1, 2, -1}};
+  ties.maps = {{M("a"), {1, 2, 0.5}}, {M("b"), {}}};
+  ties.sightings = {{.strut = 0,
+                     .map = M("a"),
+                     .T_map_line = {1, 2, 3},
+                     .along = 0.5,
+                     .length = 2,
+                     .across_sigma = 0.05,
+                     .yaw_sigma = 0.01}};
+  ties.corner_sigma = 0.2;
+  ties.stretch_sigma = 0.05;
+  return ties;
+}
+
+TEST(PlanTiesTest, AreReadAsTheyWereWritten) {
+  ASSERT_OK_AND_ASSIGN(const PlanTies read, DecodePlanTies(EncodePlanTies(Sample())));
+  EXPECT_EQ(read, Sample());
+}
+
+TEST(PlanTiesTest, EveryCutIsNoticed) {
+  const std::string bytes = EncodePlanTies(Sample());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_CODE(DecodePlanTies(bytes.substr(0, size)), absl::StatusCode::kDataLoss) << size;
+  }
+  EXPECT_CODE(DecodePlanTies(bytes + "x"), absl::StatusCode::kDataLoss);
+}
+
+TEST(PlanTiesTest, WhatMakesNoSenseIsRefused) {
+  const auto refused = [](void (*damage)(PlanTies&)) {
+    PlanTies ties = Sample();
+    damage(ties);
+    EXPECT_CODE(DecodePlanTies(EncodePlanTies(ties)), absl::StatusCode::kDataLoss);
+  };
+  refused([](PlanTies& ties) { ties.struts[0].to = 3; });
+  refused([](PlanTies& ties) { ties.struts[0].to = ties.struts[0].from; });
+  refused([](PlanTies& ties) { ties.sightings[0].strut = 2; });
+  refused([](PlanTies& ties) { ties.sightings[0].map = M("c"); });
+  refused([](PlanTies& ties) { ties.sightings[0].across_sigma = 0; });
+  refused([](PlanTies& ties) { ties.maps[1].T_plan_map.x = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](PlanTies& ties) { ties.corner_sigma = -1; });
+  std::string newer = EncodePlanTies(Sample());
+  newer[0] = 2;
+  EXPECT_CODE(DecodePlanTies(newer), absl::StatusCode::kFailedPrecondition);
+}
+
+}  // namespace
+}  // namespace enfilade::graph
