@@ -78,10 +78,14 @@ void Overlay::Set(TileIndex index, TileCells cells) {
 
 std::set<TileIndex> TilesOf(const Shape& shape, std::size_t most) {
   std::set<TileIndex> tiles;
+  TileIndex first_before, last_before;  // of the span before: those below it are often in the same tiles
   VisitSpans(shape, [&](const Span& span) {
+    const TileIndex first = TileOf(span.begin, span.row);
     const TileIndex last = TileOf(span.end - 1, span.row);
-    for (TileIndex index = TileOf(span.begin, span.row); index.column <= last.column && tiles.size() <= most;
-         ++index.column) {
+    if (!tiles.empty() && first == first_before && last == last_before) return;
+    first_before = first;
+    last_before = last;
+    for (TileIndex index = first; index.column <= last.column && tiles.size() <= most; ++index.column) {
       tiles.insert(index);
     }
   });

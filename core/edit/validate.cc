@@ -138,7 +138,11 @@ absl::Status CheckCells(const Shape& shape) {
   const std::int64_t cells = CountCells(shape);
   if (cells == 0) return InvalidArgument("it covers no cell");
   if (cells > kMaxCells) return InvalidArgument("it covers {} cells: at most {}; split it", cells, kMaxCells);
-  if (TilesOf(shape, kMaxTiles).size() > kMaxTiles) {
+  const CellBox box = BoxOf(shape);
+  const grid::TileIndex first = TileOf(box.first_column, box.first_row);
+  const grid::TileIndex last = TileOf(box.end_column() - 1, box.end_row() - 1);
+  const std::int64_t in_box = (std::int64_t{last.row} - first.row + 1) * (std::int64_t{last.column} - first.column + 1);
+  if (in_box > std::int64_t{kMaxTiles} && TilesOf(shape, kMaxTiles).size() > kMaxTiles) {
     return InvalidArgument("it touches more than {} tiles of {} x {} cells: split it", kMaxTiles, grid::kTileSize,
                            grid::kTileSize);
   }

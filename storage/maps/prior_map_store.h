@@ -111,8 +111,8 @@ struct PriorMapOutcome {
 };
 
 // Prior maps with their files, whose blobs they keep. While one is in use (kActive) it ties maps together: what changes
-// that, or changes its ties meanwhile, raises the version of the site's graph. Thread-safe; errors common to all stores: see SiteStore. A stale
-// etag (0: any) is ABORTED.
+// that, or changes its ties meanwhile, raises the version of the site's graph. Thread-safe; errors common to all
+// stores: see SiteStore. A stale etag (0: any) is ABORTED.
 class PriorMapStore {
  public:
   explicit PriorMapStore(postgres::Pool& pool) : pool_(pool) {}

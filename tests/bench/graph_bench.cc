@@ -4,10 +4,12 @@
 // the same room are joined.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <boost/graph/compressed_sparse_row_graph.hpp>
 #include <boost/graph/dijkstra_shortest_paths.hpp>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <random>
 #include <utility>
 #include <vector>
@@ -16,6 +18,7 @@
 #include "core/graph/graph_optimization.h"
 #include "core/graph/graph_snapshot.h"
 #include "core/graph/paths/routes.h"
+#include "core/graph/plans/plan_ties.h"
 #include "fmt/format.h"
 
 namespace enfilade::bench {
@@ -156,6 +159,63 @@ void AnswerAfterAChange(benchmark::State& state) {
   state.counters["maps"] = static_cast<double>(graph.map_count());
 }
 BENCHMARK(AnswerAfterAChange)->Unit(benchmark::kMillisecond);
+
+// Of n x n rooms: the walls between and around them, whose corners are 0.05 m off; each room has seen its four walls.
+graph::GraphSnapshot WithPlan(const graph::GraphSnapshot& rooms, int n) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  const auto ties = std::make_shared<graph::PlanTies>();
+  const auto corner = [n](int x, int y) { return y * (n + 1) + x; };
+  for (int y = 0; y <= n; ++y) {
+    for (int x = 0; x <= n; ++x) ties->corners.emplace_back(kRoom * x + noise(random), kRoom * y + noise(random));
+  }
+  // Below and to the left of each corner.
+  std::map<std::pair<int, int>, int> strut_of;
+  const auto add = [&](int from, int to) {
+    const int strut = static_cast<int>(ties->struts.size());
+    strut_of[{from, to}] = strut;
+    ties->struts.push_back({from, to, strut});
+  };
+  for (int y = 0; y <= n; ++y) {
+    for (int x = 0; x <= n; ++x) {
+      if (x < n) add(corner(x, y), corner(x + 1, y));
+      if (y < n) add(corner(x, y), corner(x, y + 1));
+    }
+  }
+  for (int x = 0; x < n; ++x) {
+    for (int y = 0; y < n; ++y) {
+      const MapId map(RoomId(x, y));
+      ties->maps.push_back({map, {kRoom * x, kRoom * y, 0.0}});
+      const auto see = [&](int from, int to, const Pose2& T_map_line) {
+        ties->sightings.push_back({.strut = strut_of.at({from, to}),
+                                   .map = map,
+                                   .T_map_line = T_map_line,
+                                   .length = kRoom,
+                                   .across_sigma = 0.05,
+                                   .yaw_sigma = 0.01});
+      };
+      see(corner(x, y), corner(x + 1, y), {0.5 * kRoom, 0.0, 0.0});
+      see(corner(x, y + 1), corner(x + 1, y + 1), {0.5 * kRoom, kRoom, 0.0});
+      see(corner(x, y), corner(x, y + 1), {0.0, 0.5 * kRoom, 0.5 * M_PI});
+      see(corner(x + 1, y), corner(x + 1, y + 1), {kRoom, 0.5 * kRoom, 0.5 * M_PI});
+    }
+  }
+  std::sort(ties->maps.begin(), ties->maps.end(), [](const auto& a, const auto& b) { return a.map < b.map; });
+  return graph::Apply(rooms, {.version = rooms.version() + 1,
+                              .plans = std::vector<graph::PlanInGraph>{{PriorMapId("plan"), "", ties}}})
+      .value();
+}
+
+// 22 x 22 rooms with 924 doors, and the 1,012 walls of their plan.
+void OptimizeRooms(benchmark::State& state) {
+  const graph::GraphSnapshot& rooms = Rooms(924);
+  const graph::GraphSnapshot graph = state.range(0) == 0 ? rooms : WithPlan(rooms, 22);
+  for (auto _ : state) benchmark::DoNotOptimize(graph::OptimizeGraph(graph));
+  const auto solved = graph::OptimizeGraph(graph);
+  state.counters["maps"] = static_cast<double>(solved.value().map_poses.size());
+  for (const graph::PlanUse& plan : solved->plans) state.counters["walls_used"] = plan.used;
+}
+BENCHMARK(OptimizeRooms)->ArgName("with_plan")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void ApplyOneChange(benchmark::State& state) {
   graph::GraphSnapshot graph = Rooms(state.range(0));

@@ -55,7 +55,9 @@ class CorrectedPlan {
   const std::vector<WallFace>& faces() const { return faces_; }
   const Agreement& agreement() const { return agreement_; }
   double scale() const { return T_map_sheet_.scale(); }  // m per unit of the sheet, of the plan as a whole
-  double corner_sigma() const { return model_.corner; }  // m: how far each corner is off by itself, by all that was seen
+  double corner_sigma() const {
+    return model_.corner;
+  }  // m: how far each corner is off by itself, by all that was seen
   CorrectedPoint Locate(const Eigen::Vector2d& point_sheet) const;
 
  private:

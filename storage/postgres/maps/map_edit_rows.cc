@@ -33,7 +33,8 @@ constexpr Statement kLockDraft{"locking the draft", "SELECT " ENFILADE_DRAFT_COL
 // Those that the draft has already leave gaps in the sequence. The draft grows if there is a new one.
 constexpr Statement kInsertEdits{
     "storing edits",
-    "WITH new AS (INSERT INTO enfilade.map_edits (site_id, map_id, draft_id, sequence, edit_id, author, head, instruction,"
+    "WITH new AS (INSERT INTO enfilade.map_edits (site_id, map_id, draft_id, sequence, edit_id, author, head, "
+    "instruction,"
     " invisible, shape) SELECT $1, $2, $3, d.next_sequence + row_number() OVER (ORDER BY u.place) - 1, u.edit_id,"
     " u.author, $4, u.instruction, u.invisible = 1, u.shape FROM enfilade.map_drafts d,"
     " unnest($5::text[], $6::text[], $7::smallint[], $8::smallint[], $9::bytea[])"

@@ -27,7 +27,8 @@ constexpr auto kPrecondition = absl::StatusCode::kFailedPrecondition;
 
 grid::GridGeometry SizedGrid(int width, int height) { return {0.05, {}, width, height}; }
 
-grid::RasterHeader HeaderOf(const MapRaster& raster) {
+// Of a raster far from the origin of its lattice.
+grid::RasterHeader FarHeaderOf(const MapRaster& raster) {
   grid::RasterHeader header{.raster = {raster.geometry, raster.cells}, .lattice_min = {-7, 250}};
   if (auto* const grey = std::get_if<GreyCells>(&header.raster.cells)) {
     header.has_alpha = !grey->alpha.empty();
@@ -65,7 +66,7 @@ TEST(ApplyEdits, EveryFormSaysWhatItCanAndKeepsAllOtherCells) {
     ASSERT_OK(grid::Validate(form));
     for (const Instruction instruction : {Instruction::kUnknown, Instruction::kFree, Instruction::kOccupied}) {
       const bool can = HasValueFor(form, instruction);
-      ASSERT_EQ(CanSay(HeaderOf(form), instruction).ok(), can) << NameOf(form) << static_cast<int>(instruction);
+      ASSERT_EQ(CanSay(FarHeaderOf(form), instruction).ok(), can) << NameOf(form) << static_cast<int>(instruction);
       Overlay overlay;
       overlay.Draw({instruction, Brush{{Centre(-3, 255), Centre(9, 262)}, 800}, false});
       MapRaster edited = form;
@@ -123,18 +124,18 @@ TEST(ApplyEdits, RefusalsNameTheFormAndTheRemedy) {
   GreyInterpretation scale;
   scale.mode = MapMode::kScale;
   MapRaster raster{SizedGrid(1, 1), OneGrey(scale)};
-  EXPECT_STATUS(CanSay(HeaderOf(raster), Instruction::kUnknown), kPrecondition,
+  EXPECT_STATUS(CanSay(FarHeaderOf(raster), Instruction::kUnknown), kPrecondition,
                 AllOf(HasSubstr("mode scale"), HasSubstr("reads back as unknown"), HasSubstr("free or occupied")));
-  EXPECT_OK(CanSay(HeaderOf(raster), Instruction::kFree));
+  EXPECT_OK(CanSay(FarHeaderOf(raster), Instruction::kFree));
   raster.cells = grid::UnitCells{{0.5}, {}};
-  EXPECT_STATUS(CanSay(HeaderOf(raster), Instruction::kUnknown), kPrecondition, HasSubstr("JSON"));
+  EXPECT_STATUS(CanSay(FarHeaderOf(raster), Instruction::kUnknown), kPrecondition, HasSubstr("JSON"));
   GreyInterpretation raw;
   raw.mode = MapMode::kRaw;
   raster.cells = OneGrey(raw, 1, 0);  // 0 or 255, which is unknown
-  EXPECT_STATUS(CanSay(HeaderOf(raster), Instruction::kOccupied), kPrecondition,
+  EXPECT_STATUS(CanSay(FarHeaderOf(raster), Instruction::kOccupied), kPrecondition,
                 AllOf(HasSubstr("mode raw"), HasSubstr("occupied")));
-  EXPECT_OK(CanSay(HeaderOf(raster), Instruction::kNone));
-  EXPECT_OK(CanSay(HeaderOf(raster), Instruction::kClear));
+  EXPECT_OK(CanSay(FarHeaderOf(raster), Instruction::kNone));
+  EXPECT_OK(CanSay(FarHeaderOf(raster), Instruction::kClear));
 }
 
 // A refusal because of one cell changes none, and cells outside of the raster are no reason.

@@ -6,7 +6,7 @@
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
-#include "tests/rpc/prior_map_fixture.h"
+#include "tests/rpc/prior/prior_map_fixture.h"
 #include "tests/support/eventually.h"
 
 namespace enfilade::testing {

@@ -9,7 +9,7 @@
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
 #include "enfilade/v1/site_service.grpc.pb.h"
-#include "tests/rpc/prior_map_fixture.h"
+#include "tests/rpc/prior/prior_map_fixture.h"
 #include "tests/support/eventually.h"
 #include "tests/support/plans/drawn_building.h"
 
