@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/graph/plans/joint_plans.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,8 +10,13 @@ namespace enfilade::graph {
 namespace {
 
 constexpr double kTurnSigma = 1.0 * kDegree;  // of a strut
-constexpr double kAlongSigma = 30.0;  // m: walls are not seen along themselves, but matrices must have an inverse
-constexpr double kShortStrut = 2.0;   // m
+constexpr double kAlongSigma = 30.0;        // m: walls are not seen along themselves, but matrices must have an inverse
+constexpr double kMostPositionSigma = 1.0;  // m
+constexpr double kMostYawSigma = 5.0 * kDegree;  // rad
+// Maps are taken to be rigid, but SLAM bends them a little: all walls of a map are off together.
+constexpr double kBendingPosition = 0.03;      // m
+constexpr double kBendingYaw = 0.2 * kDegree;  // rad
+constexpr double kShortStrut = 2.0;            // m
 
 // Uncertainty of a strut between its corners, in its own frame: along, across (m^2), turn (rad^2).
 Eigen::Vector3d StrutVariances(const PlanTies& ties, double length) {
@@ -136,6 +142,16 @@ double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t stru
     return joint.graph.nodes[part.corners[corner]].T_world_node.translation();
   };
   return (at(to) - at(from)).norm() / before;
+}
+
+std::optional<Eigen::Matrix3d> CovarianceByPlan(const Eigen::Matrix3d& solved) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(solved.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
+  if (axes.eigenvalues()(1) > kMostPositionSigma * kMostPositionSigma) return std::nullopt;
+  if (solved(2, 2) > kMostYawSigma * kMostYawSigma) return std::nullopt;
+  Eigen::Matrix3d covariance = solved;
+  covariance.diagonal() += Eigen::Vector3d(kBendingPosition * kBendingPosition, kBendingPosition * kBendingPosition,
+                                           kBendingYaw * kBendingYaw);
+  return covariance;
 }
 
 }  // namespace enfilade::graph

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/graph/graph_snapshot.h"
@@ -31,5 +33,9 @@ PlanPart AddPlan(const GraphSnapshot& snapshot, const PlanInGraph& plan, const P
 
 // The length of a strut by that in the plan; 1 for short ones, which may be stretched in any way.
 double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut);
+
+// Of the pose of a map that only plans join, given that by the solution: with what SLAM bends maps. Unset: it is not
+// known well enough.
+std::optional<Eigen::Matrix3d> CovarianceByPlan(const Eigen::Matrix3d& solved);
 
 }  // namespace enfilade::graph

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/graph/plans/solve_with_plans.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -21,10 +20,8 @@ namespace {
 
 constexpr double kHuberWidth = 2.0;
 constexpr double kWidths[] = {10.0, 3.0, 2.45};
-constexpr double kGate = 0.99;                   // of sightings and struts
-constexpr double kTolerance = 1.5;               // of chi-squared: plans are wrong in ways that nobody has foreseen
-constexpr double kMostPositionSigma = 1.0;       // m
-constexpr double kMostYawSigma = 5.0 * kDegree;  // rad
+constexpr double kGate = 0.99;      // of sightings and struts
+constexpr double kTolerance = 2.0;  // of chi-squared: the error of one corner strains all struts that meet there
 constexpr double kLeastStretch = 0.7;
 constexpr double kMostStretch = 1.4;
 
@@ -124,9 +121,10 @@ class PlanSolve {
     std::size_t nodes = 0;  // that are posed
     for (std::size_t i = 0; i < joint_.graph.nodes.size(); ++i) nodes += is_joined[i] != 0 ? 1 : 0;
     for (std::size_t i = 0; i < joint_.maps; ++i) {
-      const Eigen::Matrix3d& covariance = report_.covariances[i].covariance;
-      if (is_joined[i] == 0 || (!without_.map_poses.contains(MapAt(i)) && !IsSure(covariance))) continue;
-      solution.map_poses[MapAt(i)] = {joint_.graph.nodes[i].T_world_node, covariance};
+      std::optional<Eigen::Matrix3d> covariance = report_.covariances[i].covariance;
+      if (!without_.map_poses.contains(MapAt(i))) covariance = CovarianceByPlan(*covariance);
+      if (is_joined[i] == 0 || !covariance) continue;
+      solution.map_poses[MapAt(i)] = {joint_.graph.nodes[i].T_world_node, *covariance};
     }
     std::erase_if(solution.disconnected, [&](const MapId& map) { return solution.map_poses.contains(map); });
     for (const Judged& one : judged_) {
@@ -326,12 +324,6 @@ class PlanSolve {
         optimize::EdgeError(nodes[joint_.node_of.at(edge.from)].T_world_node,
                             nodes[joint_.node_of.at(edge.to)].T_world_node, optimize::EdgeMeasurement(edge.T_from_to));
     return error.dot(edge.information * error);
-  }
-
-  static bool IsSure(const Eigen::Matrix3d& covariance) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>(), Eigen::EigenvaluesOnly);
-    return axes.eigenvalues()(1) <= kMostPositionSigma * kMostPositionSigma &&
-           covariance(2, 2) <= kMostYawSigma * kMostYawSigma;
   }
 
   const GraphSnapshot& snapshot_;

@@ -51,6 +51,7 @@ class Row {
       ties_.corners.emplace_back(corner + Eigen::Vector2d(Noise(corner_sigma), Noise(corner_sigma)));
     }
     ties_.corner_sigma = std::max(0.02, corner_sigma);
+    bends_.assign(static_cast<std::size_t>(rooms), Eigen::Vector2d::Zero());
     for (int i = 0; i < rooms; ++i) {
       ties_.maps.push_back({Map(i), world_.T_world_maps[static_cast<std::size_t>(i)]});
     }
@@ -61,6 +62,10 @@ class Row {
   int Below(int room) const { return rooms_ + 1 + 2 * room; }
   static MapId Map(int room) { return M(Numbered("m", room)); }
 
+  // Of each room, all walls are off together, m.
+  void Bend(double sigma) {
+    for (Eigen::Vector2d& bend : bends_) bend = {Noise(sigma), Noise(sigma)};
+  }
   void SeeAll(int room) {
     for (const int strut : {room, room + 1, Below(room), Below(room) + 1}) See(room, strut);
   }
@@ -69,7 +74,8 @@ class Row {
     const Eigen::Vector2d from = truth_[static_cast<std::size_t>(ends.from)];
     const Eigen::Vector2d way = truth_[static_cast<std::size_t>(ends.to)] - from;
     const Eigen::Vector2d middle = from + 0.5 * way;
-    const Pose2 T_world_line{middle.x(), middle.y(), std::atan2(way.y(), way.x())};
+    const Eigen::Vector2d& bend = bends_[static_cast<std::size_t>(room)];
+    const Pose2 T_world_line{middle.x() + bend.x(), middle.y() + bend.y(), std::atan2(way.y(), way.x())};
     const Pose2 noise{Noise(0.1), Noise(kAcross), Noise(kYaw)};
     ties_.sightings.push_back(
         {.strut = strut,
@@ -120,6 +126,7 @@ class Row {
   std::mt19937_64 random_;
   World world_;
   std::vector<Eigen::Vector2d> truth_;  // corners, in the world
+  std::vector<Eigen::Vector2d> bends_;
   PlanTies ties_;
 };
 
@@ -182,6 +189,7 @@ TEST(SolveWithPlansTest, CovariancesSayHowFarPosesAreOff) {
   constexpr int kSeeds = 200;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     Row row(3, 0.1, seed);
+    row.Bend(0.03);
     std::vector<LinkPoint> doors = {row.Door(0, 0.05, 1.0 * kDegree)};
     for (int i = 0; i < 3; ++i) row.SeeAll(i);
     ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph(doors)));
