@@ -9,7 +9,10 @@
 #include "enfilade/v1/localization_service.grpc.pb.h"
 #include "enfilade/v1/map_area_service.grpc.pb.h"
 #include "enfilade/v1/map_edit_service.grpc.pb.h"
+#include "enfilade/v1/prior_map_service.grpc.pb.h"
+#include "enfilade/v1/raster_service.grpc.pb.h"
 #include "enfilade/v1/server_service.grpc.pb.h"
+#include "enfilade/v1/watch_service.grpc.pb.h"
 #include "google/protobuf/descriptor.h"
 #include "grpcpp/generic/generic_stub.h"
 #include "storage/postgres/driver/transaction.h"
@@ -256,9 +259,10 @@ TEST_F(CallsTest, EveryRpcOfTheApiIsServed) {
   for (const auto* file : {v1::GraphService::service_full_name(), v1::IngestService::service_full_name(),
                            v1::LinkPointService::service_full_name(), v1::LocalizationService::service_full_name(),
                            v1::MapAreaService::service_full_name(), v1::MapEditService::service_full_name(),
-                           v1::MapService::service_full_name(), v1::RobotService::service_full_name(),
+                           v1::MapService::service_full_name(), v1::PriorMapService::service_full_name(),
+                           v1::RasterService::service_full_name(), v1::RobotService::service_full_name(),
                            v1::ServerService::service_full_name(), v1::SessionService::service_full_name(),
-                           v1::SiteService::service_full_name()}) {
+                           v1::SiteService::service_full_name(), v1::WatchService::service_full_name()}) {
     const auto* service = google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(file);
     ASSERT_NE(service, nullptr) << file;
     for (int i = 0; i < service->method_count(); ++i, ++rpcs) {
@@ -285,7 +289,7 @@ TEST_F(CallsTest, EveryRpcOfTheApiIsServed) {
       EXPECT_NE(RequestIdIn(context), "") << method;
     }
   }
-  EXPECT_EQ(rpcs, 96) << "a new RPC: its handler, tests and docs/api.md are there?";
+  EXPECT_EQ(rpcs, 109) << "a new RPC: its handler, tests and docs/api.md are there?";
 }
 
 }  // namespace
