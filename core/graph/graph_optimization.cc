@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/disjoint_sets.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/graph/chi_squared.h"
@@ -19,33 +20,15 @@
 namespace enfilade::graph {
 namespace {
 
-// Sets of maps that are joined (Tarjan 1975).
-class Islands {
- public:
-  explicit Islands(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-  // False if all of `maps` were already joined.
-  template <typename Maps>
-  bool Join(const Maps& maps) {
-    bool joined = false;
-    for (const int map : maps) {
-      const int a = Find(maps.front());
-      const int b = Find(map);
-      joined |= a != b;
-      parent_[static_cast<std::size_t>(b)] = a;
-    }
-    return joined;
+// False if all of `maps` were already joined.
+template <typename Maps>
+bool JoinAll(const Maps& maps, DisjointSets& islands) {
+  bool joined = false;
+  for (const int map : maps) {
+    joined |= islands.Join(static_cast<std::size_t>(maps.front()), static_cast<std::size_t>(map));
   }
-
- private:
-  int Find(int i) {
-    while (parent_[static_cast<std::size_t>(i)] != i) {
-      i = parent_[static_cast<std::size_t>(i)] =
-          parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(i)])];
-    }
-    return i;
-  }
-  std::vector<int> parent_;
-};
+  return joined;
+}
 
 class Optimization {
  public:
@@ -93,14 +76,7 @@ class Optimization {
   }
 
   absl::Status Solve(const optimize::RobustKernel& kernel, optimize::Initialisation initialisation) {
-    optimize::SolveOptions solve{.initialisation = initialisation,
-                                 .kernel = kernel,
-                                 .max_iterations = options_.max_iterations,
-                                 .fixed = {joint_.graph.nodes.front().id}};
-    if (kernel.type == optimize::RobustKernel::Type::kNone) {
-      for (std::size_t i = 0; i < joint_.maps; ++i) solve.covariance_of.push_back(joint_.graph.nodes[i].id);
-    }
-    ENFILADE_ASSIGN_OR_RETURN(report_, optimize::SolvePoseGraph(solve, joint_.graph));
+    ENFILADE_ASSIGN_OR_RETURN(report_, SolveJointGraph(options_, kernel, initialisation, joint_));
     iterations_ += report_.iterations;
     for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
       chi2_[i] = 0.0;
@@ -124,20 +100,20 @@ class Optimization {
     std::vector<std::size_t> order(joint_.terms.size());
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [this](auto a, auto b) { return Excess(a) < Excess(b); });
-    Islands islands(snapshot_.map_slots());
+    DisjointSets islands(snapshot_.map_slots());
     for (const std::size_t term : order) {
-      const bool needed = islands.Join(MapsOf(term));
+      const bool needed = JoinAll(MapsOf(term), islands);
       if (Excess(term) > 1.0 && !needed) Use(term, false);
     }
   }
 
   // Whether the maps of `term` would be disconnected without it.
   bool IsNeeded(std::size_t term) const {
-    Islands islands(snapshot_.map_slots());
+    DisjointSets islands(snapshot_.map_slots());
     for (std::size_t i = 0; i < joint_.terms.size(); ++i) {
-      if (i != term && used_[i] != 0) islands.Join(MapsOf(i));
+      if (i != term && used_[i] != 0) JoinAll(MapsOf(i), islands);
     }
-    return islands.Join(MapsOf(term));
+    return JoinAll(MapsOf(term), islands);
   }
 
   bool SwitchOffWorst() {

@@ -11,7 +11,6 @@
 #include "core/geometry/covariance.h"
 #include "core/graph/paths/pose_chain.h"
 #include "core/optimize/edge_error.h"
-#include "core/optimize/solve_pose_graph.h"
 
 namespace enfilade::graph {
 namespace {
@@ -124,6 +123,19 @@ JointGraph BuildJointGraph(const GraphSnapshot& snapshot, const std::vector<Plac
   }
   for (std::size_t i = 0; i < joint.graph.nodes.size(); ++i) joint.node_of[joint.graph.nodes[i].id] = i;
   return joint;
+}
+
+absl::StatusOr<optimize::SolveReport> SolveJointGraph(const GraphOptimizationOptions& options,
+                                                      const optimize::RobustKernel& kernel,
+                                                      optimize::Initialisation initialisation, JointGraph& joint) {
+  optimize::SolveOptions solve{.initialisation = initialisation,
+                               .kernel = kernel,
+                               .max_iterations = options.max_iterations,
+                               .fixed = {joint.graph.nodes.front().id}};
+  if (kernel.type == optimize::RobustKernel::Type::kNone) {
+    for (std::size_t i = 0; i < joint.maps; ++i) solve.covariance_of.push_back(joint.graph.nodes[i].id);
+  }
+  return optimize::SolvePoseGraph(solve, joint.graph);
 }
 
 void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled) {

@@ -10,6 +10,7 @@
 #include "core/graph/graph_optimization.h"
 #include "core/graph/graph_snapshot.h"
 #include "core/optimize/pose_graph.h"
+#include "core/optimize/solve_pose_graph.h"
 
 namespace enfilade::graph {
 
@@ -44,6 +45,12 @@ JointGraph BuildJointGraph(const GraphSnapshot& snapshot, int root, const GraphO
 // keep their places.
 JointGraph BuildJointGraph(const GraphSnapshot& snapshot, const std::vector<PlacedSlot>& starts,
                            const GraphOptimizationOptions& options);
+
+// Moves the nodes to the optimum, with the root held. Without a kernel, with the covariances of the maps, in their
+// order.
+absl::StatusOr<optimize::SolveReport> SolveJointGraph(const GraphOptimizationOptions& options,
+                                                      const optimize::RobustKernel& kernel,
+                                                      optimize::Initialisation initialisation, JointGraph& joint);
 
 void SetEnabled(JointGraph& joint, const JointTerm& term, bool enabled);
 

@@ -2,9 +2,9 @@
 #include "core/optimize/indexed_graph.h"
 
 #include <algorithm>
-#include <numeric>
 #include <unordered_map>
 
+#include "core/base/disjoint_sets.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/optimize/information.h"
@@ -35,24 +35,6 @@ absl::Status CheckEdge(const PoseGraphEdge& edge, const NodeIndex& index) {
   return CheckInformation(edge.information);
 }
 
-// Union-find over node positions; the root of a set is its smallest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int Root(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Join(int a, int b) {
-    const int root_a = Root(a);
-    const int root_b = Root(b);
-    parent_[std::max(root_a, root_b)] = std::min(root_a, root_b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
 }  // namespace
 
 absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph,
@@ -63,13 +45,14 @@ absl::StatusOr<std::vector<IndexedGraph>> IndexComponents(const PoseGraph& graph
     if (absl::Status status = CheckEdge(edge, index); !status.ok()) {
       return WithContext(status, fmt::format("pose graph: edge {} -> {}", edge.from, edge.to));
     }
-    if (edge.enabled) sets.Join(index.at(edge.from), index.at(edge.to));
+    if (!edge.enabled) continue;
+    sets.Join(static_cast<std::size_t>(index.at(edge.from)), static_cast<std::size_t>(index.at(edge.to)));
   }
   const int nodes = static_cast<int>(graph.nodes.size());
   std::vector<int> component(nodes), position(nodes);
   std::vector<IndexedGraph> components;
   for (int i = 0; i < nodes; ++i) {
-    const int root = sets.Root(i);
+    const int root = static_cast<int>(sets.Find(static_cast<std::size_t>(i)));
     if (root == i) {
       component[i] = static_cast<int>(components.size());
       components.emplace_back();

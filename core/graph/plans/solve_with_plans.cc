@@ -252,14 +252,7 @@ class PlanSolve {
   }
 
   absl::Status Solve(const optimize::RobustKernel& kernel) {
-    optimize::SolveOptions solve{.initialisation = optimize::Initialisation::kNone,
-                                 .kernel = kernel,
-                                 .max_iterations = options_.max_iterations,
-                                 .fixed = {joint_.graph.nodes.front().id}};
-    if (kernel.type == optimize::RobustKernel::Type::kNone) {
-      for (std::size_t i = 0; i < joint_.maps; ++i) solve.covariance_of.push_back(joint_.graph.nodes[i].id);
-    }
-    ENFILADE_ASSIGN_OR_RETURN(report_, optimize::SolvePoseGraph(solve, joint_.graph));
+    ENFILADE_ASSIGN_OR_RETURN(report_, SolveJointGraph(options_, kernel, optimize::Initialisation::kNone, joint_));
     iterations_ += report_.iterations;
     return absl::OkStatus();
   }

@@ -2,9 +2,13 @@
 #include "core/prior/ties/plan_frame.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
-#include <numeric>
+#include <map>
 #include <utility>
+
+#include "core/base/disjoint_sets.h"
 
 namespace enfilade::prior {
 namespace {
@@ -23,7 +27,9 @@ class Frame {
       const Eigen::Vector2d point = T_plan_sheet(corner.point);
       const int known = NearestCorner(point, kSameCorner);
       number.push_back(known >= 0 ? known : static_cast<int>(corners_.size()));
-      if (known < 0) corners_.push_back(point);
+      if (known >= 0) continue;
+      corners_at_[CellOf(point)].push_back(number.back());
+      corners_.push_back(point);
     }
     for (std::size_t i = 0; i < plan.walls.size(); ++i) {
       AddStrut({number[Index(plan.walls[i].from)], number[Index(plan.walls[i].to)], static_cast<int>(i)});
@@ -50,42 +56,48 @@ class Frame {
     if (strut.from >= 0 && strut.to >= 0 && strut.from != strut.to) struts_.push_back(strut);
   }
 
-  // -1: none is near.
+  // Squares of kJambReach.
+  using Cell = std::pair<std::int64_t, std::int64_t>;
+  static Cell CellOf(const Eigen::Vector2d& point) {
+    return {std::llround(std::floor(point.x() / kJambReach)), std::llround(std::floor(point.y() / kJambReach))};
+  }
+
+  // -1: none is near. `reach`: at most kJambReach.
   int NearestCorner(const Eigen::Vector2d& point, double reach) const {
     int nearest = -1;
     double least = reach;
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      const double distance = (corners_[i] - point).norm();
-      if (distance >= least) continue;
-      least = distance;
-      nearest = static_cast<int>(i);
+    const Cell cell = CellOf(point);
+    for (std::int64_t x = cell.first - 1; x <= cell.first + 1; ++x) {
+      for (std::int64_t y = cell.second - 1; y <= cell.second + 1; ++y) {
+        const auto found = corners_at_.find({x, y});
+        if (found == corners_at_.end()) continue;
+        for (const int corner : found->second) {
+          const double distance = (corners_[Index(corner)] - point).norm();
+          if (distance >= least) continue;
+          least = distance;
+          nearest = corner;
+        }
+      }
     }
     return nearest;
   }
 
   bool IsSeen(const PlanStrut& strut) const { return strut.wall >= 0 && is_seen_[Index(strut.wall)] != 0; }
 
-  // The part that each corner belongs to, by one of its corners (union-find).
-  std::vector<int> Parts() const {
-    std::vector<int> parent(corners_.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto find = [&](int corner) {
-      while (parent[Index(corner)] != corner) corner = parent[Index(corner)] = parent[Index(parent[Index(corner)])];
-      return corner;
-    };
-    for (const PlanStrut& strut : struts_) parent[Index(find(strut.to))] = find(strut.from);
-    std::vector<int> parts;
-    for (int i = 0; i < static_cast<int>(corners_.size()); ++i) parts.push_back(find(i));
+  // The corners that struts join.
+  DisjointSets Parts() const {
+    DisjointSets parts(corners_.size());
+    for (const PlanStrut& strut : struts_) parts.Join(Index(strut.from), Index(strut.to));
     return parts;
   }
 
   void DropUnseenParts() {
-    const std::vector<int> parts = Parts();
+    DisjointSets parts = Parts();
     std::vector<char> keep(corners_.size(), 0);
     for (const PlanStrut& strut : struts_) {
-      if (IsSeen(strut)) keep[Index(parts[Index(strut.from)])] = 1;
+      if (IsSeen(strut)) keep[parts.Find(Index(strut.from))] = 1;
     }
-    std::erase_if(struts_, [&](const PlanStrut& strut) { return keep[Index(parts[Index(strut.from)])] == 0; });
+    std::erase_if(struts_, [&](const PlanStrut& strut) { return keep[parts.Find(Index(strut.from))] == 0; });
   }
 
   bool DropLooseEnds() {
@@ -99,30 +111,36 @@ class Frame {
            }) > 0;
   }
 
-  // Each part to the one that is nearest to it (Boruvka 1926). False if there is only one.
+  // Each part but the largest to the one that is nearest to it (Boruvka 1926). False if there is only one.
   bool JoinParts() {
-    const std::vector<int> parts = Parts();
-    std::vector<int> used;  // corners
+    DisjointSets parts = Parts();
     std::vector<char> is_used(corners_.size(), 0);
     for (const PlanStrut& strut : struts_) is_used[Index(strut.from)] = is_used[Index(strut.to)] = 1;
+    std::vector<int> used;                         // corners
+    std::vector<int> size_of(corners_.size(), 0);  // by part
     for (int i = 0; i < static_cast<int>(corners_.size()); ++i) {
-      if (is_used[Index(i)] != 0) used.push_back(i);
+      if (is_used[Index(i)] == 0) continue;
+      used.push_back(i);
+      ++size_of[parts.Find(Index(i))];
     }
+    const auto largest = static_cast<std::size_t>(std::max_element(size_of.begin(), size_of.end()) - size_of.begin());
     struct Way {
       double length = std::numeric_limits<double>::infinity();
       int from = -1, to = -1;
     };
     std::vector<Way> nearest(corners_.size());  // by part
     for (const int a : used) {
-      Way& way = nearest[Index(parts[Index(a)])];
+      const std::size_t part = parts.Find(Index(a));
+      if (part == largest) continue;
+      Way& way = nearest[part];
       for (const int b : used) {
         const double length = (corners_[Index(b)] - corners_[Index(a)]).norm();
-        if (parts[Index(a)] != parts[Index(b)] && length < way.length) way = {length, a, b};
+        if (length < way.length && parts.Find(Index(b)) != part) way = {length, a, b};
       }
     }
     bool any = false;
     for (const Way& way : nearest) {
-      if (way.from < 0 || Parts()[Index(way.from)] == Parts()[Index(way.to)]) continue;
+      if (way.from < 0 || !parts.Join(Index(way.from), Index(way.to))) continue;
       struts_.push_back({way.from, way.to, -1});
       any = true;
     }
@@ -151,6 +169,7 @@ class Frame {
   const PlanGraph& plan_;
   const std::vector<char>& is_seen_;
   std::vector<Eigen::Vector2d> corners_;
+  std::map<Cell, std::vector<int>> corners_at_;
   std::vector<PlanStrut> struts_;
 };
 
