@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -126,6 +127,10 @@ class PriorMapStore {
   // By id.
   absl::StatusOr<std::vector<PriorMap>> List(const CallContext& context, const SiteId& site,
                                              const PageRequest& page) const;
+  // Prior maps in use, of all sites, that were aligned at least `age` ago and before a map of their level got its
+  // present revision; those that were aligned first come first.
+  absl::StatusOr<std::vector<PriorMap>> ListOutgrown(const CallContext& context, std::chrono::seconds age,
+                                                     std::int64_t limit) const;
   // NOT_FOUND; ALREADY_EXISTS.
   absl::StatusOr<PriorMap> Rename(const CallContext& context, const SiteId& site, const PriorMapId& id,
                                   std::int64_t etag, const std::string& display_name) const;

@@ -63,6 +63,7 @@ void AddMatchImages(CLI::App& match, const Globals& globals);
 void AddPriorAdd(CLI::App& prior, const Globals& globals);
 void AddPriorAlign(CLI::App& prior, const Globals& globals);
 void AddPriorExport(CLI::App& prior, const Globals& globals);
+void AddPriorPublish(CLI::App& prior, const Globals& globals);
 void AddPriorFit(CLI::App& prior, const Globals& globals);
 void AddPriorImport(CLI::App& prior, const Globals& globals);
 void AddPriorMaps(CLI::App& prior, const Globals& globals);  // list, show, activate, suspend, rename, delete

@@ -55,7 +55,9 @@ class PlanFitter {
   absl::Status AlignEach() {
     for (std::size_t i = 0; i < maps_.size(); ++i) {
       Alignment alignment;
-      if (i == 0 && !options_.pairs.empty()) {
+      if (i == 0 && options_.start) {
+        alignment = AlignFrom(plan_, evidence_[i], *options_.start, aligning_);
+      } else if (i == 0 && !options_.pairs.empty()) {
         ENFILADE_ASSIGN_OR_RETURN(alignment, AlignByPairs(plan_, evidence_[i], options_.pairs, aligning_));
       } else {
         alignment = AlignByItself(plan_, evidence_[i], aligning_);
@@ -70,7 +72,8 @@ class PlanFitter {
     AlignOptions known = aligning_;
     known.known_shape = surest->alignment.T_map_sheet;
     for (std::size_t i = 0; i < maps_.size(); ++i) {
-      if (!fit_.maps[i].alignment.accepted) fit_.maps[i].alignment = AlignByItself(plan_, evidence_[i], known);
+      if (fit_.maps[i].alignment.accepted || (i == 0 && options_.start)) continue;
+      fit_.maps[i].alignment = AlignByItself(plan_, evidence_[i], known);
     }
     return absl::OkStatus();
   }

@@ -29,6 +29,8 @@ struct FitOptions {
   FitMode mode = FitMode::kFull;
   // Points known in the plan and in the first map; empty: the place is found without help.
   std::vector<ControlPair> pairs = {};
+  // Where the plan lay in the first map when less of it was known, to about a metre: it is not looked for elsewhere.
+  std::optional<PlanTransform> start = std::nullopt;
 };
 
 // What became of one map.

@@ -75,6 +75,22 @@ absl::StatusOr<grid::OccupancyGrid> Joined(const std::vector<LevelMap>& maps) {
   return prior::Overlaid(placed);
 }
 
+// How the map that has seen most of a plan has moved in the world since the plan was aligned; of a map that is not
+// among `maps` that is not known.
+Pose2 MovedSince(const graph::PlanTies& ties, const std::vector<LevelMap>& maps) {
+  Pose2 T_now_then;
+  std::ptrdiff_t most = 0;
+  for (const graph::MapInPlan& then : ties.maps) {
+    const auto now = std::find_if(maps.begin(), maps.end(), [&](const LevelMap& map) { return map.id == then.map; });
+    const auto seen = std::count_if(ties.sightings.begin(), ties.sightings.end(),
+                                    [&](const graph::WallSighting& sighting) { return sighting.map == then.map; });
+    if (now == maps.end() || seen <= most) continue;
+    most = seen;
+    T_now_then = now->T_world_map * Inverse(then.T_plan_map);
+  }
+  return T_now_then;
+}
+
 void AddFiles(storage::PriorMapProduct product, std::vector<grid::MapFile> files,
               std::vector<storage::NewPriorMapFile>& out) {
   for (grid::MapFile& file : files) out.push_back({product, std::move(file.name), std::move(file.bytes)});
@@ -98,6 +114,7 @@ struct PriorAlignment::Level {
   std::vector<LevelMap> maps;      // with walls and a place in the world, by id
   std::vector<LevelMap> unjoined;  // with walls, the most first
   std::int64_t graph_version = 0;
+  std::shared_ptr<const graph::PlanTies> ties;  // of the plan that is aligned, if it is in use
 };
 
 absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::CallContext& context,
@@ -105,6 +122,9 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(context, prior_map.site));
   Level level;
   level.graph_version = graph->graph().version();
+  for (const graph::PlanInGraph& plan : graph->graph().plans()) {
+    if (plan.id == prior_map.id) level.ties = plan.ties;
+  }
   std::optional<graph::WorldPoses> without_plans;
   if (!graph->graph().plans().empty()) {
     ENFILADE_ASSIGN_OR_RETURN(graph::WorldPoses made, WithoutPlans(graph->graph()));
@@ -155,21 +175,48 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
                                                       const storage::PriorMap& prior_map,
                                                       const std::vector<storage::PriorMapPair>& pairs,
                                                       bool activate) const {
+  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
+  Placement placement{.options = {},
+                      .accepted_state = activate ? storage::PriorMapState::kActive : storage::PriorMapState::kProposed};
+  ENFILADE_ASSIGN_OR_RETURN(placement.options.pairs, InWorld(pairs, level.maps));
+  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
+  if (aligned.outcome.alignment) aligned.outcome.alignment->pairs = pairs;
+  return aligned;
+}
+
+absl::StatusOr<AlignedPriorMap> PriorAlignment::AlignAgain(const storage::CallContext& context,
+                                                           const storage::PriorMap& prior_map) const {
+  if (!prior_map.alignment) return FailedPrecondition("{} was never aligned", NameOf(prior_map.site, prior_map.id));
+  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
+  const Pose2 T_now_then = level.ties == nullptr ? Pose2{} : MovedSince(*level.ties, level.maps);
+  Placement placement{.options = {}, .accepted_state = prior_map.state};
+  placement.options.start = T_now_then * prior_map.alignment->T_world_sheet;
+  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
+  if (aligned.outcome.alignment) {
+    aligned.outcome.alignment->pairs = prior_map.alignment->pairs;
+    aligned.outcome.alignment->rival_ratio = prior_map.alignment->rival_ratio;
+    aligned.outcome.reason = prior_map.reason;
+  } else {
+    aligned.outcome.reason = "robots have seen more, and it does not fit that: " + aligned.outcome.reason;
+  }
+  return aligned;
+}
+
+absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& context,
+                                                    const storage::PriorMap& prior_map, const Level& level,
+                                                    const Placement& placement) const {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadPlan(context, prior_map));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, prior::ReadGeoJsonPlan(text));
-  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
-  prior::FitOptions options;
-  ENFILADE_ASSIGN_OR_RETURN(options.pairs, InWorld(pairs, level.maps));
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
   std::vector<grid::OccupancyGrid> grids;
   grids.push_back(std::move(joined));
   for (const LevelMap& map : level.unjoined) grids.push_back(map.grid);
-  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, grids, options));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, grids, placement.options));
 
   AlignedPriorMap aligned;
   aligned.outcome.reason = fit.alignment.reason;
   if (!fit.alignment.accepted) return aligned;
-  aligned.outcome.state = activate ? storage::PriorMapState::kActive : storage::PriorMapState::kProposed;
+  aligned.outcome.state = placement.accepted_state;
   storage::PriorMapAlignment& alignment = aligned.outcome.alignment.emplace();
   alignment.T_world_sheet = fit.alignment.T_map_sheet;
   alignment.model = fit.alignment.model;
@@ -188,8 +235,7 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
   const graph::PlanTies ties = prior::FindTies(plan, fit.alignment.T_map_sheet, *fit.corrected, maps);
   alignment.tied_walls = static_cast<int>(ties.sightings.size());
   alignment.graph_version = level.graph_version;
-  alignment.pairs = pairs;
-  for (const prior::ControlPair& pair : options.pairs) {
+  for (const prior::ControlPair& pair : placement.options.pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
   }
   ENFILADE_ASSIGN_OR_RETURN(aligned.outcome.files, ProductsOf(plan, fit));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/prior/fit/fit_plan.h"
 #include "server/app/graph/site_graphs.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
@@ -13,7 +14,7 @@
 
 namespace enfilade::server {
 
-// What became of a prior map that was looked for in the maps of its level.
+// What became of a prior map that was aligned with the maps of its level.
 struct AlignedPriorMap {
   storage::PriorMapOutcome outcome;
   std::vector<double> pair_residuals;  // m, of each pair; empty if it was not accepted
@@ -32,8 +33,21 @@ class PriorAlignment {
   absl::StatusOr<AlignedPriorMap> Align(const storage::CallContext& context, const storage::PriorMap& prior_map,
                                         const std::vector<storage::PriorMapPair>& pairs, bool activate) const;
 
+  // A prior map in use with the maps as they are now, from where it lies; it stays in use if it still fits them.
+  // Nothing is stored. FAILED_PRECONDITION: it has no alignment, or as above; DATA_LOSS.
+  absl::StatusOr<AlignedPriorMap> AlignAgain(const storage::CallContext& context,
+                                             const storage::PriorMap& prior_map) const;
+
  private:
   struct Level;
+  // How the plan is placed in the level's maps.
+  struct Placement {
+    prior::FitOptions options;
+    storage::PriorMapState accepted_state = storage::PriorMapState::kProposed;
+  };
+
+  absl::StatusOr<AlignedPriorMap> Fit(const storage::CallContext& context, const storage::PriorMap& prior_map,
+                                      const Level& level, const Placement& placement) const;
 
   absl::StatusOr<Level> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
   absl::StatusOr<std::string> ReadPlan(const storage::CallContext& context, const storage::PriorMap& prior_map) const;

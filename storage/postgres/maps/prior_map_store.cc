@@ -50,6 +50,14 @@ constexpr Statement kListPriorMaps{"listing prior maps",
                                    "SELECT " ENFILADE_PRIOR_MAP_COLUMNS
                                    " FROM enfilade.prior_maps WHERE site_id = $1 AND prior_map_id > $2"
                                    " ORDER BY prior_map_id LIMIT $3"};
+constexpr Statement kListOutgrown{
+    "listing prior maps whose maps have grown",
+    "SELECT " ENFILADE_PRIOR_MAP_COLUMNS
+    " FROM enfilade.prior_maps p WHERE state = 3 AND align_time < now() - $1 * interval '1 second'"
+    " AND EXISTS (SELECT FROM enfilade.maps m JOIN enfilade.map_revisions r"
+    "   ON r.site_id = m.site_id AND r.map_id = m.map_id AND r.revision = m.current_revision"
+    "   WHERE m.site_id = p.site_id AND m.level = p.level AND r.create_time > p.align_time)"
+    " ORDER BY align_time LIMIT $2"};
 #define ENFILADE_UPDATE_PRIOR_MAP(assignments)  \
   "UPDATE enfilade.prior_maps SET " assignments \
   ", etag = $4, update_time = now()"            \
@@ -215,6 +223,13 @@ absl::StatusOr<std::vector<PriorMap>> PriorMapStore::List(const CallContext& con
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
       ExecuteAlone(pool_, context, kListPriorMaps, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
+  return postgres::ReadRows(result, ReadPriorMap);
+}
+
+absl::StatusOr<std::vector<PriorMap>> PriorMapStore::ListOutgrown(const CallContext& context, std::chrono::seconds age,
+                                                                  std::int64_t limit) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListOutgrown,
+                                                            Params(static_cast<std::int64_t>(age.count()), limit)));
   return postgres::ReadRows(result, ReadPriorMap);
 }
 

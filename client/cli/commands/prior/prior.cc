@@ -10,6 +10,7 @@ void AddPrior(CLI::App& app, const Globals& globals) {
   AddPriorAdd(*prior, globals);
   AddPriorAlign(*prior, globals);
   AddPriorExport(*prior, globals);
+  AddPriorPublish(*prior, globals);
   AddPriorFit(*prior, globals);
   AddPriorImport(*prior, globals);
   AddPriorMaps(*prior, globals);
