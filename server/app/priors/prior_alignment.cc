@@ -99,7 +99,7 @@ void AddFiles(storage::PriorMapProduct product, std::vector<grid::MapFile> files
 absl::StatusOr<std::vector<storage::NewPriorMapFile>> ProductsOf(const prior::PlanGraph& plan,
                                                                  const prior::PlanFit& fit) {
   std::vector<storage::NewPriorMapFile> files;
-  AddFiles(storage::PriorMapProduct::kCorrected, prior::CorrectedFiles(plan, *fit.corrected), files);
+  AddFiles(storage::PriorMapProduct::kCorrected, prior::CorrectedFiles(plan, fit), files);
   ENFILADE_ASSIGN_OR_RETURN(std::vector<grid::MapFile> planning,
                             prior::PlanningFiles(plan, fit, grid::MapFileFormat::kPng));
   AddFiles(storage::PriorMapProduct::kPlanning, std::move(planning), files);

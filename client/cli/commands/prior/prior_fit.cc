@@ -100,7 +100,7 @@ absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& 
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) return InvalidArgument("{}: {}", options.directory, error.message());
-  ENFILADE_RETURN_IF_ERROR(WriteAll(directory, prior::CorrectedFiles(plan, *fit.corrected)));
+  ENFILADE_RETURN_IF_ERROR(WriteAll(directory, prior::CorrectedFiles(plan, fit)));
   ENFILADE_ASSIGN_OR_RETURN(const auto planning, prior::PlanningFiles(plan, fit, grid::MapFileFormat::kPgm));
   ENFILADE_RETURN_IF_ERROR(WriteAll(directory, planning));
   ENFILADE_ASSIGN_OR_RETURN(const grid::MapFile picture, prior::PictureFile(plan, fit));

@@ -7,7 +7,8 @@ import { addLine } from './glyphs';
 import type { Frame } from './model';
 import { rgba, type Palette } from './palette';
 
-export type WallState = 'seen' | 'unseen' | 'contradicted';
+// Added: only robots have seen it, the plan does not have it.
+export type WallState = 'seen' | 'unseen' | 'contradicted' | 'added';
 
 export interface PlanLine {
   // Metres of the world.
@@ -29,7 +30,7 @@ const WALL_PX = 2;
 const DOOR_PX = 1;
 const DASH_PX = 4;
 
-const states: readonly WallState[] = ['seen', 'unseen', 'contradicted'];
+const states: readonly WallState[] = ['seen', 'unseen', 'contradicted', 'added'];
 
 function pointOf(position: unknown): Point | undefined {
   if (!Array.isArray(position)) return undefined;
@@ -88,6 +89,7 @@ export function addPlans(list: InstanceList, palette: Palette, frame: Frame) {
   const { plans = [], level } = frame.view;
   const colours: Record<WallState, number> = {
     seen: rgba(palette.colour.planSeen), unseen: rgba(palette.colour.planUnseen), contradicted: rgba(palette.colour.blocked),
+    added: rgba(palette.colour.candidate),
   };
   for (const plan of plans) {
     if (level !== undefined && plan.level !== level) continue;
