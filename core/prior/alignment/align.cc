@@ -220,7 +220,11 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& start,
                     const AlignOptions& options) {
   const Aligner aligner(plan, evidence, options);
-  return RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
+  Alignment alignment = RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
+  alignment.reason = ObjectionTo(alignment, options);
+  alignment.accepted = alignment.reason.empty();
+  if (alignment.accepted) alignment.reason = "fits where it was placed before";
+  return alignment;
 }
 
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options) {

@@ -57,6 +57,8 @@ class PlanFitter {
       Alignment alignment;
       if (i == 0 && !options_.pairs.empty()) {
         ENFILADE_ASSIGN_OR_RETURN(alignment, AlignByPairs(plan_, evidence_[i], options_.pairs, aligning_));
+      } else if (i == 0 && options_.start) {
+        alignment = AlignFrom(plan_, evidence_[i], *options_.start, aligning_);
       } else {
         alignment = AlignByItself(plan_, evidence_[i], aligning_);
       }
@@ -117,7 +119,7 @@ class PlanFitter {
     fit_.evidence = std::make_unique<MapEvidence>(EvidenceOf(fit_.map));
     if (placed.size() > 1) {
       Alignment all = AlignFrom(plan_, *fit_.evidence, fit_.alignment.T_map_sheet, aligning_);
-      all.accepted = true;
+      all.accepted = true;  // as the first map has it
       all.reason = fit_.alignment.reason;
       all.rival_ratio = fit_.alignment.rival_ratio;
       fit_.alignment = std::move(all);

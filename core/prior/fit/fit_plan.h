@@ -29,6 +29,8 @@ struct FitOptions {
   FitMode mode = FitMode::kFull;
   // Points known in the plan and in the first map; empty: the place is found without help.
   std::vector<ControlPair> pairs = {};
+  // About where it lies in the first map: it is looked for there only (AlignFrom). Not with pairs.
+  std::optional<PlanTransform> start = std::nullopt;
 };
 
 // What became of one map.

@@ -153,13 +153,14 @@ absl::StatusOr<std::string> PriorAlignment::ReadPlan(const storage::CallContext&
 
 absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext& context,
                                                       const storage::PriorMap& prior_map,
-                                                      const std::vector<storage::PriorMapPair>& pairs,
+                                                      const std::vector<storage::PriorMapPair>& pairs, bool from_last,
                                                       bool activate) const {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadPlan(context, prior_map));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, prior::ReadGeoJsonPlan(text));
   ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
   prior::FitOptions options;
   ENFILADE_ASSIGN_OR_RETURN(options.pairs, InWorld(pairs, level.maps));
+  if (from_last) options.start = prior_map.alignment.value().T_world_sheet;
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
   std::vector<grid::OccupancyGrid> grids;
   grids.push_back(std::move(joined));
@@ -188,7 +189,7 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
   const graph::PlanTies ties = prior::FindTies(plan, fit.alignment.T_map_sheet, *fit.corrected, maps);
   alignment.tied_walls = static_cast<int>(ties.sightings.size());
   alignment.graph_version = level.graph_version;
-  alignment.pairs = pairs;
+  alignment.pairs = from_last ? prior_map.alignment->pairs : pairs;
   for (const prior::ControlPair& pair : options.pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
   }
