@@ -24,8 +24,8 @@ std::string WriteGeoJsonPlan(const PlanGraph& plan);
 // and latitude; an outline that crosses itself. RESOURCE_EXHAUSTED: more than kMostWalls.
 absl::StatusOr<PlanGraph> ReadGeoJsonPlan(std::string_view text);
 
-// Reads such a plan after a person has edited it. Its coordinates are the sheet's, also if a program has lost the member
-// "frame"; INVALID_ARGUMENT: another frame, and as above.
+// Reads such a plan after a person has edited it. Its coordinates are the sheet's, also if a program has lost the
+// member "frame"; INVALID_ARGUMENT: another frame, and as above.
 absl::StatusOr<PlanGraph> ReadEditedPlan(std::string_view text);
 
 }  // namespace enfilade::prior

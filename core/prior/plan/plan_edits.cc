@@ -66,8 +66,12 @@ class PointIndex {
 class PlanEditor {
  public:
   PlanEditor(const PlanGraph& before, const PlanGraph& drawn)
-      : before_(before), drawn_(drawn), same_(kSameShare * DiagonalOf(before)), join_(JoinDistance(before)),
-        corners_(same_), anchors_(join_) {}
+      : before_(before),
+        drawn_(drawn),
+        same_(kSameShare * DiagonalOf(before)),
+        join_(JoinDistance(before)),
+        corners_(same_),
+        anchors_(join_) {}
 
   absl::StatusOr<EditedPlan> Run() {
     ENFILADE_RETURN_IF_ERROR(CheckPlan(drawn_));

@@ -12,8 +12,8 @@ namespace enfilade::prior {
 // corners are one. Corners without walls are dropped. Doors, rooms and shafts stay as they are.
 PlanGraph Planarise(const PlanGraph& plan, double weld);
 
-// Ends of walls nearer to each other than this (units of the plan) are meant to meet: 0.05 m, at most a hundredth of the
-// plan's diagonal; 1/2000 of that if the scale is unknown.
+// Ends of walls nearer to each other than this (units of the plan) are meant to meet: 0.05 m, at most a hundredth of
+// the plan's diagonal; 1/2000 of that if the scale is unknown.
 double JoinDistance(const PlanGraph& plan);
 
 // Whether no two walls cross or overlap; touching at a corner of both is allowed.

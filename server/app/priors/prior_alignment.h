@@ -27,9 +27,9 @@ class PriorAlignment {
                  const storage::RevisionStore& revisions, const storage::BlobStore& blobs, SiteGraphs& graphs)
       : prior_maps_(prior_maps), maps_(maps), revisions_(revisions), blobs_(blobs), graphs_(graphs) {}
 
-  // Nothing is stored. `from_last`: it is looked for only where its last alignment has placed it, which must exist; without
-  // pairs. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the
-  // level; FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
+  // Nothing is stored. `from_last`: it is looked for only where its last alignment has placed it, which must exist;
+  // without pairs. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the level;
+  // FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
   absl::StatusOr<AlignedPriorMap> Align(const storage::CallContext& context, const storage::PriorMap& prior_map,
                                         const std::vector<storage::PriorMapPair>& pairs, bool from_last,
                                         bool activate) const;

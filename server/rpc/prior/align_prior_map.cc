@@ -29,9 +29,9 @@ absl::StatusOr<v1::AlignPriorMapResponse> AlignPriorMap(const Services& services
   if (request.from_last() && !prior_map.alignment) {
     return FailedPrecondition("{} was never aligned", convert::NameOf(name));
   }
-  ENFILADE_ASSIGN_OR_RETURN(const AlignedPriorMap aligned,
-                            services.prior_alignment.Align(call.context(), prior_map, pairs, request.from_last(),
-                                                           request.activate()));
+  ENFILADE_ASSIGN_OR_RETURN(
+      const AlignedPriorMap aligned,
+      services.prior_alignment.Align(call.context(), prior_map, pairs, request.from_last(), request.activate()));
   for (const double residual : aligned.pair_residuals) response.add_pair_residuals_m(residual);
   if (request.validate_only()) {
     prior_map.state = aligned.outcome.state;

@@ -54,9 +54,8 @@ absl::StatusOr<v1::EditPriorMapResponse> EditPriorMap(const Services& services, 
   ENFILADE_ASSIGN_OR_RETURN(storage::PriorMap prior_map,
                             services.prior_maps.Get(call.context(), name.site, name.prior_map));
   if (etag != 0 && etag != prior_map.etag) return storage::StaleEtag(convert::NameOf(name));
-  ENFILADE_ASSIGN_OR_RETURN(
-      const std::string stored,
-      ReadProductFile(services, call, name, storage::PriorMapProduct::kPlan, kPlanFileName));
+  ENFILADE_ASSIGN_OR_RETURN(const std::string stored,
+                            ReadProductFile(services, call, name, storage::PriorMapProduct::kPlan, kPlanFileName));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph before, prior::ReadGeoJsonPlan(stored));
   ENFILADE_ASSIGN_OR_RETURN(const prior::EditedPlan edited, Edited(before, request));
   *response.mutable_changes() = ChangesToProto(edited.changes);
@@ -71,11 +70,11 @@ absl::StatusOr<v1::EditPriorMapResponse> EditPriorMap(const Services& services, 
       prior_map.reason = reason;
     } else {
       // The correction is of the plan as it was read.
-      ENFILADE_ASSIGN_OR_RETURN(
-          prior_map, services.prior_maps.ReplacePlan(call.context(), name.site, name.prior_map, prior_map.etag, elements,
-                                                     {storage::PriorMapProduct::kPlan, std::string(kPlanFileName),
-                                                      prior::WriteGeoJsonPlan(edited.plan)},
-                                                     reason));
+      ENFILADE_ASSIGN_OR_RETURN(prior_map, services.prior_maps.ReplacePlan(
+                                               call.context(), name.site, name.prior_map, prior_map.etag, elements,
+                                               {storage::PriorMapProduct::kPlan, std::string(kPlanFileName),
+                                                prior::WriteGeoJsonPlan(edited.plan)},
+                                               reason));
     }
   }
   *response.mutable_prior_map() = ToProto(prior_map);

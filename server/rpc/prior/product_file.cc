@@ -18,7 +18,8 @@ absl::StatusOr<std::string> ReadProductFile(const Services& services, const Call
   }
   std::string_view why = "was aligned by an earlier version of the server";
   if (!prior_map.alignment) why = "is not aligned";
-  if (prior_map.alignment && prior_map.state == storage::PriorMapState::kNew) why = "was corrected since it was aligned";
+  if (prior_map.alignment && prior_map.state == storage::PriorMapState::kNew)
+    why = "was corrected since it was aligned";
   return FailedPrecondition("{} {}: align it", convert::NameOf(name), why);
 }
 

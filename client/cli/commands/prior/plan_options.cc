@@ -30,8 +30,8 @@ absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& opt
 absl::StatusOr<perception::PlanMeasure> ParseMeasure(const std::string& text) {
   perception::PlanMeasure measure;
   int used = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf=%lf%n", &measure.from.x(), &measure.from.y(),
-                  &measure.to.x(), &measure.to.y(), &measure.metres, &used) != 5 ||
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf=%lf%n", &measure.from.x(), &measure.from.y(), &measure.to.x(),
+                  &measure.to.y(), &measure.metres, &used) != 5 ||
       used != static_cast<int>(text.size())) {
     return InvalidArgument("--measure \"{}\": expected X1,Y1,X2,Y2=METRES", text);
   }

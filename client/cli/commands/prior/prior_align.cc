@@ -92,7 +92,8 @@ void AddPriorAlign(CLI::App& prior, const Globals& globals) {
       ->needs(pairs);
   command
       ->add_flag("--from-last", options->from_last,
-                 "Begin where it was placed last, and do not look elsewhere: after `prior edit`, or when robots have mapped more")
+                 "Begin where it was placed last, and do not look elsewhere: after `prior edit`, or when robots have "
+                 "mapped more")
       ->excludes(pairs);
   command->add_flag("--activate", options->activate, "Use it at once if it is accepted");
   command->add_flag("--dry-run", options->dry_run, "Only say what would become of it");

@@ -103,8 +103,9 @@ TEST(GeoJsonPlan, ReadsWhatWasEdited) {
   EXPECT_EQ(ends(4), (std::pair<Eigen::Vector2d, Eigen::Vector2d>{{0, 0}, {410, 0}})) << "its line was moved";
   EXPECT_FALSE(plan->metres_per_unit.has_value());
   EXPECT_FALSE(ReadGeoJsonPlan(text).ok()) << "nobody has said that it is in the sheet frame";
-  EXPECT_THAT(std::string(ReadEditedPlan(Document(R"("frame":"metres",)", "LineString", "[[1,2],[3,4]]")).status().message()),
-              HasSubstr("expected sheet"));
+  EXPECT_THAT(
+      std::string(ReadEditedPlan(Document(R"("frame":"metres",)", "LineString", "[[1,2],[3,4]]")).status().message()),
+      HasSubstr("expected sheet"));
 }
 
 struct Fault {

@@ -29,8 +29,8 @@ void Draw(PlanGraph& plan, const Vector2d& a, const Vector2d& b, double thicknes
   plan.walls.push_back({.from = from, .to = from + 1, .thickness = thickness});
 }
 
-// As it is stored: planar, with rooms. Two rooms side by side, the right one has a name, and a third below them; a metre
-// has 20 units.
+// As it is stored: planar, with rooms. Two rooms side by side, the right one has a name, and a third below them; a
+// metre has 20 units.
 //
 //   0     100    200
 //   +------+------+ 0
@@ -271,7 +271,9 @@ TEST(ApplyEdits, RandomEditsKeepThePlanPlanar) {
     PlanGraph drawn = before;
     for (int i = 0; i < 6; ++i) {
       Vector2d a(x(random), y(random)), b(x(random), y(random));
-      const auto any = [&] { return static_cast<std::size_t>(share(random) * static_cast<double>(before.corners.size())); };
+      const auto any = [&] {
+        return static_cast<std::size_t>(share(random) * static_cast<double>(before.corners.size()));
+      };
       if (share(random) < 0.5) a = before.corners[any()].point + Vector2d(share(random), -share(random)) / 3;
       if (share(random) < 0.3) b = before.corners[any()].point;
       if (share(random) < 0.2) {
