@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useLayoutEffect, useRef, useState, type KeyboardEvent, type PointerEvent } from 'react';
+import { useEffect, useLayoutEffect, useRef, useState, type KeyboardEvent, type PointerEvent, type RefObject } from 'react';
 import type { Point } from '../../../scene/camera';
 import { cornersOf, elementAt, type Element, type Graph } from './graph';
 import { meant, tools, type Act, type Editing } from './useEditing';
@@ -49,11 +49,12 @@ interface Props {
   picture: string | undefined;
   // Of what is selected.
   said: string;
+  // The window on the sheet, which keys go to.
+  board: RefObject<HTMLDivElement | null>;
 }
 
 // The sheet with the walls over it. All that a pointer does, keys do as well.
-export function Board({ state, act, frame, picture, said }: Props) {
-  const board = useRef<HTMLDivElement>(null);
+export function Board({ state, act, frame, picture, said, board }: Props) {
   const [zoom, setZoom] = useState(1);
   const [width, setWidth] = useState(0);
   const [isFocused, setFocused] = useState(false);
@@ -67,7 +68,7 @@ export function Board({ state, act, frame, picture, said }: Props) {
     const watch = new ResizeObserver(() => setWidth(element.clientWidth));
     watch.observe(element);
     return () => watch.disconnect();
-  }, []);
+  }, [board]);
 
   // What is in the middle stays there.
   const zoomTo = (next: number) => {
@@ -86,7 +87,7 @@ export function Board({ state, act, frame, picture, said }: Props) {
     const left = Math.min(Math.max(element.scrollLeft, x + margin - element.clientWidth), x - margin);
     const top = Math.min(Math.max(element.scrollTop, y + margin - element.clientHeight), y - margin);
     if (left !== element.scrollLeft || top !== element.scrollTop) element.scrollTo(left, top);
-  }, [at, isFocused, frame, unitsPerPx]);
+  }, [board, at, isFocused, frame, unitsPerPx]);
 
   const placeOfEvent = ({ clientX, clientY, currentTarget }: PointerEvent<SVGSVGElement>): Point => {
     const box = currentTarget.getBoundingClientRect();

@@ -77,14 +77,18 @@ function CornerForm({ at, move }: { at: Point; move: (to: Point) => void }) {
 }
 
 // What is selected or measured, and what can be done with it.
-export function Details({ state, act }: { state: Editing; act: (act: Act) => void }) {
+// `leave`: where the focus goes when what has it vanishes.
+export function Details({ state, act, leave }: { state: Editing; act: (act: Act) => void; leave: () => void }) {
   const { steps: { now }, selected, measured } = state;
   const to = (graph: Graph) => act({ kind: 'step', step: { to: graph } });
   if (measured) {
     return (
       <NumberForm label="Distance, m" begin="" button="Set the scale" take={(text) => {
         const length = numberIn(text);
-        return length === undefined ? undefined : () => to(withMeasure(now, measured.from, measured.to, length));
+        return length === undefined ? undefined : () => {
+          to(withMeasure(now, measured.from, measured.to, length));
+          leave();
+        };
       }} />
     );
   }
@@ -108,7 +112,7 @@ export function Details({ state, act }: { state: Editing; act: (act: Act) => voi
           act({ kind: 'select', element: { kind: 'corner', at: place } });
         }} />
       )}
-      <button className="button" disabled={!mayRemove(now, selected)} onClick={() => act({ kind: 'remove' })}>
+      <button className="button" disabled={!mayRemove(now, selected)} onClick={() => { act({ kind: 'remove' }); leave(); }}>
         Delete the {selected.kind}
       </button>
       {!mayRemove(now, selected) && <p className="sub">More than two walls meet here: delete walls, or move the corner.</p>}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import './board.css';
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query';
-import { useEffect, useState, type KeyboardEvent } from 'react';
+import { useEffect, useRef, useState } from 'react';
 import { priorMaps } from '../../../api/clients';
 import { idOf } from '../../../api/names';
 import { addressOf, Link } from '../../../app/router';
@@ -83,7 +83,7 @@ function Editor({ plan, text, picture }: Loaded) {
 
   const maySave = changed && !somebodyElse && !save.isPending;
   const onKey = (event: KeyboardEvent) => {
-    if (event.altKey || (event.target instanceof HTMLElement && event.target.closest('input') !== null)) return;
+    if (event.defaultPrevented || event.altKey || (event.target instanceof HTMLElement && event.target.closest('input, select, textarea, dialog') !== null)) return;
     const key = event.key.toLowerCase();
     const tool = tools.find((one) => one.key === key);
     if (event.ctrlKey || event.metaKey) {
@@ -96,19 +96,25 @@ function Editor({ plan, text, picture }: Loaded) {
     else return;
     event.preventDefault();
   };
+  // Wherever the focus is.
+  useEffect(() => {
+    window.addEventListener('keydown', onKey);
+    return () => window.removeEventListener('keydown', onKey);
+  });
 
+  const board = useRef<HTMLDivElement>(null);
   const { now } = state.steps;
   const [frame] = useState(() => picture?.frame ?? frameOf(now));
   return (
-    <div className="plan-editor" onKeyDown={onKey}>
+    <div className="plan-editor">
       <div className="plan-board">
         <Tools state={state} act={act} />
-        <Board state={state} act={act} frame={frame} picture={picture?.src} said={textOf(now, state.selected)} />
+        <Board state={state} act={act} frame={frame} picture={picture?.src} said={textOf(now, state.selected)} board={board} />
       </div>
       <aside className="panel" aria-label="Details">
         <h1>Walls of {plan.displayName}</h1>
         <p className="sub">{count(now.walls.length, 'wall')}, {count(now.doors.length, 'door')}; {now.metresPerUnit === undefined ? 'the scale is unknown' : `${now.metresPerUnit.toPrecision(4)} m per unit`}</p>
-        <Details state={state} act={act} />
+        <Details state={state} act={act} leave={() => board.current?.focus()} />
         <div className="actions">
           <button className="button primary" disabled={!maySave} aria-keyshortcuts="Control+S" onClick={() => save.mutate()}>
             Save
