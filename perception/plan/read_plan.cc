@@ -51,31 +51,12 @@ PlanKind KindOf(std::string_view bytes) {
   return PlanKind::kPicture;
 }
 
-// Twice the area of rooms by their circumference: what is narrower lies within a wall.
-double NarrowestRoom(const prior::PlanGraph& plan) {
-  double thickest = 0;
-  for (const prior::PlanWall& wall : plan.walls) thickest = std::max(thickest, wall.thickness);
-  return std::max(thickest, 1e-3 * prior::WallLength(plan) / std::sqrt(static_cast<double>(plan.walls.size())));
-}
-
-double DiagonalOfPlan(const prior::PlanGraph& plan) {
-  if (plan.corners.empty()) return 0;
-  Eigen::Vector2d low = plan.corners.front().point, high = low;
-  for (const prior::PlanCorner& corner : plan.corners) {
-    low = low.cwiseMin(corner.point);
-    high = high.cwiseMax(corner.point);
-  }
-  return (high - low).norm();
-}
-
 // Lines of a drawing become a planar graph with doors where its lines leave gaps.
 PlanFile FromLines(prior::VectorPlan drawing, std::optional<double> metres_per_unit) {
   PlanFile file{std::move(drawing.graph), std::move(drawing.warnings), std::nullopt};
   if (metres_per_unit) file.graph.metres_per_unit = metres_per_unit;
-  const double diagonal = DiagonalOfPlan(file.graph);
-  constexpr double kWeldMetres = 0.05, kWeldShare = 5e-4;
-  const double weld = file.graph.metres_per_unit ? kWeldMetres / *file.graph.metres_per_unit : kWeldShare * diagonal;
-  file.graph = prior::Planarise(file.graph, std::min(weld, 0.01 * diagonal));
+  const double diagonal = prior::DiagonalOf(file.graph);
+  file.graph = prior::Planarise(file.graph, prior::JoinDistance(file.graph));
   if (file.graph.doors.empty()) file.graph.doors = FindDoors(file.graph, diagonal);
   return file;
 }
@@ -141,7 +122,7 @@ absl::StatusOr<PlanFile> DecodePlan(std::string_view bytes, const ReadPlanOption
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<double> metres_per_unit, ScaleBy(options.measure));
   ENFILADE_ASSIGN_OR_RETURN(PlanFile file, DecodeAny(bytes, options, metres_per_unit));
   ENFILADE_RETURN_IF_ERROR(prior::CheckPlan(file.graph));
-  if (file.graph.rooms.empty()) file.graph.rooms = prior::FindRooms(file.graph, NarrowestRoom(file.graph));
+  if (file.graph.rooms.empty()) file.graph.rooms = prior::FindRooms(file.graph, prior::NarrowestRoom(file.graph));
   if (!file.graph.metres_per_unit) file.warnings.push_back("the scale is unknown: give a measured distance");
   return file;
 }

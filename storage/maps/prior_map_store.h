@@ -30,7 +30,7 @@ enum class PriorMapState {
   kSuspended = 5,
 };
 
-// What was found in the file.
+// What was found in the file, and corrected by people.
 struct PriorMapElements {
   int walls = 0;
   int corners = 0;
@@ -81,7 +81,7 @@ struct PriorMap {
 // The numbers are those of the database.
 enum class PriorMapProduct {
   kSheet = 1,      // the imported file
-  kPlan = 2,       // what was found in it
+  kPlan = 2,       // what was found in it, and corrected by people
   kCorrected = 3,  // the plan as it is built
   kPlanning = 4,
   kPicture = 5,
@@ -140,6 +140,11 @@ class PriorMapStore {
   // NOT_FOUND.
   absl::StatusOr<PriorMap> SetOutcome(const CallContext& context, const SiteId& site, const PriorMapId& id,
                                       std::int64_t etag, const PriorMapOutcome& outcome) const;
+  // The plan that people have corrected, as the file of its product kPlan. What the last alignment has made is deleted,
+  // but for where it has placed the plan; the state becomes kNew. NOT_FOUND.
+  absl::StatusOr<PriorMap> ReplacePlan(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                       std::int64_t etag, const PriorMapElements& elements, const NewPriorMapFile& plan,
+                                       const std::string& reason) const;
   // NOT_FOUND.
   absl::Status Delete(const CallContext& context, const SiteId& site, const PriorMapId& id, std::int64_t etag) const;
   // By product and name; none if there is no such prior map.

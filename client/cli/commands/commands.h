@@ -20,7 +20,7 @@ void AddLocalize(CLI::App& app, const Globals& globals);
 // restore | merge | split | undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
-// prior list | show | add | align | activate | suspend | rename | export | delete; import | fit need no server
+// prior list | show | add | edit | align | activate | suspend | rename | export | delete; import | fit need no server
 void AddPrior(CLI::App& app, const Globals& globals);
 void AddReplay(CLI::App& app, const Globals& globals);
 void AddRobot(CLI::App& app, const Globals& globals);
@@ -62,6 +62,7 @@ void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);
 void AddPriorAdd(CLI::App& prior, const Globals& globals);
 void AddPriorAlign(CLI::App& prior, const Globals& globals);
+void AddPriorEdit(CLI::App& prior, const Globals& globals);
 void AddPriorExport(CLI::App& prior, const Globals& globals);
 void AddPriorPublish(CLI::App& prior, const Globals& globals);
 void AddPriorFit(CLI::App& prior, const Globals& globals);

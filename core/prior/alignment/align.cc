@@ -223,7 +223,7 @@ Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const Pl
   Alignment alignment = RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
   alignment.reason = ObjectionTo(alignment, options);
   alignment.accepted = alignment.reason.empty();
-  if (alignment.accepted) alignment.reason = "it lies where it lay before";
+  if (alignment.accepted) alignment.reason = "fits where it was placed before";
   return alignment;
 }
 

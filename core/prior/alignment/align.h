@@ -57,8 +57,8 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 // of the map's walls, is contradicted by little of what the map knows, and fits so much better than any other place.
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options);
 
-// From a place that is about right: the plan is moved onto the map's walls. It is accepted if it explains enough of
-// them and is contradicted by little; no other place is compared.
+// From a place that is about right: the plan is moved onto the map's walls. Accepted if it explains enough and is
+// contradicted by little, as AlignByItself; no other place is compared.
 Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& start,
                     const AlignOptions& options);
 

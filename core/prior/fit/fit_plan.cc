@@ -120,7 +120,7 @@ class PlanFitter {
     fit_.evidence = std::make_unique<MapEvidence>(EvidenceOf(fit_.map));
     if (placed.size() > 1) {
       Alignment all = AlignFrom(plan_, *fit_.evidence, fit_.alignment.T_map_sheet, aligning_);
-      all.accepted = true;
+      all.accepted = true;  // as the first map has it
       all.reason = fit_.alignment.reason;
       all.rival_ratio = fit_.alignment.rival_ratio;
       fit_.alignment = std::move(all);

@@ -29,7 +29,7 @@ struct FitOptions {
   FitMode mode = FitMode::kFull;
   // Points known in the plan and in the first map; empty: the place is found without help.
   std::vector<ControlPair> pairs = {};
-  // Where the plan lay in the first map when less of it was known, to about a metre: it is not looked for elsewhere.
+  // Where it lies in the first map, to about a metre: it is looked for there only (AlignFrom). Not with pairs.
   std::optional<PlanTransform> start = std::nullopt;
 };
 

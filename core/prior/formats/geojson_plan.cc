@@ -35,10 +35,21 @@ Json Ring(const std::vector<Vector2d>& outline) {
   return Json::array({std::move(ring)});
 }
 
+// Programs that edit tables write null where there is no value.
+bool IsGiven(const Json& object, const char* name) { return object.contains(name) && !object[name].is_null(); }
+
+template <typename T>
+T ValueOf(const Json& object, const char* name, const T& otherwise) {
+  return IsGiven(object, name) ? object[name].get<T>() : otherwise;
+}
+
+absl::Status TooManyWalls() { return ResourceExhausted("more than {} walls", kMostWalls); }
+
 // Reads features into a plan; the first fault stays.
 class PlanReader {
  public:
-  explicit PlanReader(const Json& document) : document_(document) {}
+  // `sheet_only`: coordinates are the sheet's, also if no frame is named.
+  PlanReader(const Json& document, bool sheet_only) : document_(document), sheet_only_(sheet_only) {}
 
   absl::StatusOr<PlanGraph> Read() {
     if (!document_.is_object() || !document_.contains("features") || !document_["features"].is_array()) {
@@ -49,9 +60,10 @@ class PlanReader {
     for (const Json& feature : document_["features"]) {
       const absl::Status status = ReadFeature(feature);
       if (!status.ok()) return WithContext(status, fmt::format("feature {}", number));
-      if (plan_.walls.size() > kMostWalls) return CheckPlan(plan_);
+      if (plan_.walls.size() + named_.size() > kMostWalls) return TooManyWalls();
       ++number;
     }
+    AddNamedWalls();
     ENFILADE_RETURN_IF_ERROR(Validate(plan_));
     return std::move(plan_);
   }
@@ -60,11 +72,12 @@ class PlanReader {
   enum class Frame { kSheet, kMetres, kLonLat };
 
   absl::Status ReadFrame() {
-    const std::string frame = document_.value("frame", "");
-    if (frame == "sheet") {
-      if (document_.contains("metres_per_unit")) plan_.metres_per_unit = document_["metres_per_unit"].get<double>();
+    const std::string frame = ValueOf<std::string>(document_, "frame", "");
+    if (frame == "sheet" || (sheet_only_ && frame.empty())) {
+      if (IsGiven(document_, "metres_per_unit")) plan_.metres_per_unit = document_["metres_per_unit"].get<double>();
       return absl::OkStatus();
     }
+    if (sheet_only_) return InvalidArgument("frame is \"{}\": expected sheet", frame);
     plan_.metres_per_unit = 1.0;
     if (frame == "metres") {
       frame_ = Frame::kMetres;
@@ -166,12 +179,12 @@ class PlanReader {
       return InvalidArgument("geometry has no coordinates");
     const Json properties = feature.value("properties", Json::object());
     const Json none = Json::object();
-    return ReadGeometry(geometry.value("type", ""), geometry["coordinates"],
+    return ReadGeometry(ValueOf<std::string>(geometry, "type", ""), geometry["coordinates"],
                         properties.is_object() ? properties : none);
   }
 
   absl::Status ReadGeometry(const std::string& type, const Json& coordinates, const Json& properties) {
-    const std::string kind = properties.value("kind", "");
+    const std::string kind = ValueOf<std::string>(properties, "kind", "");
     if (type == "Point") {
       if (kind != "corner") return absl::OkStatus();
       ENFILADE_ASSIGN_OR_RETURN(const Vector2d p, PointOf(coordinates));
@@ -193,20 +206,42 @@ class PlanReader {
     if (kind == "door") {
       ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
       plan_.doors.push_back(
-          {.from = points.front(), .to = points.back(), .confidence = properties.value("confidence", 1.0)});
+          {.from = points.front(), .to = points.back(), .confidence = ValueOf(properties, "confidence", 1.0)});
       return absl::OkStatus();
     }
     if (!kind.empty() && kind != "wall") return absl::OkStatus();
-    PlanWall wall{.thickness = properties.value("thickness", 0.0), .confidence = properties.value("confidence", 1.0)};
-    if (frame_ == Frame::kSheet && properties.contains("from") && properties.contains("to")) {
+    PlanWall wall{.thickness = ValueOf(properties, "thickness", 0.0),
+                  .confidence = ValueOf(properties, "confidence", 1.0)};
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
+    if (frame_ == Frame::kSheet && points.size() == 2 && IsGiven(properties, "from") && IsGiven(properties, "to")) {
       wall.from = properties["from"].get<int>();
       wall.to = properties["to"].get<int>();
-      plan_.walls.push_back(wall);
+      named_.push_back({plan_.walls.size(), wall, points});
       return absl::OkStatus();
     }
-    ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
     AddWalls(points, wall);
     return absl::OkStatus();
+  }
+
+  // A wall that names its corners has them, if they are where its line ends; else the line counts, which a person may
+  // have moved. The order of walls is that of their features.
+  void AddNamedWalls() {
+    const std::size_t named_corners = plan_.corners.size();
+    const auto is_at = [&](int corner, const Vector2d& point) {
+      return corner >= 0 && corner < static_cast<int>(named_corners) && plan_.corners[corner].point == point;
+    };
+    std::vector<PlanWall> others = std::move(plan_.walls);
+    plan_.walls.clear();
+    std::size_t next = 0;
+    for (const NamedWall& named : named_) {
+      for (; next < named.before; ++next) plan_.walls.push_back(others[next]);
+      if (is_at(named.wall.from, named.line.front()) && is_at(named.wall.to, named.line.back())) {
+        plan_.walls.push_back(named.wall);
+      } else {
+        AddWalls(named.line, named.wall);
+      }
+    }
+    plan_.walls.insert(plan_.walls.end(), others.begin() + static_cast<std::ptrdiff_t>(next), others.end());
   }
 
   void AddWalls(const std::vector<Vector2d>& points, PlanWall wall) {
@@ -222,24 +257,41 @@ class PlanReader {
 
   absl::Status ReadPolygon(const std::string& kind, const Json& rings, const Json& properties) {
     ENFILADE_ASSIGN_OR_RETURN(std::vector<Vector2d> outline, OutlineOf(rings));
-    const std::string name = properties.value("name", "");
+    const std::string name = ValueOf<std::string>(properties, "name", "");
     if (kind == "room") {
       plan_.rooms.push_back({std::move(outline), name});
     } else if (kind == "shaft") {
-      const bool stairs = properties.value("shaft", "lift") == "stairs";
+      const bool stairs = ValueOf<std::string>(properties, "shaft", "lift") == "stairs";
       plan_.shafts.push_back({stairs ? ShaftKind::kStairs : ShaftKind::kLift, std::move(outline), name});
     } else if (kind.empty() || kind == "wall") {
       outline.push_back(outline.front());
-      AddWalls(outline, {.confidence = properties.value("confidence", 1.0)});
+      AddWalls(outline, {.confidence = ValueOf(properties, "confidence", 1.0)});
     }
     return absl::OkStatus();
   }
 
+  struct NamedWall {
+    std::size_t before = 0;  // how many of the other walls come before it
+    PlanWall wall;
+    std::vector<Vector2d> line;
+  };
+
   const Json& document_;
+  bool sheet_only_;
+  std::vector<NamedWall> named_;
   Frame frame_ = Frame::kSheet;
   geo::TransverseMercator projection_;
   PlanGraph plan_;
 };
+
+absl::StatusOr<PlanGraph> ReadDocument(std::string_view text, bool sheet_only) {
+  try {
+    const Json document = Json::parse(text);
+    return PlanReader(document, sheet_only).Read();
+  } catch (const Json::exception& error) {
+    return InvalidArgument("not a GeoJSON plan: {}", error.what());
+  }
+}
 
 }  // namespace
 
@@ -274,13 +326,8 @@ std::string WriteGeoJsonPlan(const PlanGraph& plan) {
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-absl::StatusOr<PlanGraph> ReadGeoJsonPlan(std::string_view text) {
-  try {
-    const Json document = Json::parse(text);
-    return PlanReader(document).Read();
-  } catch (const Json::exception& error) {
-    return InvalidArgument("not a GeoJSON plan: {}", error.what());
-  }
-}
+absl::StatusOr<PlanGraph> ReadGeoJsonPlan(std::string_view text) { return ReadDocument(text, false); }
+
+absl::StatusOr<PlanGraph> ReadEditedPlan(std::string_view text) { return ReadDocument(text, true); }
 
 }  // namespace enfilade::prior

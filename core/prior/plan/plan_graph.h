@@ -66,6 +66,7 @@ constexpr double kLargestCoordinate = 1e12;
 
 double LengthOf(const PlanGraph& plan, const PlanWall& wall);
 double WallLength(const PlanGraph& plan);  // of all walls
+double DiagonalOf(const PlanGraph& plan);  // of the box around its corners; 0: it has none
 
 // Fails with INVALID_ARGUMENT, naming the element: an index that no corner has, a wall without length, a number that is
 // not finite, a corner beyond kLargestCoordinate, a confidence outside (0, 1], an outline of fewer than three points, a

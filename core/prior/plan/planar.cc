@@ -175,6 +175,13 @@ PlanGraph Planarise(const PlanGraph& plan, double weld) {
   return planar;
 }
 
+double JoinDistance(const PlanGraph& plan) {
+  constexpr double kMetres = 0.05, kShare = 5e-4, kMostShare = 0.01;
+  const double diagonal = DiagonalOf(plan);
+  const double distance = plan.metres_per_unit ? kMetres / *plan.metres_per_unit : kShare * diagonal;
+  return std::min(distance, kMostShare * diagonal);
+}
+
 bool IsPlanar(const PlanGraph& plan) {
   const SegmentGrid grid = GridOfWalls(plan, 1e-6);
   for (std::size_t i = 0; i < plan.walls.size(); ++i) {

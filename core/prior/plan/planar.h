@@ -12,11 +12,18 @@ namespace enfilade::prior {
 // corners are one. Corners without walls are dropped. Doors, rooms and shafts stay as they are.
 PlanGraph Planarise(const PlanGraph& plan, double weld);
 
+// Ends of walls nearer to each other than this (units of the plan) are meant to meet: 0.05 m, at most a hundredth of
+// the plan's diagonal; 1/2000 of that if the scale is unknown.
+double JoinDistance(const PlanGraph& plan);
+
 // Whether no two walls cross or overlap; touching at a corner of both is allowed.
 bool IsPlanar(const PlanGraph& plan);
 
 // The faces of the planar graph of walls and doors, in the order of their area, the largest first. What surrounds the
 // plan is no room, nor is a face narrower than `narrowest` (twice its area by its circumference).
 std::vector<PlanRoom> FindRooms(const PlanGraph& plan, double narrowest);
+
+// For FindRooms: what is narrower lies within a wall.
+double NarrowestRoom(const PlanGraph& plan);
 
 }  // namespace enfilade::prior

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/prior/plan/planar.h"
+#include "core/prior/plan/room_names.h"
 
 namespace enfilade::prior {
 namespace {
@@ -66,16 +67,6 @@ std::vector<HalfWall> HalfWallsOf(const PlanGraph& plan) {
   return halves;
 }
 
-double AreaOf(const std::vector<Vector2d>& outline) {
-  double twice = 0;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vector2d& a = outline[i];
-    const Vector2d& b = outline[(i + 1) % outline.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return twice / 2;
-}
-
 double CircumferenceOf(const std::vector<Vector2d>& outline) {
   double sum = 0;
   for (std::size_t i = 0; i < outline.size(); ++i) sum += (outline[(i + 1) % outline.size()] - outline[i]).norm();
@@ -103,6 +94,12 @@ std::vector<PlanRoom> FindRooms(const PlanGraph& plan, double narrowest) {
   std::stable_sort(rooms.begin(), rooms.end(),
                    [](const PlanRoom& a, const PlanRoom& b) { return AreaOf(a.outline) > AreaOf(b.outline); });
   return rooms;
+}
+
+double NarrowestRoom(const PlanGraph& plan) {
+  double thickest = 0;
+  for (const PlanWall& wall : plan.walls) thickest = std::max(thickest, wall.thickness);
+  return std::max(thickest, 1e-3 * WallLength(plan) / std::sqrt(static_cast<double>(plan.walls.size())));
 }
 
 }  // namespace enfilade::prior

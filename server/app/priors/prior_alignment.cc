@@ -173,14 +173,15 @@ absl::StatusOr<std::string> PriorAlignment::ReadPlan(const storage::CallContext&
 
 absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext& context,
                                                       const storage::PriorMap& prior_map,
-                                                      const std::vector<storage::PriorMapPair>& pairs,
+                                                      const std::vector<storage::PriorMapPair>& pairs, bool from_last,
                                                       bool activate) const {
   ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
   Placement placement{.options = {},
                       .accepted_state = activate ? storage::PriorMapState::kActive : storage::PriorMapState::kProposed};
   ENFILADE_ASSIGN_OR_RETURN(placement.options.pairs, InWorld(pairs, level.maps));
+  if (from_last) placement.options.start = PlaceNow(prior_map, level);
   ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
-  if (aligned.outcome.alignment) aligned.outcome.alignment->pairs = pairs;
+  if (aligned.outcome.alignment) aligned.outcome.alignment->pairs = from_last ? prior_map.alignment->pairs : pairs;
   return aligned;
 }
 
@@ -188,9 +189,8 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::AlignAgain(const storage::CallCo
                                                            const storage::PriorMap& prior_map) const {
   if (!prior_map.alignment) return FailedPrecondition("{} was never aligned", NameOf(prior_map.site, prior_map.id));
   ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
-  const Pose2 T_now_then = level.ties == nullptr ? Pose2{} : MovedSince(*level.ties, level.maps);
   Placement placement{.options = {}, .accepted_state = prior_map.state};
-  placement.options.start = T_now_then * prior_map.alignment->T_world_sheet;
+  placement.options.start = PlaceNow(prior_map, level);
   ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
   if (aligned.outcome.alignment) {
     aligned.outcome.alignment->pairs = prior_map.alignment->pairs;
@@ -200,6 +200,11 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::AlignAgain(const storage::CallCo
     aligned.outcome.reason = "robots have seen more, and it does not fit that: " + aligned.outcome.reason;
   }
   return aligned;
+}
+
+prior::PlanTransform PriorAlignment::PlaceNow(const storage::PriorMap& prior_map, const Level& level) {
+  const Pose2 T_now_then = level.ties == nullptr ? Pose2{} : MovedSince(*level.ties, level.maps);
+  return T_now_then * prior_map.alignment.value().T_world_sheet;
 }
 
 absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& context,

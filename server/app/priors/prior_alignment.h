@@ -28,10 +28,12 @@ class PriorAlignment {
                  const storage::RevisionStore& revisions, const storage::BlobStore& blobs, SiteGraphs& graphs)
       : prior_maps_(prior_maps), maps_(maps), revisions_(revisions), blobs_(blobs), graphs_(graphs) {}
 
-  // Nothing is stored. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the
-  // level; FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
+  // Nothing is stored. `from_last`: it is looked for only where its last alignment has placed it, which must exist;
+  // without pairs. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the level;
+  // FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
   absl::StatusOr<AlignedPriorMap> Align(const storage::CallContext& context, const storage::PriorMap& prior_map,
-                                        const std::vector<storage::PriorMapPair>& pairs, bool activate) const;
+                                        const std::vector<storage::PriorMapPair>& pairs, bool from_last,
+                                        bool activate) const;
 
   // A prior map in use with the maps as they are now, from where it lies; it stays in use if it still fits them.
   // Nothing is stored. FAILED_PRECONDITION: it has no alignment, or as above; DATA_LOSS.
@@ -46,6 +48,8 @@ class PriorAlignment {
     storage::PriorMapState accepted_state = storage::PriorMapState::kProposed;
   };
 
+  // By its last alignment, and by how the maps have moved since.
+  static prior::PlanTransform PlaceNow(const storage::PriorMap& prior_map, const Level& level);
   absl::StatusOr<AlignedPriorMap> Fit(const storage::CallContext& context, const storage::PriorMap& prior_map,
                                       const Level& level, const Placement& placement) const;
 

@@ -32,17 +32,6 @@ std::string SheetName(const std::string& file_name) {
   return extension.empty() ? "sheet" : "sheet." + extension;
 }
 
-storage::PriorMapElements ElementsOf(const prior::PlanGraph& plan) {
-  storage::PriorMapElements elements;
-  elements.walls = static_cast<int>(plan.walls.size());
-  elements.corners = static_cast<int>(plan.corners.size());
-  elements.doors = static_cast<int>(plan.doors.size());
-  elements.rooms = static_cast<int>(plan.rooms.size());
-  elements.shafts = static_cast<int>(plan.shafts.size());
-  elements.metres_per_unit = plan.metres_per_unit;
-  return elements;
-}
-
 class PriorMapImporter {
  public:
   explicit PriorMapImporter(const Services& services) : services_(services), assembly_(services.uploads) {}
@@ -84,7 +73,7 @@ class PriorMapImporter {
     prior_map_.reason = "it was not aligned yet";
     const std::vector<storage::NewPriorMapFile> stored = {
         {storage::PriorMapProduct::kSheet, SheetName(prior_map_.file_name), std::move(files.front().bytes)},
-        {storage::PriorMapProduct::kPlan, "plan.geojson", prior::WriteGeoJsonPlan(plan->graph)}};
+        {storage::PriorMapProduct::kPlan, std::string(kPlanFileName), prior::WriteGeoJsonPlan(plan->graph)}};
     ENFILADE_ASSIGN_OR_RETURN(const storage::PriorMap created,
                               services_.prior_maps.Create(context, prior_map_, stored));
     *response.mutable_prior_map() = ToProto(created);

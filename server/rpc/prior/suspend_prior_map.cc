@@ -16,7 +16,9 @@ absl::StatusOr<Response> SetState(const Services& services, const Call& call, co
   ENFILADE_ASSIGN_OR_RETURN(const auto name, convert::ParsePriorMapName("name", request.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(request.etag()));
   ENFILADE_ASSIGN_OR_RETURN(const auto prior_map, services.prior_maps.Get(call.context(), name.site, name.prior_map));
-  if (!prior_map.alignment || prior_map.state == storage::PriorMapState::kDiverged) {
+  const bool holds =
+      prior_map.state != storage::PriorMapState::kNew && prior_map.state != storage::PriorMapState::kDiverged;
+  if (!prior_map.alignment || !holds) {
     return FailedPrecondition("{} has no alignment that holds: {}. Align it first", convert::NameOf(name),
                               prior_map.reason);
   }

@@ -40,9 +40,9 @@ constexpr Statement kInsertPriorMapFiles{
     "INSERT INTO enfilade.prior_map_files (site_id, prior_map_id, product, name, size_bytes, sha256)"
     " SELECT $1, $2, u.product, u.name, u.size_bytes, u.sha256"
     " FROM unnest($3::smallint[], $4::text[], $5::bigint[], $6::bytea[]) AS u (product, name, size_bytes, sha256)"};
-constexpr Statement kDeleteAlignedFiles{"deleting the last alignment's files",
-                                        "DELETE FROM enfilade.prior_map_files"
-                                        " WHERE site_id = $1 AND prior_map_id = $2 AND product >= $3"};
+constexpr Statement kDeleteFilesFrom{"deleting the last alignment's files",
+                                     "DELETE FROM enfilade.prior_map_files"
+                                     " WHERE site_id = $1 AND prior_map_id = $2 AND product >= $3"};
 constexpr Statement kSelectPriorMap{"reading the prior map",
                                     "SELECT " ENFILADE_PRIOR_MAP_COLUMNS
                                     " FROM enfilade.prior_maps WHERE site_id = $1 AND prior_map_id = $2"};
@@ -70,6 +70,10 @@ constexpr Statement kSetPriorMapAlignment{
     ENFILADE_UPDATE_PRIOR_MAP("state = $5, reason = $6, affine = $7, model = $8, explained = $9, contradicted = $10,"
                               " rival_ratio = $11, aligned_maps = $12, graph_version = $13, pair_maps = $14,"
                               " pair_points = $15, tied_walls = $16, joined_maps = $17, align_time = now()")};
+constexpr Statement kSetPriorMapElements{
+    "storing the corrected plan",
+    ENFILADE_UPDATE_PRIOR_MAP("state = $5, reason = $6, walls = $7, corners = $8, doors = $9, rooms = $10,"
+                              " shafts = $11, metres_per_unit = $12")};
 constexpr Statement kIsInUse{"looking whether the prior map is in use",
                              "SELECT count(*) FROM enfilade.prior_maps"
                              " WHERE site_id = $1 AND prior_map_id = $2 AND state = 3"};
@@ -287,13 +291,41 @@ absl::StatusOr<PriorMap> PriorMapStore::SetOutcome(const CallContext& context, c
     return postgres::StaleEtag(name);
   }
   if (outcome.alignment) {
-    transaction.Queue(kDeleteAlignedFiles, Params(site, id, static_cast<std::int16_t>(PriorMapProduct::kCorrected)));
+    transaction.Queue(kDeleteFilesFrom, Params(site, id, static_cast<std::int16_t>(PriorMapProduct::kCorrected)));
     postgres::QueueBlobs(transaction, site, to_store.blobs());
     to_store.Queue(transaction, site, id);
   }
   if (was_in_use || outcome.state == PriorMapState::kActive) {
     ENFILADE_RETURN_IF_ERROR(RaiseVersion(transaction, site, id));
   }
+  ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), name));
+  return postgres::ReadOne(*updated, ReadPriorMap, name);
+}
+
+absl::StatusOr<PriorMap> PriorMapStore::ReplacePlan(const CallContext& context, const SiteId& site,
+                                                    const PriorMapId& id, std::int64_t etag,
+                                                    const PriorMapElements& elements, const NewPriorMapFile& plan,
+                                                    const std::string& reason) const {
+  const std::string name = NameOf(site, id);
+  const std::vector<NewPriorMapFile> files{plan};
+  const FilesToStore to_store(files);
+  ENFILADE_RETURN_IF_ERROR(ValidateBlobs(to_store.blobs()));
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  ENFILADE_ASSIGN_OR_RETURN(const bool was_in_use, LockUse(transaction, site, id));
+  const auto updated = transaction.Execute(
+      kSetPriorMapElements,
+      Params(site, id, etag, postgres::NewEtag(), static_cast<std::int16_t>(PriorMapState::kNew), reason,
+             std::int32_t{elements.walls}, std::int32_t{elements.corners}, std::int32_t{elements.doors},
+             std::int32_t{elements.rooms}, std::int32_t{elements.shafts}, elements.metres_per_unit));
+  if (!updated.ok()) return WithContext(updated.status(), name);
+  if (updated->rows() == 0) {
+    ENFILADE_RETURN_IF_ERROR(Get(context, site, id).status());
+    return postgres::StaleEtag(name);
+  }
+  transaction.Queue(kDeleteFilesFrom, Params(site, id, static_cast<std::int16_t>(PriorMapProduct::kPlan)));
+  postgres::QueueBlobs(transaction, site, to_store.blobs());
+  to_store.Queue(transaction, site, id);
+  if (was_in_use) ENFILADE_RETURN_IF_ERROR(RaiseVersion(transaction, site, id));
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), name));
   return postgres::ReadOne(*updated, ReadPriorMap, name);
 }

@@ -366,6 +366,8 @@ class Tour:
         self.ok("PriorMapService.ListPredictedLinkPoints", {"parent": name, "page_size": 3})
         self.ok("PriorMapService.SuspendPriorMap", {"name": name})
         self.ok("PriorMapService.ExportPriorMap", {"name": name})
+        self.ok("PriorMapService.EditPriorMap", {"name": name, "plan": plan().decode(), "validate_only": True,
+                                                 "measure": {"to_x": 100, "length_m": 5}})
         self.ok("PriorMapService.DeletePriorMap", {"name": f"{site}/priorMaps/spare"})
 
     def map_edits(self):

@@ -9,6 +9,7 @@ void AddPrior(CLI::App& app, const Globals& globals) {
   prior->require_subcommand(1);
   AddPriorAdd(*prior, globals);
   AddPriorAlign(*prior, globals);
+  AddPriorEdit(*prior, globals);
   AddPriorExport(*prior, globals);
   AddPriorPublish(*prior, globals);
   AddPriorFit(*prior, globals);

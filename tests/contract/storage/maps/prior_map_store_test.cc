@@ -173,6 +173,39 @@ TEST_F(PriorMapStoreTest, OneInUseIsPartOfTheGraph) {
   EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 4);
 }
 
+TEST_F(PriorMapStoreTest, ACorrectedPlanTiesNothingUntilItIsAlignedAgain) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  storage::PriorMapOutcome accepted =
+      Accepted({{PriorMapProduct::kCorrected, "walls.svg", "<svg/>"}, {PriorMapProduct::kTies, "ties.bin", "ties"}});
+  accepted.state = PriorMapState::kActive;
+  ASSERT_OK_AND_ASSIGN(const PriorMap active, prior_maps_.SetOutcome(Soon(), site_, plan_, 0, accepted));
+  ASSERT_EQ(graphs_.ReadPlanTies(Soon(), site_, {})->size(), 1U);
+  ASSERT_OK_AND_ASSIGN(const std::int64_t version, graphs_.GetVersion(Soon(), site_));
+  const storage::PriorMapElements elements{.walls = 10, .corners = 11, .doors = 12, .rooms = 13, .shafts = 14};
+  const NewPriorMapFile plan{PriorMapProduct::kPlan, "plan", "corrected"};
+  EXPECT_CODE(prior_maps_.ReplacePlan(Soon(), site_, plan_, active.etag - 1, elements, plan, "align"),
+              absl::StatusCode::kAborted);
+  EXPECT_CODE(prior_maps_.ReplacePlan(Soon(), site_, PriorMapId("other"), 0, elements, plan, "align"),
+              absl::StatusCode::kNotFound);
+  EXPECT_THAT(FilesOf(plan_),
+              ::testing::ElementsAre("sheet.png: pixels", "plan: {}", "walls.svg: <svg/>", "ties.bin: ties"));
+  ASSERT_OK_AND_ASSIGN(const PriorMap edited,
+                       prior_maps_.ReplacePlan(Soon(), site_, plan_, active.etag, elements, plan, "align it again"));
+  EXPECT_EQ(edited.state, PriorMapState::kNew);
+  EXPECT_EQ(edited.reason, "align it again");
+  EXPECT_EQ(edited.elements.walls, 10);
+  EXPECT_EQ(edited.elements.shafts, 14);
+  EXPECT_FALSE(edited.elements.metres_per_unit.has_value());
+  ASSERT_TRUE(edited.alignment.has_value()) << "where to begin";
+  EXPECT_EQ(edited.alignment->pairs.size(), 2U);
+  EXPECT_NE(edited.etag, active.etag);
+  EXPECT_THAT(FilesOf(plan_), ::testing::ElementsAre("sheet.png: pixels", "plan: corrected"));
+  EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), version + 1) << "it was in use";
+  ASSERT_OK(prior_maps_.ReplacePlan(Soon(), site_, plan_, 0, elements, plan, "once more").status());
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), version + 1) << "it was not in use";
+}
+
 TEST_F(PriorMapStoreTest, OneThatContradictsTheMapsDiverges) {
   ASSERT_OK(Create("plan", "Ground floor"));
   ASSERT_OK(Create("other", "First floor"));
