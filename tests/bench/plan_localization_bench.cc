@@ -176,7 +176,7 @@ json Judge(const prior::PlanField& field, const prior::PlanDrive& drive, const P
     right_at_end = score.right();
     if (step.travelled <= kCheckpoint) right_at_checkpoint = score.right();
     if (list) {
-      std::cerr << step.travelled << " n " << step.particles << " modes " << step.modes.size() << " mass "
+      std::cerr << "step " << step.travelled << " n " << step.particles << " modes " << step.modes.size() << " mass "
                 << step.modes.front().mass << " error " << score.error << " turn " << score.turn << " sigmas "
                 << std::sqrt(score.surprise) << " matched " << step.matched << (step.confident ? " confident" : "")
                 << " scale " << step.modes.front().mean.log_scale << " " << step.modes.front().mean.log_stretch << "\n";

@@ -75,17 +75,18 @@ struct PlanLocalizerOptions {
   // wherever the last scans fit.
   double alpha_slow = 0.001;
   double alpha_fast = 0.1;
-  double most_recovered = 0.05;  // share of new particles
+  double most_recovered = 0.05;      // share of new particles
+  double recovery_distance = 10.0;   // m since a mode was confident: until then, it is not given up for another place
 
   // --- Modes.
   double least_density = 0.02;    // of the heaviest bin: a bin that has less separates modes
   double confident_mass = 0.95;
   double confident_sigma = 0.6;   // m, in the least certain direction
   double confident_yaw = 0.2;     // rad
-  double confident_match = 0.5;   // share of hits within two standard deviations of a wall
+  double confident_match = 0.5;   // share of hits within two standard deviations of a wall, lately
   double confident_distance = 4.0;  // m for which all of that must have held
   // Added to a mode's covariance: where a place of the building is in a plan is no more certain than this.
-  double sigma_floor = 0.12;  // m
+  double sigma_floor = 0.08;  // m
   double yaw_floor = 0.02;    // rad
 };
 

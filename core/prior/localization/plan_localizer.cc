@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kLargestLog = 0.5;  // of scale and stretch
 constexpr double kGateQuantile = 16.27;  // 99.9 % of chi squared with three degrees of freedom
+constexpr double kMatchedGain = 0.15;     // for the mean of what was seen at the last looks
 constexpr double kRecoveryDensity = 200;  // places tried per square metre
 
 enum class FilterDraw : std::uint64_t { kMotion = 1, kResample = 2, kRecover = 3 };
@@ -136,6 +137,7 @@ void PlanLocalizer::Resample() {
   };
   const auto most = static_cast<std::size_t>(sure_ ? options_.most_particles : options_.most_unsure);
   particles_ = Resampled(particles_, most, draw(FilterDraw::kResample).Uniform(), options_);
+  if (last_sure_ && travelled_ - *last_sure_ < options_.recovery_distance) return;
   const double share = slow_ > 0 ? std::clamp(1 - fast_ / slow_, 0.0, options_.most_recovered) : 0;
   const auto count = static_cast<std::size_t>(share * static_cast<double>(particles_.size()));
   if (options_.alpha_slow <= 0 || count == 0 || !T_map_last_) return;
@@ -174,14 +176,17 @@ PlanPosterior PlanLocalizer::Report(const PlanLook& look) {
   posterior.modes = ModesOf(particles_, field_.axis(), options_);
   const PlanMode& best = posterior.modes.front();
   const PlanLikelihood hits = PlanLikelihood::OfHits(look.hits, options_);
-  posterior.matched = hits.MatchedAt(field_, best.mean);
+  const double matched = hits.MatchedAt(field_, best.mean);
+  matched_ = matched_ > 0 ? matched_ + kMatchedGain * (matched - matched_) : matched;
+  posterior.matched = matched_;
   if (best.mass < options_.confident_mass || !IsNarrow(best, options_)) {
     holding_since_.reset();
   } else if (!holding_since_) {
     holding_since_ = travelled_;
   }
   sure_ = holding_since_ && travelled_ - *holding_since_ >= options_.confident_distance &&
-          posterior.matched >= options_.confident_match;
+          matched_ >= options_.confident_match;
+  if (sure_) last_sure_ = travelled_;
   posterior.confident = sure_;
   return posterior;
 }

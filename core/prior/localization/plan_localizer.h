@@ -28,7 +28,7 @@ struct PlanPosterior {
   std::size_t particles = 0;    // 0: a global start has not seen enough yet
   double effective = 0;         // particles, of them
   std::vector<PlanMode> modes;  // the heaviest first
-  double matched = 0;           // share of what the robot sees that is near walls, at the heaviest mode
+  double matched = 0;           // share of what the robot has seen lately that is near walls, at the heaviest mode
   // One mode has enough mass, is narrow, explains what the robot sees, and has done so for a while.
   bool confident = false;
 };
@@ -77,9 +77,10 @@ class PlanLocalizer {
   std::uint64_t step_ = 0;
   double slow_ = 0;  // means of the likelihood, for the recovery
   double fast_ = 0;
-  bool sure_ = false;                        // one mode was confident at the last look
-  std::optional<double> holding_since_;      // m: where a mode began to be alone and narrow
-  std::optional<PlanMode> held_;
+  double matched_ = 0;  // as in PlanPosterior
+  bool sure_ = false;   // one mode was confident at the last look
+  std::optional<double> last_sure_;      // m: where one was at last
+  std::optional<double> holding_since_;  // m: where a mode began to be alone and narrow
 };
 
 }  // namespace enfilade::prior

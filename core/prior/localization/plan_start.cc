@@ -173,6 +173,7 @@ std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vecto
   wide.sigma_plan = options.global_sigma;
   PlanLocalizerOptions narrow = wide;
   narrow.sigma_plan = 0.5 * options.global_sigma;
+  wide.beams = std::max(1, options.beams / 2);
   const PlanLikelihood widely = PlanLikelihood::OfHits(seen, wide);
   const PlanLikelihood narrowly = PlanLikelihood::OfHits(seen, narrow);
 
