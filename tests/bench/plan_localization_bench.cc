@@ -225,6 +225,7 @@ absl::Status Set(const Settings& settings, prior::PlanLocalizerOptions& options)
                                                   {"global_distance", &options.global_distance},
                                                   {"global_density", &options.global_density},
                                                   {"global_sigma", &options.global_sigma},
+                                                  {"global_beams", &options.global_beams},
                                                   {"confident_distance", &options.confident_distance},
                                                   {"confident_sigma", &options.confident_sigma},
                                                   {"confident_match", &options.confident_match},

@@ -43,7 +43,7 @@ struct PlanLocalizerOptions {
   double sigma_plan = 0.15;         // m, of a wall in the plan
   double stretch_per_metre = 0.02;  // by which a plan is wrong within sight
   BeamSum sum = BeamSum::kTempered;
-  double effective_beams = 6;  // neighbouring beams, and what is seen from neighbouring places, err together
+  double effective_beams = 12;  // neighbouring beams, and what is seen from neighbouring places, err together
 
   // --- How the robot moves, by SLAM, and by how much the plan is too long or too short on the way.
   double update_distance = 0.5;  // m, or
@@ -62,6 +62,7 @@ struct PlanLocalizerOptions {
   double global_density = 1500;  // places that are tried per square metre of the plan ...
   int most_global = 4'000'000;   // ... but at most
   double global_sigma = 0.45;    // m, of walls when they are tried
+  double global_beams = 6;       // effective ones, each time
 
   // --- Particles (D. Fox, "Adapting the sample size in particle filters through KLD-sampling", 2003).
   int fewest_particles = 500;
@@ -86,8 +87,8 @@ struct PlanLocalizerOptions {
   double confident_match = 0.5;   // share of hits within two standard deviations of a wall, lately
   double confident_distance = 4.0;  // m for which all of that must have held
   // Added to a mode's covariance: where a place of the building is in a plan is no more certain than this.
-  double sigma_floor = 0.08;  // m
-  double yaw_floor = 0.02;    // rad
+  double sigma_floor = 0.02;  // m
+  double yaw_floor = 0.005;    // rad
 };
 
 // Nav2's AMCL with its default parameters, and without a scale: likelihood field, z_hit 0.5, z_rand 0.5 over 100 m,

@@ -171,6 +171,7 @@ std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vecto
   wide.sum = BeamSum::kTempered;
   wide.z_rand = 1 - wide.z_hit;
   wide.sigma_plan = options.global_sigma;
+  wide.effective_beams = options.global_beams;
   PlanLocalizerOptions narrow = wide;
   narrow.sigma_plan = 0.5 * options.global_sigma;
   wide.beams = std::max(1, options.beams / 2);

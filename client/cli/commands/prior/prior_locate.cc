@@ -13,6 +13,7 @@
 #include "client/cli/mapped_drive.h"
 #include "client/cli/output.h"
 #include "client/sources/log_reader.h"
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/prior/localization/plan_start.h"
 #include "core/prior/localization/submap_tracking.h"
@@ -54,6 +55,7 @@ absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& op
   std::vector<prior::ControlPair> pairs;
   if (!options.pairs.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(pairs, ReadPairs(options.pairs));
+    if (pairs.empty()) return InvalidArgument("{}: no pairs in it", options.pairs);
   }
   ENFILADE_ASSIGN_OR_RETURN(const double metres_per_unit, prior::NominalScale(plan, pairs));
   const prior::PlanField field(plan, metres_per_unit);
@@ -73,8 +75,11 @@ absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& op
     ENFILADE_ASSIGN_OR_RETURN(const std::string png, PlotLocated(field, drive));
     ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.plot, png));
   }
-  if (globals.json) return PrintJson(std::cout, report);
-  std::cout << DescribeLocated(field, drive, seconds);
+  if (globals.json) {
+    PrintJson(std::cout, report);
+  } else {
+    std::cout << DescribeLocated(field, drive, seconds);
+  }
   return absl::OkStatus();
 }
 
