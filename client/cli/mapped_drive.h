@@ -14,7 +14,7 @@ namespace enfilade::cli {
 
 // A recorded drive as SLAM maps it.
 struct MappedDrive {
-  std::vector<TimeNs> times;  // of each look
+  std::vector<TimeNs> times;            // of each look
   std::vector<prior::DriveLook> looks;  // the keyframes with their scans, in order of time
   std::vector<prior::DriveSubmap> submaps;
 };

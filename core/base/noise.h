@@ -25,8 +25,8 @@ constexpr std::uint64_t SeedOf(std::string_view text) {
 }
 
 // Random numbers that are the same with every standard library (std::normal_distribution is not): SplitMix64. A
-// generator is cheap to construct: each reading of a simulated sensor, or each particle of a filter at each step, has its
-// own, seeded by a mix of what it is for, so that nothing depends on what was drawn before it.
+// generator is cheap to construct: each reading of a simulated sensor, or each particle of a filter at each step, has
+// its own, seeded by a mix of what it is for, so that nothing depends on what was drawn before it.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : state_(Mix(seed)) {}

@@ -39,9 +39,9 @@ namespace {
 using Eigen::Vector2d;
 using nlohmann::json;
 
-constexpr double kUnit = 0.04;  // m per px, of which the simulated plans' axes are 0.8 to 1.25 times
-constexpr double kBaseline = 8;  // m
-constexpr double kNearDrive = 4;  // m
+constexpr double kUnit = 0.04;      // m per px, of which the simulated plans' axes are 0.8 to 1.25 times
+constexpr double kBaseline = 8;     // m
+constexpr double kNearDrive = 4;    // m
 constexpr double kCheckpoint = 15;  // m
 
 // Where places of the building are in the plan.
@@ -122,9 +122,8 @@ absl::StatusOr<Drive> ReadDrive(const std::filesystem::path& folder) {
 std::vector<prior::ControlPair> TwoClicks(const PlanTruth& truth, const std::vector<Pose2>& poses, Noise noise) {
   std::vector<std::size_t> near;
   for (std::size_t i = 0; i < truth.campus().size(); ++i) {
-    if (std::any_of(poses.begin(), poses.end(), [&](const Pose2& pose) {
-          return (pose.translation() - truth.campus()[i]).norm() < kNearDrive;
-        })) {
+    if (std::any_of(poses.begin(), poses.end(),
+                    [&](const Pose2& pose) { return (pose.translation() - truth.campus()[i]).norm() < kNearDrive; })) {
       near.push_back(i);
     }
   }
@@ -144,8 +143,8 @@ std::vector<prior::ControlPair> TwoClicks(const PlanTruth& truth, const std::vec
 }
 
 struct Score {
-  double error = 0;  // m
-  double turn = 0;   // rad
+  double error = 0;     // m
+  double turn = 0;      // rad
   double surprise = 0;  // squared, in standard deviations of the position
   bool right() const { return error <= 1.0 && turn <= 20 * kDegree; }
   bool wrong() const { return error > 1.5 || turn > 30 * kDegree; }

@@ -34,7 +34,8 @@ NdtCell CellFrom(const Sums& sums) {
 std::vector<NdtCell> NdtOf(const std::vector<Eigen::Vector2d>& points, double side) {
   std::map<std::pair<int, int>, Sums> cells;
   for (const Eigen::Vector2d& point : points) {
-    Sums& sums = cells[{static_cast<int>(std::floor(point.y() / side)), static_cast<int>(std::floor(point.x() / side))}];
+    Sums& sums =
+        cells[{static_cast<int>(std::floor(point.y() / side)), static_cast<int>(std::floor(point.x() / side))}];
     ++sums.count;
     sums.sum += point;
     sums.squares += point * point.transpose();

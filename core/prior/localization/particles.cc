@@ -153,13 +153,12 @@ std::vector<PlanMode> ModesOf(const std::vector<PlanParticle>& particles, double
   std::vector<PlanMode> ranked;
   for (auto& [key, mode] : modes) {
     mode.stretch_sigma = std::sqrt(mode.stretch_sigma);
-    mode.covariance.diagonal() += Eigen::Vector4d(options.sigma_floor * options.sigma_floor,
-                                                  options.sigma_floor * options.sigma_floor,
-                                                  options.yaw_floor * options.yaw_floor, 0);
+    mode.covariance.diagonal() +=
+        Eigen::Vector4d(options.sigma_floor * options.sigma_floor, options.sigma_floor * options.sigma_floor,
+                        options.yaw_floor * options.yaw_floor, 0);
     ranked.push_back(mode);
   }
-  std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const PlanMode& a, const PlanMode& b) { return a.mass > b.mass; });
+  std::stable_sort(ranked.begin(), ranked.end(), [](const PlanMode& a, const PlanMode& b) { return a.mass > b.mass; });
   return ranked;
 }
 

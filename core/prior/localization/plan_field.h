@@ -18,7 +18,7 @@ class PlanField {
   static constexpr double kResolution = 0.1;  // plan metres
 
   struct Nearest {
-    float squared_distance = 0;   // plan metres^2, at most kReach^2
+    float squared_distance = 0;    // plan metres^2, at most kReach^2
     Eigen::Vector2f normal{0, 0};  // unit, away from the wall; zero on it and beyond kReach
   };
 

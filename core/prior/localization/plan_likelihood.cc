@@ -60,9 +60,8 @@ PlanLikelihood PlanLikelihood::OfCells(const std::vector<NdtCell>& cells, const 
   for (const NdtCell& cell : cells) {
     if (cell.mean.norm() <= options.max_range) near.push_back(cell);
   }
-  std::stable_sort(near.begin(), near.end(), [](const NdtCell& a, const NdtCell& b) {
-    return a.mean.squaredNorm() < b.mean.squaredNorm();
-  });
+  std::stable_sort(near.begin(), near.end(),
+                   [](const NdtCell& a, const NdtCell& b) { return a.mean.squaredNorm() < b.mean.squaredNorm(); });
   if (near.size() > static_cast<std::size_t>(options.beams)) near.resize(static_cast<std::size_t>(options.beams));
   for (const NdtCell& cell : near) likelihood.Add(cell.mean, cell.covariance);
   return likelihood;

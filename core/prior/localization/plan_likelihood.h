@@ -22,9 +22,9 @@ class PlanLikelihood {
 
   bool empty() const { return terms_.empty(); }
   // The logarithm, tempered; 0 if nothing was seen. With normal distributions the distance d of a cell's mean is that
-  // across the nearest wall with the normal n, and its variance n' C n is added to the plan's; likelihoods are densities
-  // across the wall, by that of a point (after Magnusson 2009, section 6.3, with the plan's walls as distributions that
-  // are long and thin).
+  // across the nearest wall with the normal n, and its variance n' C n is added to the plan's; likelihoods are
+  // densities across the wall, by that of a point (after Magnusson 2009, section 6.3, with the plan's walls as
+  // distributions that are long and thin).
   double LogAt(const PlanField& field, const PlanState& state) const;
   // The share of what was seen that lies within two standard deviations of a wall.
   double MatchedAt(const PlanField& field, const PlanState& state) const;
@@ -32,7 +32,7 @@ class PlanLikelihood {
  private:
   struct Term {
     Eigen::Vector2f point;
-    float variance;  // m^2, of sensor and plan
+    float variance;              // m^2, of sensor and plan
     Eigen::Matrix2f covariance;  // m^2
   };
 

@@ -16,8 +16,8 @@
 namespace enfilade::prior {
 namespace {
 
-constexpr double kLargestLog = 0.5;  // of scale and stretch
-constexpr double kGateQuantile = 16.27;  // 99.9 % of chi squared with three degrees of freedom
+constexpr double kLargestLog = 0.5;       // of scale and stretch
+constexpr double kGateQuantile = 16.27;   // 99.9 % of chi squared with three degrees of freedom
 constexpr double kMatchedGain = 0.15;     // for the mean of what was seen at the last looks
 constexpr double kRecoveryDensity = 200;  // places tried per square metre
 
@@ -97,9 +97,9 @@ std::vector<Eigen::Vector2d> PlanLocalizer::RecentPoints(const Pose2& T_map_robo
                      static_cast<int>(std::floor(p.x() / options_.point_spacing)));
   };
   std::stable_sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return cell_of(a) < cell_of(b); });
-  points.erase(std::unique(points.begin(), points.end(),
-                           [&](const auto& a, const auto& b) { return cell_of(a) == cell_of(b); }),
-               points.end());
+  points.erase(
+      std::unique(points.begin(), points.end(), [&](const auto& a, const auto& b) { return cell_of(a) == cell_of(b); }),
+      points.end());
   return points;
 }
 
@@ -159,7 +159,8 @@ void PlanLocalizer::Gate(const PlanState& state, const Eigen::Matrix3d& covarian
   for (PlanParticle& particle : near) {
     const Eigen::Vector2d off = metres * (particle.state.translation() - state.translation());
     const Eigen::Vector3d error(off.x(), off.y(), WrapAngle(particle.state.yaw - state.yaw));
-    if (particle.state.mirrored != state.mirrored || error.dot(information * error) > kGateQuantile) particle.weight = 0;
+    if (particle.state.mirrored != state.mirrored || error.dot(information * error) > kGateQuantile)
+      particle.weight = 0;
     left += particle.weight;
   }
   if (left <= 0) return;

@@ -18,7 +18,7 @@ namespace enfilade::prior {
 
 // One look of the robot.
 struct PlanLook {
-  Pose2 T_map_robot;                   // by SLAM; only the motion from look to look counts
+  Pose2 T_map_robot;                  // by SLAM; only the motion from look to look counts
   std::vector<Eigen::Vector2d> hits;  // ends of beams, in the robot's frame, m
 };
 
@@ -70,15 +70,15 @@ class PlanLocalizer {
   PlanLocalizerOptions options_;
   std::vector<PlanParticle> particles_;
   std::deque<Seen> seen_;
-  std::optional<Pose2> T_map_last_;    // at the last look
+  std::optional<Pose2> T_map_last_;  // at the last look
   double travelled_ = 0;
   double since_update_ = 0;  // m
   double turned_ = 0;        // rad, since the update
   std::uint64_t step_ = 0;
   double slow_ = 0;  // means of the likelihood, for the recovery
   double fast_ = 0;
-  double matched_ = 0;  // as in PlanPosterior
-  bool sure_ = false;   // one mode was confident at the last look
+  double matched_ = 0;                   // as in PlanPosterior
+  bool sure_ = false;                    // one mode was confident at the last look
   std::optional<double> last_sure_;      // m: where one was at last
   std::optional<double> holding_since_;  // m: where a mode began to be alone and narrow
 };

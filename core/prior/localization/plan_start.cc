@@ -179,9 +179,8 @@ std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vecto
   const PlanLikelihood narrowly = PlanLikelihood::OfHits(seen, narrow);
 
   const Eigen::Vector2d size = field.max() - field.min();
-  const auto tried =
-      static_cast<std::size_t>(std::clamp(density * size.x() * size.y(), static_cast<double>(count),
-                                          static_cast<double>(options.most_global)));
+  const auto tried = static_cast<std::size_t>(
+      std::clamp(density * size.x() * size.y(), static_cast<double>(count), static_cast<double>(options.most_global)));
   const auto place = [&](std::size_t i) {
     return AnyPlace(field, NoiseOf(options, Draw::kPlaces, Mix(round, i)), options);
   };

@@ -72,8 +72,8 @@ PlanDrive LocateDrive(const PlanField& field, const std::vector<ControlPair>& pa
     drive.steps.push_back(localizer.Add(looks[i].look));
     const bool finished = i + 1 == looks.size() || looks[i + 1].submap != looks[i].submap;
     if (!finished || !drive.steps.back().confident) continue;
-    const auto submap = std::find_if(submaps.begin(), submaps.end(),
-                                     [&](const DriveSubmap& one) { return one.id == looks[i].submap; });
+    const auto submap =
+        std::find_if(submaps.begin(), submaps.end(), [&](const DriveSubmap& one) { return one.id == looks[i].submap; });
     if (submap == submaps.end()) continue;
     const PlanState guess =
         Moved(drive.steps.back().modes.front().mean, Between(T_map_robot, submap->T_map_submap), field.axis());

@@ -14,8 +14,8 @@ namespace enfilade::cli {
 namespace {
 
 constexpr std::size_t kMostModes = 5;
-constexpr double kEllipse = 2.4477;         // sqrt of the 95 % quantile of chi squared, two degrees of freedom
-constexpr double kEllipseDistance = 3;      // m between ellipses
+constexpr double kEllipse = 2.4477;     // sqrt of the 95 % quantile of chi squared, two degrees of freedom
+constexpr double kEllipseDistance = 3;  // m between ellipses
 constexpr std::size_t kDrawnParticles = 2000;
 constexpr grid::Rgb kBlack{0, 0, 0};
 constexpr grid::Rgb kOrange{255, 127, 14};
@@ -113,14 +113,14 @@ std::string DescribeLocated(const prior::PlanField& field, const prior::PlanDriv
   const prior::PlanPosterior& last = drive.steps.back();
   const prior::PlanMode& best = last.modes.front();
   const Eigen::Vector2d sheet = field.ToSheet(best.mean.translation());
-  const auto first = std::find_if(drive.steps.begin(), drive.steps.end(), [](const auto& one) { return one.confident; });
-  std::string text = fmt::format("{} after {:.1f} m: at {:.1f}, {:.1f} px, yaw {:.1f} deg{}, {:.5g} m per unit; {:.0f} % "
-                                 "of the mass, sigma {:.2f} m; {} modes; {}\n",
-                                 last.confident ? "located" : "not certain", last.travelled, sheet.x(), sheet.y(),
-                                 best.mean.yaw / kDegree, best.mean.mirrored ? ", mirrored" : "",
-                                 field.metres_per_unit() * std::exp(best.mean.log_scale), 100 * best.mass,
-                                 std::sqrt(best.covariance.topLeftCorner<2, 2>().trace()), last.modes.size(),
-                                 FormatSeconds(seconds));
+  const auto first =
+      std::find_if(drive.steps.begin(), drive.steps.end(), [](const auto& one) { return one.confident; });
+  std::string text = fmt::format(
+      "{} after {:.1f} m: at {:.1f}, {:.1f} px, yaw {:.1f} deg{}, {:.5g} m per unit; {:.0f} % "
+      "of the mass, sigma {:.2f} m; {} modes; {}\n",
+      last.confident ? "located" : "not certain", last.travelled, sheet.x(), sheet.y(), best.mean.yaw / kDegree,
+      best.mean.mirrored ? ", mirrored" : "", field.metres_per_unit() * std::exp(best.mean.log_scale), 100 * best.mass,
+      std::sqrt(best.covariance.topLeftCorner<2, 2>().trace()), last.modes.size(), FormatSeconds(seconds));
   if (first != drive.steps.end()) text += fmt::format("certain for the first time after {:.1f} m\n", first->travelled);
   return text;
 }

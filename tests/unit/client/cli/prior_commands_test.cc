@@ -88,9 +88,16 @@ TEST_F(PriorCommandsTest, LocateFollowsADriveThroughThePlan) {
   Simulate();
   const nlohmann::json truth = nlohmann::json::parse(Content(Path("plan/plan-truth.json")));
   const std::string pairs = File("pairs.csv", PairsOf(truth, StartOf("robot")));
-  const std::vector<std::string> command = {"prior",   "locate", Path("plan/plan.geojson"), Path("campus/robot/log.jsonl"),
-                                            "--pairs", pairs,    "-o",                      Path("located.json"),
-                                            "--plot",  Path("located.png")};
+  const std::vector<std::string> command = {"prior",
+                                            "locate",
+                                            Path("plan/plan.geojson"),
+                                            Path("campus/robot/log.jsonl"),
+                                            "--pairs",
+                                            pairs,
+                                            "-o",
+                                            Path("located.json"),
+                                            "--plot",
+                                            Path("located.png")};
   ASSERT_OK(Run(command));
   const nlohmann::json report = Printed();
   EXPECT_EQ(report["confident"], true);

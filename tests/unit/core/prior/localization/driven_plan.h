@@ -48,7 +48,7 @@ struct DrivenPlan {
 };
 
 struct Driven {
-  std::vector<Pose2> truth;      // in the building
+  std::vector<Pose2> truth;     // in the building
   std::vector<PlanLook> looks;  // in the frame of the first pose
 };
 

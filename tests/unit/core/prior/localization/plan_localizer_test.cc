@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector2d;
 
 // Through a room, the corridor, another room, and on to the end of the corridor.
-const std::vector<Vector2d> kWay = {{2.5, 5},     {2.5, 11.25}, {13.5, 11.25}, {13.5, 6},
+const std::vector<Vector2d> kWay = {{2.5, 5},      {2.5, 11.25},  {13.5, 11.25}, {13.5, 6},
                                     {13.5, 11.25}, {28.5, 11.25}, {28.5, 17}};
 
 PlanLocalizerOptions QuickOptions(PlanSight sight) {
