@@ -62,7 +62,7 @@ class PlanField {
   std::vector<float> squared_distances_;  // row by row
 };
 
-constexpr double kLargestField = 1000;  // plan metres, each side
+constexpr double kLargestField = 500;  // plan metres, each side
 
 // Points along the faces, at most `spacing` apart, both ends among them.
 std::vector<Eigen::Vector2d> PointsOn(const std::vector<WallFace>& faces, double spacing);

@@ -78,6 +78,7 @@ void PlanLocalizer::Start(const Pose2& T_map_robot) {
   const auto most = static_cast<std::size_t>(options_.most_unsure);
   if (!pairs_.empty()) {
     particles_ = StartAtPairs(field_, pairs_, T_map_robot, most, options_);
+    last_sure_ = travelled_;  // people are
   } else if (travelled_ >= options_.global_distance) {
     particles_ = StartAnywhere(field_, RecentPoints(T_map_robot), most, 0, options_.global_density, options_);
   }

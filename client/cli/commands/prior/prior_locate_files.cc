@@ -17,9 +17,9 @@ constexpr std::size_t kMostModes = 5;
 constexpr double kEllipse = 2.4477;     // sqrt of the 95 % quantile of chi squared, two degrees of freedom
 constexpr double kEllipseDistance = 3;  // m between ellipses
 constexpr std::size_t kDrawnParticles = 2000;
-constexpr grid::Rgb kBlack{0, 0, 0};
-constexpr grid::Rgb kOrange{255, 127, 14};
-constexpr grid::Rgb kGrey{150, 150, 150};
+constexpr grid::Rgb kWall{0, 0, 0};
+constexpr grid::Rgb kParticle{255, 127, 14};
+constexpr grid::Rgb kUncertain{150, 150, 150};
 
 nlohmann::json Rows(const Eigen::MatrixXd& matrix) {
   nlohmann::json rows = nlohmann::json::array();
@@ -127,16 +127,16 @@ std::string DescribeLocated(const prior::PlanField& field, const prior::PlanDriv
 
 absl::StatusOr<std::string> PlotLocated(const prior::PlanField& field, const prior::PlanDrive& drive) {
   plot::Scene scene;
-  for (const prior::WallFace& face : field.faces()) scene.lines.push_back({{face.from, face.to}, kBlack});
+  for (const prior::WallFace& face : field.faces()) scene.lines.push_back({{face.from, face.to}, kWall});
   const std::size_t every = std::max<std::size_t>(1, drive.particles.size() / kDrawnParticles);
   for (std::size_t i = 0; i < drive.particles.size(); i += every) {
-    scene.markers.push_back({drive.particles[i].state.translation(), plot::SceneMarker::Shape::kDot, kOrange});
+    scene.markers.push_back({drive.particles[i].state.translation(), plot::SceneMarker::Shape::kDot, kParticle});
   }
   double drawn = -kEllipseDistance;
   const prior::PlanPosterior* last = nullptr;
   for (const prior::PlanPosterior& step : drive.steps) {
     if (step.modes.empty()) continue;
-    const grid::Rgb color = step.confident ? grid::kGreen : kGrey;
+    const grid::Rgb color = step.confident ? grid::kGreen : kUncertain;
     const prior::PlanMode& mode = step.modes.front();
     if (last != nullptr) {
       scene.lines.push_back({{last->modes.front().mean.translation(), mode.mean.translation()}, color, 2});

@@ -285,7 +285,7 @@ TEST(NominalScaleTest, IsThatOfThePairsOrThePlanOrItsDoors) {
   EXPECT_EQ(NominalScale(plan, {{{0, 0}, {0, 0}}, {{0, 0}, {24, 0}}}).status().code(),
             absl::StatusCode::kInvalidArgument);
   plan.metres_per_unit = 50;
-  EXPECT_THAT(std::string(NominalScale(plan, {}).status().message()), testing::HasSubstr("at most 1000 m"));
+  EXPECT_THAT(std::string(NominalScale(plan, {}).status().message()), testing::HasSubstr("at most 500 m"));
 }
 
 }  // namespace
