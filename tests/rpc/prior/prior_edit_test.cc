@@ -143,7 +143,7 @@ TEST_F(PriorEditTest, ACorrectedPlanIsOutOfUseUntilItIsAlignedAgain) {
   ASSERT_EQ(ties(), "1");
   v1::GetGraphRequest graph;
   graph.set_site("sites/s");
-  const auto version = [&] { return Call(&v1::GraphService::Stub::GetGraph, graph)->graph().version(); };
+  const auto version = [&] { return Call(&v1::GraphService::Stub::GetGraph, graph)->graph().graph_version(); };
   const std::int64_t before = version();
 
   ASSERT_OK_AND_ASSIGN(const auto edited, Edit(Without(Stored(), {400, 80})));
