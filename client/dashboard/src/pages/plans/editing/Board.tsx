@@ -56,19 +56,23 @@ interface Props {
 // The sheet with the walls over it. All that a pointer does, keys do as well.
 export function Board({ state, act, frame, picture, said, board }: Props) {
   const [zoom, setZoom] = useState(1);
-  const [width, setWidth] = useState(0);
+  // Pixels: the width at which all of the sheet is in sight.
+  const [fit, setFit] = useState(0);
   const [isFocused, setFocused] = useState(false);
   const pressed = useRef<{ x: number; y: number; corner: Point | undefined }>(undefined);
   const { steps: { now }, selected, grabbed, at } = state;
-  const unitsPerPx = width > 0 ? frame.width / (width * zoom) : 1;
+  const unitsPerPx = fit > 0 ? frame.width / (fit * zoom) : 1;
   const reach = REACH_PX * unitsPerPx;
 
   useLayoutEffect(() => {
     const element = board.current!;
-    const watch = new ResizeObserver(() => setWidth(element.clientWidth));
-    watch.observe(element);
+    const watch = new ResizeObserver(([entry]) => {
+      const { width, height } = entry!.contentRect;
+      setFit(Math.min(width, (height * frame.width) / frame.height));
+    });
+    watch.observe(element.parentElement!);
     return () => watch.disconnect();
-  }, [board]);
+  }, [board, frame]);
 
   // What is in the middle stays there.
   const zoomTo = (next: number) => {
@@ -134,19 +138,21 @@ export function Board({ state, act, frame, picture, said, board }: Props) {
         Zoom
         <input type="range" min={1} max={MOST_ZOOM} step={0.5} value={zoom} onChange={(event) => zoomTo(Number(event.target.value))} />
       </label>
-      <div ref={board} className="board-window" tabIndex={0} role="application" aria-describedby="board-hint"
-        aria-label="Sheet with its walls. Arrow keys move the cross, Shift makes small steps, Enter clicks there, n and Shift+n go from one wall, door or corner to the next, Delete removes, plus and minus zoom."
-        onKeyDown={onKey} onFocus={() => setFocused(true)} onBlur={() => setFocused(false)}>
-        <svg viewBox={`${frame.x} ${frame.y} ${frame.width} ${frame.height}`} style={{ width: `${100 * zoom}%`, aspectRatio: `${frame.width} / ${frame.height}` }}
-          preserveAspectRatio="none" aria-hidden="true" data-tool={state.tool} onPointerDown={onDown} onPointerMove={onMove} onPointerUp={onUp}>
-          {picture !== undefined && <image href={picture} x={frame.x} y={frame.y} width={frame.width} height={frame.height} preserveAspectRatio="none" />}
-          <path className="board-line wall" d={lines(now.walls)} />
-          <path className="board-line door" d={lines(now.doors)} />
-          <path className="board-corner" d={dots(cornersOf(now))} />
-          {selected && !grabbed && <Selected graph={now} element={selected} />}
-          <Preview state={state} reach={reach} />
-          {isFocused && at && <path className="board-cross" d={`M${at.x - reach} ${at.y}h${2 * reach}M${at.x} ${at.y - reach}v${2 * reach}`} />}
-        </svg>
+      <div className="board-place">
+        <div ref={board} className="board-window" tabIndex={0} role="application" aria-describedby="board-hint"
+          aria-label="Sheet with its walls. Arrow keys move the cross, Shift makes small steps, Enter clicks there, n and Shift+n go from one wall, door or corner to the next, Delete removes, plus and minus zoom."
+          onKeyDown={onKey} onFocus={() => setFocused(true)} onBlur={() => setFocused(false)}>
+          <svg viewBox={`${frame.x} ${frame.y} ${frame.width} ${frame.height}`} style={{ width: fit * zoom, height: (fit * zoom * frame.height) / frame.width }}
+            preserveAspectRatio="none" aria-hidden="true" data-tool={state.tool} onPointerDown={onDown} onPointerMove={onMove} onPointerUp={onUp}>
+            {picture !== undefined && <image href={picture} x={frame.x} y={frame.y} width={frame.width} height={frame.height} preserveAspectRatio="none" />}
+            <path className="board-line wall" d={lines(now.walls)} />
+            <path className="board-line door" d={lines(now.doors)} />
+            <path className="board-corner" d={dots(cornersOf(now))} />
+            {selected && !grabbed && <Selected graph={now} element={selected} />}
+            <Preview state={state} reach={reach} />
+            {isFocused && at && <path className="board-cross" d={`M${at.x - reach} ${at.y}h${2 * reach}M${at.x} ${at.y - reach}v${2 * reach}`} />}
+          </svg>
+        </div>
       </div>
       <p className="board-hint">
         <span id="board-hint" className="sub">{tools.find(({ tool }) => tool === state.tool)!.hint}</span>
