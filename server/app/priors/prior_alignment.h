@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/grid/map_raster.h"
 #include "server/app/graph/site_graphs.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
@@ -36,6 +37,7 @@ class PriorAlignment {
   struct Level;
 
   absl::StatusOr<Level> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
+  absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::Map& map) const;
   absl::StatusOr<std::string> ReadPlan(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
 
   const storage::PriorMapStore& prior_maps_;
