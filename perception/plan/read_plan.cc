@@ -51,12 +51,36 @@ PlanKind KindOf(std::string_view bytes) {
   return PlanKind::kPicture;
 }
 
+void AddRooms(PlanFile& file) {
+  const double narrowest = prior::NarrowestRoom(file.graph);
+  if (prior::IsCrowded(file.graph, narrowest)) {
+    file.warnings.push_back("too many walls lie side by side to look for rooms");
+  } else {
+    file.graph.rooms = prior::FindRooms(file.graph, narrowest);
+  }
+}
+
+absl::Status CheckLines(const prior::PlanGraph& lines) {
+  if (lines.walls.size() > prior::kMostWalls) return prior::CheckPlan(lines);
+  return prior::Validate(lines);
+}
+
 // Lines of a drawing become a planar graph with doors where its lines leave gaps.
-PlanFile FromLines(prior::VectorPlan drawing, std::optional<double> metres_per_unit) {
+absl::StatusOr<PlanFile> FromLines(prior::VectorPlan drawing, std::optional<double> metres_per_unit) {
   PlanFile file{std::move(drawing.graph), std::move(drawing.warnings), std::nullopt};
   if (metres_per_unit) file.graph.metres_per_unit = metres_per_unit;
+  ENFILADE_RETURN_IF_ERROR(CheckLines(file.graph));
   const double diagonal = prior::DiagonalOf(file.graph);
-  file.graph = prior::Planarise(file.graph, prior::JoinDistance(file.graph));
+  const double weld = prior::JoinDistance(file.graph);
+  if (prior::IsCrowded(file.graph, weld)) {
+    return ResourceExhausted("{} lines, of which too many lie within {:g} units of each other: choose layers",
+                             file.graph.walls.size(), weld);
+  }
+  file.graph = prior::Planarise(file.graph, weld);
+  if (file.graph.walls.size() > prior::kMostWalls) {
+    return ResourceExhausted("the lines cross so often that there are more than {} walls: choose layers",
+                             prior::kMostWalls);
+  }
   if (file.graph.doors.empty()) file.graph.doors = FindDoors(file.graph, diagonal);
   return file;
 }
@@ -75,7 +99,7 @@ absl::StatusOr<PlanFile> FromBuilding(std::string_view bytes, const ReadPlanOpti
     }
     return InvalidArgument("the building has no level \"{}\"; it has {}", options.level, names);
   }
-  PlanFile file = FromLines({prior::PlanOfLevel(building, *chosen), {}}, std::nullopt);
+  ENFILADE_ASSIGN_OR_RETURN(PlanFile file, FromLines({prior::PlanOfLevel(building, *chosen), {}}, std::nullopt));
   for (const prior::BuildingRemark& remark : building.remarks) file.warnings.push_back(remark.item + ": " + remark.why);
   if (building.levels.size() > 1 && options.level.empty()) {
     file.warnings.push_back(fmt::format("level {} of {} was read", building.levels[*chosen].name, names));
@@ -122,7 +146,7 @@ absl::StatusOr<PlanFile> DecodePlan(std::string_view bytes, const ReadPlanOption
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<double> metres_per_unit, ScaleBy(options.measure));
   ENFILADE_ASSIGN_OR_RETURN(PlanFile file, DecodeAny(bytes, options, metres_per_unit));
   ENFILADE_RETURN_IF_ERROR(prior::CheckPlan(file.graph));
-  if (file.graph.rooms.empty()) file.graph.rooms = prior::FindRooms(file.graph, prior::NarrowestRoom(file.graph));
+  if (file.graph.rooms.empty()) AddRooms(file);
   if (!file.graph.metres_per_unit) file.warnings.push_back("the scale is unknown: give a measured distance");
   return file;
 }

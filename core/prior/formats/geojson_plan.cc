@@ -2,7 +2,7 @@
 #include "core/prior/formats/geojson_plan.h"
 
 #include <cmath>
-#include <functional>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -58,7 +58,7 @@ class PlanReader {
     ENFILADE_RETURN_IF_ERROR(ReadFrame());
     std::size_t number = 0;
     for (const Json& feature : document_["features"]) {
-      const absl::Status status = ReadFeature(feature);
+      const absl::Status status = ReadTypedFeature(feature);
       if (!status.ok()) return WithContext(status, fmt::format("feature {}", number));
       if (plan_.walls.size() + named_.size() > kMostWalls) return TooManyWalls();
       ++number;
@@ -91,33 +91,31 @@ class PlanReader {
   // The middle of all coordinates, for the projection.
   absl::Status FindMiddle() {
     Vector2d low = Vector2d::Constant(1e300), high = -low;
-    absl::Status status;
-    const std::function<void(const Json&)> visit = [&](const Json& node) {
-      if (!node.is_array() || node.empty()) return;
-      if (!node[0].is_number()) {
-        for (const Json& child : node) visit(child);
-        return;
-      }
-      if (node.size() < 2 || !node[1].is_number()) return;
-      const Vector2d p(node[0].get<double>(), node[1].get<double>());
-      if (!(std::abs(p.x()) <= 180) || !(std::abs(p.y()) <= 89)) {
-        if (status.ok()) {
-          status = InvalidArgument(
-              "longitude {} and latitude {} are out of range (coordinates in metres need \"frame\": \"metres\")", p.x(),
-              p.y());
-        }
-        return;
-      }
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    };
+    std::vector<const Json*> nodes;
     for (const Json& feature : document_["features"]) {
       if (feature.is_object() && feature.contains("geometry") && feature["geometry"].is_object() &&
           feature["geometry"].contains("coordinates")) {
-        visit(feature["geometry"]["coordinates"]);
+        nodes.push_back(&feature["geometry"]["coordinates"]);
       }
     }
-    ENFILADE_RETURN_IF_ERROR(status);
+    while (!nodes.empty()) {  // lists may be nested deeper than the stack is
+      const Json& node = *nodes.back();
+      nodes.pop_back();
+      if (!node.is_array() || node.empty()) continue;
+      if (!node[0].is_number()) {
+        for (const Json& child : node) nodes.push_back(&child);
+        continue;
+      }
+      if (node.size() < 2 || !node[1].is_number()) continue;
+      const Vector2d p(node[0].get<double>(), node[1].get<double>());
+      if (!(std::abs(p.x()) <= 180) || !(std::abs(p.y()) <= 89)) {
+        return InvalidArgument(
+            "longitude {} and latitude {} are out of range (coordinates in metres need \"frame\": \"metres\")", p.x(),
+            p.y());
+      }
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
     if (low.x() <= high.x()) {
       const Vector2d middle = (low + high) / 2;
       projection_ = geo::TransverseMercator({middle.x(), middle.y()});
@@ -171,6 +169,15 @@ class PlanReader {
     return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
   }
 
+  // A member of another type than it should have is an exception.
+  absl::Status ReadTypedFeature(const Json& feature) {
+    try {
+      return ReadFeature(feature);
+    } catch (const Json::exception& error) {
+      return InvalidArgument("{}", error.what());
+    }
+  }
+
   absl::Status ReadFeature(const Json& feature) {
     if (!feature.is_object()) return InvalidArgument("not an object");
     if (!feature.contains("geometry") || feature["geometry"].is_null()) return absl::OkStatus();
@@ -214,8 +221,8 @@ class PlanReader {
                   .confidence = ValueOf(properties, "confidence", 1.0)};
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
     if (frame_ == Frame::kSheet && points.size() == 2 && IsGiven(properties, "from") && IsGiven(properties, "to")) {
-      wall.from = properties["from"].get<int>();
-      wall.to = properties["to"].get<int>();
+      ENFILADE_ASSIGN_OR_RETURN(wall.from, CornerOf(properties["from"]));
+      ENFILADE_ASSIGN_OR_RETURN(wall.to, CornerOf(properties["to"]));
       named_.push_back({plan_.walls.size(), wall, points});
       return absl::OkStatus();
     }
@@ -242,6 +249,14 @@ class PlanReader {
       }
     }
     plan_.walls.insert(plan_.walls.end(), others.begin() + static_cast<std::ptrdiff_t>(next), others.end());
+  }
+
+  static absl::StatusOr<int> CornerOf(const Json& number) {
+    constexpr std::int64_t kMost = std::numeric_limits<int>::max();
+    if (!number.is_number_integer() || number.get<std::int64_t>() < 0 || number.get<std::int64_t>() > kMost) {
+      return InvalidArgument("from or to is not the number of a corner");
+    }
+    return number.get<int>();
   }
 
   void AddWalls(const std::vector<Vector2d>& points, PlanWall wall) {

@@ -19,6 +19,7 @@
 #include "core/prior/ties/find_ties.h"
 #include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
+#include "server/app/priors/plans_beside.h"
 
 namespace enfilade::server {
 namespace {
@@ -36,6 +37,7 @@ struct LevelMap {
   Pose2 T_world_map;  // not of maps that no link points join to the root
   grid::OccupancyGrid grid;
   prior::MapEvidence evidence;
+  TimeNs create_time = 0;
 };
 
 // The graph without its plans: they must not confirm what they have made.
@@ -117,6 +119,13 @@ struct PriorAlignment::Level {
   std::shared_ptr<const graph::PlanTies> ties;  // of the plan that is aligned, if it is in use
 };
 
+absl::StatusOr<grid::MapRaster> PriorAlignment::ReadRaster(const storage::CallContext& context,
+                                                           const storage::Map& map) const {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
+                            revisions_.Get(context, map.site, map.id, map.current_revision));
+  return ReadEvidence(context, {blobs_, revisions_}, revision);
+}
+
 absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::CallContext& context,
                                                                 const storage::PriorMap& prior_map) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(context, prior_map.site));
@@ -137,15 +146,18 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
       if (map.level != prior_map.level || map.current_revision == 0) continue;
       const auto place = poses.Find(map.id);
       if (!place.ok()) continue;  // it was made after this version
-      ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
-                                revisions_.Get(context, prior_map.site, map.id, map.current_revision));
-      ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadEvidence(context, {blobs_, revisions_}, revision));
-      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(raster, kLevelCell));
+      absl::StatusOr<grid::MapRaster> raster = ReadRaster(context, map);
+      if (!raster.ok()) {
+        if (absl::IsNotFound(maps_.Get(context, map.site, map.id).status())) continue;  // it has been deleted meanwhile
+        return raster.status();
+      }
+      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(*raster, kLevelCell));
       prior::MapEvidence evidence = prior::EvidenceOf(grid);
       if (*place && !evidence.walls.empty()) {
-        level.maps.push_back({map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence)});
+        level.maps.push_back(
+            {map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence), map.create_time});
       } else if (evidence.wall_length() >= kLeastWalls) {
-        level.unjoined.push_back({map.id, {}, std::move(grid), std::move(evidence)});
+        level.unjoined.push_back({map.id, {}, std::move(grid), std::move(evidence), map.create_time});
       }
     }
     if (page.size() < kMapsPage) break;
@@ -195,7 +207,7 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::AlignAgain(const storage::CallCo
   if (aligned.outcome.alignment) {
     aligned.outcome.alignment->pairs = prior_map.alignment->pairs;
     aligned.outcome.alignment->rival_ratio = prior_map.alignment->rival_ratio;
-    aligned.outcome.reason = prior_map.reason;
+    if (aligned.outcome.state == prior_map.state) aligned.outcome.reason = prior_map.reason;
   } else {
     aligned.outcome.reason = "robots have seen more, and it does not fit that: " + aligned.outcome.reason;
   }
@@ -229,11 +241,16 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& 
   alignment.contradicted = fit.corrected->agreement().contradicted();
   alignment.rival_ratio = fit.alignment.rival_ratio;
   std::vector<prior::MapOfPlan> maps;
-  for (const LevelMap& map : level.maps) maps.push_back({map.id, &map.evidence, map.T_world_map});
+  std::vector<TimeNs>& create_times = aligned.outcome.map_create_times.emplace();
+  for (const LevelMap& map : level.maps) {
+    maps.push_back({map.id, &map.evidence, map.T_world_map});
+    create_times.push_back(map.create_time);
+  }
   for (std::size_t i = 0; i < level.unjoined.size(); ++i) {
     const std::optional<Pose2>& T_world_map = fit.maps[i + 1].T_first_map;
     if (!T_world_map) continue;
     maps.push_back({level.unjoined[i].id, &level.unjoined[i].evidence, *T_world_map});
+    create_times.push_back(level.unjoined[i].create_time);
     alignment.joined_maps.push_back(maps.back().id);
   }
   for (const prior::MapOfPlan& map : maps) alignment.maps.push_back(map.id);
@@ -242,6 +259,15 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& 
   alignment.graph_version = level.graph_version;
   for (const prior::ControlPair& pair : placement.options.pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
+  }
+  if (placement.accepted_state == storage::PriorMapState::kActive) {
+    ENFILADE_ASSIGN_OR_RETURN(PlansBeside beside, FindPlansBeside(context, prior_maps_, blobs_, prior_map, ties));
+    if (beside.same_area) {
+      aligned.outcome.state = storage::PriorMapState::kProposed;
+      aligned.outcome.reason +=
+          fmt::format("; not in use, because {} is and has the same walls", NameOf(prior_map.site, *beside.same_area));
+    }
+    aligned.outcome.beside = std::move(beside.etags);
   }
   ENFILADE_ASSIGN_OR_RETURN(aligned.outcome.files, ProductsOf(plan, fit));
   aligned.outcome.files.push_back({storage::PriorMapProduct::kTies, "ties.bin", graph::EncodePlanTies(ties)});

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/grid/map_raster.h"
 #include "core/prior/fit/fit_plan.h"
 #include "server/app/graph/site_graphs.h"
 #include "storage/call_context.h"
@@ -54,6 +55,7 @@ class PriorAlignment {
                                       const Level& level, const Placement& placement) const;
 
   absl::StatusOr<Level> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
+  absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::Map& map) const;
   absl::StatusOr<std::string> ReadPlan(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
 
   const storage::PriorMapStore& prior_maps_;

@@ -32,12 +32,7 @@ class PriorTiesTest : public PriorMapFixture {
   }
   void MapBoth() {
     MapBuilding(IsWest);
-    v1::CreateMapRequest request;
-    request.set_parent("sites/s");
-    request.set_map_id("n");
-    request.mutable_map()->set_display_name("East");
-    request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
-    ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request).status());
+    MakeMap("n");
     MapBuilding(IsEast, "n", InEast);
   }
   v1::GlobalPose WhereIs(const std::string& map, const Eigen::Vector2d& point = Eigen::Vector2d::Zero()) const {

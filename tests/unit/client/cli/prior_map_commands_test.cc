@@ -187,7 +187,7 @@ TEST_F(PriorMapCommandsTest, ChangesNameThePlanAndItsEtag) {
   server_.prior_maps.activate = answer;
   server_.prior_maps.suspend = answer;
   server_.prior_maps.remove = [&](const v1::DeletePriorMapRequest& request, v1::DeletePriorMapResponse&) {
-    asked.push_back(request.name() + " " + request.etag());
+    asked.push_back(request.name() + " " + request.etag() + (request.force() ? " by force" : ""));
     return grpc::Status::OK;
   };
   v1::UpdatePriorMapRequest renamed;
@@ -202,7 +202,9 @@ TEST_F(PriorMapCommandsTest, ChangesNameThePlanAndItsEtag) {
   EXPECT_EQ(Printed()["name"], "sites/s/priorMaps/g");
   ASSERT_OK(Run({"delete", "Ground floor"}, false));
   EXPECT_EQ(printed_, "deleted \"Ground floor\" (sites/s/priorMaps/g)\n");
-  EXPECT_THAT(asked, ElementsAre("sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g"));
+  ASSERT_OK(Run({"delete", "Ground floor", "--force"}));
+  EXPECT_THAT(asked, ElementsAre("sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g",
+                                 "sites/s/priorMaps/g e-g by force"));
   ASSERT_OK(Run({"rename", "Ground floor", "Lobby"}, false));
   EXPECT_EQ(renamed.prior_map().etag(), "e-g");
   EXPECT_THAT(renamed.update_mask().paths(), ElementsAre("display_name"));

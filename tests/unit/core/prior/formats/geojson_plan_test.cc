@@ -129,10 +129,38 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NaN", Document("", "LineString", "[[11.5,NaN],[11.6,48]]"), "not a GeoJSON plan"},
         Fault{"NoNumber", Document("", "LineString", "[[\"a\",1],[2,3]]"), "feature 0: a position is not two numbers"},
         Fault{"Range", Document("", "LineString", "[[11,48],[200,48]]"), "longitude 200 and latitude 48"},
+        Fault{"RangeOfLatitude", Document("", "Polygon", "[[[11,48],[12,48],[12,-90],[11,48]]]"), "latitude -90"},
+        Fault{"Beyond", Document("", "LineString", "[[11,48],[12,1e400]]"), "not a GeoJSON plan"},
+        Fault{"BeyondAnyDrawing", Document(R"("frame":"metres",)", "LineString", "[[11,48],[12,1e300]]"),
+              "beyond 1e+12"},
+        Fault{"Nested", Document("", "LineString", std::string(300'000, '[') + std::string(300'000, ']')), "feature 0"},
+        Fault{"NestedMany",
+              Document(R"("frame":"metres",)", "MultiPolygon", std::string(300'000, '[') + std::string(300'000, ']')),
+              "feature 0"},
+        Fault{"ThicknessOfWords",
+              R"({"type":"FeatureCollection","frame":"sheet","features":[{},{"type":"Feature",
+                "properties":{"thickness":"wide"},"geometry":{"type":"LineString","coordinates":[[0,0],[1,0]]}}]})",
+              "feature 1: "},
+        Fault{"NameOfNumbers",
+              R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
+                "properties":{"name":7},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,0]]]}}]})",
+              "feature 0: "},
+        Fault{"CornerOfFractions",
+              R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
+                "properties":{"kind":"wall","from":0.5,"to":1e300},"geometry":{"type":"LineString","coordinates":[]}}]})",
+              "feature 0: from or to"},
         Fault{"Frame", Document(R"("frame":"feet",)", "LineString", "[[1,2],[3,4]]"), "frame is \"feet\""},
         Fault{"SelfCrossing", Document(R"("frame":"metres",)", "Polygon", "[[[0,0],[4,4],[4,0],[0,4],[0,0]]]"),
               "crosses itself"}),
     [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST(GeoJsonPlan, RefusesMoreThanAMillionWalls) {
+  std::string positions = "[0,0]";
+  for (int i = 0; i < 500'001; ++i) positions += ",[1,1],[0,0]";
+  const auto plan = ReadGeoJsonPlan(Document(R"("frame":"metres",)", "LineString", "[" + positions + "]"));
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("1000000 at most"));
+}
 
 }  // namespace
 }  // namespace enfilade::prior
