@@ -62,8 +62,10 @@ absl::StatusOr<v1::EditPriorMapResponse> EditPriorMap(const Services& services, 
   for (const std::string& warning : edited.warnings) response.add_warnings(warning);
   if (edited.changes.Any()) {
     const storage::PriorMapElements elements = ElementsOf(edited.plan);
-    const std::string reason = prior_map.alignment ? "it was corrected since it was aligned: align it again"
-                                                   : "it was corrected, and not aligned yet";
+    const std::string what = prior::Describe(edited.changes);
+    const std::string reason = prior_map.alignment
+                                   ? fmt::format("it was corrected since it was aligned ({}): align it again", what)
+                                   : fmt::format("it was corrected ({}), and not aligned yet", what);
     if (request.validate_only()) {
       prior_map.elements = elements;
       prior_map.state = storage::PriorMapState::kNew;
