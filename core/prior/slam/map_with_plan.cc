@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -20,33 +18,29 @@
 #include "fmt/format.h"
 
 namespace enfilade::prior {
-
-double Knob(const char* name, double value) {
-  const char* text = std::getenv(name);
-  return text != nullptr ? std::atof(text) : value;
-}
-
 namespace {
 
-const int kTieRounds = static_cast<int>(Knob("T_ROUNDS", 4));
-const int kTrackRounds = static_cast<int>(Knob("K_ROUNDS", 2));
+constexpr int kTieRounds = 4;
+constexpr int kTrackRounds = 2;
 // A piece bends a little: these deviations are added to what is stated of a link, for each and for each metre of it.
-const double kBend = Knob("B_T0", 0.01);            // m
-const double kBendPerMetre = Knob("B_T1", 0.005);   // m
-const double kTurn = Knob("B_Y0", 0.005);           // rad
-const double kTurnPerMetre = Knob("B_Y1", 0.0025);  // rad
+constexpr double kBend = 0.01;            // m
+constexpr double kBendPerMetre = 0.005;   // m
+constexpr double kTurn = 0.005;           // rad
+constexpr double kTurnPerMetre = 0.0025;  // rad
 // In the first round so much more again, half as much in each further one.
-const double kFirstLooseness = Knob("EXTRA", 1.0);
-const double kLooseChi2 = Knob("LOOSE", 11.34);  // 99 %, 3 degrees of freedom
-const double kMostLoosened = 1.0 / 3;            // of all links
+constexpr double kFirstLooseness = 1.0;
+constexpr double kLooseChi2 = 11.34;       // 99 %, 3 degrees of freedom
+constexpr double kMostLoosened = 1.0 / 3;  // of all links
 // The same place, seen by other pieces.
-const double kSelfRange = Knob("SELF_RANGE", 10);  // m, between their first keyframes
+constexpr double kSelfRange = 10;  // m, between their first keyframes
 constexpr std::size_t kNeighbours = 3;
 constexpr double kSameWall = 0.12;  // m
 constexpr double kLeastSelf = 300;  // points that other pieces know, to say anything
 // From what on SLAM counts as lost.
 constexpr double kLostExplained = 0.35;
 constexpr double kLostContradicted = 0.1;
+// A plan's size in the map may differ from that by the pairs so much, and three deviations of the clicks.
+constexpr double kMostScaleError = 0.05;
 
 // A map, the pieces as they lie in it, and the plan in it.
 struct FittedPieces {
@@ -59,7 +53,6 @@ struct FittedPieces {
   double self = 1;        // share of walls that other pieces have seen, too, of those on ground that they know
   double self_known = 0;  // points
   std::string objection;  // to the plan
-  std::string name;
 
   const Agreement& agreement() const { return alignment.agreement; }
   // What of the map and of the plan the other does not agree with.
@@ -89,10 +82,10 @@ void MeasureSelf(FittedPieces& fitted) {
 }
 
 slam::SlamOptions GuidedOptions(slam::SlamOptions options) {
-  options.motion.translation_floor = Knob("G_T0", 0.1);
-  options.motion.translation_per_metre = Knob("G_T1", 0.05);
-  options.motion.yaw_floor = Knob("G_Y0", 0.02);
-  options.motion.yaw_per_metre = Knob("G_Y1", 0.01);
+  options.motion.translation_floor = 0.1;
+  options.motion.translation_per_metre = 0.05;
+  options.motion.yaw_floor = 0.02;
+  options.motion.yaw_per_metre = 0.01;
   options.motion.yaw_per_radian = 0.05;
   return options;
 }
@@ -118,61 +111,65 @@ class PlanMapper {
       result.reason = fmt::format("the plan does not lie in the map: {}", fit.alignment.reason);
       return result;
     }
-    if (std::getenv("A")) {
-      double a[6];
-      std::sscanf(std::getenv("A"), "%lf,%lf,%lf,%lf,%lf,%lf", a, a + 1, a + 2, a + 3, a + 4, a + 5);
-      fit.alignment.T_map_sheet.linear << a[0], a[1], a[3], a[4];
-      fit.alignment.T_map_sheet.offset << a[2], a[5];
-    }
+    ENFILADE_RETURN_IF_ERROR(LearnScale());
     ENFILADE_ASSIGN_OR_RETURN(FittedPieces without, Fitted(result.mapped, fit.alignment.T_map_sheet));
-    if (const char* mode = std::getenv("MODE")) {
-      FittedPieces best = std::move(without);
-      for (const char* op = mode; *op; ++op) {
-        if (*op == 't') {
-          ENFILADE_ASSIGN_OR_RETURN(best, Tied(best));
-        } else if (*op == 'c') {
-          ENFILADE_ASSIGN_OR_RETURN(
-              best, Guided(TrackInPlan(best.corrected->faces(), scans_, {}, options_), best.alignment.T_map_sheet));
-        } else if (*op == 'p') {
-          ENFILADE_ASSIGN_OR_RETURN(
-              best, Guided(TrackInPlan(Transformed(FacesOf(plan_), best.alignment.T_map_sheet), scans_, {}, options_),
-                           best.alignment.T_map_sheet));
-        } else if (*op == 'k') {
-          PlanTransform start = best.alignment.T_map_sheet;
-          ENFILADE_ASSIGN_OR_RETURN(const PlanTrack track, TrackFromStart(best, start));
-          ENFILADE_ASSIGN_OR_RETURN(best, Guided(track, start));
-        } else if (*op == 'g') {
-          ENFILADE_ASSIGN_OR_RETURN(best, Guided({PosesOf(best.mapped.map), 1.0}, best.alignment.T_map_sheet));
-        }
-      }
-      result.mapped = std::move(best.mapped);
-      result.corrected = true;
-      return result;
-    }
     ENFILADE_ASSIGN_OR_RETURN(FittedPieces best, Tied(without));
     if (IsLost(without)) {
       ENFILADE_ASSIGN_OR_RETURN(FittedPieces tracked, Tracked(without));
-      if (tracked.disagreement() < best.disagreement()) best = std::move(tracked);
+      const bool is_better =
+          HasWrongScale(best) ? !HasWrongScale(tracked) : tracked.disagreement() < best.disagreement();
+      if (is_better) best = std::move(tracked);
     }
     result.reason = best.objection.empty() ? ObjectionTo(best, without) : best.objection;
     result.corrected = result.reason.empty();
     if (!result.corrected) return result;
     result.mapped = std::move(best.mapped);
     result.reason = fmt::format(
-        "the plan explains {:.0f} % of the map's walls, {:.0f} % before; of walls that the robot has seen again {:.1f} "
-        "% lie "
-        "where they did, {:.1f} % before",
+        "the plan explains {:.0f} % of the map's walls, {:.0f} % before; of walls that were seen again {:.1f} % lie "
+        "where "
+        "they did, {:.1f} % before",
         100 * best.agreement().explained, 100 * without.agreement().explained, 100 * best.self, 100 * without.self);
     return result;
   }
 
  private:
-  static bool IsLost(const FittedPieces& fitted) {
-    return fitted.agreement().explained < kLostExplained || fitted.agreement().contradicted() > kLostContradicted;
+  // Where nothing shows how far a robot has driven, SLAM may shorten a corridor, and the plan would shrink with it.
+  absl::Status LearnScale() {
+    if (fitting_.pairs.empty()) return absl::OkStatus();
+    ENFILADE_ASSIGN_OR_RETURN(T_map_sheet_by_pairs_, PlaceByPairs());
+    double apart = 0;
+    for (const ControlPair& a : fitting_.pairs) {
+      for (const ControlPair& b : fitting_.pairs) apart = std::max(apart, (a.point_map - b.point_map).norm());
+    }
+    most_scale_error_ = kMostScaleError + 3 * std::sqrt(2.0) * kClickSigma / apart;
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<PlanTransform> PlaceByPairs() const {
+    Eigen::AlignedBox2d box;
+    for (const PlanCorner& corner : plan_.corners) box.extend(corner.point);
+    ENFILADE_ASSIGN_OR_RETURN(const PairFit pairs, FitPairs(fitting_.pairs, box.diagonal().norm()));
+    return pairs.T_map_sheet;
+  }
+
+  // Of the plan in the map, by the pairs; 1 without pairs.
+  double ScaleError(const FittedPieces& fitted) const {
+    return T_map_sheet_by_pairs_ ? fitted.alignment.T_map_sheet.scale() / T_map_sheet_by_pairs_->scale() : 1.0;
+  }
+  bool HasWrongScale(const FittedPieces& fitted) const {
+    return std::abs(std::log(ScaleError(fitted))) > most_scale_error_;
+  }
+
+  bool IsLost(const FittedPieces& fitted) const {
+    return fitted.agreement().explained < kLostExplained || fitted.agreement().contradicted() > kLostContradicted ||
+           HasWrongScale(fitted);
   }
 
   // Why the map is better left as it is; empty: it is not.
-  static std::string ObjectionTo(const FittedPieces& next, const FittedPieces& without) {
+  std::string ObjectionTo(const FittedPieces& next, const FittedPieces& without) const {
+    if (HasWrongScale(next)) {
+      return fmt::format("the plan would be {:.2f} times as large as by the pairs", ScaleError(next));
+    }
     const AlignOptions least;
     const Agreement& agreement = next.agreement();
     if (agreement.explained < least.least_explained || agreement.explained_length < least.least_length ||
@@ -187,22 +184,9 @@ class PlanMapper {
     if (agrees_more || is_explained_more) return "";
     return fmt::format(
         "the map would not be better: the plan would explain {:.0f} % of its walls, {:.0f} % without; of walls that "
-        "the robot has "
+        "were "
         "seen again {:.1f} % would lie where they did, {:.1f} % without",
         100 * agreement.explained, 100 * without.agreement().explained, 100 * next.self, 100 * without.self);
-  }
-
-  std::vector<Pose2> PosesOf(const slam::SlamMap& map) const {
-    std::map<std::int64_t, Pose2> found;
-    for (const slam::TrajectoryPoint& point : map.trajectory) {
-      found[point.sequence] = map.nodes.at(point.node).T_map_node * point.T_node_robot;
-    }
-    std::vector<Pose2> poses;
-    for (const sensor::PairedScan& scan : scans_) {
-      const auto pose = found.find(scan.sequence);
-      poses.push_back(pose != found.end() ? pose->second : poses.empty() ? Pose2{} : poses.back());
-    }
-    return poses;
   }
 
   // Moves the plan onto the map.
@@ -212,20 +196,6 @@ class PlanMapper {
     fitted.alignment = AlignFrom(plan_, *fitted.evidence, start, {});
     fitted.corrected = std::make_unique<const CorrectedPlan>(plan_, *fitted.evidence, fitted.alignment.T_map_sheet);
     MeasureSelf(fitted);
-    Report(fitted);
-  }
-
-  void Report(const FittedPieces& c) const {
-    if (!std::getenv("VERBOSE")) return;
-    std::fprintf(stderr, "placed %.3f/%.3f %s corrected %.3f/%.3f self %.4f (%.0f)\n", c.alignment.agreement.explained,
-                 c.alignment.agreement.contradicted(), std::string(NameOf(c.alignment.model)).c_str(),
-                 c.corrected->agreement().explained, c.corrected->agreement().contradicted(), c.self, c.self_known);
-    if (!std::getenv("DUMP")) return;
-    static int number = 0;
-    std::FILE* f = std::fopen(fmt::format("{}/{:02d}.txt", std::getenv("DUMP"), number++).c_str(), "w");
-    for (const slam::StampedPose& p : slam::TrajectoryOf(c.mapped.map))
-      std::fprintf(f, "%.9f %f %f %f\n", ToSeconds(p.time), p.T_map_robot.x, p.T_map_robot.y, p.T_map_robot.yaw);
-    std::fclose(f);
   }
 
   absl::StatusOr<FittedPieces> Fitted(MappedLog mapped, const PlanTransform& start) const {
@@ -271,10 +241,6 @@ class PlanMapper {
         }
       }
       ENFILADE_ASSIGN_OR_RETURN(const SolvedPieces solved, SolvePieces(next.cut, ties));
-      if (std::getenv("VERBOSE"))
-        std::fprintf(stderr, "round %d: pieces %zu links %zu ties %zu used %d off %d [%s] loosened %zu corner %.3f\n",
-                     round, next.cut.pieces.size(), stated.size(), ties.sightings.size(), solved.use.used,
-                     solved.use.switched_off, solved.use.contradiction.c_str(), loosened, ties.corner_sigma);
       next.objection = solved.use.contradiction;
       if (next.objection.empty() &&
           static_cast<double>(loosened) > kMostLoosened * static_cast<double>(stated.size())) {
@@ -354,12 +320,7 @@ class PlanMapper {
   // and the best.
   absl::StatusOr<PlanTrack> TrackFromStart(const FittedPieces& without, PlanTransform& start) const {
     std::vector<PlanTransform> starts = {start};
-    if (!fitting_.pairs.empty()) {
-      Eigen::AlignedBox2d box;
-      for (const PlanCorner& corner : plan_.corners) box.extend(corner.point);
-      ENFILADE_ASSIGN_OR_RETURN(const PairFit pairs, FitPairs(fitting_.pairs, box.diagonal().norm()));
-      starts.push_back(pairs.T_map_sheet);
-    }
+    if (T_map_sheet_by_pairs_) starts.push_back(*T_map_sheet_by_pairs_);
     for (const std::size_t count : {4, 8, 16}) {
       if (count >= without.cut.pieces.size() || fitting_.pairs.empty()) break;
       const auto end = static_cast<std::ptrdiff_t>(count);
@@ -374,8 +335,6 @@ class PlanMapper {
     PlanTrack best;
     for (const PlanTransform& place : starts) {
       PlanTrack track = TrackInPlan(Transformed(FacesOf(plan_), place), scans_, {}, options_);
-      if (std::getenv("VERBOSE"))
-        std::fprintf(stderr, "start scale %.5f share %.3f\n", place.scale(), track.matched_share);
       if (track.matched_share <= best.matched_share) continue;
       best = std::move(track);
       start = place;
@@ -387,6 +346,8 @@ class PlanMapper {
   const std::vector<sensor::PairedScan>& scans_;
   const FitOptions& fitting_;
   const slam::SlamOptions& options_;
+  std::optional<PlanTransform> T_map_sheet_by_pairs_;
+  double most_scale_error_ = 0;  // of its logarithm
 };
 
 }  // namespace

@@ -36,14 +36,14 @@ constexpr double kLeastMatched = 0.4;   // share of hits, of a scan that says wh
 
 struct PlanFields {
   slam::LikelihoodField field{kFieldCell, kFieldReach};
-  slam::SearchTable table{Knob("K_SEARCH", kSearchSigma), kSearchLevels};
+  slam::SearchTable table{kSearchSigma, kSearchLevels};
 
   explicit PlanFields(const std::vector<WallFace>& faces) {
     std::vector<Eigen::Vector2d> points;
     for (const WallFace& face : faces) {
       const Eigen::Vector2d way = face.to - face.from;
       const int pieces = std::max(1, static_cast<int>(std::ceil(way.norm() / (0.5 * kFieldCell))));
-      for (int i = 0; i <= pieces; ++i) points.emplace_back(face.from + way * i / pieces);
+      for (int i = 0; i <= pieces; ++i) points.emplace_back(face.from + static_cast<double>(i) / pieces * way);
     }
     field.Add(points);
     table.Update(field, field.window());
@@ -52,9 +52,9 @@ struct PlanFields {
 
 slam::FieldMatchOptions MatchOptions() {
   slam::FieldMatchOptions options;
-  options.sigma = Knob("K_SIGMA", kPlanSigma);
+  options.sigma = kPlanSigma;
   options.matched_distance = 1.5 * options.sigma;
-  options.effective_beams = Knob("K_BEAMS", 10);
+  options.effective_beams = 10;
   return options;
 }
 
@@ -133,7 +133,7 @@ class Tracker {
     const slam::MatchResult match =
         slam::MatchToField(fields_.field, points, found.score > 0 ? found.pose : step.predicted, prior, MatchOptions());
     matched_ += match.matched_share;
-    if (match.matched_share < Knob("K_LEAST", kLeastMatched)) return;
+    if (match.matched_share < kLeastMatched) return;
     const Eigen::Matrix3d covariance = (prior.information + match.information).inverse();
     step.filtered = {match.T_submap_robot, 0.5 * (covariance + covariance.transpose())};
   }
