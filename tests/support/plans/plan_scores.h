@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <vector>
+
 #include "core/prior/plan/plan_graph.h"
 
 namespace enfilade::testing {
@@ -22,6 +25,14 @@ struct PlanTolerance {
 
 // By samples along walls: one counts if a wall of the other plan runs there in the same direction.
 PlanScore ScoreWalls(const prior::PlanGraph& found, const prior::PlanGraph& expected, const PlanTolerance& tolerance);
+
+// The middles of the samples along walls of `of` that lie on no wall of `on`.
+std::vector<Eigen::Vector2d> SamplesOffWalls(const prior::PlanGraph& of, const prior::PlanGraph& on,
+                                             const PlanTolerance& tolerance);
+
+// The share of walls, by their length, beside which another wall runs in the same direction, no farther away than
+// `reach` (units of the plan): walls that were read twice.
+double ShareOfDoubleWalls(const prior::PlanGraph& plan, double step, double reach);
 
 // Corners where walls of different directions meet, and ends of walls.
 PlanScore ScoreCorners(const prior::PlanGraph& found, const prior::PlanGraph& expected, const PlanTolerance& tolerance);
