@@ -3,8 +3,10 @@
 //   bench_plan_import                     # drawn plans: both styles at ten angles, empty and furnished
 //   bench_plan_import --buildings DIR     # the levels of Open-RMF's building.yaml files there, against their pictures
 //   bench_plan_import --pictures FILE...  # any pictures: the share of their lines that became walls, double walls
+//   bench_plan_import --photos            # drawn plans as a camera sees them on a table, beside the plans themselves
 // Prints JSON. --plots DIR draws what was read over the pictures; of buildings, true walls green, walls that are none
 // red, walls that were missed blue.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -24,6 +26,7 @@
 #include "perception/plan/read_plan.h"
 #include "tests/bench/support/plan_truth.h"
 #include "tests/support/plans/drawn_plan.h"
+#include "tests/support/plans/photo.h"
 #include "tests/support/plans/plan_scores.h"
 
 namespace enfilade::bench {
@@ -35,6 +38,7 @@ struct PlanImportBenchOptions {
   std::string plots;
   std::string buildings;
   std::vector<std::string> pictures;
+  bool photos = false;
 };
 
 // median_error: in pixels.
@@ -51,6 +55,8 @@ class PlanImportBench {
       ENFILADE_RETURN_IF_ERROR(ScoreBuildings());
     } else if (!options_.pictures.empty()) {
       for (const std::string& picture : options_.pictures) ENFILADE_RETURN_IF_ERROR(JudgePicture(picture));
+    } else if (options_.photos) {
+      ENFILADE_RETURN_IF_ERROR(ScorePhotos());
     } else {
       ENFILADE_RETURN_IF_ERROR(ScoreDrawnPlans());
     }
@@ -77,6 +83,51 @@ class PlanImportBench {
     return absl::OkStatus();
   }
 
+  absl::Status ScorePhotos() {
+    for (const testing::WallStyle style : {testing::WallStyle::kFilled, testing::WallStyle::kDoubleLine}) {
+      const testing::DrawnPlan drawn =
+          testing::DrawPlan({.style = style, .px_per_m = 50, .line_px = 3, .furniture = true});
+      const std::string name = style == testing::WallStyle::kFilled ? "filled" : "double";
+      ENFILADE_RETURN_IF_ERROR(Score(name, drawn.png, drawn.truth).status());
+      std::uint32_t seed = 1;
+      for (const double tilt : {0.0, 10.0, 20.0, 30.0, 40.0}) {
+        for (const double pan : {-25.0, 0.0, 15.0}) {
+          const testing::Photo photo =
+              testing::TakePhoto(drawn.png, {.tilt_deg = tilt, .pan_deg = pan, .seed = seed++});
+          ENFILADE_RETURN_IF_ERROR(ScorePhoto(fmt::format("{} {} {}", name, tilt, pan), photo, drawn));
+        }
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status ScorePhoto(const std::string& name, const testing::Photo& photo, const testing::DrawnPlan& drawn) {
+    json ignored;
+    const absl::StatusOr<perception::PlanFile> file = Read(photo.png, ignored);
+    if (!options_.plots.empty()) {
+      ENFILADE_RETURN_IF_ERROR(io::WriteFile(std::filesystem::path(options_.plots) / (name + " photo.png"), photo.png));
+    }
+    document_[name]["rectified"] = file.ok() && file->graph.H_sheet_photo.has_value();
+    if (!document_[name]["rectified"]) return absl::OkStatus();
+    const Eigen::Matrix3d H = *file->graph.H_sheet_photo * photo.H_photo_sheet;
+    const auto moved = [&](double x, double y) -> Eigen::Vector2d {
+      return (H * Eigen::Vector3d(x, y, 1)).eval().hnormalized();
+    };
+    prior::PlanGraph truth = drawn.truth;
+    for (prior::PlanCorner& corner : truth.corners) corner.point = moved(corner.point.x(), corner.point.y());
+    for (prior::PlanDoor& door : truth.doors) {
+      door.from = moved(door.from.x(), door.from.y());
+      door.to = moved(door.to.x(), door.to.y());
+    }
+    const double width = (moved(drawn.width, 0) - moved(0, 0)).norm() / drawn.width;
+    const double height = (moved(0, drawn.height) - moved(0, 0)).norm() / drawn.height;
+    truth.metres_per_unit = *drawn.truth.metres_per_unit / std::sqrt(width * height);
+    ENFILADE_ASSIGN_OR_RETURN(const auto scored, Score(name, photo.png, truth));
+    document_[name]["rectified"] = true;
+    document_[name]["aspect_error"] = width / height - 1;
+    return scored ? Plot(name, cli::DrawPlan(scored->graph, scored->picture)) : absl::OkStatus();
+  }
+
   absl::Status ScoreBuildings() {
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<PicturedLevel> levels, FindPicturedLevels(options_.buildings));
     for (const PicturedLevel& level : levels) {
@@ -101,6 +152,7 @@ class PlanImportBench {
     ENFILADE_ASSIGN_OR_RETURN(result["strokes"], ShareOfStrokes(bytes, file->graph));
     result["double_walls"] = testing::ShareOfDoubleWalls(file->graph, 2, kReachShare * diagonal);
     result["planar"] = prior::IsPlanar(file->graph);
+    result["rectified"] = file->graph.H_sheet_photo.has_value();
     result["walls"] = file->graph.walls.size();
     result["doors"] = file->graph.doors.size();
     result["megapixels"] = 1e-6 * file->picture->width * file->picture->height;
@@ -151,6 +203,7 @@ int main(int argc, char** argv) {
   app.add_option("--plots", options.plots, "Write a PNG of each plan into this folder");
   app.add_option("--buildings", options.buildings, "A folder of building.yaml files and their pictures")
       ->check(CLI::ExistingDirectory);
+  app.add_flag("--photos", options.photos, "Photos of drawn plans");
   app.add_option("--pictures", options.pictures, "Pictures of plans")->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = enfilade::bench::PlanImportBench(options).Run();

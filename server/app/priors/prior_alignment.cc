@@ -160,6 +160,7 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
   ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
   prior::FitOptions options;
   ENFILADE_ASSIGN_OR_RETURN(options.pairs, InWorld(pairs, level.maps));
+  for (prior::ControlPair& pair : options.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
   std::vector<grid::OccupancyGrid> grids;
   grids.push_back(std::move(joined));

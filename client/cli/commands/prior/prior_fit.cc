@@ -106,7 +106,7 @@ absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& 
   ENFILADE_ASSIGN_OR_RETURN(const grid::MapFile picture, prior::PictureFile(plan, fit));
   ENFILADE_RETURN_IF_ERROR(WriteAll(directory, {picture}));
   if (options.points.empty()) return absl::OkStatus();
-  return io::WriteFile(directory / "points.csv", WriteLocatedPoints(points, *fit.corrected));
+  return io::WriteFile(directory / "points.csv", WriteLocatedPoints(points, plan, *fit.corrected));
 }
 
 nlohmann::json InputReport(const std::string& input, const prior::FittedMap& map) {
@@ -160,7 +160,8 @@ absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options)
   }
   ENFILADE_ASSIGN_OR_RETURN(const perception::ReadPlanOptions reading, ToReadOptions(options.plan));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, perception::ReadPlan(options.plan.path, reading));
-  ENFILADE_ASSIGN_OR_RETURN(const prior::FitOptions fitting, ToFitOptions(options));
+  ENFILADE_ASSIGN_OR_RETURN(prior::FitOptions fitting, ToFitOptions(options));
+  for (prior::ControlPair& pair : fitting.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::OccupancyGrid> maps, ReadInputs(globals, options));
   const Clock::time_point begin = Clock::now();
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, FitInputs(options, plan, maps, fitting));
