@@ -107,8 +107,8 @@ std::optional<Quadrilateral> FitQuadrilateral(const Outline& outline, const Outl
 
 // Beside every side it is bright within and darker outside.
 bool StandsOut(const cv::Mat& small, const Quadrilateral& page, double threshold) {
-  constexpr double kContrast = 20, kMostInk = 0.1;
-  const double reach = 0.012 * std::hypot(small.cols, small.rows);
+  constexpr double kContrast = 20, kMostInk = 0.25;
+  const double reach = 0.006 * std::hypot(small.cols, small.rows);
   for (int i = 0; i < 4; ++i) {
     const cv::Point2d from = page[i], along = page[(i + 1) % 4] - page[i];
     const cv::Point2d inwards = cv::Point2d(-along.y, along.x) * (reach / std::hypot(along.x, along.y));

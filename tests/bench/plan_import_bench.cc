@@ -4,6 +4,8 @@
 //   bench_plan_import --buildings DIR     # the levels of Open-RMF's building.yaml files there, against their pictures
 //   bench_plan_import --pictures FILE...  # any pictures: the share of their lines that became walls, double walls
 //   bench_plan_import --photos            # drawn plans as a camera sees them on a table, beside the plans themselves
+// The truth of some buildings runs along faces of thick walls: walls_to_faces counts a line anywhere within a wall that
+// was read as that wall.
 // Prints JSON. --plots DIR draws what was read over the pictures; of buildings, true walls green, walls that are none
 // red, walls that were missed blue.
 #include <Eigen/Geometry>
@@ -135,6 +137,9 @@ class PlanImportBench {
       ENFILADE_ASSIGN_OR_RETURN(const auto file, Score(level.name, bytes, level.truth));
       if (!file) continue;
       const testing::PlanTolerance tolerance = testing::InUnits({}, *level.truth.metres_per_unit);
+      testing::PlanTolerance to_faces = tolerance;
+      to_faces.within_thickness = true;
+      document_[level.name]["walls_to_faces"] = ToJson(testing::ScoreWalls(file->graph, level.truth, to_faces));
       document_[level.name]["drawn"] = ShareDrawn(level.truth, *file->picture, tolerance);
       ENFILADE_RETURN_IF_ERROR(Plot(level.name, DrawDifferences(*file, level.truth, tolerance)));
     }

@@ -30,7 +30,13 @@ struct SampledWalls {
 };
 
 SampledWalls SampleWalls(const prior::PlanGraph& of, const prior::PlanGraph& on, const PlanTolerance& tolerance) {
-  prior::SegmentGrid grid(std::max(tolerance.distance, 1e-6));
+  const auto reach = [&](const prior::PlanWall& wall) {
+    return tolerance.within_thickness ? std::max(tolerance.distance, wall.thickness / 2) : tolerance.distance;
+  };
+  double farthest = 1e-6;
+  for (const prior::PlanWall& wall : of.walls) farthest = std::max(farthest, reach(wall));
+  for (const prior::PlanWall& wall : on.walls) farthest = std::max(farthest, reach(wall));
+  prior::SegmentGrid grid(farthest);
   for (std::size_t i = 0; i < on.walls.size(); ++i) {
     grid.Add(static_cast<int>(i), on.corners[on.walls[i].from].point, on.corners[on.walls[i].to].point);
   }
@@ -41,7 +47,7 @@ SampledWalls SampleWalls(const prior::PlanGraph& of, const prior::PlanGraph& on,
     const int samples = std::max(1, static_cast<int>((b - a).norm() / tolerance.step));
     for (int k = 0; k < samples; ++k) {
       const Vector2d p = a + (b - a) * ((k + 0.5) / samples);
-      double nearest = tolerance.distance * 1.0000001;
+      double nearest = farthest * 1.0000001;
       bool found = false;
       grid.ForEachNear(p, p, [&](int id) {
         const Vector2d c = on.corners[on.walls[id].from].point, d = on.corners[on.walls[id].to].point;
@@ -49,7 +55,7 @@ SampledWalls SampleWalls(const prior::PlanGraph& of, const prior::PlanGraph& on,
         if (cosine < std::cos(tolerance.angle)) return;
         const double share = std::clamp((p - c).dot(d - c) / (d - c).squaredNorm(), 0.0, 1.0);
         const double distance = (c + share * (d - c) - p).norm();
-        if (distance > nearest) return;
+        if (distance > nearest || distance > 1.0000001 * std::max(reach(wall), reach(on.walls[id]))) return;
         nearest = distance;
         found = true;
       });

@@ -21,6 +21,8 @@ struct PlanTolerance {
   double angle = 12 * 3.14159265358979 / 180;  // rad
   double corner_distance = 0.3;
   double door_distance = 0.5;  // between the middles
+  // Whether a line anywhere within the thickness of a wall is that wall: of plans that draw some walls along a face.
+  bool within_thickness = false;
 };
 
 // By samples along walls: one counts if a wall of the other plan runs there in the same direction.
