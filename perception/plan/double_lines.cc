@@ -64,8 +64,6 @@ void FillDoubleLines(Ink& ink) {
       return LengthOfWidth(strips, a.width) < LengthOfWidth(strips, b.width);
     });
     const double width = usual->width;
-    fprintf(stderr, "double: width %.1f share %.3f widest %.1f\n", width, 2 * LengthOfWidth(strips, width) / lines,
-            2 * widest);
     if (2 * LengthOfWidth(strips, width) < share * lines) break;
     for (const Strip& strip : strips) fill[strip.label] |= IsAsWideAs(strip, width) ? 255 : 0;
     std::erase_if(strips, [&](const Strip& strip) { return IsAsWideAs(strip, width); });
